@@ -1,0 +1,476 @@
+"""The shaft line as arrays: masses, stiffnesses and the incidence matrix.
+
+Every elastic element is one row of an incidence matrix B: its deflection is B θ, its torque
+k ∘ (B θ), and K = Bᵀ diag(k) B is never formed, so a rigid link beside a soft coupling costs no
+digits. Angles are positive in each station's own running direction, hence B holds speed ratios
+and no signs; `Train.sense` gives the physical direction. Rigid gear meshes are merged exactly:
+the stations of one rigid group share one degree of freedom.
+
+SI and radians; every element is seen at its own shaft's speed, a mesh on its From side.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case import GROUND, CaseData, ElementRow, MeshRow
+from engine.errors import ModelError
+from engine.validation import GEAR_MESH
+
+__all__ = ["RigidMesh", "Train", "build_train", "shaft_inertia", "shaft_stiffness"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Pressure angle where the Meshes table leaves it blank: the usual 20 degrees. [rad]
+USUAL_PRESSURE_ANGLE = math.radians(20.0)
+
+
+@dataclass(frozen=True)
+class RigidMesh:
+    """A gear mesh without elasticity; its torque comes from the equilibrium of its To side.
+
+    Parameters
+    ----------
+    element : int
+        Index of the element. [index]
+    to_side : tuple of int
+        Nodes of the same rigid group that the mesh drives. [indices]
+    from_ratio : float
+        Speed ratio of the From station. [1]
+    """
+
+    element: int
+    to_side: tuple[int, ...]
+    from_ratio: float
+
+
+@dataclass(frozen=True, eq=False)
+class Train:
+    """A train as arrays. Nodes are the stations, then the inner points of subdivided shafts.
+
+    Parameters
+    ----------
+    stations, elements : tuple of str
+        Names, in the order of the case. [names]
+    speed_ratio : ndarray, shape (n_nodes,)
+        Speed of each node over the speed of the reference shaft. [1]
+    sense : ndarray, shape (n_nodes,)
+        +1 or −1: physical direction of rotation against the reference shaft. [1]
+    node_inertia : ndarray, shape (n_nodes,)
+        Inertia at the node's own speed. [kg m²]
+    node_damping : ndarray, shape (n_nodes,)
+        Viscous damping to ground at the node's own speed. [N m s/rad]
+    node_dof : ndarray, shape (n_nodes,)
+        Degree of freedom each node belongs to. [index]
+    node_scale : ndarray, shape (n_nodes,)
+        Angle of the node over the angle of its degree of freedom. [1]
+    inertia : ndarray, shape (n_dof,)
+        Inertia of each degree of freedom. [kg m²]
+    stiffness, viscous, loss_factor : ndarray, shape (n_rows,)
+        Of each row of the incidence matrix. [N m/rad, N m s/rad, 1]
+    node_incidence : ndarray, shape (n_rows, n_nodes)
+        Deflection of each row from the node angles. [1]
+    incidence : ndarray, shape (n_rows, n_dof)
+        The same from the degrees of freedom. [1]
+    row_element : ndarray, shape (n_rows,)
+        Element each row belongs to. [index]
+    rigid_meshes : tuple of RigidMesh
+        Meshes merged exactly. [count]
+    orientation : ndarray, shape (n_elements,)
+        +1 if From is the drive end, −1 if To is. [1]
+    beyond : ndarray of bool, shape (n_elements, n_stations)
+        Stations on the driven side of each element. [mask]
+    """
+
+    stations: tuple[str, ...]
+    elements: tuple[str, ...]
+    speed_ratio: Floats
+    sense: Floats
+    node_inertia: Floats
+    node_damping: Floats
+    node_dof: Ints
+    node_scale: Floats
+    inertia: Floats
+    stiffness: Floats
+    viscous: Floats
+    loss_factor: Floats
+    node_incidence: Floats
+    incidence: Floats
+    row_element: Ints
+    rigid_meshes: tuple[RigidMesh, ...]
+    orientation: Floats
+    beyond: NDArray[np.bool_]
+
+    @property
+    def n_dof(self) -> int:
+        """Number of degrees of freedom after merging rigid meshes. [count]"""
+        return len(self.inertia)
+
+    @property
+    def n_rows(self) -> int:
+        """Number of rows of the incidence matrix. [count]"""
+        return len(self.stiffness)
+
+    @property
+    def n_stations(self) -> int:
+        """Number of stations. [count]"""
+        return len(self.stations)
+
+    @property
+    def dof_ratio(self) -> Floats:
+        """Speed of each degree of freedom over the reference speed, shape (n_dof,). [1]"""
+        ratio = np.zeros(self.n_dof)
+        ratio[self.node_dof] = self.speed_ratio / self.node_scale
+        return ratio
+
+    @property
+    def ground_damping(self) -> Floats:
+        """Damping to ground of each degree of freedom, shape (n_dof,). [N m s/rad]"""
+        return np.bincount(
+            self.node_dof, self.node_damping * self.node_scale**2, minlength=self.n_dof
+        )
+
+    def node_matrix(self) -> Floats:
+        """Node angles from degrees of freedom.
+
+        Returns
+        -------
+        ndarray, shape (n_nodes, n_dof)
+            One entry a row. [1]
+        """
+        s = np.zeros((len(self.node_dof), self.n_dof))
+        s[np.arange(len(self.node_dof)), self.node_dof] = self.node_scale
+        return s
+
+    def station_index(self, name: str) -> int:
+        """Index of a station by its name.
+
+        Parameters
+        ----------
+        name : str
+            Station. [name]
+
+        Returns
+        -------
+        int
+            Index. [index]
+        """
+        return self.stations.index(name)
+
+    def damping_matrix(self) -> Floats:
+        """Physical viscous damping, dampers across elements and to ground.
+
+        Returns
+        -------
+        ndarray, shape (n_dof, n_dof)
+            C. [N m s/rad]
+        """
+        B = self.incidence
+        return np.asarray((B.T * self.viscous) @ B + np.diag(self.ground_damping))
+
+
+def shaft_stiffness(od: float, bore: float, length: float, shear_modulus: float) -> float:
+    """Torsional stiffness of a round shaft, G π (D⁴ − d⁴) / 32 L.
+
+    Parameters
+    ----------
+    od, bore : float
+        Outer and inner diameter. [m]
+    length : float
+        Length. [m]
+    shear_modulus : float
+        Shear modulus. [Pa]
+
+    Returns
+    -------
+    float
+        Stiffness. [N m/rad]
+
+    References
+    ----------
+    Any strength-of-materials text, e.g. Timoshenko, Strength of Materials I, § 56.
+    """
+    return shear_modulus * math.pi * (od**4 - bore**4) / (32.0 * length)
+
+
+def shaft_inertia(od: float, bore: float, length: float, density: float) -> float:
+    """Polar mass inertia of a round shaft, ρ π (D⁴ − d⁴) L / 32.
+
+    Parameters
+    ----------
+    od, bore : float
+        Outer and inner diameter. [m]
+    length : float
+        Length. [m]
+    density : float
+        Density. [kg/m³]
+
+    Returns
+    -------
+    float
+        Inertia. [kg m²]
+    """
+    return density * math.pi * (od**4 - bore**4) * length / 32.0
+
+
+def line_of_action(mesh: MeshRow) -> tuple[float, float]:
+    """Base radius factor cos α_t and stiffness factor cos² β_b of a helical mesh.
+
+    tan α_t = tan α_n / cos β and sin β_b = sin β cos α_n (contract, "Gears"; ISO 21771).
+
+    Parameters
+    ----------
+    mesh : MeshRow
+        The mesh; blank pressure angle = 20°, blank helix angle = 0. [rad]
+
+    Returns
+    -------
+    cos_transverse : float
+        Base radius over pitch radius. [1]
+    stiffness_factor : float
+        Transverse over normal stiffness. [1]
+    """
+    normal = USUAL_PRESSURE_ANGLE if mesh.pressure_angle is None else mesh.pressure_angle
+    helix = mesh.helix_angle or 0.0
+    transverse = math.atan(math.tan(normal) / math.cos(helix))
+    sin_base_helix = math.sin(helix) * math.cos(normal)
+    return math.cos(transverse), 1.0 - sin_base_helix**2
+
+
+@dataclass(frozen=True)
+class _Link:
+    """Stiffness, damping and inertia of one element, whatever they were given by."""
+
+    stiffness: float | None  # None = rigid mesh
+    viscous: float
+    loss_factor: float
+    inertia: float
+
+
+def _link(e: ElementRow, mesh: MeshRow | None) -> _Link:
+    """What an element row (and its mesh row) mean mechanically."""
+    stiffness, viscous = e.stiffness, e.damping
+    if stiffness is None and e.od and e.length and e.shear_modulus:
+        stiffness = shaft_stiffness(e.od, e.id or 0.0, e.length, e.shear_modulus)
+    if mesh is not None and mesh.pitch_radius_drive and e.kind == GEAR_MESH:
+        cos_t, share = line_of_action(mesh)
+        base = mesh.pitch_radius_drive * cos_t
+        if stiffness is None and mesh.mesh_stiffness:
+            stiffness = mesh.mesh_stiffness * share * base**2
+        if viscous is None and mesh.mesh_damping:
+            viscous = mesh.mesh_damping * share * base**2
+    inertia = 0.0
+    if e.density and e.od and e.length:
+        inertia = shaft_inertia(e.od, e.id or 0.0, e.length, e.density)
+    if stiffness is None and e.kind != GEAR_MESH:
+        raise ModelError(f"Element '{e.element}' has neither a stiffness nor the geometry for one.")
+    return _Link(stiffness, viscous or 0.0, e.loss_factor or 0.0, inertia)
+
+
+class _Assembly:
+    """Rows and nodes while a train is put together."""
+
+    def __init__(self, case: CaseData) -> None:
+        self.index = {s.station: i for i, s in enumerate(case.stations)}
+        self.inertia = [s.inertia or 0.0 for s in case.stations]
+        self.damping = [s.damping or 0.0 for s in case.stations]
+        self.ratio = [s.speed_ratio or 1.0 for s in case.stations]
+        self.rows: list[tuple[int, float, float, float, dict[int, float]]] = []
+        self.edges: list[tuple[int, int, int]] = []  # element, node, node (stations only)
+        self.rigid: list[tuple[int, int, int]] = []
+
+    def add(self, element: int, e: ElementRow, link: _Link, segments: int) -> None:
+        """Add one element as one row, or as `segments` rows in series if it has inertia."""
+        ends = [self.index[n] for n in (e.from_, e.to) if n not in (None, GROUND)]
+        if len(ends) == 2:
+            self.edges.append((element, ends[0], ends[1]))
+        if link.stiffness is None:
+            self.rigid.append((element, ends[0], ends[1]))
+            return
+        if e.kind == GEAR_MESH:
+            back = self.ratio[ends[0]] / self.ratio[ends[1]]
+            self._row(element, link, 1, {ends[0]: 1.0, ends[1]: -back})
+            return
+        from_ground = e.from_ == GROUND
+        chain: list[int | None] = [None] if from_ground else []
+        chain += ends if len(ends) == 2 or from_ground else [ends[0], None]
+        count = max(1, segments) if link.inertia else 1
+        self._series(element, link, count, chain)
+
+    def _series(self, element: int, link: _Link, count: int, chain: list[int | None]) -> None:
+        """Segments of equal stiffness, half a segment's inertia lumped at each of its ends."""
+        start, end = chain
+        ratio = self.ratio[next(n for n in chain if n is not None)]
+        nodes: list[int | None] = [start]
+        for _ in range(count - 1):
+            nodes.append(len(self.inertia))
+            self.inertia.append(0.0)
+            self.damping.append(0.0)
+            self.ratio.append(ratio)
+        nodes.append(end)
+        for a, b in zip(nodes[:-1], nodes[1:], strict=True):
+            entries = {n: sign for n, sign in ((a, 1.0), (b, -1.0)) if n is not None}
+            self._row(element, link, count, entries)
+            for n in entries:
+                self.inertia[n] += 0.5 * link.inertia / count
+
+    def _row(self, element: int, link: _Link, count: int, entries: dict[int, float]) -> None:
+        assert link.stiffness is not None
+        self.rows.append(
+            (element, link.stiffness * count, link.viscous * count, link.loss_factor, entries)
+        )
+
+
+def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Train:
+    """Turn a case into arrays.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case; meant to be a checked `Case`. [SI]
+    segments : mapping of str to int, optional
+        Number of segments of each shaft that has inertia of its own; default 1. [count]
+
+    Returns
+    -------
+    Train
+        Masses, stiffnesses, incidence. [SI]
+
+    Raises
+    ------
+    ModelError
+        For an element without stiffness, or a node without inertia.
+    """
+    meshes = {m.element: m for m in case.meshes}
+    links = [_link(e, meshes.get(e.element)) for e in case.elements]
+    a = _Assembly(case)
+    for i, (e, link) in enumerate(zip(case.elements, links, strict=True)):
+        a.add(i, e, link, (segments or {}).get(str(e.element), 1))
+    ratio = np.array(a.ratio)
+    inertia = np.array(a.inertia)
+    dof, scale, n_dof = _merge(a.rigid, ratio)
+    node_incidence = np.zeros((len(a.rows), len(ratio)))
+    for r, (_, _, _, _, entries) in enumerate(a.rows):
+        for node, factor in entries.items():
+            node_incidence[r, node] = factor
+    s = np.zeros((len(ratio), n_dof))
+    s[np.arange(len(ratio)), dof] = scale
+    dof_inertia = np.bincount(dof, inertia * scale**2, minlength=n_dof)
+    if np.any(dof_inertia <= 0.0):
+        node = int(np.flatnonzero(dof == int(np.argmin(dof_inertia)))[0])
+        raise ModelError(f"Station '{case.stations[node].station}' has no inertia.")
+    n = len(case.stations)
+    sides = _driven_side(a.edges, n, len(case.elements))
+    motors = {a.index[m.station] for m in case.motor_torque if m.station in a.index}
+    orientation = np.ones(len(case.elements))
+    for i in range(len(case.elements)):
+        driven = {int(k) for k in np.flatnonzero(sides[i])}
+        if motors and motors <= driven:
+            orientation[i] = -1.0
+            sides[i] = ~sides[i]
+    reference = min(motors) if motors else 0
+    internal = {m.element for m in case.meshes if m.gear_type == "internal"}
+    flips = {
+        i: e.kind == GEAR_MESH and e.element not in internal for i, e in enumerate(case.elements)
+    }
+    return Train(
+        stations=tuple(str(st.station) for st in case.stations),
+        elements=tuple(str(e.element) for e in case.elements),
+        speed_ratio=ratio,
+        sense=_senses(a, n, reference, flips),
+        node_inertia=inertia,
+        node_damping=np.array(a.damping),
+        node_dof=dof,
+        node_scale=scale,
+        inertia=dof_inertia,
+        stiffness=np.array([row[1] for row in a.rows]),
+        viscous=np.array([row[2] for row in a.rows]),
+        loss_factor=np.array([row[3] for row in a.rows]),
+        node_incidence=node_incidence,
+        incidence=node_incidence @ s,
+        row_element=np.array([row[0] for row in a.rows], dtype=np.int64),
+        rigid_meshes=_rigid_meshes(a.rigid, ratio, dof),
+        orientation=orientation,
+        beyond=sides,
+    )
+
+
+def _merge(rigid: list[tuple[int, int, int]], ratio: Floats) -> tuple[Ints, Floats, int]:
+    """Degree of freedom and scale of every node after merging rigid meshes."""
+    n = len(ratio)
+    group = np.arange(n)
+    for _, a, b in rigid:
+        group[group == group[b]] = group[a]
+    heads, dof = np.unique(group, return_inverse=True)
+    first = np.array([int(np.flatnonzero(group == h)[0]) for h in heads])
+    scale = ratio / ratio[first[dof]]
+    return dof.astype(np.int64), scale, len(heads)
+
+
+def _rigid_meshes(
+    rigid: list[tuple[int, int, int]], ratio: Floats, dof: Ints
+) -> tuple[RigidMesh, ...]:
+    """Each rigid mesh with the nodes of its group that hang on its To side."""
+    meshes = []
+    for element, a, b in rigid:
+        side = {b}
+        grown = True
+        while grown:
+            grown = False
+            for other, p, q in rigid:
+                if other != element and (p in side) != (q in side):
+                    side |= {p, q}
+                    grown = True
+        meshes.append(RigidMesh(element, tuple(sorted(side)), float(ratio[a])))
+    return tuple(meshes)
+
+
+def _neighbours(edges: list[tuple[int, int, int]], n: int) -> list[list[tuple[int, int]]]:
+    """For each station its (element, station) neighbours."""
+    near: list[list[tuple[int, int]]] = [[] for _ in range(n)]
+    for element, a, b in edges:
+        near[a].append((element, b))
+        near[b].append((element, a))
+    return near
+
+
+def _driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> NDArray[np.bool_]:
+    """Stations on the To side of each element (none for an element to ground)."""
+    near = _neighbours(edges, n)
+    side = np.zeros((n_elements, n), dtype=np.bool_)
+    for element, a, b in edges:
+        stack = [b]
+        while stack:
+            node = stack.pop()
+            if side[element, node]:
+                continue
+            side[element, node] = True
+            stack.extend(other for _, other in near[node] if other != a)
+    return side
+
+
+def _senses(a: _Assembly, n: int, reference: int, flips: Mapping[int, bool]) -> Floats:
+    """Physical direction of rotation of every node; external meshes reverse it."""
+    near = _neighbours(a.edges, n)
+    sense = np.zeros(len(a.ratio))
+    sense[reference] = 1.0
+    stack = [reference]
+    while stack:
+        node = stack.pop()
+        for element, other in near[node]:
+            if sense[other] == 0.0:
+                sense[other] = -sense[node] if flips[element] else sense[node]
+                stack.append(other)
+    for _, _, _, _, entries in a.rows:  # inner nodes turn with the shaft they divide
+        known = [node for node in entries if sense[node] != 0.0]
+        for node in entries:
+            if sense[node] == 0.0 and known:
+                sense[node] = sense[known[0]]
+    sense[sense == 0.0] = 1.0
+    return sense

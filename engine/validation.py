@@ -1,0 +1,681 @@
+"""Every check a case must pass, all of them at once.
+
+`find_problems` never stops at the first: an engineer corrects a workbook once, not once an error.
+Cells the reader has already complained about are passed in, so that a number that could not be
+read is not reported a second time as missing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+from engine.case import GROUND, TABLES, CaseData, ElementRow
+from engine.errors import Problem
+
+__all__ = ["GEAR_MESH", "KINDS", "SPRING_TO_GROUND", "find_problems"]
+
+GEAR_MESH = "gear mesh"
+SPRING_TO_GROUND = "spring to ground"
+KINDS = ("shaft", "coupling", GEAR_MESH, SPRING_TO_GROUND)
+
+#: Pitch radii must agree with the speed ratios to this share (contract).
+RADIUS_TOLERANCE = 1e-3
+#: Line frequency, speed and poles, or power, speed and torque, must agree to this share.
+RATING_TOLERANCE = 5e-3
+#: A torque curve reaches at most this multiple of synchronous speed.
+LARGEST_SPEED_FRACTION = 3.0
+
+CHOICES = {
+    "margin_basis": ("MarginBasis", ("calculated", "measured")),
+    "stress_basis": ("StressBasis", ("peak-to-peak", "zero-to-peak")),
+    "method": ("Method", ("exponential", "newmark")),
+    "keep_history": ("KeepHistory", ("no", "parquet", "npz")),
+    "rainflow_residue": ("RainflowResidue", ("half cycles", "repeated")),
+}
+POSITIVE_SCALARS = {
+    "line_frequency": ("LineFrequency", "Hz"),
+    "synchronous_speed": ("SynchronousSpeed", "rad/s"),
+    "rated_power": ("RatedPower", "W"),
+    "rated_torque": ("RatedTorque", "N m"),
+    "minimum_speed": ("MinimumSpeed", "rad/s"),
+    "maximum_speed": ("MaximumSpeed", "rad/s"),
+    "end_speed": ("EndSpeed", "rad/s"),
+    "maximum_time": ("MaximumTime", "s"),
+    "starts_required": ("StartsRequired", ""),
+    "starts_factor": ("StartsFactor", ""),
+    "tolerance_peak": ("TolerancePeak", ""),
+    "tolerance_starts": ("ToleranceStarts", ""),
+    "voltage": ("Voltage", ""),
+    "shock_time_constant": ("ShockTimeConstant", "s"),
+    "field_time_constant": ("FieldTimeConstant", "s"),
+    "trip_speed": ("TripSpeed", "rad/s"),
+}
+
+
+def _number(value: object, unit: str = "") -> str:
+    """A value as it stands in a sentence."""
+    shown = f"{value:.6g}" if isinstance(value, (int, float)) else f"'{value}'"
+    return f"{shown} {unit}".rstrip()
+
+
+def _wrong(
+    table: str, row: int | None, column: str, found: object, allowed: str, action: str, unit: str = ""
+) -> Problem:
+    """A problem whose sentence is: found …; it must be …. What to do."""
+    return Problem(
+        table, row, column, found, allowed,
+        f"found {_number(found, unit)}; it must be {allowed}. {action}",
+    )  # fmt: skip
+
+
+def _missing(table: str, row: int | None, column: str, allowed: str, action: str) -> Problem:
+    """A problem for a blank that may not be blank."""
+    return Problem(
+        table, row, column, None, allowed, f"the cell is blank; it must be {allowed}. {action}"
+    )
+
+
+def _check(
+    table: str,
+    row: int | None,
+    column: str,
+    value: float | None,
+    holds: Callable[[float], bool],
+    allowed: str,
+    unit: str = "",
+    action: str = "Correct the cell.",
+) -> Iterator[Problem]:
+    """A problem if a number is given and is not finite or does not hold."""
+    if value is not None and not (math.isfinite(value) and holds(value)):
+        yield _wrong(table, row, column, value, allowed, action, unit)
+
+
+def _positive(value: float) -> bool:
+    return value > 0.0
+
+
+def _not_negative(value: float) -> bool:
+    return value >= 0.0
+
+
+# --- scalars ------------------------------------------------------------------------------------
+
+
+def _scalars(case: CaseData) -> Iterator[Problem]:
+    for key, (name, unit) in POSITIVE_SCALARS.items():
+        yield from _check("Case", None, name, getattr(case, key), _positive, "positive", unit)
+    for key, (name, words) in CHOICES.items():
+        value = getattr(case, key)
+        if value is not None and value not in words:
+            allowed = "one of " + ", ".join(words)
+            yield _wrong("Case", None, name, value, allowed, "Choose from the list.")
+    yield from _check(
+        "Case", None, "DampingRatio", case.damping_ratio, lambda v: 0 <= v < 1,
+        "at least 0 and below 1 (100 %)", "", "1 % to 3 % is usual for a geared train.",
+    )  # fmt: skip
+    yield from _check(
+        "Case", None, "MarginRequired", case.margin_required, lambda v: 0 <= v < 1,
+        "at least 0 and below 1 (100 %)",
+    )  # fmt: skip
+    yield from _check(
+        "Case", None, "FieldSlip", case.field_slip, lambda v: 0 < v < 1, "between 0 and 1 (100 %)"
+    )
+    for key, name in (("tolerance_peak", "TolerancePeak"), ("tolerance_starts", "ToleranceStarts")):
+        yield from _check(
+            "Case", None, name, getattr(case, key), lambda v: 1e-9 <= v <= 0.5,
+            "between 1e-9 and 0.5 (50 %)",
+        )  # fmt: skip
+    if case.poles is not None and (case.poles < 2 or case.poles % 2):
+        yield _wrong(
+            "Case", None, "Poles", case.poles, "an even number, 2 or more",
+            "Poles are counted, not pole pairs.",
+        )  # fmt: skip
+    yield from _ratings(case)
+    yield from _speed_range(case)
+
+
+def _ratings(case: CaseData) -> Iterator[Problem]:
+    """Contradictions among frequency, speed, poles and among power, speed, torque."""
+    if case.line_frequency and case.synchronous_speed:
+        pairs = case.poles // 2 if case.poles else None
+        natural = 2.0 * math.pi * case.line_frequency / case.synchronous_speed
+        wanted = float(pairs) if pairs else float(max(1, round(natural)))
+        if abs(natural / wanted - 1.0) > RATING_TOLERANCE:
+            rpm = 60.0 * case.line_frequency / wanted
+            yield Problem(
+                "Case", None, "SynchronousSpeed", case.synchronous_speed,
+                f"{rpm:.6g} rpm with {2 * wanted:.0f} poles at {case.line_frequency:.6g} Hz",
+                f"found {case.synchronous_speed * 30 / math.pi:.6g} rpm, but {2 * wanted:.0f} poles "
+                f"at {case.line_frequency:.6g} Hz turn at {rpm:.6g} rpm. Correct "
+                "SynchronousSpeed, Poles or LineFrequency, or leave one of them blank.",
+            )  # fmt: skip
+    speed = case.ratings.synchronous_speed
+    if case.rated_power and case.rated_torque and speed:
+        torque = case.rated_power / speed
+        if abs(case.rated_torque / torque - 1.0) > RATING_TOLERANCE:
+            yield Problem(
+                "Case", None, "RatedTorque", case.rated_torque, f"{torque:.6g} N m",
+                f"found {case.rated_torque:.6g} N m, but {case.rated_power:.6g} W at "
+                f"{speed * 30 / math.pi:.6g} rpm make {torque:.6g} N m. Correct RatedTorque or "
+                "RatedPower, or leave one of them blank.",
+            )  # fmt: skip
+
+
+def _speed_range(case: CaseData) -> Iterator[Problem]:
+    low, high = case.minimum_speed, case.maximum_speed
+    synchronous = case.ratings.synchronous_speed
+    low = low if low is not None else synchronous
+    high = high if high is not None else synchronous
+    if low and high and low > high * (1 + 1e-12):
+        column = "MinimumSpeed" if case.minimum_speed is not None else "MaximumSpeed"
+        yield _wrong(
+            "Case", None, column, getattr(case, "minimum_speed" if column == "MinimumSpeed" else "maximum_speed"),
+            "such that MinimumSpeed is not above MaximumSpeed",
+            "A blank one of them stands for the synchronous speed.", "rad/s",
+        )  # fmt: skip
+    if case.end_speed and synchronous and case.end_speed > synchronous * (1 + 1e-12):
+        yield _wrong(
+            "Case", None, "EndSpeed", case.end_speed, f"at most synchronous speed ({synchronous:.6g} rad/s)",
+            "Without field a motor settles below synchronism; blank = 97 %.", "rad/s",
+        )  # fmt: skip
+
+
+# --- train --------------------------------------------------------------------------------------
+
+
+def _names(table: str, column: str, names: Sequence[str | None], what: str) -> Iterator[Problem]:
+    """Blank and repeated names."""
+    counts = Counter(name for name in names if name)
+    first: dict[str, int] = {}
+    for row, name in enumerate(names, start=1):
+        if not name:
+            yield _missing(table, row, column, f"the name of a {what}", "Name it.")
+        elif counts[name] > 1 and name in first:
+            yield _wrong(
+                table, row, column, name, f"a name used once (row {first[name]} has it already)",
+                f"Rename one of the two {what}s.",
+            )  # fmt: skip
+        else:
+            first[name] = row
+
+
+def _stations(case: CaseData) -> Iterator[Problem]:
+    table = "Stations"
+    if not case.stations:
+        yield Problem(
+            table, None, "", None, "at least one station",
+            "the table is empty; a train needs at least one station with its inertia.",
+        )  # fmt: skip
+    yield from _names(table, "Station", [s.station for s in case.stations], "station")
+    shafted = {name for e in case.elements if e.density for name in (e.from_, e.to)}
+    for row, s in enumerate(case.stations, start=1):
+        if s.station and s.station.lower() == GROUND:
+            yield _wrong(
+                table, row, "Station", s.station, "another word: 'ground' means a fixed end",
+                "Rename the station.",
+            )  # fmt: skip
+        if s.inertia is None and s.station not in shafted:
+            yield _missing(
+                table, row, "Inertia", "positive",
+                "Type it, or give a shaft at this station a Density so that its own inertia counts.",
+            )  # fmt: skip
+        zero_allowed = s.station in shafted
+        yield from _check(
+            table, row, "Inertia", s.inertia, _not_negative if zero_allowed else _positive,
+            "positive" if not zero_allowed else "zero or positive", "kg m²",
+            "Every station needs inertia; join two shafts of a massless point into one stiffness.",
+        )  # fmt: skip
+        yield from _check(table, row, "Speed ratio", s.speed_ratio, _positive, "positive (blank = 1)")
+        yield from _check(
+            table, row, "Damping", s.damping, _not_negative, "zero or positive", "N m s/rad"
+        )
+
+
+def _ends(case: CaseData, row: int, e: ElementRow) -> Iterator[Problem]:
+    """From and To: present, known, different, at most one of them ground."""
+    known = {s.station for s in case.stations if s.station}
+    for column, name in (("From", e.from_), ("To", e.to)):
+        if name is None:
+            if column == "To" and e.kind == SPRING_TO_GROUND:
+                continue
+            yield _missing("Elements", row, column, "a station of table Stations", "Choose it.")
+        elif name != GROUND and name not in known:
+            yield _wrong(
+                "Elements", row, column, name, "a station of table Stations or the word ground",
+                _suggest(name, known),
+            )  # fmt: skip
+    if e.from_ is not None and e.from_ == e.to:
+        yield _wrong(
+            "Elements", row, "To", e.to, "another station than From", "An element joins two stations."
+        )
+    if e.kind == SPRING_TO_GROUND and GROUND not in (e.from_, e.to) and e.to is not None:
+        yield _wrong(
+            "Elements", row, "To", e.to, "ground", "A spring to ground has ground at one end."
+        )
+    if e.kind == GEAR_MESH and GROUND in (e.from_, e.to):
+        yield _wrong(
+            "Elements", row, "To", GROUND, "a station", "A gear mesh joins two gears."
+        )
+
+
+def _suggest(name: str, known: set[str]) -> str:
+    """The known name most like a mistyped one."""
+    import difflib
+
+    close = difflib.get_close_matches(name, sorted(known), n=1)
+    return f"Did you mean '{close[0]}'?" if close else "Add the station or correct the name."
+
+
+def _geometry(row: int, e: ElementRow) -> Iterator[Problem]:
+    """Stiffness, or everything it is computed from."""
+    table = "Elements"
+    for column, value, unit in (
+        ("OD", e.od, "m"), ("Length", e.length, "m"), ("Shear modulus", e.shear_modulus, "Pa"),
+        ("Density", e.density, "kg/m³"), ("Stress diameter", e.stress_diameter, "m"), ("SCF", e.scf, ""),
+        ("Rated torque", e.rated_torque, "N m"), ("Peak torque limit", e.peak_torque_limit, "N m"),
+        ("Vibratory limit", e.vibratory_limit, "N m"),
+    ):  # fmt: skip
+        yield from _check(table, row, column, value, _positive, "positive", unit)
+    for column, value, unit in (
+        ("ID", e.id, "m"), ("Stress bore", e.stress_bore, "m"), ("Damping", e.damping, "N m s/rad"),
+        ("Loss factor", e.loss_factor, ""), ("Reversal limit", e.reversal_limit, "N m"),
+    ):  # fmt: skip
+        yield from _check(table, row, column, value, _not_negative, "zero or positive", unit)
+    if e.scf is not None and 0 < e.scf < 1:
+        yield _wrong(table, row, "SCF", e.scf, "1 or more", "A notch never lowers the stress.")
+    for outer, inner, column in ((e.od, e.id, "ID"), (e.stress_diameter, e.stress_bore, "Stress bore")):
+        if outer and inner and inner >= outer:
+            yield _wrong(
+                table, row, column, inner, f"below the outer diameter {outer:.6g} m", "Correct one of them.", "m"
+            )
+    yield from _stiffness(row, e)
+
+
+def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
+    table = "Elements"
+    if e.stiffness is not None:
+        damped = bool(e.damping)
+        yield from _check(
+            table, row, "Stiffness", e.stiffness, _not_negative if damped else _positive,
+            "positive (0 only where Damping is given)", "N m/rad",
+            "Correct it, or leave it blank: a shaft is computed from OD, ID and Length, a gear mesh is rigid.",
+        )  # fmt: skip
+    elif e.kind in ("shaft", "coupling", SPRING_TO_GROUND):
+        absent = [
+            name
+            for name, value in (("OD", e.od), ("Length", e.length), ("Shear modulus", e.shear_modulus))
+            if value is None
+        ]
+        if absent:
+            yield Problem(
+                table, row, "Stiffness", None, "a stiffness, or OD, Length and Shear modulus",
+                "the stiffness is blank and cannot be computed: " + ", ".join(absent)
+                + (" are" if len(absent) > 1 else " is") + " blank too. Type a stiffness or the geometry.",
+            )  # fmt: skip
+    if e.density is not None and (e.od is None or e.length is None):
+        yield Problem(
+            table, row, "Density", e.density, "used with OD and Length",
+            "a density is given but OD or Length is blank: the shaft's own inertia cannot be computed. "
+            "Type the geometry or clear the density.",
+        )  # fmt: skip
+
+
+def _elements(case: CaseData) -> Iterator[Problem]:
+    table = "Elements"
+    yield from _names(table, "Element", [e.element for e in case.elements], "element")
+    ratios = {s.station: (1.0 if s.speed_ratio is None else s.speed_ratio) for s in case.stations}
+    materials = {m.material for m in case.materials if m.material}
+    for row, e in enumerate(case.elements, start=1):
+        if e.kind is None:
+            yield _missing(table, row, "Kind", "one of " + ", ".join(KINDS), "Choose from the list.")
+        elif e.kind not in KINDS:
+            yield _wrong(table, row, "Kind", e.kind, "one of " + ", ".join(KINDS), "Choose from the list.")
+        yield from _ends(case, row, e)
+        yield from _geometry(row, e)
+        a, b = ratios.get(e.from_), ratios.get(e.to)
+        if e.kind in ("shaft", "coupling") and a and b and abs(a / b - 1.0) > 1e-9:
+            yield Problem(
+                table, row, "To", e.to, "a station of the same speed ratio as From",
+                f"'{e.from_}' has speed ratio {a:.9g} and '{e.to}' {b:.9g}, but a {e.kind} joins stations "
+                "of equal speed. Correct the speed ratios in table Stations, or make it a gear mesh.",
+            )  # fmt: skip
+        if e.material and e.material not in materials:
+            yield _wrong(
+                table, row, "Material", e.material, "a material of table Materials",
+                _suggest(e.material, {m for m in materials}),
+            )  # fmt: skip
+        if e.material and e.stress_diameter is None:
+            yield Problem(
+                table, row, "Stress diameter", None, "positive where a material is named",
+                "a material is named but the stress diameter is blank: no stress can be judged. "
+                "Type the diameter or clear the material.",
+            )  # fmt: skip
+
+
+def _connected(case: CaseData) -> Iterator[Problem]:
+    """One train, no closed circuit."""
+    names = [s.station for s in case.stations if s.station]
+    root = {name: name for name in names}
+
+    def find(name: str) -> str:
+        while root[name] != name:
+            root[name] = root[root[name]]
+            name = root[name]
+        return name
+
+    joined: dict[frozenset[str], tuple[int, str | None]] = {}
+    for row, e in enumerate(case.elements, start=1):
+        if e.from_ not in root or e.to not in root or e.from_ is None or e.to is None:
+            continue
+        pair = frozenset((e.from_, e.to))
+        a, b = find(e.from_), find(e.to)
+        if a != b:
+            root[a] = b
+            joined.setdefault(pair, (row, e.kind))
+        elif pair in joined and GEAR_MESH not in (e.kind, joined[pair][1]):
+            continue  # side by side between the same two stations, a spring beside a damper
+        else:
+            yield Problem(
+                "Elements", row, "Element", e.element, "part of an open train",
+                f"'{e.element}' closes a circuit between '{e.from_}' and '{e.to}'. Closed gear circuits "
+                "(split torque, double helix as two meshes) are not calculated: how they share torque "
+                "depends on assembly. Join the parallel paths into one equivalent path.",
+            )  # fmt: skip
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        groups.setdefault(find(name), []).append(name)
+    if len(groups) > 1:
+        main = max(groups.values(), key=len)
+        for group in groups.values():
+            if group is main:
+                continue
+            row = names.index(group[0]) + 1
+            yield Problem(
+                "Stations", row, "Station", group[0], "joined to the rest of the train",
+                f"no element joins {', '.join(repr(n) for n in group)} to the rest of the train "
+                f"({main[0]!r}, …). Add the missing shaft, coupling or mesh.",
+            )  # fmt: skip
+
+
+MESH_LENGTHS = (
+    ("Pitch radius drive", "pitch_radius_drive", _positive, "positive", "m"),
+    ("Pitch radius driven", "pitch_radius_driven", _positive, "positive", "m"),
+    ("Mesh stiffness", "mesh_stiffness", _positive, "positive", "N/m"),
+    ("Mesh damping", "mesh_damping", _not_negative, "zero or positive", "N s/m"),
+    ("Backlash", "backlash", _not_negative, "zero or positive", "m"),
+    ("Angular backlash", "angular_backlash", _not_negative, "zero or positive", "rad"),
+    ("Mass drive", "mass_drive", _positive, "positive", "kg"),
+    ("Mass driven", "mass_driven", _positive, "positive", "kg"),
+    ("Bearing stiffness drive", "bearing_stiffness_drive", _positive, "positive", "N/m"),
+    ("Bearing stiffness driven", "bearing_stiffness_driven", _positive, "positive", "N/m"),
+    ("Bearing damping drive", "bearing_damping_drive", _not_negative, "zero or positive", "N s/m"),
+    ("Bearing damping driven", "bearing_damping_driven", _not_negative, "zero or positive", "N s/m"),
+)
+
+
+def _meshes(case: CaseData) -> Iterator[Problem]:
+    table = "Meshes"
+    elements = {e.element: (row, e) for row, e in enumerate(case.elements, start=1) if e.element}
+    ratios = {s.station: s.speed_ratio or 1.0 for s in case.stations}
+    yield from _names(table, "Element", [m.element for m in case.meshes], "mesh")
+    for row, m in enumerate(case.meshes, start=1):
+        for column, key, holds, allowed, unit in MESH_LENGTHS:
+            yield from _check(table, row, column, getattr(m, key), holds, allowed, unit)
+        for column, value in (("Pressure angle", m.pressure_angle), ("Helix angle", m.helix_angle)):
+            yield from _check(
+                table, row, column, value, lambda v: abs(v) < math.pi / 2, "between -90 and 90 degrees", "rad",
+                "Write degrees with the unit deg above the column.",
+            )  # fmt: skip
+        if m.gear_type not in (None, "external", "internal"):
+            yield _wrong(table, row, "Gear type", m.gear_type, "external or internal", "Choose from the list.")
+        if m.element and m.element not in elements:
+            yield _wrong(
+                table, row, "Element", m.element, "an element of table Elements",
+                _suggest(m.element, {str(n) for n in elements}),
+            )  # fmt: skip
+            continue
+        element_row, e = elements.get(m.element, (0, None))
+        if e is None or e.kind != GEAR_MESH:
+            continue
+        drive, driven = m.pitch_radius_drive, m.pitch_radius_driven
+        if drive and driven and e.from_ in ratios and e.to in ratios:
+            by_speed = ratios[e.to] / ratios[e.from_]
+            if abs(drive / driven / by_speed - 1.0) > RADIUS_TOLERANCE:
+                yield Problem(
+                    table, row, "Pitch radius driven", driven, f"{drive / by_speed:.6g} m",
+                    f"the pitch radii {drive:.6g} m and {driven:.6g} m make a ratio of {drive / driven:.6g}, but the "
+                    f"speed ratios of '{e.from_}' and '{e.to}' in table Stations make {by_speed:.6g}. They must agree "
+                    f"to 0.1 %: correct Pitch radius drive or driven (row {row}) or the Speed ratio of '{e.to}'.",
+                )  # fmt: skip
+        if (m.backlash or m.angular_backlash) and e.stiffness is None and m.mesh_stiffness is None:
+            yield Problem(
+                table, row, "Backlash", m.backlash or m.angular_backlash, "used with a finite mesh stiffness",
+                f"a clearance is given but the mesh is rigid: Stiffness of '{m.element}' (table Elements, row "
+                f"{element_row}) is blank and so is Mesh stiffness here. Teeth that part need a stiffness to meet "
+                "again: type one of the two, or clear the backlash.",
+            )  # fmt: skip
+
+
+# --- torques ------------------------------------------------------------------------------------
+
+
+def _known_station(
+    case: CaseData, table: str, row: int, station: str | None, column: str = "Station"
+) -> Iterator[Problem]:
+    known = {s.station for s in case.stations if s.station}
+    if station is None:
+        yield _missing(table, row, column, "a station of table Stations", "Choose it.")
+    elif station not in known:
+        yield _wrong(table, row, column, station, "a station of table Stations", _suggest(station, known))
+
+
+def _curve(
+    case: CaseData, table: str, rows: Sequence[Any], abscissa: str, header: str, values: Sequence[tuple[str, str]]
+) -> Iterator[Problem]:
+    """One curve a station: known stations, no blanks, abscissa strictly rising."""
+    last: dict[str, tuple[int, float]] = {}
+    for row, point in enumerate(rows, start=1):
+        yield from _known_station(case, table, row, point.station)
+        x = getattr(point, abscissa)
+        if x is None:
+            yield _missing(table, row, header, "a number", "Fill it or clear the whole row.")
+        elif not math.isfinite(x) or x < 0:
+            yield _wrong(table, row, header, x, "zero or positive", "Correct the cell.")
+        elif point.station in last and x <= last[point.station][1]:
+            before, previous = last[point.station]
+            yield _wrong(
+                table, row, header, x, f"above {previous:.6g} of row {before}",
+                f"The rows of '{point.station}' must be in rising order, no value twice.",
+            )  # fmt: skip
+        elif point.station is not None:
+            last[point.station] = (row, x)
+        for column, key in values:
+            value = getattr(point, key)
+            if value is None:
+                yield _missing(table, row, column, "a number", "Fill it (0 where there is none).")
+            elif not math.isfinite(value):
+                yield _wrong(table, row, column, value, "a finite number", "Correct the cell.")
+
+
+def _torques(case: CaseData) -> Iterator[Problem]:
+    yield from _curve(
+        case, "MotorTorque", case.motor_torque, "speed", "Speed",
+        (("Average", "average"), ("Pulsating", "pulsating")),
+    )  # fmt: skip
+    yield from _curve(case, "LoadTorque", case.load_torque, "speed", "Speed", (("Torque", "torque"),))
+    yield from _curve(case, "TorqueTime", case.torque_time, "time", "Time", (("Torque", "torque"),))
+    for table, rows in (("MotorTorque", case.motor_torque), ("LoadTorque", case.load_torque)):
+        for row, point in enumerate(rows, start=1):
+            yield from _check(
+                table, row, "Speed", point.speed, lambda v: v <= LARGEST_SPEED_FRACTION,
+                f"at most {LARGEST_SPEED_FRACTION:.0%} of synchronous speed", "",
+                "Write 50 % or 900 rpm; a plain number in JSON is a fraction of synchronous speed.",
+            )  # fmt: skip
+    for row, motor in enumerate(case.motor_torque, start=1):
+        yield from _check("MotorTorque", row, "Pulsating", motor.pulsating, _not_negative, "zero or positive", "N m")
+    for row, load in enumerate(case.load_torque, start=1):
+        yield from _check(
+            "LoadTorque", row, "Torque", load.torque, _not_negative, "zero or positive", "N m",
+            "A load opposes the motion: type its size.",
+        )  # fmt: skip
+    ratings = case.ratings
+    if case.motor_torque and ratings.synchronous_speed is None:
+        yield Problem(
+            "Case", None, "SynchronousSpeed", None, "given where MotorTorque is",
+            "torque curves are given, but neither SynchronousSpeed nor LineFrequency with Poles: the curves "
+            "have no speed. Type two of LineFrequency, SynchronousSpeed and Poles.",
+        )  # fmt: skip
+    elif case.motor_torque and ratings.line_frequency is None:
+        yield Problem(
+            "Case", None, "LineFrequency", None, "given where MotorTorque is",
+            "a motor is given, but no LineFrequency (or Poles): the slip frequency is unknown. Type it.",
+        )  # fmt: skip
+
+
+# --- fatigue ------------------------------------------------------------------------------------
+
+
+def _materials(case: CaseData) -> Iterator[Problem]:
+    table = "Materials"
+    yield from _names(table, "Material", [m.material for m in case.materials], "material")
+    for row, m in enumerate(case.materials, start=1):
+        for column, value in (("UTS", m.uts), ("Yield", m.yield_), ("Endurance", m.endurance)):
+            yield from _check(table, row, column, value, _positive, "positive", "Pa")
+        if m.uts and m.yield_ and m.yield_ > m.uts:
+            yield _wrong(table, row, "Yield", m.yield_, "at most UTS", "Correct one of them.", "Pa")
+        if m.basis not in (None, "torsion", "bending"):
+            yield _wrong(table, row, "Basis", m.basis, "torsion or bending", "Choose from the list.")
+        if m.below_endurance not in (None, "none", "same slope", "2k-1"):
+            yield _wrong(
+                table, row, "Below endurance", m.below_endurance, "none, same slope or 2k-1", "Choose from the list."
+            )
+
+
+def _sn_points(case: CaseData) -> Iterator[Problem]:
+    table = "SNPoints"
+    known = {m.material for m in case.materials if m.material}
+    curves: dict[str, list[tuple[int, float, float]]] = {}
+    for row, p in enumerate(case.sn_points, start=1):
+        if p.material is None:
+            yield _missing(table, row, "Material", "a material of table Materials", "Choose it.")
+        elif p.material not in known:
+            yield _wrong(table, row, "Material", p.material, "a material of table Materials", _suggest(p.material, known))
+        for column, value, unit in (("Cycles", p.cycles, ""), ("Stress", p.stress, "Pa")):
+            if value is None:
+                yield _missing(table, row, column, "positive", "Fill it or clear the whole row.")
+            yield from _check(table, row, column, value, _positive, "positive", unit)
+        if p.material and p.cycles and p.stress and p.cycles > 0 and p.stress > 0:
+            curves.setdefault(p.material, []).append((row, p.cycles, p.stress))
+    for material, points in curves.items():
+        for (_, n0, s0), (row, n1, s1) in pairwise(points):
+            if n1 <= n0 or s1 >= s0:
+                column = "Cycles" if n1 <= n0 else "Stress"
+                yield _wrong(
+                    table, row, column, n1 if n1 <= n0 else s1, "such that cycles rise and stress falls from row to row",
+                    f"The S-N line of '{material}' must fall; order its rows from few cycles to many.",
+                )  # fmt: skip
+        if len(points) == 1:
+            yield Problem(
+                table, points[0][0], "Material", material, "two or more points",
+                f"'{material}' has one S-N point only; a line needs two. Add a point or clear the row.",
+            )  # fmt: skip
+        endurance = next((m.endurance for m in case.materials if m.material == material), None)
+        row = next((i for i, m in enumerate(case.materials, start=1) if m.material == material), 1)
+        if endurance and endurance > points[-1][2] * (1 + 1e-9) and len(points) > 1:
+            yield _wrong(
+                "Materials", row, "Endurance", endurance,
+                f"at most the lowest S-N stress of '{material}' ({points[-1][2]:.6g} Pa)",
+                "Correct it, or drop the S-N points below the endurance limit.", "Pa",
+            )  # fmt: skip
+
+
+# --- the rest -----------------------------------------------------------------------------------
+
+
+def _mode_damping(case: CaseData) -> Iterator[Problem]:
+    seen: dict[int, int] = {}
+    for row, m in enumerate(case.mode_damping, start=1):
+        if m.mode is None:
+            yield _missing("ModeDamping", row, "Mode", "the number of an elastic mode", "Count from 1.")
+        elif m.mode < 1:
+            yield _wrong("ModeDamping", row, "Mode", m.mode, "1 or more", "The lowest elastic mode is 1.")
+        elif m.mode in seen:
+            yield _wrong("ModeDamping", row, "Mode", m.mode, f"given once (row {seen[m.mode]})", "Clear one row.")
+        else:
+            seen[m.mode] = row
+        if m.damping_ratio is None:
+            yield _missing("ModeDamping", row, "Damping ratio", "at least 0 and below 1", "Type it.")
+        yield from _check(
+            "ModeDamping", row, "Damping ratio", m.damping_ratio, lambda v: 0 <= v < 1, "at least 0 and below 1 (100 %)"
+        )
+
+
+def _excitations(case: CaseData) -> Iterator[Problem]:
+    table = "Excitations"
+    yield from _names(table, "Name", [x.name for x in case.excitations], "excitation")
+    for row, x in enumerate(case.excitations, start=1):
+        if (x.order is None) == (x.frequency is None):
+            found = "both" if x.order is not None else None
+            yield Problem(
+                table, row, "Order", found, "either an Order or a Frequency",
+                "an excitation needs either an Order (multiple of a shaft speed) or a Frequency, not both and not "
+                "neither. Fill one of the two.",
+            )  # fmt: skip
+        yield from _check(table, row, "Order", x.order, _positive, "positive")
+        yield from _check(table, row, "Frequency", x.frequency, _positive, "positive", "Hz")
+        yield from _check(table, row, "Torque", x.torque, _positive, "positive", "N m")
+        yield from _check(table, row, "Torque", x.torque_share, _positive, "positive")
+        for column, name in (("Of station", x.of_station), ("Station", x.station)):
+            if name is not None:
+                yield from _known_station(case, table, row, name, column)
+
+
+def _effect_choices(case: CaseData) -> Iterator[Problem]:
+    for row, e in enumerate(case.effect_choices, start=1):
+        if e.choice not in (None, "auto", "on", "off"):
+            yield _wrong("EffectChoices", row, "Choice", e.choice, "auto, on or off", "Choose from the list.")
+
+
+CHECKS: tuple[Callable[[CaseData], Iterator[Problem]], ...] = (
+    _scalars,
+    _stations,
+    _elements,
+    _meshes,
+    _mode_damping,
+    _torques,
+    _materials,
+    _sn_points,
+    _excitations,
+    _effect_choices,
+)
+
+
+def find_problems(
+    case: CaseData, bad_cells: frozenset[tuple[str, int | None, str]] = frozenset()
+) -> tuple[Problem, ...]:
+    """Everything wrong with a case.
+
+    Parameters
+    ----------
+    case : CaseData
+        What was typed. [SI]
+    bad_cells : frozenset of (table, row, column)
+        Cells the reader has already reported; nothing is said of them again. [names]
+
+    Returns
+    -------
+    tuple of Problem
+        Empty if the case may be calculated. [count]
+    """
+    found = [
+        p for check in CHECKS for p in check(case) if (p.table, p.row, p.column) not in bad_cells
+    ]
+    spoilt = {"Stations", "Elements"} & ({p.table for p in found} | {b[0] for b in bad_cells})
+    if not spoilt:
+        found.extend(_connected(case))
+    order = {name: i for i, name in enumerate(("Case", *TABLES))}
+    return tuple(sorted(found, key=lambda p: (order.get(p.table, 99), p.row or 0)))
