@@ -33,6 +33,7 @@ __all__ = [
     "SubdividedModes",
     "damped_eigenvalues",
     "modal_damping",
+    "modal_damping_matrix",
     "modes_of",
     "natural_modes",
     "state_matrix",
@@ -354,6 +355,8 @@ class ModalDamping:
     ----------
     ratio : ndarray, shape (n_modes,)
         Fraction of critical damping; zero for rigid modes. [1]
+    structural : ndarray, shape (n_modes,)
+        Part of it that is stated or hysteretic, without the dampers. [1]
     rate : ndarray, shape (n_modes,)
         Coefficient d of q̈ + d q̇ + ω² q, also for rigid modes. [1/s]
     neglected : float
@@ -366,6 +369,7 @@ class ModalDamping:
     """
 
     ratio: Floats
+    structural: Floats
     rate: Floats
     neglected: float
     neglected_modes: tuple[int, int]
@@ -397,12 +401,12 @@ def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     for row in case.mode_damping:
         if row.mode is not None and row.damping_ratio is not None and r + row.mode - 1 < n:
             stated[r + row.mode - 1] = row.damping_ratio
-    physical = _modal_damping_matrix(train, modes)
+    physical = modal_damping_matrix(train, modes)
     loss = np.zeros(len(train.elements))
     loss[train.row_element] = train.loss_factor
     safe = np.where(modes.omega > 0.0, modes.omega, 1.0)
-    ratio = stated + 0.5 * (loss @ modes.strain_share)
-    ratio = np.where(modes.omega > 0.0, ratio + 0.5 * np.diag(physical) / safe, 0.0)
+    structural = np.where(modes.omega > 0.0, stated + 0.5 * (loss @ modes.strain_share), 0.0)
+    ratio = np.where(modes.omega > 0.0, structural + 0.5 * np.diag(physical) / safe, 0.0)
     rate = np.where(modes.omega > 0.0, 2.0 * ratio * modes.omega, np.diag(physical))
     off = np.abs(physical - np.diag(np.diag(physical)))
     pair = np.unravel_index(int(np.argmax(off)), off.shape)
@@ -411,16 +415,34 @@ def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     with np.errstate(divide="ignore", invalid="ignore"):
         coupling = np.where(off > 1e-12 * np.max(np.diag(physical)), off * speed / gap, 0.0)
     return ModalDamping(
-        ratio, rate, float(off[pair]), (int(pair[0]), int(pair[1])), float(np.nanmax(coupling))
+        ratio,
+        structural,
+        rate,
+        float(off[pair]),
+        (int(pair[0]), int(pair[1])),
+        float(np.nanmax(coupling)),
     )
 
 
-def _modal_damping_matrix(train: Train, modes: Modes) -> Floats:
-    """ΦᵀCΦ from the rows, so that a stiff row's twist keeps its digits."""
+def modal_damping_matrix(train: Train, modes: Modes) -> Floats:
+    """Physical damping in modal coordinates, ΦᵀCΦ.
+
+    Taken from the rows, so that a stiff row's twist keeps its digits.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        Its modes. [SI]
+
+    Returns
+    -------
+    ndarray, shape (n_modes, n_modes)
+        Modal damping matrix. [1/s]
+    """
     nodal = train.ground_damping[:, None] * modes.shape
-    return np.asarray(
-        (modes.row_twist.T * train.viscous) @ modes.row_twist + modes.shape.T @ nodal
-    )
+    return np.asarray((modes.row_twist.T * train.viscous) @ modes.row_twist + modes.shape.T @ nodal)
 
 
 def state_matrix(train: Train) -> Floats:
@@ -458,7 +480,7 @@ def damped_eigenvalues(train: Train, modes: Modes) -> NDArray[np.complex128]:
         Eigenvalues, sorted by magnitude of the imaginary part. [1/s]
     """
     n = modes.n_modes
-    damping = _modal_damping_matrix(train, modes)
+    damping = modal_damping_matrix(train, modes)
     A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(modes.omega**2), -damping]])
     values = np.linalg.eigvals(A)
     return np.asarray(values[np.lexsort((values.real, np.abs(values.imag)))], dtype=np.complex128)

@@ -63,7 +63,13 @@ def _number(value: object, unit: str = "") -> str:
 
 
 def _wrong(
-    table: str, row: int | None, column: str, found: object, allowed: str, action: str, unit: str = ""
+    table: str,
+    row: int | None,
+    column: str,
+    found: object,
+    allowed: str,
+    action: str,
+    unit: str = "",
 ) -> Problem:
     """A problem whose sentence is: found …; it must be …. What to do."""
     return Problem(
@@ -229,7 +235,9 @@ def _stations(case: CaseData) -> Iterator[Problem]:
             "positive" if not zero_allowed else "zero or positive", "kg m²",
             "Every station needs inertia; join two shafts of a massless point into one stiffness.",
         )  # fmt: skip
-        yield from _check(table, row, "Speed ratio", s.speed_ratio, _positive, "positive (blank = 1)")
+        yield from _check(
+            table, row, "Speed ratio", s.speed_ratio, _positive, "positive (blank = 1)"
+        )
         yield from _check(
             table, row, "Damping", s.damping, _not_negative, "zero or positive", "N m s/rad"
         )
@@ -250,16 +258,19 @@ def _ends(case: CaseData, row: int, e: ElementRow) -> Iterator[Problem]:
             )  # fmt: skip
     if e.from_ is not None and e.from_ == e.to:
         yield _wrong(
-            "Elements", row, "To", e.to, "another station than From", "An element joins two stations."
+            "Elements",
+            row,
+            "To",
+            e.to,
+            "another station than From",
+            "An element joins two stations.",
         )
     if e.kind == SPRING_TO_GROUND and GROUND not in (e.from_, e.to) and e.to is not None:
         yield _wrong(
             "Elements", row, "To", e.to, "ground", "A spring to ground has ground at one end."
         )
     if e.kind == GEAR_MESH and GROUND in (e.from_, e.to):
-        yield _wrong(
-            "Elements", row, "To", GROUND, "a station", "A gear mesh joins two gears."
-        )
+        yield _wrong("Elements", row, "To", GROUND, "a station", "A gear mesh joins two gears.")
 
 
 def _suggest(name: str, known: set[str]) -> str:
@@ -287,10 +298,19 @@ def _geometry(row: int, e: ElementRow) -> Iterator[Problem]:
         yield from _check(table, row, column, value, _not_negative, "zero or positive", unit)
     if e.scf is not None and 0 < e.scf < 1:
         yield _wrong(table, row, "SCF", e.scf, "1 or more", "A notch never lowers the stress.")
-    for outer, inner, column in ((e.od, e.id, "ID"), (e.stress_diameter, e.stress_bore, "Stress bore")):
+    for outer, inner, column in (
+        (e.od, e.id, "ID"),
+        (e.stress_diameter, e.stress_bore, "Stress bore"),
+    ):
         if outer and inner and inner >= outer:
             yield _wrong(
-                table, row, column, inner, f"below the outer diameter {outer:.6g} m", "Correct one of them.", "m"
+                table,
+                row,
+                column,
+                inner,
+                f"below the outer diameter {outer:.6g} m",
+                "Correct one of them.",
+                "m",
             )
     yield from _stiffness(row, e)
 
@@ -307,7 +327,11 @@ def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
     elif e.kind in ("shaft", "coupling", SPRING_TO_GROUND):
         absent = [
             name
-            for name, value in (("OD", e.od), ("Length", e.length), ("Shear modulus", e.shear_modulus))
+            for name, value in (
+                ("OD", e.od),
+                ("Length", e.length),
+                ("Shear modulus", e.shear_modulus),
+            )
             if value is None
         ]
         if absent:
@@ -331,9 +355,13 @@ def _elements(case: CaseData) -> Iterator[Problem]:
     materials = {m.material for m in case.materials if m.material}
     for row, e in enumerate(case.elements, start=1):
         if e.kind is None:
-            yield _missing(table, row, "Kind", "one of " + ", ".join(KINDS), "Choose from the list.")
+            yield _missing(
+                table, row, "Kind", "one of " + ", ".join(KINDS), "Choose from the list."
+            )
         elif e.kind not in KINDS:
-            yield _wrong(table, row, "Kind", e.kind, "one of " + ", ".join(KINDS), "Choose from the list.")
+            yield _wrong(
+                table, row, "Kind", e.kind, "one of " + ", ".join(KINDS), "Choose from the list."
+            )
         yield from _ends(case, row, e)
         yield from _geometry(row, e)
         a, b = ratios.get(e.from_), ratios.get(e.to)
@@ -413,7 +441,13 @@ MESH_LENGTHS = (
     ("Bearing stiffness drive", "bearing_stiffness_drive", _positive, "positive", "N/m"),
     ("Bearing stiffness driven", "bearing_stiffness_driven", _positive, "positive", "N/m"),
     ("Bearing damping drive", "bearing_damping_drive", _not_negative, "zero or positive", "N s/m"),
-    ("Bearing damping driven", "bearing_damping_driven", _not_negative, "zero or positive", "N s/m"),
+    (
+        "Bearing damping driven",
+        "bearing_damping_driven",
+        _not_negative,
+        "zero or positive",
+        "N s/m",
+    ),
 )
 
 
@@ -431,7 +465,14 @@ def _meshes(case: CaseData) -> Iterator[Problem]:
                 "Write degrees with the unit deg above the column.",
             )  # fmt: skip
         if m.gear_type not in (None, "external", "internal"):
-            yield _wrong(table, row, "Gear type", m.gear_type, "external or internal", "Choose from the list.")
+            yield _wrong(
+                table,
+                row,
+                "Gear type",
+                m.gear_type,
+                "external or internal",
+                "Choose from the list.",
+            )
         if m.element and m.element not in elements:
             yield _wrong(
                 table, row, "Element", m.element, "an element of table Elements",
@@ -470,11 +511,18 @@ def _known_station(
     if station is None:
         yield _missing(table, row, column, "a station of table Stations", "Choose it.")
     elif station not in known:
-        yield _wrong(table, row, column, station, "a station of table Stations", _suggest(station, known))
+        yield _wrong(
+            table, row, column, station, "a station of table Stations", _suggest(station, known)
+        )
 
 
 def _curve(
-    case: CaseData, table: str, rows: Sequence[Any], abscissa: str, header: str, values: Sequence[tuple[str, str]]
+    case: CaseData,
+    table: str,
+    rows: Sequence[Any],
+    abscissa: str,
+    header: str,
+    values: Sequence[tuple[str, str]],
 ) -> Iterator[Problem]:
     """One curve a station: known stations, no blanks, abscissa strictly rising."""
     last: dict[str, tuple[int, float]] = {}
@@ -506,7 +554,9 @@ def _torques(case: CaseData) -> Iterator[Problem]:
         case, "MotorTorque", case.motor_torque, "speed", "Speed",
         (("Average", "average"), ("Pulsating", "pulsating")),
     )  # fmt: skip
-    yield from _curve(case, "LoadTorque", case.load_torque, "speed", "Speed", (("Torque", "torque"),))
+    yield from _curve(
+        case, "LoadTorque", case.load_torque, "speed", "Speed", (("Torque", "torque"),)
+    )
     yield from _curve(case, "TorqueTime", case.torque_time, "time", "Time", (("Torque", "torque"),))
     for table, rows in (("MotorTorque", case.motor_torque), ("LoadTorque", case.load_torque)):
         for row, point in enumerate(rows, start=1):
@@ -516,7 +566,15 @@ def _torques(case: CaseData) -> Iterator[Problem]:
                 "Write 50 % or 900 rpm; a plain number in JSON is a fraction of synchronous speed.",
             )  # fmt: skip
     for row, motor in enumerate(case.motor_torque, start=1):
-        yield from _check("MotorTorque", row, "Pulsating", motor.pulsating, _not_negative, "zero or positive", "N m")
+        yield from _check(
+            "MotorTorque",
+            row,
+            "Pulsating",
+            motor.pulsating,
+            _not_negative,
+            "zero or positive",
+            "N m",
+        )
     for row, load in enumerate(case.load_torque, start=1):
         yield from _check(
             "LoadTorque", row, "Torque", load.torque, _not_negative, "zero or positive", "N m",
@@ -548,10 +606,17 @@ def _materials(case: CaseData) -> Iterator[Problem]:
         if m.uts and m.yield_ and m.yield_ > m.uts:
             yield _wrong(table, row, "Yield", m.yield_, "at most UTS", "Correct one of them.", "Pa")
         if m.basis not in (None, "torsion", "bending"):
-            yield _wrong(table, row, "Basis", m.basis, "torsion or bending", "Choose from the list.")
+            yield _wrong(
+                table, row, "Basis", m.basis, "torsion or bending", "Choose from the list."
+            )
         if m.below_endurance not in (None, "none", "same slope", "2k-1"):
             yield _wrong(
-                table, row, "Below endurance", m.below_endurance, "none, same slope or 2k-1", "Choose from the list."
+                table,
+                row,
+                "Below endurance",
+                m.below_endurance,
+                "none, same slope or 2k-1",
+                "Choose from the list.",
             )
 
 
@@ -563,7 +628,14 @@ def _sn_points(case: CaseData) -> Iterator[Problem]:
         if p.material is None:
             yield _missing(table, row, "Material", "a material of table Materials", "Choose it.")
         elif p.material not in known:
-            yield _wrong(table, row, "Material", p.material, "a material of table Materials", _suggest(p.material, known))
+            yield _wrong(
+                table,
+                row,
+                "Material",
+                p.material,
+                "a material of table Materials",
+                _suggest(p.material, known),
+            )
         for column, value, unit in (("Cycles", p.cycles, ""), ("Stress", p.stress, "Pa")):
             if value is None:
                 yield _missing(table, row, column, "positive", "Fill it or clear the whole row.")
@@ -600,17 +672,35 @@ def _mode_damping(case: CaseData) -> Iterator[Problem]:
     seen: dict[int, int] = {}
     for row, m in enumerate(case.mode_damping, start=1):
         if m.mode is None:
-            yield _missing("ModeDamping", row, "Mode", "the number of an elastic mode", "Count from 1.")
+            yield _missing(
+                "ModeDamping", row, "Mode", "the number of an elastic mode", "Count from 1."
+            )
         elif m.mode < 1:
-            yield _wrong("ModeDamping", row, "Mode", m.mode, "1 or more", "The lowest elastic mode is 1.")
+            yield _wrong(
+                "ModeDamping", row, "Mode", m.mode, "1 or more", "The lowest elastic mode is 1."
+            )
         elif m.mode in seen:
-            yield _wrong("ModeDamping", row, "Mode", m.mode, f"given once (row {seen[m.mode]})", "Clear one row.")
+            yield _wrong(
+                "ModeDamping",
+                row,
+                "Mode",
+                m.mode,
+                f"given once (row {seen[m.mode]})",
+                "Clear one row.",
+            )
         else:
             seen[m.mode] = row
         if m.damping_ratio is None:
-            yield _missing("ModeDamping", row, "Damping ratio", "at least 0 and below 1", "Type it.")
+            yield _missing(
+                "ModeDamping", row, "Damping ratio", "at least 0 and below 1", "Type it."
+            )
         yield from _check(
-            "ModeDamping", row, "Damping ratio", m.damping_ratio, lambda v: 0 <= v < 1, "at least 0 and below 1 (100 %)"
+            "ModeDamping",
+            row,
+            "Damping ratio",
+            m.damping_ratio,
+            lambda v: 0 <= v < 1,
+            "at least 0 and below 1 (100 %)",
         )
 
 
@@ -637,7 +727,9 @@ def _excitations(case: CaseData) -> Iterator[Problem]:
 def _effect_choices(case: CaseData) -> Iterator[Problem]:
     for row, e in enumerate(case.effect_choices, start=1):
         if e.choice not in (None, "auto", "on", "off"):
-            yield _wrong("EffectChoices", row, "Choice", e.choice, "auto, on or off", "Choose from the list.")
+            yield _wrong(
+                "EffectChoices", row, "Choice", e.choice, "auto, on or off", "Choose from the list."
+            )
 
 
 CHECKS: tuple[Callable[[CaseData], Iterator[Problem]], ...] = (

@@ -1,0 +1,905 @@
+"""The start: average and pulsating torque against the loads, from rest to the end speed.
+
+The train is integrated in modal coordinates by the exponential step (or, for comparison, by the
+paper's average-acceleration method). The accuracy asked for is that of the answers, peak torques
+and starts: the start is calculated at two steps, h and h/2, whose difference is the error
+estimate, and the step is halved until it is small enough. Turning points come from the dense
+output, a cubic between samples, so a peak between two samples is not missed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case import CaseData
+from engine.errors import InternalError, ModelError
+from engine.load import Load, loads_of
+from engine.modal import ModalDamping, Modes
+from engine.motor import Motor, motors_of
+from engine.outputs import TorqueOutputs, force_reach, torque_outputs
+from engine.rigid_runup import RigidRunup, rigid_runup
+from engine.stepping import kernels
+from engine.stepping.exponential import exponential_step
+from engine.stepping.newmark import newmark_step
+from engine.torque_curve import TorqueCurve
+from engine.train import Train
+
+__all__ = [
+    "DEFAULT_END_SPEED",
+    "ElementPeak",
+    "Start",
+    "StartOutcome",
+    "StartSettings",
+    "Trajectory",
+    "element_peaks",
+    "has_start",
+    "run_start",
+    "settings_of",
+    "simulate",
+    "start_model",
+    "turning_of",
+    "worst_outputs",
+]
+
+Floats = NDArray[np.float64]
+
+#: End of a start without field, over synchronous speed (contract).
+DEFAULT_END_SPEED = 0.97
+#: An equilibrium at or above this share of synchronous speed is `asynchronous`, below `stalled`.
+ASYNCHRONOUS_ABOVE = 0.95
+#: Time simulated where the motor cannot break the train away. [s]
+STANDSTILL_TIME = 2.0
+#: Largest and smallest phase of the pulsation per step tried first. [rad]
+COARSEST_ANGLE, FINEST_ANGLE = 1.2, 0.02
+#: Peak error of the exponential start at 1 rad of pulsation phase per step, from the order-4
+#: study in docs/accuracy.md: error ≈ this × (phase per step)⁴. [1]
+ERROR_AT_ONE_RADIAN = 3e-4
+#: The same for Newmark: error ≈ this × (phase per step)², second order and far larger.
+NEWMARK_ERROR_AT_ONE_RADIAN = 0.4
+#: Steps are halved at most so often before the best result is reported with its error.
+MAX_HALVINGS = 7
+#: Steps between two copies of the state out of the compiled loop.
+CHUNK = 4096
+#: Modes whose ringing decays below this share of the tolerance need no fine steps any more.
+FADED = 0.05
+
+
+@dataclass(frozen=True)
+class StartSettings:
+    """How a start is to be calculated.
+
+    Parameters
+    ----------
+    method : str
+        ``exponential`` or ``newmark``. [word]
+    tolerance_peak : float
+        Wanted relative error of peak torques. [1]
+    end_speed : float
+        Speed of the reference shaft at which the start ends. [rad/s]
+    maximum_time : float or None
+        Longest simulated time; None = from the rigid-body run-up. [s]
+    """
+
+    method: str
+    tolerance_peak: float
+    end_speed: float
+    maximum_time: float | None
+
+
+@dataclass(frozen=True)
+class StartOutcome:
+    """How the start ended.
+
+    Parameters
+    ----------
+    outcome : str
+        ``reached``, ``asynchronous``, ``stalled``, ``no breakaway`` or ``time out``. [word]
+    time : float
+        Simulated time. [s]
+    end_speed : float
+        Mean speed of the reference shaft at that time. [rad/s]
+    sentence : str
+        The outcome with its numbers. [sentence]
+    """
+
+    outcome: str
+    time: float
+    end_speed: float
+    sentence: str
+
+
+@dataclass(frozen=True)
+class ElementPeak:
+    """Extremes of the torque of one element over the whole start.
+
+    Parameters
+    ----------
+    element : str
+        Element. [name]
+    maximum, minimum : float
+        Largest and smallest torque, at the element's own speed. [N m]
+    time : float
+        When the larger of the two magnitudes occurs. [s]
+    speed : float
+        Mean speed of the reference shaft then. [rad/s]
+    error : float
+        Estimated absolute error of the extremes. [N m]
+    """
+
+    element: str
+    maximum: float
+    minimum: float
+    time: float
+    speed: float
+    error: float
+
+    @property
+    def peak_to_peak(self) -> float:
+        """Maximum minus minimum. [N m]"""
+        return self.maximum - self.minimum
+
+    @property
+    def relative_error(self) -> float:
+        """Error over the larger magnitude of the extremes. [1]"""
+        size = max(abs(self.maximum), abs(self.minimum))
+        return self.error / size if size > 0.0 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One simulated start.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n_times,)
+        Sample times, the first is rest. [s]
+    mean_speed : ndarray, shape (n_times,)
+        Rigid-body speed of the reference shaft. [rad/s]
+    torque, torque_rate : ndarray, shape (n_outputs, n_times)
+        Torque of every output and its rate. [N m, N m/s]
+    output_element : ndarray of int, shape (n_outputs,)
+        Element of each output. [index]
+    reached : bool
+        True if the target speed was reached. [flag]
+    n_steps : int
+        Steps taken. [count]
+    """
+
+    time: Floats
+    mean_speed: Floats
+    torque: Floats
+    torque_rate: Floats
+    output_element: NDArray[np.int64]
+    reached: bool
+    n_steps: int
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A complete start.
+
+    Parameters
+    ----------
+    outcome : StartOutcome
+        How it ended. [mixed]
+    peaks : tuple of ElementPeak
+        One an element. [N m]
+    trajectory : Trajectory
+        The finest simulation. [SI]
+    turning_points : tuple of (ndarray, ndarray)
+        Per element, times and torques of all turning points from rest to the end. [s, N m]
+    coarse_turning_points : tuple of (ndarray, ndarray)
+        The same at twice the step: what the error of cycle counts is estimated from. [s, N m]
+    output_of_element : ndarray of int, shape (n_elements,)
+        Row of `trajectory.torque` that stands for each element; −1 where there is none. [index]
+    runup : RigidRunup or None
+        The rigid-body run-up; None for a response to prescribed torques alone. [SI]
+    step : float
+        Largest step used. [s]
+    halvings : int
+        How often the step was halved to meet the tolerance. [count]
+    estimated_error : float
+        Largest relative error of the peaks. [1]
+    truncation_error : float
+        Part of it that the modes left out may cause. [1]
+    kept_modes : int
+        Modes integrated. [count]
+    method : str
+        ``exponential`` or ``newmark``. [word]
+    met_tolerance : bool
+        False if halving stopped before the tolerance was met. [flag]
+    """
+
+    outcome: StartOutcome
+    peaks: tuple[ElementPeak, ...]
+    trajectory: Trajectory
+    turning_points: tuple[tuple[Floats, Floats], ...]
+    coarse_turning_points: tuple[tuple[Floats, Floats], ...]
+    output_of_element: NDArray[np.int64]
+    runup: RigidRunup | None
+    step: float
+    halvings: int
+    estimated_error: float
+    truncation_error: float
+    kept_modes: int
+    method: str
+    met_tolerance: bool
+
+    def turning_of_element(self) -> dict[int, tuple[Floats, Floats]]:
+        """Turning points by element index: times and torques. [s, N m]"""
+        judged = np.flatnonzero(self.output_of_element >= 0)
+        return dict(zip((int(e) for e in judged), self.turning_points, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class StartModel:
+    """A start in arrays: kept modes, force stations, curves.
+
+    Parameters
+    ----------
+    stiffness, rate : ndarray, shape (n_modes,)
+        ω² and damping coefficient of the kept modes. [1/s², 1/s]
+    reach : ndarray, shape (n_modes, n_forces)
+        Forces to modes. [rad/√(kg m²)]
+    mean_speed : ndarray, shape (n_modes,)
+        Rigid-body speed of the reference shaft from modal velocities. [√(1/(kg m²))]
+    outputs : TorqueOutputs
+        Element torques. [SI]
+    curves, motors, loads, timed : tuple
+        Arguments of the compiled loop. [SI]
+    phase : ndarray, shape (n_motors,)
+        Phase of each pulsation at t = 0. [rad]
+    pulsation_omega : float
+        Highest pulsation frequency, twice line. [rad/s]
+    windows : tuple of (float, float)
+        (end time, largest angular frequency to be resolved until then). [s, rad/s]
+    truncation : ndarray, shape (n_outputs,)
+        Bound on what the modes left out may add to each output. [N m]
+    """
+
+    stiffness: Floats
+    rate: Floats
+    reach: Floats
+    mean_speed: Floats
+    outputs: TorqueOutputs
+    curves: tuple[Any, ...]
+    motors: tuple[Any, ...]
+    loads: tuple[Any, ...]
+    timed: tuple[Any, ...]
+    phase: Floats
+    pulsation_omega: float
+    windows: tuple[tuple[float, float], ...]
+    truncation: Floats
+
+
+def has_start(case: CaseData) -> bool:
+    """Whether the case describes a start.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    bool
+        True if there is a motor torque curve.
+    """
+    return bool(case.motor_torque)
+
+
+def settings_of(case: CaseData) -> StartSettings:
+    """Settings of the start, blanks filled.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    StartSettings
+        Method, tolerance, end speed and maximum time. [SI]
+
+    Raises
+    ------
+    ModelError
+        Without synchronous speed.
+    """
+    synchronous = case.ratings.synchronous_speed
+    if synchronous is None:
+        raise ModelError("A start needs the synchronous speed.")
+    return StartSettings(
+        case.method or "exponential",
+        case.tolerance_peak or 1e-3,
+        case.end_speed or DEFAULT_END_SPEED * synchronous,
+        case.maximum_time,
+    )
+
+
+# --- the model ----------------------------------------------------------------------------------
+
+
+def start_model(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    motors: tuple[Motor, ...],
+    loads: tuple[Load, ...],
+    tolerance: float,
+) -> StartModel:
+    """Arrays of a start, with as few modes as the tolerance allows.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case (for prescribed torques). [SI]
+    train : Train
+        Its train. [SI]
+    modes : Modes
+        All its modes. [SI]
+    damping : ModalDamping
+        Damping of each mode. [SI]
+    motors, loads : tuple
+        Motors and driven machines. [SI]
+    tolerance : float
+        Wanted relative error of peak torques; a tenth of it may go to modes left out. [1]
+
+    Returns
+    -------
+    StartModel
+        Arguments of the compiled loop. [SI]
+    """
+    timed_names = list(dict.fromkeys(p.station for p in case.torque_time))
+    timed_stations = [train.station_index(str(n)) for n in timed_names]
+    stations = sorted(
+        {m.station for m in motors} | {d.station for d in loads} | set(timed_stations)
+    )
+    column = {s: i for i, s in enumerate(stations)}
+    index = np.array(stations, dtype=np.int64)
+    line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
+    fastest = 2.0 * line_omega
+    step_force, pulsation = _force_sizes(motors, loads, column)
+    ringing, slow, scale = _mode_amplitudes(train, modes, index, step_force, pulsation, fastest)
+    keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest)
+    all_reach = force_reach(train, modes, index)
+    left_out = ~keep
+    truncation = (ringing + slow)[:, left_out].sum(axis=1)
+    reference = modes.shape[train.node_dof[motors[0].station]]
+    reference = reference * train.node_scale[motors[0].station]
+    mean = np.where(modes.omega == 0.0, reference, 0.0) / train.speed_ratio[motors[0].station]
+    curves: list[TorqueCurve] = []
+    return StartModel(
+        np.ascontiguousarray(modes.omega[keep] ** 2),
+        np.ascontiguousarray(damping.rate[keep]),
+        np.ascontiguousarray(all_reach[keep]),
+        np.ascontiguousarray(mean[keep]),
+        torque_outputs(train, modes, index, keep),
+        motors=_motor_arrays(motors, column, curves, line_omega),
+        loads=_load_arrays(loads, column, curves),
+        timed=_timed_arrays(case, timed_names, timed_stations, column),
+        curves=_curve_arrays(curves),
+        phase=np.array([m.phase for m in motors]),
+        pulsation_omega=fastest,
+        windows=_windows(modes, damping, ringing, scale, keep, tolerance, fastest),
+        truncation=truncation,
+    )
+
+
+def _force_sizes(
+    motors: tuple[Motor, ...], loads: tuple[Load, ...], column: dict[int, int]
+) -> tuple[Floats, Floats]:
+    """Torque switched on at t = 0 and largest pulsation at every force station."""
+    step, pulsation = np.zeros(len(column)), np.zeros(len(column))
+    for m in motors:
+        i = column[m.station]
+        step[i] += abs(float(m.average(0.0)) + float(m.pulsating(0.0)) * math.sin(m.phase))
+        pulsation[i] += float(np.max(np.abs(m.pulsating.cubic[:, 0])))
+    for d in loads:
+        step[column[d.station]] += float(d.torque(0.0))
+    return step, pulsation
+
+
+def _mode_amplitudes(
+    train: Train,
+    modes: Modes,
+    stations: NDArray[np.int64],
+    step: Floats,
+    pulsation: Floats,
+    fastest: float,
+) -> tuple[Floats, Floats, Floats]:
+    """Bounds per output and mode on ringing and on slow dynamics, and the torque scale of outputs.
+
+    A step rings with its own static deflection; a pulsation at ω ≤ `fastest` exceeds its static
+    deflection by (ω/ω_r)² / (1 − (ω/ω_r)²) in a mode well above it.
+    """
+    outputs = torque_outputs(train, modes, stations)
+    reach = np.abs(force_reach(train, modes, stations))
+    safe = np.where(modes.omega > 0.0, modes.omega, np.inf)
+    flexible = np.abs(outputs.position) / safe**2
+    ringing = flexible * (reach @ step)
+    share = (fastest / safe) ** 2
+    dynamic = np.where(share < 0.9, share / np.where(share < 0.9, 1.0 - share, 1.0), 1.0)
+    slow = flexible * (reach @ pulsation) * dynamic
+    signed = outputs.position / safe**2 @ (force_reach(train, modes, stations) * step)
+    scale = np.max(np.abs(signed + outputs.force * step), axis=1, initial=0.0)
+    return ringing, slow, scale
+
+
+def _kept_modes(
+    modes: Modes, ringing: Floats, slow: Floats, scale: Floats, tolerance: float, fastest: float
+) -> NDArray[np.bool_]:
+    """Drop modes from the top while their bound stays below a tenth of the tolerance."""
+    keep = np.ones(modes.n_modes, dtype=np.bool_)
+    budget = 0.1 * tolerance * scale
+    used = np.zeros(len(scale))
+    for r in range(modes.n_modes - 1, -1, -1):
+        used = used + ringing[:, r] + slow[:, r]
+        if modes.omega[r] < 1.5 * fastest or np.any(used > budget):
+            break
+        keep[r] = False
+    return keep
+
+
+def _windows(
+    modes: Modes, damping: ModalDamping, ringing: Floats, scale: Floats,
+    keep: NDArray[np.bool_], tolerance: float, fastest: float,
+) -> tuple[tuple[float, float], ...]:  # fmt: skip
+    """Until when each kept fast mode rings visibly after breaker closing."""
+    windows: list[tuple[float, float]] = []
+    for r in np.flatnonzero(keep & (modes.omega > fastest))[::-1]:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            size = np.where(scale > 0.0, ringing[:, r] / scale, 0.0).max()
+        if size <= FADED * tolerance:
+            continue
+        decay = 0.5 * damping.rate[r]
+        until = math.log(size / (FADED * tolerance)) / decay if decay > 0.0 else math.inf
+        if not windows or until > windows[-1][0]:
+            windows.append((until, float(modes.omega[r])))
+    return tuple(windows)
+
+
+def _curve_arrays(curves: list[TorqueCurve]) -> tuple[Any, ...]:
+    longest = max((len(c.knots) for c in curves), default=1)
+    knots = np.zeros((len(curves), longest))
+    cubics = np.zeros((len(curves), longest, 4))
+    for i, c in enumerate(curves):
+        knots[i, : len(c.knots)] = c.knots
+        cubics[i, : len(c.knots)] = c.cubic
+    return knots, cubics, np.array([len(c.knots) for c in curves], dtype=np.int64)
+
+
+def _motor_arrays(
+    motors: tuple[Motor, ...], column: dict[int, int], curves: list[TorqueCurve], line_omega: float
+) -> tuple[Any, ...]:
+    first = len(curves)
+    for m in motors:
+        curves += [m.average, m.pulsating]
+    n = len(motors)
+    return (
+        np.array([column[m.station] for m in motors], dtype=np.int64),
+        np.arange(first, first + 2 * n, 2),
+        np.arange(first + 1, first + 2 * n, 2),
+        np.array([m.synchronous_speed for m in motors]),
+        np.array([m.pole_pairs for m in motors]),
+        line_omega,
+    )
+
+
+def _load_arrays(
+    loads: tuple[Load, ...], column: dict[int, int], curves: list[TorqueCurve]
+) -> tuple[Any, ...]:
+    first = len(curves)
+    curves += [d.torque for d in loads]
+    return (
+        np.array([column[d.station] for d in loads], dtype=np.int64),
+        np.arange(first, first + len(loads)),
+        np.array([d.synchronous_speed for d in loads]),
+        np.array([d.soft_speed for d in loads]),
+    )
+
+
+def _timed_arrays(
+    case: CaseData, names: list[str | None], stations: list[int], column: dict[int, int]
+) -> tuple[Any, ...]:
+    rows = [[p for p in case.torque_time if p.station == n] for n in names]
+    longest = max((len(r) for r in rows), default=1)
+    times, torques = np.zeros((len(rows), longest)), np.zeros((len(rows), longest))
+    for i, points in enumerate(rows):
+        times[i, : len(points)] = [p.time for p in points]
+        torques[i, : len(points)] = [p.torque for p in points]
+    return (
+        np.array([column[s] for s in stations], dtype=np.int64),
+        times,
+        torques,
+        np.array([len(r) for r in rows], dtype=np.int64),
+    )
+
+
+# --- one simulation -----------------------------------------------------------------------------
+
+
+def simulate(
+    model: StartModel, step: float, method: str, target_speed: float, maximum_time: float
+) -> Trajectory:
+    """One start at a given step.
+
+    Parameters
+    ----------
+    model : StartModel
+        The start in arrays. [SI]
+    step : float
+        Largest step; shorter ones are used while fast modes ring. [s]
+    method : str
+        ``exponential`` or ``newmark``. [word]
+    target_speed : float
+        Mean speed of the reference shaft at which to stop. [rad/s]
+    maximum_time : float
+        Time at which to stop at the latest. [s]
+
+    Returns
+    -------
+    Trajectory
+        Times, mean speed and torques. [SI]
+    """
+    n, nf = model.reach.shape
+    q, v = np.zeros(n), np.zeros(n)
+    phase = model.phase.copy()
+    force, rate = _first_forces(model, phase)
+    pieces = [_torques(model, q[None], v[None], force[None], rate[None])]
+    speeds: list[Floats] = [np.zeros(1)]
+    times: list[Floats] = [np.zeros(1)]
+    t, flag = 0.0, kernels.PENDING
+    coefficients = exponential_step if method == "exponential" else newmark_step
+    for end, h in _step_plan(model, step, maximum_time):
+        free, forced = (
+            np.ascontiguousarray(a.transpose(1, 2, 0))
+            for a in coefficients(model.stiffness, model.rate, h)
+        )
+        reach = np.ascontiguousarray(model.reach.T)
+        left = round((end - t) / h)
+        while left > 0 and flag == kernels.PENDING:
+            count = min(CHUNK, left)
+            out = [
+                np.empty((count, n)),
+                np.empty((count, n)),
+                np.empty((count, nf)),
+                np.empty((count, nf)),
+            ]
+            done, flag = kernels.advance_start(
+                count, h, t, target_speed, free, forced, model.stiffness, model.rate, reach,
+                model.mean_speed, model.curves, model.motors, model.loads, model.timed,
+                q, v, phase, force, rate, *out,
+            )  # fmt: skip
+            out_q, out_v, out_f, out_r = (a[:done] for a in out)
+            pieces.append(_torques(model, out_q, out_v, out_f, out_r))
+            speeds.append(out_v @ model.mean_speed)
+            times.append(t + h * np.arange(1, done + 1))
+            t += h * done
+            left -= done
+        if flag != kernels.PENDING:
+            break
+    torque = np.concatenate([p[0] for p in pieces], axis=1)
+    torque_rate = np.concatenate([p[1] for p in pieces], axis=1)
+    time = np.concatenate(times)
+    if not np.all(np.isfinite(torque[:, -1])):
+        raise InternalError(
+            f"the start became non-finite before {t:.4g} s at a step of {step:.3g} s"
+        )
+    return Trajectory(
+        time, np.concatenate(speeds), torque, torque_rate, model.outputs.element,
+        flag == kernels.REACHED, len(time) - 1,
+    )  # fmt: skip
+
+
+def _first_forces(model: StartModel, phase: Floats) -> tuple[Floats, Floats]:
+    """Forces and their rates at rest; the rate depends on the acceleration the forces cause."""
+    nf = model.reach.shape[1]
+    force, rate, still = np.zeros(nf), np.zeros(nf), np.zeros(nf)
+    acceleration = np.zeros(nf)
+    for _ in range(2):
+        kernels.start_forces(
+            0.0, phase, still, acceleration, model.curves, model.motors, model.loads, model.timed,
+            force, rate,
+        )  # fmt: skip
+        acceleration = model.reach.T @ (model.reach @ force)
+    return force, rate
+
+
+def _step_plan(model: StartModel, step: float, maximum_time: float) -> list[tuple[float, float]]:
+    """(end time, step) of each window; steps are the base step divided by powers of two."""
+    plan: list[tuple[float, float]] = []
+    start = 0.0
+    for until, omega in model.windows:
+        # a ringing mode is sampled as finely as the pulsation is
+        h = step / 2 ** math.ceil(math.log2(omega / model.pulsation_omega))
+        count = math.ceil((min(until, maximum_time) - start) / h)
+        if count > 0:
+            start += count * h
+            plan.append((start, h))
+    if maximum_time > start:
+        plan.append((start + math.ceil((maximum_time - start) / step) * step, step))
+    return plan
+
+
+def _torques(
+    model: StartModel, q: Floats, v: Floats, force: Floats, rate: Floats
+) -> tuple[Floats, Floats]:
+    """Output torques and rates, shape (n_outputs, n), from states, shape (n, …)."""
+    y = model.outputs
+    torque = y.position @ q.T + y.force @ force.T
+    slope = y.position @ v.T + y.force @ rate.T
+    if np.any(y.velocity):
+        acceleration = force @ model.reach.T - v * model.rate - q * model.stiffness
+        torque += y.velocity @ v.T
+        slope += y.velocity @ acceleration.T
+    return torque, slope
+
+
+# --- from a trajectory to answers ---------------------------------------------------------------
+
+
+def _end_of(trajectory: Trajectory, target_speed: float) -> float:
+    """Time at which the target speed was crossed, or the last sample."""
+    t, w = trajectory.time, trajectory.mean_speed
+    if not trajectory.reached or len(t) < 2:
+        return float(t[-1])
+    share = (target_speed - w[-2]) / (w[-1] - w[-2])
+    return float(t[-2] + min(max(share, 0.0), 1.0) * (t[-1] - t[-2]))
+
+
+def _turning(trajectory: Trajectory, output: int, end: float) -> tuple[Floats, Floats]:
+    """Turning points of one output up to `end`, with the values at rest and at the end."""
+    t, y, slope = trajectory.time, trajectory.torque[output], trajectory.torque_rate[output]
+    when, value = kernels.turning_points(t, y, slope)
+    inside = when < end
+    last = _hermite_at(t, y, slope, end)
+    return (
+        np.concatenate([t[:1], when[inside], [end]]),
+        np.concatenate([y[:1], value[inside], [last]]),
+    )
+
+
+def _hermite_at(t: Floats, y: Floats, slope: Floats, at: float) -> float:
+    """Value of the dense output at one time."""
+    i = int(np.clip(np.searchsorted(t, at) - 1, 0, len(t) - 2)) if len(t) > 1 else 0
+    if len(t) < 2:
+        return float(y[0])
+    h = t[i + 1] - t[i]
+    s = (at - t[i]) / h
+    rise = y[i + 1] - y[i]
+    a, b = h * slope[i], h * slope[i + 1]
+    return float(y[i] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise))))
+
+
+def turning_of(trajectory: Trajectory, end: float) -> list[tuple[Floats, Floats]]:
+    """Turning points of every output from rest to the end.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        A simulated start. [SI]
+    end : float
+        Time at which it ends. [s]
+
+    Returns
+    -------
+    list of (ndarray, ndarray)
+        Times and torques. [s, N m]
+    """
+    return [_turning(trajectory, i, end) for i in range(len(trajectory.output_element))]
+
+
+def worst_outputs(
+    train: Train, trajectory: Trajectory, turning: list[tuple[Floats, Floats]]
+) -> NDArray[np.int64]:
+    """For each element the output (segment) with the largest peak-to-peak torque.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    trajectory : Trajectory
+        A simulated start. [SI]
+    turning : list of (ndarray, ndarray)
+        Turning points of every output. [s, N m]
+
+    Returns
+    -------
+    ndarray of int, shape (n_elements,)
+        Output; −1 where an element has none. [index]
+    """
+    span = np.array([float(np.ptp(value)) for _, value in turning])
+    chosen = np.full(len(train.elements), -1, dtype=np.int64)
+    for output, element in enumerate(trajectory.output_element):
+        if chosen[element] < 0 or span[output] > span[chosen[element]]:
+            chosen[element] = output
+    return chosen
+
+
+def _difference(a: Floats, b: Floats) -> float:
+    """Largest difference of the extremes of two runs."""
+    return max(abs(float(a.max() - b.max())), abs(float(a.min() - b.min())))
+
+
+def _first_step(settings: StartSettings, fastest: float) -> float:
+    """Step tried first, from the measured order of the method and the tolerance."""
+    if settings.method == "newmark":
+        angle = math.sqrt(0.5 * settings.tolerance_peak / NEWMARK_ERROR_AT_ONE_RADIAN)
+    else:
+        angle = (0.5 * settings.tolerance_peak / ERROR_AT_ONE_RADIAN) ** 0.25
+    return min(max(angle, FINEST_ANGLE), COARSEST_ANGLE) / fastest
+
+
+def _run_length(runup: RigidRunup, settings: StartSettings) -> tuple[float, float]:
+    """Target speed and longest time to simulate."""
+    if runup.equilibrium is None:
+        target, needed = settings.end_speed, 1.5 * float(runup.time[-1]) + 1.0
+    elif runup.equilibrium <= 0.0:
+        target, needed = settings.end_speed, STANDSTILL_TIME
+    else:
+        target = settings.end_speed
+        below = 0.998 * runup.equilibrium
+        reach = float(np.interp(below, runup.speed, runup.time))
+        needed = 1.1 * reach + 2.0
+    return target, settings.maximum_time if settings.maximum_time else needed
+
+
+def _outcome(
+    runup: RigidRunup,
+    settings: StartSettings,
+    trajectory: Trajectory,
+    end: float,
+    synchronous: float,
+) -> StartOutcome:
+    """Name the way the start ended, with its numbers."""
+    tail = trajectory.mean_speed[trajectory.time >= end - 0.5]
+    speed = settings.end_speed if trajectory.reached else float(np.mean(tail))
+    share, rpm = speed / synchronous, speed * 30.0 / math.pi
+    if trajectory.reached:
+        return StartOutcome(
+            "reached", end, speed, f"{share:.1%} speed ({rpm:.1f} rpm) reached after {end:.3f} s."
+        )
+    if runup.equilibrium is not None:
+        settled = runup.equilibrium <= 0.0 or speed >= 0.99 * runup.equilibrium
+        if runup.equilibrium <= 0.0 and share < 0.01:
+            text = (
+                f"No breakaway: at standstill the loads take {runup.load[0]:.4g} N m, the motor gives "
+                f"{runup.average[0]:.4g} N m (referred to the motor)."
+            )
+            return StartOutcome("no breakaway", end, speed, text)
+        if settled:
+            word = "asynchronous" if share >= ASYNCHRONOUS_ABOVE else "stalled"
+            text = (
+                f"{word.capitalize()}: torque and load balance at {rpm:.1f} rpm ({share:.1%} speed), "
+                f"below the end speed of {settings.end_speed / synchronous:.1%}."
+            )
+            return StartOutcome(word, end, speed, text)
+    text = f"Time out: {rpm:.1f} rpm ({share:.1%} speed) after {end:.3f} s."
+    return StartOutcome("time out", end, speed, text)
+
+
+def run_start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping) -> Start:
+    """Calculate the start of a case to the accuracy it asks for.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+    modes : Modes
+        Its modes. [SI]
+    damping : ModalDamping
+        Their damping. [SI]
+
+    Returns
+    -------
+    Start
+        Outcome, peaks, histories and error estimates. [SI]
+
+    Raises
+    ------
+    ModelError
+        If the train cannot turn (a spring holds it to ground) or has no motor.
+    """
+    if modes.n_rigid == 0:
+        raise ModelError("A train held to ground by a spring cannot start; no rigid mode is left.")
+    settings = settings_of(case)
+    motors, loads = motors_of(case, train), loads_of(case, train)
+    if not motors:
+        raise ModelError("A start needs the torque curve of at least one motor.")
+    synchronous = case.ratings.synchronous_speed
+    assert synchronous is not None
+    runup = rigid_runup(train, motors, loads, settings.end_speed)
+    model = start_model(case, train, modes, damping, motors, loads, settings.tolerance_peak)
+    target, maximum = _run_length(runup, settings)
+    step = _first_step(settings, model.pulsation_omega)
+
+    def at(h: float) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
+        trajectory = simulate(model, h, settings.method, target, maximum)
+        end = _end_of(trajectory, target)
+        return trajectory, end, turning_of(trajectory, end)
+
+    coarse, fine = at(step), at(0.5 * step)
+    halvings = 0
+    while True:
+        output = worst_outputs(train, fine[0], fine[2])
+        peaks = element_peaks(train, model.truncation, fine, coarse, output)
+        error = max((p.relative_error for p in peaks), default=0.0)
+        met = error <= settings.tolerance_peak
+        if met or halvings >= MAX_HALVINGS:
+            break
+        halvings += 1
+        step *= 0.5
+        coarse, fine = fine, at(0.5 * step)
+    trajectory, end, turning = fine
+    size = max((max(abs(p.maximum), abs(p.minimum)) for p in peaks), default=1.0)
+    return Start(
+        outcome=_outcome(runup, settings, trajectory, end, synchronous),
+        peaks=peaks,
+        trajectory=trajectory,
+        turning_points=tuple(turning[i] for i in output if i >= 0),
+        coarse_turning_points=tuple(coarse[2][i] for i in output if i >= 0),
+        output_of_element=output,
+        runup=runup,
+        step=0.5 * step,
+        halvings=halvings,
+        estimated_error=error,
+        truncation_error=float(np.max(model.truncation, initial=0.0)) / size,
+        kept_modes=len(model.stiffness),
+        method=settings.method,
+        met_tolerance=met,
+    )
+
+
+def element_peaks(
+    train: Train,
+    truncation: Floats,
+    fine: tuple[Trajectory, float, list[tuple[Floats, Floats]]],
+    coarse: tuple[Trajectory, float, list[tuple[Floats, Floats]]],
+    output: NDArray[np.int64],
+) -> tuple[ElementPeak, ...]:
+    """Extremes of every element; the error is the change from h to h/2 plus the truncation.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    truncation : ndarray, shape (n_outputs,)
+        Bound on what modes left out may add to each output. [N m]
+    fine, coarse : tuple
+        Trajectory, end time and turning points at h/2 and at h. [SI]
+    output : ndarray of int, shape (n_elements,)
+        Output that stands for each element; −1 where there is none. [index]
+
+    Returns
+    -------
+    tuple of ElementPeak
+        One an element. [N m]
+    """
+    trajectory, _, turning = fine
+    peaks = []
+    for element, i in enumerate(output):
+        if i < 0:
+            continue
+        when, value = turning[i]
+        top = int(np.argmax(np.abs(value)))
+        time = float(when[top])
+        peaks.append(
+            ElementPeak(
+                train.elements[element],
+                float(value.max()),
+                float(value.min()),
+                time,
+                float(np.interp(time, trajectory.time, trajectory.mean_speed)),
+                _difference(value, coarse[2][i][1]) + float(truncation[i]),
+            )
+        )
+    return tuple(peaks)

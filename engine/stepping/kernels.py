@@ -1,0 +1,286 @@
+"""The compiled loops. Few, cached on disk, compiled at first call and never at import.
+
+Arrays are (n_modes,), (n_forces,) or (n_samples, …) and C-contiguous. A *force* is a torque at
+one station; `reach` maps forces to modes and modal to station angles alike.
+"""
+
+# numba compiles these bodies; plain loops are what it compiles best
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = [
+    "PENDING",
+    "REACHED",
+    "advance_start",
+    "drive_coupled",
+    "drive_modes",
+    "evaluate_curve",
+    "start_forces",
+    "turning_points",
+]
+
+Floats = NDArray[np.float64]
+
+PENDING, REACHED = 0, 1
+
+
+@njit(cache=True, inline="always")
+def evaluate_curve(x: float, knots: Floats, cubic: Floats, count: int) -> tuple[float, float]:
+    """Value and slope of a piecewise cubic, held constant outside its knots."""
+    if x <= knots[0]:
+        return cubic[0, 0], 0.0
+    if x >= knots[count - 1]:
+        return cubic[count - 1, 0], 0.0
+    low, high = 0, count - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if knots[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    s = x - knots[low]
+    c = cubic[low]
+    return c[0] + s * (c[1] + s * (c[2] + s * c[3])), c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])
+
+
+@njit(cache=True, inline="always")
+def start_forces(
+    t: float,
+    phase: Floats,
+    speed: Floats,
+    acceleration: Floats,
+    curves: tuple[Floats, Floats, Any],
+    motors: tuple[Any, Any, Any, Floats, Floats, float],
+    loads: tuple[Any, Any, Floats, Floats],
+    timed: tuple[Any, Floats, Floats, Any],
+    force: Floats,
+    force_rate: Floats,
+) -> None:
+    """Torque and its rate at every force station, written into `force` and `force_rate`."""
+    knots, cubics, counts = curves
+    motor_force, average_curve, pulsating_curve, motor_speed, pole_pairs, line_omega = motors
+    load_force, load_curve, load_speed, soft_speed = loads
+    timed_force, times, torques, timed_count = timed
+    force[:] = 0.0
+    force_rate[:] = 0.0
+    for m in range(len(motor_force)):
+        f = motor_force[m]
+        x = speed[f] / motor_speed[m]
+        dx = acceleration[f] / motor_speed[m]
+        a = average_curve[m]
+        b = pulsating_curve[m]
+        average, average_slope = evaluate_curve(x, knots[a], cubics[a], counts[a])
+        pulsating, pulsating_slope = evaluate_curve(x, knots[b], cubics[b], counts[b])
+        s, c = np.sin(phase[m]), np.cos(phase[m])
+        phase_rate = 2.0 * (line_omega - pole_pairs[m] * speed[f])
+        force[f] += average + pulsating * s
+        force_rate[f] += (average_slope + pulsating_slope * s) * dx + pulsating * c * phase_rate
+    for k in range(len(load_force)):
+        f = load_force[k]
+        x = speed[f] / load_speed[k]
+        a = load_curve[k]
+        torque, slope = evaluate_curve(abs(x), knots[a], cubics[a], counts[a])
+        z = speed[f] / soft_speed[k]
+        if z >= 1.0:
+            force[f] -= torque
+            force_rate[f] -= slope * acceleration[f] / load_speed[k]
+        else:
+            z = max(z, -1.0)
+            inside = 1.0 if z > -1.0 else 0.0
+            sign = z * (1.5 - 0.5 * z * z)
+            turn = 1.5 * (1.0 - z * z) / soft_speed[k] * inside
+            direction = 1.0 if x >= 0.0 else -1.0
+            force[f] -= torque * sign
+            force_rate[f] -= (
+                slope * direction / load_speed[k] * sign + torque * turn
+            ) * acceleration[f]
+    for k in range(len(timed_force)):
+        n = timed_count[k]
+        f = timed_force[k]
+        if t >= times[k, n - 1]:
+            force[f] += torques[k, n - 1]
+        elif t >= times[k, 0]:
+            low, high = 0, n - 1
+            while high - low > 1:
+                middle = (low + high) // 2
+                if times[k, middle] <= t:
+                    low = middle
+                else:
+                    high = middle
+            slope = (torques[k, low + 1] - torques[k, low]) / (times[k, low + 1] - times[k, low])
+            force[f] += torques[k, low] + slope * (t - times[k, low])
+            force_rate[f] += slope
+
+
+@njit(cache=True, fastmath={"reassoc", "contract", "nsz"})
+def advance_start(
+    n_steps: int,
+    h: float,
+    t: float,
+    target_speed: float,
+    free: Floats,
+    forced: Floats,
+    stiffness: Floats,
+    rate: Floats,
+    reach: Floats,
+    mean_speed: Floats,
+    curves: tuple[Floats, Floats, Any],
+    motors: tuple[Any, Any, Any, Floats, Floats, float],
+    loads: tuple[Any, Any, Floats, Floats],
+    timed: tuple[Any, Floats, Floats, Any],
+    q: Floats,
+    v: Floats,
+    phase: Floats,
+    force: Floats,
+    force_rate: Floats,
+    out_q: Floats,
+    out_v: Floats,
+    out_f: Floats,
+    out_fr: Floats,
+) -> tuple[int, int]:
+    """Up to `n_steps` steps of one start; stops at the step in which the mean speed is reached.
+
+    free, forced and reach are (2, 2, n_modes), (2, 4, n_modes) and (n_forces, n_modes): the modes
+    run along the last axis so that the compiler can take several at once. q, v, phase, force and
+    force_rate are the state and are updated in place; the out_ arrays receive the state after
+    each step. Returns the number of steps done and PENDING or REACHED.
+    """
+    nf, n = reach.shape
+    base_q, base_v = np.empty(n), np.empty(n)
+    u1, r1 = np.empty(n), np.empty(n)
+    q1, v1, a1 = np.empty(n), np.empty(n), np.empty(n)
+    f1, fr1 = np.empty(nf), np.empty(nf)
+    speed, acceleration = np.empty(nf), np.empty(nf)
+    phase1 = np.empty(len(phase))
+    motor_force, pole_pairs, line_omega = motors[0], motors[4], motors[5]
+    for k in range(n_steps):
+        for i in range(n):
+            u1[i], r1[i] = 0.0, 0.0
+        for f in range(nf):
+            for i in range(n):
+                u1[i] += reach[f, i] * force[f]
+                r1[i] += reach[f, i] * force_rate[f]
+        for i in range(n):  # what does not depend on the end of the step
+            base_q[i] = (
+                free[0, 0, i] * q[i]
+                + free[0, 1, i] * v[i]
+                + forced[0, 0, i] * u1[i]
+                + forced[0, 1, i] * r1[i]
+            )
+            base_v[i] = (
+                free[1, 0, i] * q[i]
+                + free[1, 1, i] * v[i]
+                + forced[1, 0, i] * u1[i]
+                + forced[1, 1, i] * r1[i]
+            )
+            u1[i] += h * r1[i]
+        for _ in range(2):  # predict and evaluate, correct and evaluate
+            for i in range(n):
+                q1[i] = base_q[i] + forced[0, 2, i] * u1[i] + forced[0, 3, i] * r1[i]
+                v1[i] = base_v[i] + forced[1, 2, i] * u1[i] + forced[1, 3, i] * r1[i]
+                a1[i] = u1[i] - rate[i] * v1[i] - stiffness[i] * q1[i]
+            for f in range(nf):
+                x, y = 0.0, 0.0
+                for i in range(n):
+                    x += reach[f, i] * v1[i]
+                    y += reach[f, i] * a1[i]
+                speed[f], acceleration[f] = x, y
+            for m in range(len(phase)):
+                turned = 0.0
+                for i in range(n):
+                    turned += reach[motor_force[m], i] * (q1[i] - q[i])
+                phase1[m] = phase[m] + 2.0 * (line_omega * h - pole_pairs[m] * turned)
+            start_forces(t + h, phase1, speed, acceleration, curves, motors, loads, timed, f1, fr1)
+            for i in range(n):
+                u1[i], r1[i] = 0.0, 0.0
+            for f in range(nf):
+                for i in range(n):
+                    u1[i] += reach[f, i] * f1[f]
+                    r1[i] += reach[f, i] * fr1[f]
+        t += h
+        mean = 0.0
+        for i in range(n):
+            q[i], v[i] = q1[i], v1[i]
+            out_q[k, i], out_v[k, i] = q1[i], v1[i]
+            mean += mean_speed[i] * v1[i]
+        for m in range(len(phase)):
+            phase[m] = phase1[m] % (2.0 * np.pi)
+        for f in range(nf):
+            force[f], force_rate[f] = f1[f], fr1[f]
+            out_f[k, f], out_fr[k, f] = f1[f], fr1[f]
+        if mean >= target_speed:
+            return k + 1, REACHED
+    return n_steps, PENDING
+
+
+@njit(cache=True)
+def drive_modes(
+    free: Floats, forced: Floats, cubic: Floats, q: Floats, v: Floats, out_q: Floats, out_v: Floats
+) -> None:
+    """Uncoupled modes under prescribed modal forces, cubic[k, i, :] in s over step k."""
+    for k in range(cubic.shape[0]):
+        for i in range(len(q)):
+            c = cubic[k, i]
+            x = free[i, 0, 0] * q[i] + free[i, 0, 1] * v[i]
+            y = free[i, 1, 0] * q[i] + free[i, 1, 1] * v[i]
+            for j in range(4):
+                x += forced[i, 0, j] * c[j]
+                y += forced[i, 1, j] * c[j]
+            q[i], v[i] = x, y
+            out_q[k, i], out_v[k, i] = x, y
+
+
+@njit(cache=True)
+def drive_coupled(free: Floats, forced: Floats, cubic: Floats, state: Floats, out: Floats) -> None:
+    """A coupled linear system under prescribed forces; forced has shape (n_state, n_modes, 4)."""
+    n_state, n_modes = forced.shape[0], forced.shape[1]
+    new = np.empty(n_state)
+    for k in range(cubic.shape[0]):
+        for i in range(n_state):
+            x = 0.0
+            for j in range(n_state):
+                x += free[i, j] * state[j]
+            for j in range(n_modes):
+                for p in range(4):
+                    x += forced[i, j, p] * cubic[k, j, p]
+            new[i] = x
+        for i in range(n_state):
+            state[i] = new[i]
+            out[k, i] = new[i]
+
+
+@njit(cache=True)
+def turning_points(t: Floats, y: Floats, slope: Floats) -> tuple[Floats, Floats]:
+    """Times and values of all turning points of a piecewise cubic Hermite curve."""
+    n = len(t)
+    when, value = np.empty(2 * n), np.empty(2 * n)
+    found = 0
+    for i in range(n - 1):
+        h = t[i + 1] - t[i]
+        if h <= 0.0:
+            continue
+        d0, d1 = h * slope[i], h * slope[i + 1]
+        rise = y[i + 1] - y[i]
+        # derivative of the Hermite cubic: d0 + b s + c s²
+        b = 6.0 * rise - 4.0 * d0 - 2.0 * d1
+        c = 3.0 * (d0 + d1) - 6.0 * rise
+        disc = b * b - 4.0 * c * d0
+        if disc <= 0.0:
+            continue
+        root = np.sqrt(disc)
+        w = -0.5 * (b + root) if b >= 0.0 else -0.5 * (b - root)
+        s1 = d0 / w if w != 0.0 else -1.0
+        s2 = w / c if c != 0.0 else -1.0
+        if s1 > s2:
+            s1, s2 = s2, s1
+        for s in (s1, s2):
+            if 0.0 < s <= 1.0 or (s == 0.0 and i == 0):
+                when[found] = t[i] + s * h
+                value[found] = y[i] + s * (d0 + s * (0.5 * b + s * c / 3.0))
+                found += 1
+    return when[:found].copy(), value[:found].copy()
