@@ -13,11 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.margins import percent_speed
 from engine.modal import ModalDamping, Modes
 from engine.startup import Start
 from engine.train import Train
 
-__all__ = ["Crossing", "percent_speed", "start_crossings"]
+__all__ = ["Crossing", "start_crossings"]
 
 Floats = NDArray[np.float64]
 
@@ -75,28 +76,6 @@ class Crossing:
     peak_to_peak_stress: float | None
     mesh_minimum_torque: float | None
     note: str
-
-
-def percent_speed(frequency: float, line_frequency: float) -> float | None:
-    """Speed at which 2 × slip frequency equals a natural frequency.
-
-    100 (1 − f / 2 f_line), the column of the paper's Table 1.
-
-    Parameters
-    ----------
-    frequency : float
-        Natural frequency. [Hz]
-    line_frequency : float
-        Line frequency. [Hz]
-
-    Returns
-    -------
-    float or None
-        Per cent of synchronous speed; None for a frequency above twice line frequency. [%]
-    """
-    if frequency > 2.0 * line_frequency:
-        return None
-    return 100.0 * (1.0 - frequency / (2.0 * line_frequency))
 
 
 def start_crossings(

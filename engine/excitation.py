@@ -259,7 +259,7 @@ def _referred_loads(case: CaseData, train: Train, warnings: list[str]) -> Floats
     n = train.n_stations
     ratio = train.speed_ratio[:n]
     if any(s.running_load is not None for s in case.stations):
-        return ratio * np.array([s.running_load or 0.0 for s in case.stations])
+        return np.array([s.running_load or 0.0 for s in case.stations]) * ratio
     highest = np.zeros(n)
     top = dict.fromkeys(range(n), -math.inf)
     for point in case.load_torque:

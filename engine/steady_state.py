@@ -8,7 +8,9 @@ modes. Angles θ and element torques τ are unknowns together, in the incidence 
 scaled by √m, √k and ω, so that a rigid link beside a soft coupling costs no digits: the torque
 of a stiff link comes from equilibrium, not from the difference of two nearly equal angles. Element
 loss factors η and dampers c enter as they are; only the stated modal damping (DampingRatio,
-ModeDamping) enters through the modes, C = M Φ diag(2ζω) Φᵀ M.
+ModeDamping) enters through the modes, C = M Φ diag(2ζω) Φᵀ M. With the modal coordinates taken
+from the twists, ω φᵀ M θ = tᵀ(τ/κ)/ω, t the row torques of the mode, no mode, however stiff, has
+an entry above 2ζ.
 
 Torques are zero-to-peak, at the speed of their own element (a mesh: From side), and include the
 element's damping torque. Time dependence e^{iωt}.
@@ -150,7 +152,7 @@ def harmonic_response(
     undamped = _undamped(train, modes, stated)
     used = _beside_resonance(modes, undamped, w)
     solution = _solve(train, modes, stated, used, _dof_force(train, columns))
-    torques = _element_torque(train, modes, stated, used, solution, columns)
+    torques = _element_torque(train, modes, used, solution, columns)
     scale = train.node_scale[: train.n_stations, None, None]
     angles = scale * solution.angle[train.node_dof[: train.n_stations]]
     for i in np.flatnonzero(used != w).tolist():
@@ -162,10 +164,11 @@ def harmonic_response(
 
 @dataclass(frozen=True, eq=False)
 class _Solution:
-    """Unknowns of the mixed system: angles (n_dof, n_loads, n_freq), torques (n_rows, …)."""
+    """Unknowns of the mixed system, and Φᵀ C θ / iω: each shape (n_…, n_loads, n_freq)."""
 
-    angle: Complexes
-    torque: Complexes
+    angle: Complexes  # of the degrees of freedom
+    torque: Complexes  # of the rows
+    damping: Complexes  # Σ 2ζω q of the stated damping, of the modes
 
 
 def _dof_force(train: Train, columns: Complexes) -> Complexes:
@@ -207,19 +210,17 @@ def _solve(
     train: Train, modes: Modes, stated: Floats, omega: Floats, force: Complexes
 ) -> _Solution:
     """The mixed system at every frequency, in batches."""
-    n, n_rows, n_loads = train.n_dof, train.n_rows, force.shape[1]
-    angle = np.empty((n, n_loads, len(omega)), dtype=complex)
-    torque = np.empty((n_rows, n_loads, len(omega)), dtype=complex)
-    size = max(1, BATCH // max(1, (n + n_rows) ** 2))
-    for start in range(0, len(omega), size):
-        some = slice(start, start + size)
-        angle[..., some], torque[..., some] = _solve_batch(train, modes, stated, omega[some], force)
-    return _Solution(angle, torque)
+    size = max(1, BATCH // (train.n_dof + train.n_rows) ** 2)
+    parts = [
+        _solve_batch(train, modes, stated, omega[start : start + size], force)
+        for start in range(0, len(omega), size)
+    ]
+    return _Solution(*(np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)))
 
 
 def _solve_batch(
     train: Train, modes: Modes, stated: Floats, omega: Floats, force: Complexes
-) -> tuple[Complexes, Complexes]:
+) -> tuple[Complexes, Complexes, Complexes]:
     """One batch of the mixed system, all of it dimensionless.
 
     Unknowns are w √m θ and τ/(g h) with w = ω, g = √|κ|, κ = k(1+iη) + iωc and h the factor that
@@ -228,39 +229,36 @@ def _solve_batch(
     n, n_rows = train.n_dof, train.n_rows
     root_mass = np.sqrt(train.inertia)
     w = np.where(omega > 0.0, omega, max(float(np.max(modes.omega)), 1.0))[:, None]
-    kappa = train.stiffness * (1.0 + 1j * train.loss_factor) + 1j * omega[:, None] * train.viscous
+    rate = 1j * omega[:, None]
+    kappa = train.stiffness * (1.0 + 1j * train.loss_factor) + rate * train.viscous
     size = np.abs(kappa)
     g = np.sqrt(size)
-    phase = np.where(size > 0.0, size / np.where(size > 0.0, kappa, 1.0), 1.0)
     D = (g / w)[:, :, None] * (train.incidence / root_mass)
     h = 1.0 / np.maximum(1.0, np.max(np.abs(D), axis=2, initial=0.0))
     D *= h[:, :, None]
+    flexible = np.where(size > 0.0, 1.0 / np.where(size > 0.0, kappa, 1.0), 0.0)
+    damping = 2.0 * stated / np.where(modes.omega > 0.0, modes.omega, 1.0)
     A = np.zeros((len(omega), n + n_rows, n + n_rows), dtype=complex)
-    if np.any(stated):
-        U = root_mass[:, None] * modes.shape
-        C = (U * (2.0 * stated * modes.omega)) @ U.T
-        A[:, :n, :n] = (1j * omega[:, None] / w**2)[:, :, None] * C
     dof, row = np.arange(n), np.arange(n, n + n_rows)
-    ground = train.ground_damping / train.inertia
-    A[:, dof, dof] += (1j * omega[:, None] * ground - omega[:, None] ** 2) / w**2
+    A[:, dof, dof] = (rate * (train.ground_damping / train.inertia) - omega[:, None] ** 2) / w**2
     A[:, n:, :n] = D
     A[:, :n, n:] = D.transpose(0, 2, 1)
-    A[:, row, row] = -(h**2) * phase
+    A[:, row, row] = np.where(size > 0.0, -(h**2) * size * flexible, -1.0)
+    if np.any(stated):
+        by_row = (root_mass[:, None] * modes.shape * damping) @ modes.row_torque.T
+        A[:, :n, n:] += (rate / w)[:, :, None] * by_row * (flexible * g * h)[:, None, :]
     b = np.zeros((len(omega), n + n_rows, force.shape[1]), dtype=complex)
     b[:, :n] = force / root_mass[:, None] / w[:, :, None]
-    x = np.linalg.solve(A, b)
-    angle = x[:, :n] / (w * root_mass)[:, :, None]
-    torque = (g * h)[:, :, None] * x[:, n:]
-    return np.moveaxis(angle, 0, -1), np.moveaxis(torque, 0, -1)
+    x = np.moveaxis(np.linalg.solve(A, b), 0, -1)
+    angle = x[:n] / (root_mass[:, None] * w[:, 0])[:, None]
+    torque = x[n:] * (g * h).T[:, None]
+    twist = torque * flexible.T[:, None]
+    modal = (damping * modes.row_torque).T @ twist.reshape(n_rows, -1)
+    return angle, torque, modal.reshape(-1, *twist.shape[1:])
 
 
 def _element_torque(
-    train: Train,
-    modes: Modes,
-    stated: Floats,
-    omega: Floats,
-    solution: _Solution,
-    columns: Complexes,
+    train: Train, modes: Modes, omega: Floats, solution: _Solution, columns: Complexes
 ) -> Complexes:
     """Torque of each element, shape (n_elements, n_loads, n_freq)."""
     shape = (len(train.elements), *solution.torque.shape[1:])
@@ -273,10 +271,7 @@ def _element_torque(
             largest = np.argmax(np.abs(rows), axis=0)[None]
             torque[element] = np.take_along_axis(rows, largest, axis=0)[0]
     if train.rigid_meshes:
-        modal = modes.shape.T @ (
-            train.inertia[:, None] * solution.angle.reshape(train.n_dof, -1)
-        )  # modal coordinates, for the stated damping
-        damping = (modes.shape * (2.0 * stated * modes.omega)) @ modal
+        damping = modes.shape @ solution.damping.reshape(modes.n_modes, -1)
         damping = damping.reshape(solution.angle.shape)
         inertial = -(omega**2) * solution.angle + 1j * omega * damping
         viscous = 1j * omega * solution.angle
@@ -285,7 +280,7 @@ def _element_torque(
             torque[mesh.element] = _mesh_torque(
                 train, mesh.from_ratio, nodes, (inertial, viscous), solution.torque, columns
             )
-    return torque * train.orientation[:, None, None]
+    return np.asarray(torque * train.orientation[:, None, None], dtype=np.complex128)
 
 
 def _mesh_torque(
@@ -333,12 +328,15 @@ def _mark_unbounded(
     angles[_takes_part(shape, drive, columns, shape)] = np.inf
     if omega == 0.0:
         return  # a rigid mode twists nothing
-    motion = _Solution(modes.shape[:, near][..., None], modes.row_torque[:, near][..., None])
-    # one load of zero torque: the torques of the modes themselves
-    none = np.zeros((n, near.sum()), dtype=complex)
-    resonance = np.array([float(modes.omega[near][0])])
-    zero = np.zeros(modes.n_modes)
-    mode_torque = _element_torque(train, modes, zero, resonance, motion, none)[..., 0]
+    # the torques of the modes themselves: as many loads of zero torque
+    count = int(near.sum())
+    motion = _Solution(
+        modes.shape[:, near][..., None].astype(complex),
+        modes.row_torque[:, near][..., None].astype(complex),
+        np.zeros((modes.n_modes, count, 1), dtype=complex),
+    )
+    none = np.zeros((n, count), dtype=complex)
+    mode_torque = _element_torque(train, modes, modes.omega[near][:1], motion, none)[..., 0]
     torques[_takes_part(mode_torque, drive, columns, shape)] = np.inf
 
 

@@ -1,0 +1,199 @@
+"""The checks at a glance: margin, steady-state stress, start, peaks, reversal, yield, starts.
+
+Each verdict is ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``; the worst
+of them is the first row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from engine.case import CaseData
+from engine.excitation import Excitation
+from engine.fatigue import AllowableStarts
+from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
+from engine.startup import Start
+from engine.steady_state import SteadyState
+from engine.validation import GEAR_MESH
+
+__all__ = ["Verdict", "verdicts_of"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One check.
+
+    Parameters
+    ----------
+    check : str
+        What was checked. [name]
+    result, limit : float, str or None
+        What was found and what is allowed. [SI, in the dimension named]
+    dimension : str
+        ``ratio``, ``stress``, ``torque``, ``count`` or ``text``. [word]
+    verdict : str
+        ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``. [word]
+    where : str
+        Mode, element or shaft that governs. [names]
+    """
+
+    check: str
+    result: float | str | None
+    limit: float | str | None
+    dimension: str
+    verdict: str
+    where: str
+
+
+def verdicts_of(
+    case: CaseData,
+    excitations: tuple[Excitation, ...],
+    margins: SeparationMargins,
+    steady: SteadyState,
+    start: Start | None,
+    starts: AllowableStarts | None,
+) -> tuple[Verdict, ...]:
+    """All checks, the overall one first.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    excitations : tuple of Excitation
+        What shakes the train. [SI]
+    margins : SeparationMargins
+        Judged margins. [1]
+    steady : SteadyState
+        Forced response. [SI]
+    start : Start or None
+        The start. [SI]
+    starts : AllowableStarts or None
+        Fatigue. [1]
+
+    Returns
+    -------
+    tuple of Verdict
+        One a check. [rows]
+    """
+    checks = [_margin(margins), *_steady(steady)]
+    if start is not None:
+        checks += [_outcome(start), *_peak_limits(case, start), *_reversal(case, start)]
+    checks += [*_yield(case, starts), *_starts(case, starts)]
+    found = {c.verdict for c in checks}
+    worst = next((v for v in (FAIL, ACCEPTED, PASS) if v in found), NOT_JUDGED)
+    failing = ", ".join(c.check for c in checks if c.verdict == FAIL)
+    where = f"see {failing}" if failing else ""
+    return (Verdict("Overall", None, None, "text", worst, where), *checks)
+
+
+def _margin(margins: SeparationMargins) -> Verdict:
+    name = "Separation margin"
+    if not margins.rows:
+        return Verdict(name, None, None, "ratio", NOT_JUDGED, "")
+    order = {FAIL: 0, ACCEPTED: 1, PASS: 2}
+    row = min(margins.rows, key=lambda r: (order.get(r.verdict, 0), r.margin))
+    where = f"mode {row.mode} ({row.mode_frequency:.4g} Hz) against {row.excitation}"
+    return Verdict(name, row.margin, row.required, "ratio", row.verdict, where)
+
+
+def _steady(steady: SteadyState) -> Iterator[Verdict]:
+    judged = [r for r in steady.rows if r.allowable is not None]
+    if any(r.verdict == UNBOUNDED for r in steady.rows):
+        row = next(r for r in steady.rows if r.verdict == UNBOUNDED)
+        where = f"{row.excitation} at {row.frequency:.4g} Hz: no damping at a resonance"
+        yield Verdict("Steady-state response", UNBOUNDED, None, "text", FAIL, where)
+    finite = [r for r in judged if r.zero_to_peak_stress is not None]
+    if finite:
+        row = max(finite, key=lambda r: (r.peak_to_peak_stress or 0.0) / (r.allowable or 1.0))
+        peak = row.peak_to_peak_stress
+        if steady.stress_basis == "zero-to-peak":
+            peak = row.zero_to_peak_stress
+        where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
+        name = f"Steady-state stress, {steady.stress_basis}"
+        yield Verdict(name, peak, row.allowable, "stress", row.verdict, where)
+    limited = [r for r in steady.rows if r.torque_limit is not None and r.torque is not None]
+    if limited:
+        row = max(limited, key=lambda r: (r.torque or 0.0) / (r.torque_limit or 1.0))
+        where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
+        verdict = PASS if (row.torque or 0.0) <= (row.torque_limit or 0.0) else FAIL
+        yield Verdict("Vibratory torque", row.torque, row.torque_limit, "torque", verdict, where)
+
+
+#: Verdict on each outcome of a start; an asynchronous end is a matter of pull-in, not judged here.
+OUTCOME_VERDICTS = {"reached": PASS, "asynchronous": NOT_JUDGED, "completed": NOT_JUDGED}
+
+
+def _outcome(start: Start) -> Verdict:
+    o = start.outcome
+    return Verdict(
+        "Start", o.outcome, "reached", "text", OUTCOME_VERDICTS.get(o.outcome, FAIL), o.sentence
+    )
+
+
+def _peak_limits(case: CaseData, start: Start) -> Iterator[Verdict]:
+    limits = {e.element: e.peak_torque_limit for e in case.elements if e.peak_torque_limit}
+    rows = [
+        (max(abs(p.maximum), abs(p.minimum)), limits[p.element], p.element)
+        for p in start.peaks
+        if p.element in limits
+    ]
+    if rows:
+        torque, limit, element = max(rows, key=lambda r: r[0] / (r[1] or 1.0))
+        verdict = PASS if torque <= (limit or 0.0) else FAIL
+        yield Verdict("Peak torque", torque, limit, "torque", verdict, element)
+
+
+def _reversal(case: CaseData, start: Start) -> Iterator[Verdict]:
+    """Lowest torque of the meshes, and of every element that states a reversal limit."""
+    limits = {
+        e.element: e.reversal_limit
+        for e in case.elements
+        if e.kind == GEAR_MESH or e.reversal_limit is not None
+    }
+    for p in start.peaks:
+        if p.element not in limits:
+            continue
+        limit = limits[p.element]
+        lowest = None if limit is None else -limit
+        verdict = NOT_JUDGED
+        if limit is not None:
+            verdict = PASS if p.minimum >= -limit else FAIL
+        elif p.minimum >= 0.0:
+            verdict = PASS
+        said = "stays positive" if p.minimum >= 0.0 else "reverses"
+        where = f"{p.element}: torque {said}"
+        yield Verdict("Torque reversal", p.minimum, lowest, "torque", verdict, where)
+
+
+def _yield(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:
+    strength = {m.material: m.yield_ for m in case.materials}
+    material = {e.element: e.material for e in case.elements}
+    rows = []
+    for shaft in starts.shafts if starts else ():
+        limit = strength.get(material.get(shaft.element))
+        if limit:
+            rows.append((shaft.peak_nominal_stress, 0.5 * limit, shaft.element))
+    if rows:
+        stress, limit, element = max(rows, key=lambda r: r[0] / r[1])
+        verdict = PASS if stress <= limit else FAIL
+        yield Verdict("Shear yield in the start", stress, limit, "stress", verdict, element)
+
+
+def _starts(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:
+    if starts is None or not starts.shafts:
+        yield Verdict("Allowable starts", None, case.starts_required, "count", NOT_JUDGED, "")
+        return
+    required = case.starts_required
+    if starts.judged_starts is None:
+        verdict = PASS if required is not None else NOT_JUDGED
+        yield Verdict("Allowable starts", "unlimited", required, "count", verdict, "")
+        return
+    where = starts.governing or ""
+    verdict = NOT_JUDGED
+    if required is not None:
+        verdict = PASS if starts.judged_starts >= required else FAIL
+    above = [s.element for s in starts.shafts if s.above_first_point]
+    if above and verdict == PASS:
+        verdict, where = NOT_JUDGED, f"{where}; cycles above the first S-N point: {above[0]}"
+    yield Verdict("Allowable starts", starts.judged_starts, required, "count", verdict, where)
