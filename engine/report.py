@@ -1,7 +1,7 @@
 """Results as the result tables of the contract: rows of plain values under their JSON keys.
 
-SI throughout; the few columns whose name carries another unit (CPM, Percent speed) are in that
-unit. None stands for blank. Workbook and JSON are both written from these rows.
+SI throughout, percentages as fractions (also `percent_speed`); CPM alone is in the unit of its name.
+None stands for blank. Workbook and JSON are both written from these rows.
 """
 
 from __future__ import annotations
@@ -41,7 +41,9 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         "SeparationMargins": [_margin_row(r) for r in results.margins.rows],
         "SteadyState": [asdict(r) for r in results.steady.rows],
         "StartupPeaks": _peaks(results),
-        "StartupCrossings": [asdict(c) for c in results.crossings],
+        "StartupCrossings": [
+            asdict(c) | {"percent_speed": _fraction(c.percent_speed)} for c in results.crossings
+        ],
         "AllowableStarts": _starts(results),
     }
 
@@ -62,6 +64,10 @@ def start_summary(results: Results) -> Row | None:
     return asdict(results.start.outcome) if results.start is not None else None
 
 
+def _fraction(percent: float | None) -> float | None:
+    return None if percent is None else percent / 100.0
+
+
 def _frequencies(results: Results) -> list[Row]:
     modes, line = results.modes, results.case.ratings.line_frequency
     rows = []
@@ -75,7 +81,7 @@ def _frequencies(results: Results) -> list[Row]:
                 "mode": r - modes.n_rigid + 1 if elastic else 0,
                 "frequency": f,
                 "cpm": 60.0 * f,
-                "percent_speed": percent_speed(f, line) if line and elastic else None,
+                "percent_speed": _fraction(percent_speed(f, line)) if line and elastic else None,
                 "damping_ratio": float(results.damping.ratio[r]) if elastic else None,
                 "largest_strain_energy": results.train.elements[top] if elastic else None,
                 "share": float(share[top]) if elastic else None,
@@ -121,7 +127,7 @@ def _peaks(results: Results) -> list[Row]:
                 "peak_to_peak_torque": p.peak_to_peak,
                 "peak_to_peak_stress": stress,
                 "time": p.time,
-                "percent_speed": 100.0 * p.speed / synchronous if synchronous else None,
+                "percent_speed": p.speed / synchronous if synchronous else None,
                 "error": p.relative_error,
             }
         )

@@ -225,6 +225,7 @@ def _solve_batch(
 
     Unknowns are w √m θ and τ/(g h) with w = ω, g = √|κ|, κ = k(1+iη) + iωc and h the factor that
     brings the largest entry of a stiff row to one; equations are divided by w √m and by g.
+    One step of iterative refinement follows (Skeel, Math. Comp. 35 (1980) 817-832).
     """
     n, n_rows = train.n_dof, train.n_rows
     root_mass = np.sqrt(train.inertia)
@@ -249,12 +250,14 @@ def _solve_batch(
         A[:, :n, n:] += (rate / w)[:, :, None] * by_row * (flexible * g * h)[:, None, :]
     b = np.zeros((len(omega), n + n_rows, force.shape[1]), dtype=complex)
     b[:, :n] = force / root_mass[:, None] / w[:, :, None]
-    x = np.moveaxis(np.linalg.solve(A, b), 0, -1)
+    x = np.linalg.solve(A, b)
+    x += np.linalg.solve(A, b - A @ x)
+    x = np.moveaxis(x, 0, -1)
     angle = x[:n] / (root_mass[:, None] * w[:, 0])[:, None]
     torque = x[n:] * (g * h).T[:, None]
     twist = torque * flexible.T[:, None]
-    modal = (damping * modes.row_torque).T @ twist.reshape(n_rows, -1)
-    return angle, torque, modal.reshape(-1, *twist.shape[1:])
+    modal = np.tensordot((damping * modes.row_torque).T, twist, axes=1)
+    return angle, torque, modal
 
 
 def _element_torque(
@@ -271,8 +274,7 @@ def _element_torque(
             largest = np.argmax(np.abs(rows), axis=0)[None]
             torque[element] = np.take_along_axis(rows, largest, axis=0)[0]
     if train.rigid_meshes:
-        damping = modes.shape @ solution.damping.reshape(modes.n_modes, -1)
-        damping = damping.reshape(solution.angle.shape)
+        damping = np.tensordot(modes.shape, solution.damping, axes=1)
         inertial = -(omega**2) * solution.angle + 1j * omega * damping
         viscous = 1j * omega * solution.angle
         for mesh in train.rigid_meshes:
@@ -561,7 +563,9 @@ def _rows(
     excitation, mode = what
     applied = np.array([p.torque for p in places])
     columns = [stations.index(p.station) for p in places]
-    torque = (magnitude[:, columns] * applied[:, None]).reshape(len(magnitude), -1)
+    torque = (magnitude[:, columns] * applied[:, None]).reshape(
+        len(magnitude), len(places) * len(frequency)
+    )
     worst = np.argmax(torque, axis=1)
     largest = torque[np.arange(len(torque)), worst]
     rows = []

@@ -31,7 +31,7 @@ class Verdict:
     result, limit : float, str or None
         What was found and what is allowed. [SI, in the dimension named]
     dimension : str
-        ``ratio``, ``stress``, ``torque``, ``count`` or ``text``. [word]
+        ``fraction``, ``pressure``, ``torque``, ``count`` or ``text``. [word]
     verdict : str
         ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``. [word]
     where : str
@@ -90,11 +90,11 @@ def verdicts_of(
 def _margin(margins: SeparationMargins) -> Verdict:
     name = "Separation margin"
     if not margins.rows:
-        return Verdict(name, None, None, "ratio", NOT_JUDGED, "")
+        return Verdict(name, None, None, "fraction", NOT_JUDGED, "")
     order = {FAIL: 0, ACCEPTED: 1, PASS: 2}
     row = min(margins.rows, key=lambda r: (order.get(r.verdict, 0), r.margin))
     where = f"mode {row.mode} ({row.mode_frequency:.4g} Hz) against {row.excitation}"
-    return Verdict(name, row.margin, row.required, "ratio", row.verdict, where)
+    return Verdict(name, row.margin, row.required, "fraction", row.verdict, where)
 
 
 def _steady(steady: SteadyState) -> Iterator[Verdict]:
@@ -111,7 +111,7 @@ def _steady(steady: SteadyState) -> Iterator[Verdict]:
             peak = row.zero_to_peak_stress
         where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
         name = f"Steady-state stress, {steady.stress_basis}"
-        yield Verdict(name, peak, row.allowable, "stress", row.verdict, where)
+        yield Verdict(name, peak, row.allowable, "pressure", row.verdict, where)
     limited = [r for r in steady.rows if r.torque_limit is not None and r.torque is not None]
     if limited:
         row = max(limited, key=lambda r: (r.torque or 0.0) / (r.torque_limit or 1.0))
@@ -177,7 +177,7 @@ def _yield(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:
     if rows:
         stress, limit, element = max(rows, key=lambda r: r[0] / r[1])
         verdict = PASS if stress <= limit else FAIL
-        yield Verdict("Shear yield in the start", stress, limit, "stress", verdict, element)
+        yield Verdict("Shear yield in the start", stress, limit, "pressure", verdict, element)
 
 
 def _starts(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:

@@ -4,9 +4,9 @@ One mode obeys q̈ + d q̇ + λ q = u. Over a step the force is the cubic Hermit
 its values and rates at both ends; the step then is one linear map, so stiffness sets no limit on
 the step and the only error is that of the force between samples, of fourth order.
 
-The coefficients come from the particular polynomial solution plus the free motion where λh² is
-large, and from a 6 × 6 matrix exponential where it is small (there the polynomial solution would
-cancel; a rigid mode has λ = 0).
+The coefficients come from the free motion by recurrence where λh² is large, from φ functions where
+the mode is over-damped, and from a 6 × 6 matrix exponential where λh² is small (there the
+recurrence would cancel; a rigid mode has λ = 0).
 
 References
 ----------
@@ -15,6 +15,8 @@ Hochbruck & Ostermann, "Exponential integrators", Acta Numerica 19 (2010), sec. 
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +30,17 @@ Floats = NDArray[np.float64]
 HERMITE = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [-3.0, -2.0, 3.0, -1.0], [2.0, 1.0, -2.0, 1.0]]
 )
+
+_FACTORIAL = np.array([1.0, 1.0, 2.0, 6.0])
+#: Up to this λh² the matrix exponential is used.
+SMALL = 4.0
+
+
+def _roots(L: Floats, a: Floats) -> tuple[Floats, Floats]:
+    """Magnitudes of the slow and the fast real exponent where a² > L (a = dh/2), else a and a."""
+    gamma = np.sqrt(np.maximum(a * a - L, 0.0))
+    fast = a + gamma  # the slow one without cancellation: L / fast
+    return np.where(fast > 0.0, L / np.where(fast > 0.0, fast, 1.0), 0.0), fast
 
 
 def free_motion(stiffness: Floats, rate: Floats, h: float) -> Floats:
@@ -48,39 +61,76 @@ def free_motion(stiffness: Floats, rate: Floats, h: float) -> Floats:
         Map of (q, h q̇) at the start to (q, h q̇) at the end. [1]
     """
     L, a = stiffness * h * h, 0.5 * rate * h
-    under = L >= a * a
-    beta = np.sqrt(np.where(under, L - a * a, 0.0))
-    gamma = np.sqrt(np.where(under, 0.0, a * a - L))
-    # over-damped: γ − a = −L/(γ + a) keeps the slow exponent's digits
-    slow = np.exp(-L / np.where(gamma + a > 0.0, gamma + a, 1.0))
-    fast = np.exp(-(gamma + a))
-    cosine = np.where(under, np.exp(-a) * np.cos(beta), 0.5 * (slow + fast))
-    sine = np.where(
-        under,
-        np.exp(-a) * np.sinc(beta / np.pi),
-        0.5 * (slow - fast) / np.where(gamma > 0.0, gamma, 1.0),
-    )
+    beta = np.sqrt(np.maximum(L - a * a, 0.0))
+    gamma = np.sqrt(np.maximum(a * a - L, 0.0))
+    decay, gentle = np.exp(-a), np.minimum(gamma, 1.0)
+    # one branch of each pair is trivial: β = 0 over-damped, γ = 0 under-damped
+    cosine = decay * np.cos(beta) * np.cosh(gentle)
+    bend = np.where(gentle > 0.0, np.sinh(gentle) / np.where(gentle > 0.0, gentle, 1.0), 1.0)
+    sine = decay * np.sinc(beta / np.pi) * bend
     out = np.empty((len(L), 2, 2))
     out[:, 0, 0] = cosine + a * sine
     out[:, 0, 1] = sine
     out[:, 1, 0] = -L * sine
     out[:, 1, 1] = cosine - a * sine
+    apart = gamma >= 1.0  # two real exponentials that do not cancel
+    if np.any(apart):
+        slow, fast = _roots(L[apart], a[apart])
+        late, early = np.exp(-slow), np.exp(-fast)
+        gap = fast - slow
+        out[apart, 0, 0] = (fast * late - slow * early) / gap
+        out[apart, 0, 1] = (late - early) / gap
+        out[apart, 1, 0] = -L[apart] * (late - early) / gap
+        out[apart, 1, 1] = (fast * early - slow * late) / gap
     return out
 
 
 def _large(L: Floats, D: Floats, free: Floats) -> Floats:
-    """Response to s⁰…s³ from rest where L = λh² is not small, shape (n, 2, 4)."""
+    """Response to s⁰…s³ from rest where L = λh² is not small, shape (n, 2, 4).
+
+    The equation itself links the responses x_j to s^j / j!: x_{j−2} + D x_{j−1} + L x_j = 1 / j!,
+    with x_{−1}, x_{−2} the response to an impulse and its rate.
+    """
+    before, last = free[:, 1, 1], free[:, 0, 1]
     response = np.zeros((len(L), 2, 4))
     for j in range(4):
-        a = np.zeros((5 + 1, len(L)))  # particular polynomial a₀ + a₁ s + a₂ s² + a₃ s³
-        for i in range(3, -1, -1):
-            right = (1.0 if i == j else 0.0) - D * (i + 1) * a[i + 1] - (i + 2) * (i + 1) * a[i + 2]
-            a[i] = right / L
-        end = a[0] + a[1] + a[2] + a[3]
-        slope = a[1] + 2.0 * a[2] + 3.0 * a[3]
-        response[:, 0, j] = end - free[:, 0, 0] * a[0] - free[:, 0, 1] * a[1]
-        response[:, 1, j] = slope - free[:, 1, 0] * a[0] - free[:, 1, 1] * a[1]
+        response[:, 1, j] = _FACTORIAL[j] * last
+        before, last = last, (1.0 / _FACTORIAL[j] - D * last - before) / L
+        response[:, 0, j] = _FACTORIAL[j] * last
     return response
+
+
+def _overdamped(L: Floats, D: Floats) -> Floats:
+    """The same for two real exponents well apart, from φ functions, shape (n, 2, 4).
+
+    The response to s^j / j! is the divided difference of exp over (0, …, 0, μ₁, μ₂), that is
+    (φ_{j+1}(μ₁) − φ_{j+1}(μ₂)) / (μ₁ − μ₂); φ falls with |μ|, so nothing cancels.
+    """
+    slow, fast = _roots(L, 0.5 * D)
+    difference = (_phi(slow) - _phi(fast)) / (fast - slow)
+    response = np.empty((len(L), 2, 4))
+    response[:, 0] = (difference[1:] * _FACTORIAL[:, None]).T
+    response[:, 1] = (difference[:-1] * _FACTORIAL[:, None]).T
+    return response
+
+
+def _phi(x: Floats) -> Floats:
+    """φ₀ … φ₄ at −x for x ≥ 0, shape (5, n): φ₀ = exp, φ_{k+1}(z) = (φ_k(z) − 1/k!) / z."""
+    out = np.empty((5, len(x)))
+    out[0] = np.exp(-x)
+    safe = np.maximum(x, 1.0)
+    for k in range(4):
+        out[k + 1] = (1.0 / _FACTORIAL[k] - out[k]) / safe
+    near = x < 1.0
+    z = -x[near]
+    for k in range(1, 5):
+        term = np.full(len(z), 1.0 / math.factorial(k))
+        total = term.copy()
+        for n in range(1, 20):
+            term = term * z / (k + n)
+            total += term
+        out[k, near] = total
+    return out
 
 
 def _small(L: Floats, D: Floats) -> Floats:
@@ -92,8 +142,7 @@ def _small(L: Floats, D: Floats) -> Floats:
     A[:, 1, 2] = 1.0  # state 2 is the force, 3 to 5 its scaled derivatives
     for i in range(3):
         A[:, 2 + i, 3 + i] = 1.0
-    factorial = np.array([1.0, 1.0, 2.0, 6.0])
-    return np.asarray(expm(A)[:, :2, 2:] * factorial)
+    return np.asarray(expm(A)[:, :2, 2:] * _FACTORIAL)
 
 
 def polynomial_step(stiffness: Floats, rate: Floats, h: float) -> tuple[Floats, Floats]:
@@ -117,12 +166,16 @@ def polynomial_step(stiffness: Floats, rate: Floats, h: float) -> tuple[Floats, 
     """
     L, D = stiffness * h * h, rate * h
     free = free_motion(stiffness, rate, h)
-    large = np.maximum(L, 1e-300) > 0.5
+    apart = 0.25 * D * D - L >= 1.0
+    large = (L > SMALL) & ~apart
+    small = ~large & ~apart
     response = np.empty((len(L), 2, 4))
     if np.any(large):
         response[large] = _large(L[large], D[large], free[large])
-    if np.any(~large):
-        response[~large] = _small(L[~large], D[~large])
+    if np.any(apart):
+        response[apart] = _overdamped(L[apart], D[apart])
+    if np.any(small):
+        response[small] = _small(L[small], D[small])
     free[:, 0, 1] *= h
     free[:, 1, 0] /= h
     response[:, 0] *= h * h

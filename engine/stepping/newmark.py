@@ -7,7 +7,11 @@ term repeats the velocity where the acceleration of eq. (3) belongs. Derived,
 
     (J + h/2 C + h²/4 K) θ̈₁ = T₁ − C (θ̇₀ + h/2 θ̈₀) − K (θ₀ + h θ̇₀ + h²/4 θ̈₀).
 
-With θ̈₀ = T₀ − C θ̇₀ − K θ₀ from eq. (1) the step is a linear map of (q, q̇) and (u₀, u₁).
+With θ̈₀ = T₀ − C θ̇₀ − K θ₀ from eq. (1) the step is a linear map of (q, q̇) and (u₀, u₁). For one
+mode, with g = 1 + hd/2 + h²λ/4, inserting (4) into (2) and (3) leaves
+
+    q₁ = [(1 + hd/2 − h²λ/4) q₀ + h q̇₀ + h²/4 (u₀ + u₁)] / g
+    q̇₁ = [−hλ q₀ + (1 − hd/2 − h²λ/4) q̇₀ + h/2 (u₀ + u₁)] / g.
 """
 
 from __future__ import annotations
@@ -39,23 +43,14 @@ def newmark_step(stiffness: Floats, rate: Floats, h: float) -> tuple[Floats, Flo
     forced : ndarray, shape (n, 2, 4)
         Map of (u₀, u̇₀, u₁, u̇₁) to (q, q̇); the rates have no weight. [s², s]
     """
-    weight = 1.0 / (1.0 + 0.5 * h * rate + 0.25 * h * h * stiffness)
+    damped, stiff = 0.5 * h * rate, 0.25 * h * h * stiffness
+    weight = 1.0 / (1.0 + damped + stiff)
     free, forced = np.zeros((len(weight), 2, 2)), np.zeros((len(weight), 2, 4))
-    # columns: q0, v0, u0, u1
-    start = np.zeros((4, len(weight)))
-    start[0], start[1], start[2] = -stiffness, -rate, 1.0  # a0 = u0 − d v0 − λ q0
-    end = np.zeros((4, len(weight)))
-    end[0] = -stiffness
-    end[1] = -rate - h * stiffness
-    end[3] = 1.0
-    end += -(0.5 * h * rate + 0.25 * h * h * stiffness) * start
-    end *= weight
-    position = 0.25 * h * h * (start + end)
-    position[0] += 1.0
-    position[1] += h
-    velocity = 0.5 * h * (start + end)
-    velocity[1] += 1.0
-    for row, value in enumerate((position, velocity)):
-        free[:, row, 0], free[:, row, 1] = value[0], value[1]
-        forced[:, row, 0], forced[:, row, 2] = value[2], value[3]
+    free[:, 0, 0] = (1.0 + damped - stiff) * weight
+    free[:, 0, 1] = h * weight
+    free[:, 1, 0] = -h * stiffness * weight
+    free[:, 1, 1] = (1.0 - damped - stiff) * weight
+    for end in (0, 2):
+        forced[:, 0, end] = 0.25 * h * h * weight
+        forced[:, 1, end] = 0.5 * h * weight
     return free, forced

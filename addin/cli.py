@@ -1,0 +1,374 @@
+"""The command line: the same path on files as in Excel, without Excel.
+
+Nothing heavy is imported before a command needs it, so that --help and version answer at once.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from addin.problems import CellProblem
+    from addin.recalc import Recalculated
+
+__all__ = ["DONE", "INTERNAL", "WRONG_INPUT", "app", "main"]
+
+DONE, WRONG_INPUT, USAGE, INTERNAL = 0, 1, 2, 3
+
+app = typer.Typer(
+    name="torsionbook",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    help=(
+        "Torsional start-up analysis of synchronous-motor trains in Excel workbooks.\n\n"
+        "A first run, from an empty folder:\n\n"
+        "    torsionbook new train.xlsx --example proposed\n\n"
+        "    torsionbook recalc train.xlsx\n\n"
+        "Fill in your own train with `torsionbook new mine.xlsx --units us`, check it with "
+        "`torsionbook check mine.xlsx`, and calculate it with `torsionbook recalc mine.xlsx`. "
+        "Results go to a new file beside it; the workbook you typed is not touched.\n\n"
+        "Exit status: 0 done, 1 some input is wrong (every error is listed, nothing is written for "
+        "that file), 2 wrong usage, 3 an error inside torsionbook."
+    ),
+)
+
+Files = Annotated[
+    list[Path],
+    typer.Argument(help="Workbooks (.xlsx, .xlsm) or case JSON files.", show_default=False),
+]
+
+
+class _Wrong(Exception):
+    """An input or a file that cannot be used; the sentence is all there is to say."""
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(help="The workbook to make.", show_default=False)],
+    units: Annotated[str, typer.Option(help="Units of the blank template: us or si.")] = "us",
+    example: Annotated[
+        str | None,
+        typer.Option(help="Instead of a blank template, the paper's case: proposed or modified."),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+) -> None:
+    """Make a workbook to fill in, or one of the two filled examples."""
+    import shutil
+
+    from addin.template_files import template_path
+
+    if example is not None:
+        _choice("--example", example, ("proposed", "modified"))
+    _choice("--units", units, ("us", "si"))
+    name = f"example_{example}.xlsx" if example else f"blank_{units}.xlsx"
+    if file.suffix.lower() != ".xlsx":
+        raise typer.BadParameter(f"'{file}' must end in .xlsx.")
+    if file.exists() and not force:
+        raise _Wrong(f"{file} is there already. Choose another name, or say --force to replace it.")
+    if not file.parent.is_dir():
+        raise _Wrong(f"The folder {file.parent} does not exist. Make it first.")
+    shutil.copyfile(template_path(name), file)
+    typer.echo(f"{file} is ready. Fill in the yellow cells, then: torsionbook recalc {file}")
+
+
+@app.command()
+def check(files: Files) -> None:
+    """Read and check inputs without calculating: every error with its sheet and cell.
+
+    Example: `torsionbook check train.xlsx`
+    """
+    from addin.recalc import read_checked
+
+    wrong = 0
+    for file in files:
+        read = read_checked(file)
+        for sentence in read.warnings:
+            typer.echo(f"{file}: note: {sentence}")
+        if read.problems:
+            wrong += 1
+            _list_problems(file, read.problems)
+        else:
+            typer.echo(f"{file}: no errors.")
+    if wrong:
+        raise typer.Exit(WRONG_INPUT)
+
+
+@app.command()
+def recalc(
+    files: Files,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the results; default beside each input.")
+    ] = None,
+    in_place: Annotated[
+        bool, typer.Option("--in-place", help="Write into the workbook itself; keeps a .bak copy.")
+    ] = False,
+    json: Annotated[
+        Path | None,
+        typer.Option(help="Also write results as JSON: a file, or a folder for several inputs."),
+    ] = None,
+    method: Annotated[
+        str | None, typer.Option(help="exponential (default) or newmark, the paper's method.")
+    ] = None,
+    tolerance: Annotated[
+        str | None, typer.Option(help="Wanted error of peak torques, such as 0.001 or 0.1%.")
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
+    ] = False,
+    ignore_lock: Annotated[
+        bool, typer.Option("--ignore-lock", help="Go on although a lock file is there.")
+    ] = False,
+) -> None:
+    """Calculate workbooks or case JSON files and write their results.
+
+    Examples: `torsionbook recalc train.xlsx` writes train.out.xlsx;
+    `torsionbook recalc *.xlsx --out results --json results` calculates a folder.
+    """
+    if out is not None and in_place:
+        raise typer.BadParameter("--out and --in-place exclude each other.")
+    overrides = _overrides(method, tolerance)
+    targets = [_targets(file, out, json, len(files) > 1) for file in files]
+    _refuse_clashes(files, targets, in_place)
+    done: list[Recalculated] = []
+    with _progress() as tell:
+        for file, (destination, json_file) in zip(files, targets, strict=True):
+            done.append(
+                _recalculate(file, destination, json_file, in_place, overrides, ignore_lock, tell)
+            )
+    for one in done:
+        _list_problems(one.source, one.problems)
+        for sentence in one.warnings:
+            typer.echo(f"{one.source}: note: {sentence}", err=True)
+    _summary(done)
+    if any(one.problems for one in done):
+        raise typer.Exit(WRONG_INPUT)
+    if strict and any(_overall(one) == "fail" for one in done):
+        raise typer.Exit(WRONG_INPUT)
+
+
+@app.command()
+def export(
+    file: Annotated[Path, typer.Argument(help="Workbook or case JSON.", show_default=False)],
+    case: Annotated[Path, typer.Argument(help="The case JSON to write.", show_default=False)],
+) -> None:
+    """Write the inputs of a workbook as a case JSON, in SI.
+
+    Example: `torsionbook export train.xlsx case.json`
+    """
+    from addin.case_json import case_to_json
+    from addin.recalc import read_checked, write_json
+
+    read = read_checked(file)
+    if read.problems:
+        _list_problems(file, read.problems)
+        raise typer.Exit(WRONG_INPUT)
+    write_json(case, case_to_json(read.data))
+    typer.echo(f"{case} is written.")
+
+
+@app.command()
+def version() -> None:
+    """Print the version."""
+    from addin.version import product_version
+
+    typer.echo(f"torsionbook {product_version()}")
+
+
+# --- behind the commands ------------------------------------------------------------------------
+
+
+def _choice(option: str, value: str, words: Sequence[str]) -> None:
+    if value not in words:
+        raise typer.BadParameter(f"{option} is '{value}'; it must be {' or '.join(words)}.")
+
+
+def _overrides(method: str | None, tolerance: str | None) -> dict[str, Any]:
+    """Settings of the command line, under the names of the case."""
+    settings: dict[str, Any] = {}
+    if method is not None:
+        _choice("--method", method, ("exponential", "newmark"))
+        settings["method"] = method
+    if tolerance is not None:
+        text = tolerance.strip()
+        try:
+            value = float(text.rstrip("%")) * (0.01 if text.endswith("%") else 1.0)
+        except ValueError:
+            raise typer.BadParameter(
+                f"--tolerance is '{tolerance}'; write a number such as 0.001 or 0.1%."
+            ) from None
+        if not 1e-9 <= value <= 0.5:
+            raise typer.BadParameter(
+                f"--tolerance is {value:g}; it must lie between 1e-9 and 0.5 (50 %)."
+            )
+        settings["tolerance_peak"] = value
+    return settings
+
+
+def _targets(
+    file: Path, out: Path | None, json: Path | None, several: bool
+) -> tuple[Path | None, Path | None]:
+    """Result workbook and JSON of one input; None = the default."""
+    ending = ".results.json" if file.suffix.lower() == ".json" else file.suffix
+    destination = out / f"{file.stem}{ending}" if out is not None else None
+    if destination is None and ending == ".results.json" and json is None:
+        destination = file.with_name(f"{file.stem}.results.json")
+    folder = json is not None and (several or json.is_dir())
+    json_file = json / f"{file.stem}.results.json" if json is not None and folder else json
+    return destination, json_file
+
+
+def _refuse_clashes(
+    files: Sequence[Path], targets: Sequence[tuple[Path | None, Path | None]], in_place: bool
+) -> None:
+    """Two results with one name, or a result on top of its input, are refused before any work."""
+    seen: dict[Path, Path] = {}
+    sources = {file.resolve() for file in files}
+    for file, some in zip(files, targets, strict=True):
+        for target in some:
+            if target is None:
+                continue
+            place = target.resolve()
+            if place in sources and not in_place:
+                raise typer.BadParameter(
+                    f"{target} is an input itself. Choose another folder, or say --in-place."
+                )
+            if seen.setdefault(place, file) != file:
+                raise typer.BadParameter(
+                    f"{seen[place]} and {file} would both be written to {target}."
+                )
+
+
+def _recalculate(
+    file: Path,
+    destination: Path | None,
+    json_file: Path | None,
+    in_place: bool,
+    overrides: dict[str, Any],
+    ignore_lock: bool,
+    tell: Callable[[str], None],
+) -> Recalculated:
+    from addin.recalc import recalculate
+
+    if destination is not None:
+        destination.parent.mkdir(parents=True, exist_ok=True)
+    return recalculate(
+        file,
+        destination=destination,
+        in_place=in_place,
+        json_file=json_file,
+        overrides=overrides,
+        ignore_lock=ignore_lock,
+        on_stage=lambda stage: tell(f"{file.name}: {stage}"),
+    )
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """A line that says what is being done; only where somebody watches."""
+    if not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("starting") as status:
+        yield lambda text: status.update(text)
+
+
+def _list_problems(file: Path, problems: Sequence[CellProblem]) -> None:
+    if not problems:
+        return
+    plural = "s" if len(problems) > 1 else ""
+    typer.echo(
+        f"{file}: {len(problems)} error{plural}, nothing was calculated or written:", err=True
+    )
+    for problem in problems:
+        typer.echo(f"  {problem.message}", err=True)
+
+
+def _overall(one: Recalculated) -> str:
+    if one.calculation is None:
+        return "not calculated"
+    return next(v.verdict for v in one.calculation.results.verdicts)
+
+
+def _summary(done: Sequence[Recalculated]) -> None:
+    """The table at the end: file, first modes, worst margin, peak, starts, verdict."""
+    shown = [one for one in done if one.calculation is not None]
+    if not shown:
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(show_edge=False, pad_edge=False)
+    for header in ("File", "First modes [Hz]", "Worst margin", "Largest peak", "Starts", "Verdict"):
+        table.add_column(header, overflow="fold")
+    for one in shown:
+        table.add_row(one.source.name, *_summary_cells(one), _overall(one))
+    console = Console()
+    Console(width=max(console.width, 100)).print(table)
+    for one in shown:
+        for path in one.written:
+            typer.echo(f"written: {path}")
+
+
+def _summary_cells(one: Recalculated) -> list[str]:
+    assert one.calculation is not None
+    results = one.calculation.results
+    modes = ", ".join(f"{f:.4g}" for f in results.modes.elastic_frequency[:3])
+    worst = results.margins.worst
+    margin = "–" if worst is None else f"{100 * worst.margin:.1f} % (mode {worst.mode})"
+    peak, starts = "–", "–"
+    if results.start is not None and results.start.peaks:
+        rated = results.case.ratings.rated_torque
+        ratio = {e.element: s for e, s in zip(results.case.elements, _ratios(results), strict=True)}
+        top = max(
+            results.start.peaks,
+            key=lambda p: max(abs(p.maximum), abs(p.minimum)) * ratio[p.element],
+        )
+        size = max(abs(top.maximum), abs(top.minimum))
+        peak = f"{size:.4g} N m {top.element}"
+        if rated:
+            peak = f"{size * ratio[top.element] / rated:.2f} × rated, {top.element}"
+    if results.starts is not None and results.starts.shafts:
+        allowed = results.starts.judged_starts
+        starts = "unlimited" if allowed is None else f"{allowed:,.0f}"
+    return [modes, margin, peak, starts]
+
+
+def _ratios(results: Any) -> list[float]:
+    """Speed ratio of each element, so that peaks compare as torque at motor speed."""
+    ratio = {s.station: s.speed_ratio or 1.0 for s in results.case.stations}
+    return [ratio.get(e.from_) or ratio.get(e.to) or 1.0 for e in results.case.elements]
+
+
+def main() -> None:
+    """Entry point: run the command line and turn what goes wrong into its exit status."""
+    try:
+        app(standalone_mode=True)
+    except _Wrong as wrong:
+        typer.echo(str(wrong), err=True)
+        sys.exit(WRONG_INPUT)
+    except Exception:  # the last resort: anything else is ours, and must not look like input
+        import traceback
+
+        traceback.print_exc()
+        typer.echo(
+            "This is an error inside torsionbook. Nothing was written for the file being "
+            "calculated. Please report it with the lines above.",
+            err=True,
+        )
+        sys.exit(INTERNAL)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,269 @@
+"""One input file in, its results out: the same path for the command line and every other front.
+
+A workbook or a case JSON is read, checked, calculated and written. What is wrong with it comes
+back as a list of problems and nothing is written; numbers never pass through here.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from addin.problems import CellProblem
+
+if TYPE_CHECKING:
+    from addin.calculation import Calculation
+    from addin.typed_case import CaseInput
+
+__all__ = ["Recalculated", "WORKBOOK_ENDINGS", "read_checked", "recalculate", "write_json"]
+
+WORKBOOK_ENDINGS = (".xlsx", ".xlsm")
+
+
+@dataclass(frozen=True, eq=False)
+class Recalculated:
+    """What became of one input.
+
+    Parameters
+    ----------
+    source : Path
+        The input. [path]
+    calculation : Calculation or None
+        The results; None if something was wrong. [SI]
+    problems : tuple of CellProblem
+        Everything wrong with it; empty if it was calculated. [problems]
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+    written : tuple of Path
+        Files written: workbook, history, JSON. [paths]
+    """
+
+    source: Path
+    calculation: Calculation | None
+    problems: tuple[CellProblem, ...]
+    warnings: tuple[str, ...]
+    written: tuple[Path, ...]
+
+
+@dataclass(frozen=True)
+class Unreadable:
+    """An input that could not be opened at all, in the form of one that was read.
+
+    Parameters
+    ----------
+    problems : tuple of CellProblem
+        Why. [problems]
+    warnings : tuple of str
+        Nothing. [sentences]
+    """
+
+    problems: tuple[CellProblem, ...]
+    warnings: tuple[str, ...] = ()
+
+
+def read_checked(source: Path) -> CaseInput | Unreadable:
+    """Read and check a workbook or a case JSON; what is wrong is inside, not raised.
+
+    Parameters
+    ----------
+    source : Path
+        A .xlsx, .xlsm or .json file. [path]
+
+    Returns
+    -------
+    CaseInput or Unreadable
+        Data, problems and warnings. [SI]
+    """
+    from addin.package.errors import PackageError
+
+    try:
+        if source.suffix.lower() == ".json":
+            from addin.case_json import read_case_json
+
+            return read_case_json(source)
+        from addin.read_workbook import read_workbook
+
+        return read_workbook(source)
+    except (PackageError, OSError) as wrong:
+        return Unreadable((_of_file(source, wrong),))
+
+
+def _of_file(source: Path, wrong: Exception) -> CellProblem:
+    """A file that cannot be opened or written, as a problem."""
+    sentence = str(wrong)
+    if isinstance(wrong, FileNotFoundError):
+        sentence = f"there is no file {wrong.filename or source}."
+    elif isinstance(wrong, IsADirectoryError):
+        sentence = f"{source} is a folder; name the workbooks in it."
+    elif isinstance(wrong, PermissionError):
+        sentence = f"{wrong.filename or source} may not be read or written; is it open elsewhere?"
+    return CellProblem("", "", None, "", str(source), "a file that can be used", sentence)
+
+
+def recalculate(
+    source: Path,
+    *,
+    destination: Path | None = None,
+    in_place: bool = False,
+    json_file: Path | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    ignore_lock: bool = False,
+    on_stage: Callable[[str], None] | None = None,
+) -> Recalculated:
+    """Calculate one input and write its results.
+
+    Parameters
+    ----------
+    source : Path
+        Workbook or case JSON. [path]
+    destination : Path, optional
+        The result workbook; default the source's name with ``.out`` before the ending. For a case
+        JSON the result JSON, if `json_file` is not given. [path]
+    in_place : bool
+        Replace the source; it stays as ``.bak``. [flag]
+    json_file : Path, optional
+        Also write the results as JSON here; on errors the errors. [path]
+    overrides : mapping, optional
+        Fields of the case that the caller sets, such as ``method``. [SI]
+    ignore_lock : bool
+        Work on although a lock file says somebody has the workbook open. [flag]
+    on_stage : callable, optional
+        Called with the name of each stage as it begins.
+
+    Returns
+    -------
+    Recalculated
+        Results or problems, and the files written.
+    """
+    from addin.history_file import HistoryUnavailable
+    from addin.package.errors import PackageError
+    from addin.results_json import errors_to_json, results_to_json
+    from addin.version import product_version
+
+    tell = on_stage or (lambda stage: None)
+    tell("reading")
+    read = read_checked(source)
+    problems = read.problems
+    calculation: Calculation | None = None
+    notes: tuple[str, ...] = ()
+    files: list[Path] = []
+    if not isinstance(read, Unreadable) and not problems:
+        calculation, problems = _calculate(read, overrides or {}, tell)
+    if calculation is not None:
+        tell("writing")
+        target = source if in_place else destination or _beside(source)
+        try:
+            if source.suffix.lower() in WORKBOOK_ENDINGS:
+                place = None if in_place else target
+                notes = _write_workbook(source, place, calculation, ignore_lock)
+                files.append(target)
+            files += _write_history(calculation, target)
+        except (PackageError, HistoryUnavailable, OSError) as wrong:
+            calculation, problems = None, (_of_file(source, wrong),)
+    if json_file is None and source.suffix.lower() not in WORKBOOK_ENDINGS:
+        json_file = destination or _beside(source)
+    if json_file is not None:
+        version = product_version()
+        content = (
+            errors_to_json(problems, version, read.warnings)
+            if calculation is None
+            else results_to_json(calculation, version)
+        )
+        write_json(json_file, content)
+        files.append(json_file)
+    warnings = read.warnings if calculation is None else (*calculation.warnings, *notes)
+    return Recalculated(source, calculation, problems, warnings, tuple(files))
+
+
+def _beside(source: Path) -> Path:
+    """Default name of the results: train.out.xlsx, case.results.json."""
+    if source.suffix.lower() in WORKBOOK_ENDINGS:
+        return source.with_name(f"{source.stem}.out{source.suffix}")
+    return source.with_name(f"{source.stem}.results.json")
+
+
+def _calculate(
+    read: CaseInput, overrides: Mapping[str, Any], tell: Callable[[str], None]
+) -> tuple[Calculation | None, tuple[CellProblem, ...]]:
+    """The calculation, or what makes it impossible as a problem."""
+    from addin.calculation import calculate
+    from engine.case import case_digest
+    from engine.errors import CaseError, ModelError
+
+    try:
+        case = replace(read.case(), **overrides)
+        done = calculate(
+            case,
+            input_warnings=read.warnings,
+            case_sha256=case_digest(read.data),
+            overrides=overrides,
+            on_stage=tell,
+        )
+    except CaseError as wrong:
+        return None, tuple(_whole(p.message, p.table) for p in wrong.problems)
+    except ModelError as wrong:
+        return None, (_whole(str(wrong), "Case"),)
+    return done, ()
+
+
+def _whole(message: str, table: str) -> CellProblem:
+    """A problem of the case as a whole, which no single cell stands for."""
+    return CellProblem("Train", table, None, "", None, "a train that can be calculated", message)
+
+
+def _write_workbook(
+    source: Path, destination: Path | None, calculation: Calculation, ignore_lock: bool
+) -> tuple[str, ...]:
+    from addin.write_workbook import RunStamp, write_results
+
+    stamp = RunStamp(calculation.stamp.software, calculation.stamp.date, calculation.case_sha256)
+    report = write_results(
+        source,
+        destination,
+        calculation.view,
+        stamp,
+        in_place=destination is None,
+        ignore_lock=ignore_lock,
+    )
+    return report.notes
+
+
+def _write_history(calculation: Calculation, beside: Path) -> Iterable[Path]:
+    kind = calculation.case.keep_history or "no"
+    if kind == "no":
+        return ()
+    from addin.history_file import write_history
+
+    done = write_history(calculation, beside, kind)
+    return () if done is None else (done[0],)
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write JSON whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+    content : mapping
+        What it holds.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        # mkstemp makes the file private; give it the mode any other new file would get
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(name, 0o666 & ~mask)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
