@@ -32,7 +32,7 @@ LEWIS_FACTOR = 3.67773
 
 @dataclass(frozen=True)
 class Crossing:
-    """One mode crossed by the 2 × slip pulsation.
+    """One mode crossed by the 2 × slip pulsation, or just above where it begins.
 
     Parameters
     ----------
@@ -40,8 +40,9 @@ class Crossing:
         Elastic mode, counted from 1. [count]
     frequency : float
         Natural frequency. [Hz]
-    percent_speed : float
-        Speed of the crossing, 100 (1 − f / 2 f_line). [%]
+    percent_speed : float or None
+        Speed of the crossing, 100 (1 − f / 2 f_line); None for a mode just above 2 × line, listed
+        because the initial shock excites it. [%]
     time : float or None
         When the mean speed passes there; None if the start ends before. [s]
     average_torque, pulsating_torque, load_torque : float
@@ -64,7 +65,7 @@ class Crossing:
 
     mode: int
     frequency: float
-    percent_speed: float
+    percent_speed: float | None
     time: float | None
     average_torque: float
     pulsating_torque: float
@@ -117,18 +118,18 @@ def start_crossings(
     runup = start.runup
     if runup is None:
         return ()
-    below = [
-        r for r in range(modes.n_rigid, modes.n_modes) if modes.frequency[r] <= 2 * line_frequency
-    ]
+    highest = 2.0 * line_frequency * (1.0 + INITIAL_SHOCK_ZONE)
+    below = [r for r in range(modes.n_rigid, modes.n_modes) if modes.frequency[r] <= highest]
     frequencies = [float(modes.frequency[r]) for r in below]
     found = []
     for i, r in enumerate(below):
         f = frequencies[i]
-        speed = synchronous_speed * (1.0 - f / (2.0 * line_frequency))
+        percent = percent_speed(f, line_frequency)
+        speed = synchronous_speed * max(1.0 - f / (2.0 * line_frequency), 0.0)
         acceleration = runup.acceleration_at(speed)
         crossing = _Point(
             frequency=f,
-            time=_passing(start, speed),
+            time=None if percent is None else _passing(start, speed),
             average=float(np.interp(speed, runup.speed, runup.average)),
             pulsating=float(np.interp(speed, runup.speed, runup.pulsating)),
             load=float(np.interp(speed, runup.speed, runup.load)),
@@ -139,7 +140,7 @@ def start_crossings(
         note = _note(crossing, float(damping.ratio[r]), line_frequency, lowest)
         found.append(
             Crossing(
-                r - modes.n_rigid + 1, f, percent_speed(f, line_frequency) or 0.0, crossing.time,
+                r - modes.n_rigid + 1, f, percent, crossing.time,
                 crossing.average, crossing.pulsating, crossing.load, acceleration, crossing.sweep_rate,
                 governing, span, stress, lowest, note,
             )
@@ -241,6 +242,8 @@ def _note(p: _Point, ratio: float, line_frequency: float, lowest: float | None) 
             f"Within 10 % of 2 × line ({2 * line_frequency:.0f} Hz): the initial shock and the first "
             "revolutions excite this mode; move it."
         )
+    if p.frequency > 2.0 * line_frequency:
+        return " ".join([*said, "The pulsation itself stays below it."])
     if p.time is None:
         return " ".join([*said, "Not reached: the start ends before this speed."])
     steady = 1.0 / (2.0 * ratio) if ratio > 0.0 else math.inf

@@ -27,9 +27,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from engine.case import CaseData
+from engine.case import CaseData, ElementRow
 from engine.errors import InternalError
-from engine.train import Train, build_train
+from engine.train import Train, build_train, shaft_inertia, shaft_stiffness
+from engine.validation import GEAR_MESH
 
 __all__ = [
     "ModalDamping",
@@ -48,8 +49,8 @@ Floats = NDArray[np.float64]
 
 #: Above this bound on the relative error of the lowest frequency the Jacobi SVD is used.
 SVD_ERROR_LIMIT = 5e-13
-#: From this many degrees of freedom on the plain SVD is also kept where its bound is at most so
-#: much and the counts confirm every value: the Jacobi SVD of a large train takes five times as long.
+#: From this many degrees of freedom on the plain SVD is also kept where its bound is at most this
+#: and the counts confirm every value: the Jacobi SVD of a large train takes five times as long.
 LARGE_TRAIN, LARGE_TRAIN_LIMIT = 64, 1e-10
 #: A frequency is right if the counts at this relative distance confirm it.
 COUNT_TOLERANCE = 2e-13
@@ -57,11 +58,18 @@ COUNT_TOLERANCE = 2e-13
 CONFIDENT_SPAN = 1e6
 #: Enough to bisect any bracket of doubles to neighbours.
 MAX_BISECTIONS = 120
+#: Rotations below this share of the largest of their mode are rounding, not motion.
+STANDSTILL = 1e-12
 TINY = float(np.finfo(float).tiny)
 #: Wanted relative accuracy of frequencies where shaft inertia is distributed.
 SUBDIVISION_TOLERANCE = 1e-3
 #: At most this many modes are refined, and this many segments are used for all shafts together.
 SUBDIVISION_MODES, SUBDIVISION_SEGMENTS = 10, 400
+#: Segments of the longest shaft in the first, coarsest train.
+COARSEST = 4
+#: Halving the segments leaves a third of the change as error (second order), here with a margin
+#: for the fourth-order term, so that the estimate is not below the error.
+RICHARDSON = 2.5
 
 
 @dataclass(frozen=True)
@@ -419,8 +427,9 @@ def natural_modes(
 ) -> SubdividedModes:
     """Modes of a case; shafts with density are subdivided until the wanted frequencies are right.
 
-    The error of lumped segments falls with the square of their number; Richardson's estimate
-    from two subdivisions is compared with the tolerance.
+    Segments take equal times of a wave to pass. Their error falls with the square of their
+    number; Richardson's estimate from a train and its halved segments is compared with the
+    tolerance, and tells how much finer the next pair must be.
 
     Parameters
     ----------
@@ -437,24 +446,40 @@ def natural_modes(
     SubdividedModes
         Train and modes. [SI]
     """
-    heavy = [str(e.element) for e in case.elements if e.density]
-    if not heavy:
+    time = {str(e.element): _travel_time(e) for e in case.elements if _carries_waves(e)}
+    if not time:
         train = build_train(case)
         return SubdividedModes(train, modes_of(train), (), 0.0)
     if highest_frequency is None:
         line = case.ratings.line_frequency
         highest_frequency = 2.5 * line if line else math.inf
-    count = 2
-    train = build_train(case, dict.fromkeys(heavy, 1))
-    modes = modes_of(train)
+    longest = max(time.values())
+    density = COARSEST / longest  # segments a second of travel, of the coarser of two trains
     while True:
-        finer_train = build_train(case, dict.fromkeys(heavy, count))
-        finer = modes_of(finer_train)
-        error = _refinement_error(modes, finer, highest_frequency)
-        train, modes = finer_train, finer
-        if error <= tolerance or 2 * count * len(heavy) > SUBDIVISION_SEGMENTS:
-            return SubdividedModes(train, modes, tuple((name, count) for name in heavy), error)
-        count *= 2
+        coarse = {name: max(1, math.ceil(density * t)) for name, t in time.items()}
+        fine = {name: 2 * n for name, n in coarse.items()}
+        train = build_train(case, fine)
+        modes = modes_of(train)
+        error = _refinement_error(modes_of(build_train(case, coarse)), modes, highest_frequency)
+        growth = min(8.0, 1.1 * math.sqrt(error / tolerance))
+        most = SUBDIVISION_SEGMENTS / sum(fine.values())
+        if error <= tolerance or most < 1.1:
+            return SubdividedModes(train, modes, tuple(fine.items()), error)
+        density *= min(growth, most)
+
+
+def _carries_waves(e: ElementRow) -> bool:
+    """True if inertia is distributed along an element."""
+    return bool(e.density) and e.kind != GEAR_MESH and e.stiffness != 0.0
+
+
+def _travel_time(e: ElementRow) -> float:
+    """Time a torsional wave needs along a shaft, √(J/k). [s]"""
+    od, bore, length = e.od or 0.0, e.id or 0.0, e.length or 0.0
+    stiffness = e.stiffness
+    if stiffness is None:
+        stiffness = shaft_stiffness(od, bore, length, e.shear_modulus or 0.0)
+    return math.sqrt(shaft_inertia(od, bore, length, e.density or 0.0) / stiffness)
 
 
 def _refinement_error(coarse: Modes, fine: Modes, highest: float) -> float:
@@ -464,11 +489,13 @@ def _refinement_error(coarse: Modes, fine: Modes, highest: float) -> float:
     if len(coarse.elastic_frequency) < len(wanted):
         return math.inf
     change = np.abs(coarse.elastic_frequency[: len(wanted)] / wanted - 1.0)
-    return float(np.max(change)) / 3.0 if len(wanted) else 0.0
+    return float(np.max(change)) / RICHARDSON if len(wanted) else 0.0
 
 
 def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:
-    """Where the mode shapes cross zero inside an element.
+    """Where the mode shapes cross zero in a shaft or coupling.
+
+    A station that stands still is the end (position 0 or 1) of an element beside it.
 
     Parameters
     ----------
@@ -482,21 +509,25 @@ def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:
     tuple of Node
         In the order of modes and elements. [count]
     """
-    angle = train.node_matrix() @ modes.shape
+    angle = train.node_scale[:, None] * modes.shape[train.node_dof]
+    visible = STANDSTILL * np.max(np.abs(angle), axis=0, initial=0.0)
+    rows_of = np.bincount(train.row_element, minlength=len(train.elements))
+    first = np.concatenate([[0], np.cumsum(rows_of)])
     found = []
-    for mode in range(modes.n_rigid, modes.n_modes):
-        for element, name in enumerate(train.elements):
-            rows = np.flatnonzero(train.row_element == element)
-            for i, row in enumerate(rows):
-                ends = np.flatnonzero(train.node_incidence[row])
-                if len(ends) != 2 or np.any(np.abs(train.node_incidence[row][ends]) != 1.0):
-                    continue
-                start, end = sorted(ends, key=lambda n: -train.node_incidence[row][n])
-                a, b = angle[start, mode], angle[end, mode]
-                if a * b < 0.0:
-                    place = (i + a / (a - b)) / len(rows)
-                    found.append(Node(mode - modes.n_rigid + 1, name, float(place)))
-    return tuple(found)
+    for row, element in enumerate(train.row_element):
+        ends = np.flatnonzero(train.node_incidence[row])
+        factors = train.node_incidence[row, ends]
+        shaft = sorted(factors) == [-1.0, 1.0] and np.ptp(train.sense[ends]) == 0.0
+        if not shaft or train.stiffness[row] <= 0.0:
+            continue  # to ground, a mesh or a damper: nothing between its ends can stand still
+        start, end = ends[np.argsort(-factors)]
+        a, b = angle[start], angle[end]
+        crossing = ((a >= 0.0) != (b >= 0.0)) & (np.maximum(np.abs(a), np.abs(b)) > visible)
+        crossing[: modes.n_rigid] = False
+        for mode in np.flatnonzero(crossing):
+            place = (row - first[element] + a[mode] / (a[mode] - b[mode])) / rows_of[element]
+            found.append((int(mode) - modes.n_rigid + 1, int(element), float(place)))
+    return tuple(Node(mode, train.elements[e], place) for mode, e, place in sorted(found))
 
 
 @dataclass(frozen=True, eq=False)

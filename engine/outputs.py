@@ -3,6 +3,8 @@
 torque = Y_q q + Y_v q̇ + Y_f f, with q in modal coordinates and f the torques at the force
 stations. Elastic elements report their elastic torque k·twist; an element of stiffness 0 its
 viscous torque; a rigid mesh what the equilibrium of its To side demands, inertias included.
+Damping appears in that equilibrium exactly as it does in the equations of motion: with its full
+matrix (`damping` given), or only on each mode for itself, as in a start.
 Modes left out of q enter by their static deflection (residual flexibility), so that a truncated
 set still gives the right slow torque. Positive: the drive end pushes in the running direction.
 """
@@ -66,7 +68,13 @@ def force_reach(train: Train, modes: Modes, stations: NDArray[np.int64]) -> Floa
 
 
 def torque_outputs(
-    train: Train, modes: Modes, stations: NDArray[np.int64], kept: NDArray[np.bool_] | None = None
+    train: Train,
+    modes: Modes,
+    stations: NDArray[np.int64],
+    kept: NDArray[np.bool_] | None = None,
+    *,
+    dampers: NDArray[np.int64] | None = None,
+    damping: Floats | None = None,
 ) -> TorqueOutputs:
     """Output matrices of every element.
 
@@ -80,13 +88,19 @@ def torque_outputs(
         Stations where torques act. [indices]
     kept : ndarray of bool, shape (n_modes,), optional
         Modes that are integrated; the others get their static correction. Default all. [mask]
+    dampers : ndarray of int, shape (n_dampers,), optional
+        Rows of the incidence matrix whose viscous torque enters as one more force each, after
+        those of the stations. [indices]
+    damping : ndarray, shape (n_modes, n_modes), optional
+        ΦᵀCΦ where the dampers act with their full matrix; default: as modal damping. [1/s]
 
     Returns
     -------
     TorqueOutputs
         Matrices for the kept modes. [SI]
     """
-    reach = force_reach(train, modes, stations)
+    rows = np.zeros(0, dtype=np.int64) if dampers is None else dampers
+    reach = np.concatenate([force_reach(train, modes, stations), modes.row_twist[rows].T], axis=1)
     keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
     sign = train.orientation[train.row_element][:, None]
     elastic = train.stiffness[:, None] > 0.0
@@ -94,9 +108,9 @@ def torque_outputs(
     velocity = sign * np.where(elastic, 0.0, train.viscous[:, None] * modes.row_twist)
     element = [train.row_element]
     rows_q, rows_v = [position], [velocity]
-    rows_f = [np.zeros((train.n_rows, len(stations)))]
+    rows_f = [np.zeros((train.n_rows, reach.shape[1]))]
     for mesh in train.rigid_meshes:
-        q, v, f = _rigid_mesh_row(train, modes, reach, stations, mesh)
+        q, v, f = _rigid_mesh_row(train, modes, reach, stations, mesh, damping)
         element.append(np.array([mesh.element], dtype=np.int64))
         rows_q.append(q[None])
         rows_v.append(v[None])
@@ -113,11 +127,17 @@ def torque_outputs(
 
 
 def _rigid_mesh_row(
-    train: Train, modes: Modes, reach: Floats, stations: NDArray[np.int64], mesh: RigidMesh
+    train: Train,
+    modes: Modes,
+    reach: Floats,
+    stations: NDArray[np.int64],
+    mesh: RigidMesh,
+    damping: Floats | None,
 ) -> tuple[Floats, Floats, Floats]:
     """Y_q, Y_v, Y_f of a rigid mesh, on its From side, from the power balance of its To side.
 
-    The accelerations are those that the elastic and applied torques alone would give,
+    With the full damping matrix the balance holds every torque. With modal damping the
+    accelerations are those that the elastic and applied torques alone would give,
     Φ (Φᵀf − ω² q): every damping force then belongs to the inertia it slows, which is what the
     same mesh with a very high stiffness reports.
     """
@@ -128,7 +148,12 @@ def _rigid_mesh_row(
     rows = train.node_incidence[:, nodes] @ ratio  # torque the rows draw from these nodes
     elastic = train.stiffness[:, None] > 0.0
     q = -inertial * modes.omega**2 + rows @ np.where(elastic, modes.row_torque, 0.0)
-    v = rows @ np.where(elastic, 0.0, train.viscous[:, None] * modes.row_twist)
-    applied = np.array([float(ratio[nodes == s].sum()) for s in stations])
+    viscous = train.viscous[:, None] * modes.row_twist
+    v = rows @ (np.where(elastic, 0.0, viscous) if damping is None else viscous)
+    if damping is not None:
+        weight = ratio * train.node_damping[nodes] * train.node_scale[nodes]
+        v += weight @ modes.shape[train.node_dof[nodes]] - inertial @ damping
+    applied = np.zeros(reach.shape[1])
+    applied[: len(stations)] = [float(ratio[nodes == s].sum()) for s in stations]
     sign = float(train.orientation[mesh.element])
     return sign * q, sign * v, sign * (inertial @ reach - applied)

@@ -10,8 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case import CaseData
+from engine.errors import ModelError
 from engine.modal import ModalDamping, Modes
-from engine.startup import Start, StartOutcome, Trajectory, element_peaks, turning_of, worst_outputs
+from engine.outputs import force_reach, torque_outputs
+from engine.startup import (
+    Start,
+    StartOutcome,
+    Trajectory,
+    element_peaks,
+    relative_errors,
+    turning_of,
+    worst_outputs,
+)
 from engine.time_response import PrescribedTorque, linear, time_response
 from engine.train import Train
 
@@ -23,8 +33,8 @@ Floats = NDArray[np.float64]
 SAMPLES_PER_PERIOD = 16.0
 #: A mode matters while its static share of the torque exceeds this share of the tolerance.
 MATTERS = 0.1
-#: Most samples of one run.
-MAX_SAMPLES = 2_000_000
+#: Most samples of one run, and most values (samples × outputs).
+MAX_SAMPLES, MAX_VALUES = 2_000_000, 10_000_000
 
 
 def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDamping) -> Start:
@@ -45,6 +55,11 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
     -------
     Start
         Peaks, histories and error estimates, outcome ``completed``. [SI]
+
+    Raises
+    ------
+    ModelError
+        If neither the table nor MaximumTime says how long to follow the train.
     """
     names = list(dict.fromkeys(p.station for p in case.torque_time))
     torques = []
@@ -59,17 +74,23 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
         )
     last = max(float(p.time or 0.0) for p in case.torque_time)
     end = case.maximum_time or last
+    if end <= 0.0:
+        raise ModelError(
+            "The prescribed torques end at time 0; MaximumTime must say how long to follow the train."
+        )
     tolerance = case.tolerance_peak or 1e-3
-    step = _first_step(train, modes, torques, tolerance, end)
+    step, keep, truncation = _first_step(train, modes, torques, tolerance, end)
+    most = _most_samples(train)
 
     def at(h: float) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
-        count = min(max(int(np.ceil(end / h)), 2), MAX_SAMPLES)
+        count = min(max(int(np.ceil(end / h)), 2), most)
         r = time_response(
             train,
             modes,
             torques,
             np.linspace(0.0, end, count + 1),
             damping_ratio=damping.structural,
+            kept=keep,
         )
         mean = r.station_speed[0] / train.speed_ratio[0]
         trajectory = Trajectory(
@@ -81,9 +102,10 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
     halvings = 0
     while True:
         output = worst_outputs(train, fine[0], fine[2])
-        peaks = element_peaks(train, np.zeros(len(fine[2])), fine, coarse, output)
-        error = max((p.relative_error for p in peaks), default=0.0)
-        if error <= tolerance or 2.0 * end / step > MAX_SAMPLES:
+        peaks = element_peaks(train, truncation, fine, coarse, output)
+        error, bound = relative_errors(peaks, truncation[output[output >= 0]])
+        # the present spacing is step / 2, the next one would be step / 4
+        if error <= tolerance or error - bound <= 0.1 * bound or 4.0 * end / step > most:
             break
         halvings, step = halvings + 1, 0.5 * step
         coarse, fine = fine, at(0.5 * step)
@@ -100,24 +122,45 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
         step=0.5 * step,
         halvings=halvings,
         estimated_error=error,
-        truncation_error=0.0,
-        kept_modes=modes.n_modes,
+        truncation_error=bound,
+        kept_modes=int(keep.sum()),
         method="exponential",
         met_tolerance=error <= tolerance,
     )
 
 
+def _most_samples(train: Train) -> int:
+    """Most samples that memory allows."""
+    return min(MAX_SAMPLES, MAX_VALUES // max(train.n_rows + len(train.rigid_meshes), 1))
+
+
 def _first_step(
     train: Train, modes: Modes, torques: list[PrescribedTorque], tolerance: float, end: float
-) -> float:
-    """Spacing that resolves every mode with a visible share of some element's torque."""
-    elastic = modes.omega > 0.0
-    if not np.any(elastic):
-        return end / 200.0
-    stations = [p.station for p in torques]
-    reach = np.abs(modes.shape[train.node_dof[stations]] * train.node_scale[stations][:, None])
-    static = np.abs(modes.row_torque[:, elastic]) * reach.sum(axis=0)[elastic]
-    static /= modes.omega[elastic] ** 2
-    share = np.max(static / np.maximum(static.sum(axis=1, keepdims=True), 1e-300), axis=0)
-    fastest = float(np.max(modes.frequency[elastic][share > MATTERS * tolerance], initial=0.0))
-    return min(end / 200.0, 1.0 / (SAMPLES_PER_PERIOD * fastest)) if fastest > 0.0 else end / 200.0
+) -> tuple[float, NDArray[np.bool_], Floats]:
+    """Spacing that resolves every mode with a visible share of some element's torque.
+
+    Modes that no affordable spacing resolves (a link of 1e16 N m/rad) follow statically; the bound
+    on their ringing comes back with the mask of the others: a jump rings with its static
+    deflection, a change of slope with that of slope/ω.
+    """
+    keep = np.ones(modes.n_modes, dtype=np.bool_)
+    stations = np.array([p.station for p in torques], dtype=np.int64)
+    outputs = torque_outputs(train, modes, stations)
+    omega = np.where(modes.omega > 0.0, modes.omega, np.inf)
+    reach = np.abs(force_reach(train, modes, stations))
+    flexible = np.abs(outputs.position) / omega**2
+    static = flexible * reach.sum(axis=1)
+    total = np.maximum(static.sum(axis=1, keepdims=True), 1e-300)
+    visible = np.max(static / total, axis=0, initial=0.0) > MATTERS * tolerance
+    affordable = modes.frequency * SAMPLES_PER_PERIOD * end <= 0.25 * _most_samples(train)
+    keep[visible & ~affordable] = False
+    jumps, ramps = np.zeros(len(torques)), np.zeros(len(torques))
+    for i, p in enumerate(torques):
+        y = p.value(p.knots, "right")
+        jumps[i] = abs(float(y[0]))
+        slope = np.diff(y) / np.diff(p.knots)
+        ramps[i] = float(np.sum(np.abs(np.diff(slope, prepend=0.0, append=0.0))))
+    bound = (flexible * (reach @ jumps + reach @ ramps / omega))[:, ~keep].sum(axis=1)
+    fastest = float(np.max(modes.frequency[visible & keep], initial=0.0))
+    step = min(end / 200.0, 1.0 / (SAMPLES_PER_PERIOD * fastest)) if fastest > 0.0 else end / 200.0
+    return step, keep, bound

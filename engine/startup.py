@@ -38,6 +38,7 @@ __all__ = [
     "Trajectory",
     "element_peaks",
     "has_start",
+    "relative_errors",
     "run_start",
     "settings_of",
     "simulate",
@@ -67,6 +68,23 @@ MAX_HALVINGS = 7
 CHUNK = 4096
 #: Modes whose ringing decays below this share of the tolerance need no fine steps any more.
 FADED = 0.05
+#: A mode far above the pulsation that would need more steps than this is not integrated; it
+#: follows statically, and its ringing after breaker closing is reported as an error.
+MAX_RINGING_STEPS = 500_000
+#: "Far above the pulsation": this many times its highest frequency.
+FAR_ABOVE = 10.0
+#: Most values (steps × outputs) of one simulation that is only meant to refine another.
+MAX_VALUES = 10_000_000
+#: An output below this share of the largest counts as that share: torque that is only rounding.
+NEGLIGIBLE = 1e-9
+#: Share of its peak torque that a motor is at least taken to switch on when modes are judged.
+SWITCHED_SHARE = 0.25
+#: The step is at most this over the rate of the fastest damper between two parts.
+DAMPER_STEP = 0.5
+#: A simulation that has neither settled nor ended is prolonged this often to twice its length.
+MAX_PROLONGATIONS = 6
+#: Speed this close to the equilibrium of the rigid train has settled.
+SETTLED = 0.01
 
 
 @dataclass(frozen=True)
@@ -250,7 +268,7 @@ class StartModel:
         Rigid-body speed of the reference shaft from modal velocities. [√(1/(kg m²))]
     outputs : TorqueOutputs
         Element torques. [SI]
-    curves, motors, loads, timed : tuple
+    curves, motors, loads, timed, dampers : tuple
         Arguments of the compiled loop. [SI]
     phase : ndarray, shape (n_motors,)
         Phase of each pulsation at t = 0. [rad]
@@ -260,6 +278,8 @@ class StartModel:
         (end time, largest angular frequency to be resolved until then). [s, rad/s]
     truncation : ndarray, shape (n_outputs,)
         Bound on what the modes left out may add to each output. [N m]
+    largest_step : float
+        Longest step at which dampers between parts of the train are followed. [s]
     """
 
     stiffness: Floats
@@ -271,10 +291,12 @@ class StartModel:
     motors: tuple[Any, ...]
     loads: tuple[Any, ...]
     timed: tuple[Any, ...]
+    dampers: tuple[Any, ...]
     phase: Floats
     pulsation_omega: float
     windows: tuple[tuple[float, float], ...]
     truncation: Floats
+    largest_step: float
 
 
 def has_start(case: CaseData) -> bool:
@@ -333,8 +355,12 @@ def start_model(
     motors: tuple[Motor, ...],
     loads: tuple[Load, ...],
     tolerance: float,
+    maximum_time: float = 60.0,
 ) -> StartModel:
     """Arrays of a start, with as few modes as the tolerance allows.
+
+    A damper without a spring beside it (a fluid coupling) carries the torque of everything beyond
+    it, so it is not spread over the modes but acts as a torque between its two ends.
 
     Parameters
     ----------
@@ -350,6 +376,8 @@ def start_model(
         Motors and driven machines. [SI]
     tolerance : float
         Wanted relative error of peak torques; a tenth of it may go to modes left out. [1]
+    maximum_time : float, optional
+        Longest simulated time: what following a ringing mode costs. [s]
 
     Returns
     -------
@@ -365,71 +393,121 @@ def start_model(
     index = np.array(stations, dtype=np.int64)
     line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
     fastest = 2.0 * line_omega
-    step_force, pulsation = _force_sizes(motors, loads, column)
-    ringing, slow, scale = _mode_amplitudes(train, modes, index, step_force, pulsation, fastest)
+    dampers = np.flatnonzero((train.stiffness == 0.0) & (train.viscous > 0.0))
+    viscous = train.viscous[dampers]
+    all_reach = np.concatenate(
+        [force_reach(train, modes, index), modes.row_twist[dampers].T], axis=1
+    )
+    sizes = _force_sizes(case, train, motors, loads, column, dampers)
+    outputs = torque_outputs(train, modes, index, dampers=dampers)
+    ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
     keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest)
-    all_reach = force_reach(train, modes, index)
+    windows = _windows(modes, damping, ringing, scale, keep, tolerance, fastest, maximum_time)
+    jump = _last_jump(case)
+    rate = damping.rate - modes.row_twist[dampers].T ** 2 @ viscous  # those act as forces
+    speed_gain = viscous * np.sum(all_reach[:, len(index) :] ** 2, axis=0)
     left_out = ~keep
     truncation = (ringing + slow)[:, left_out].sum(axis=1)
     reference = modes.shape[train.node_dof[motors[0].station]]
     reference = reference * train.node_scale[motors[0].station]
     mean = np.where(modes.omega == 0.0, reference, 0.0) / train.speed_ratio[motors[0].station]
+    if not np.any(mean):
+        raise ModelError(
+            f"Station '{train.stations[motors[0].station]}' is held to ground by a spring; its "
+            "motor cannot start."
+        )
     curves: list[TorqueCurve] = []
     return StartModel(
         np.ascontiguousarray(modes.omega[keep] ** 2),
-        np.ascontiguousarray(damping.rate[keep]),
+        np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
         np.ascontiguousarray(all_reach[keep]),
         np.ascontiguousarray(mean[keep]),
-        torque_outputs(train, modes, index, keep),
+        torque_outputs(train, modes, index, keep, dampers=dampers),
         motors=_motor_arrays(motors, column, curves, line_omega),
         loads=_load_arrays(loads, column, curves),
         timed=_timed_arrays(case, timed_names, timed_stations, column),
         curves=_curve_arrays(curves),
+        dampers=(np.arange(len(index), len(index) + len(dampers)), viscous),
         phase=np.array([m.phase for m in motors]),
         pulsation_omega=fastest,
-        windows=_windows(modes, damping, ringing, scale, keep, tolerance, fastest),
+        windows=tuple((until + jump, omega) for until, omega in windows),
         truncation=truncation,
+        largest_step=DAMPER_STEP / max(float(np.max(speed_gain, initial=0.0)), 1e-300),
     )
 
 
+@dataclass(frozen=True, eq=False)
+class _ForceSizes:
+    """How large each force is: what modes are judged by."""
+
+    step: Floats  # switched on at once
+    ramp: Floats  # sum of all changes of slope [N m/s]
+    smooth: Floats  # largest value of what varies no faster than the pulsation
+
+
 def _force_sizes(
-    motors: tuple[Motor, ...], loads: tuple[Load, ...], column: dict[int, int]
-) -> tuple[Floats, Floats]:
-    """Torque switched on at t = 0 and largest pulsation at every force station."""
-    step, pulsation = np.zeros(len(column)), np.zeros(len(column))
+    case: CaseData,
+    train: Train,
+    motors: tuple[Motor, ...],
+    loads: tuple[Load, ...],
+    column: dict[int, int],
+    dampers: NDArray[np.int64],
+) -> _ForceSizes:
+    """Sizes of all forces, those of the dampers last."""
+    n = len(column)
+    step, ramp, smooth = (np.zeros(n + len(dampers)) for _ in range(3))
+    reference_torque = 0.0
     for m in motors:
         i = column[m.station]
-        step[i] += abs(float(m.average(0.0)) + float(m.pulsating(0.0)) * math.sin(m.phase))
-        pulsation[i] += float(np.max(np.abs(m.pulsating.cubic[:, 0])))
+        largest = float(np.max(np.abs(m.average.cubic[:, 0])))
+        pulsating = float(np.max(np.abs(m.pulsating.cubic[:, 0])))
+        initial = abs(float(m.average(0.0)) + float(m.pulsating(0.0)) * math.sin(m.phase))
+        step[i] += max(initial, SWITCHED_SHARE * largest)
+        smooth[i] += pulsating
+        reference_torque += (largest + pulsating) * float(train.speed_ratio[m.station])
     for d in loads:
         step[column[d.station]] += float(d.torque(0.0))
-    return step, pulsation
+    for name in dict.fromkeys(p.station for p in case.torque_time):
+        rows = [p for p in case.torque_time if p.station == name]
+        times = np.array([p.time for p in rows], dtype=float)
+        torques = np.array([p.torque for p in rows], dtype=float)
+        i = column[train.station_index(str(name))]
+        slope = np.diff(torques) / np.diff(times)
+        step[i] += abs(float(torques[0]))
+        ramp[i] += float(np.sum(np.abs(np.diff(slope, prepend=0.0, append=0.0))))
+        smooth[i] += float(np.max(np.abs(torques)))
+        reference_torque += smooth[i] * float(train.speed_ratio[train.station_index(str(name))])
+    for k, row in enumerate(dampers):
+        node = int(np.argmax(np.abs(train.node_incidence[row])))
+        smooth[n + k] = reference_torque / float(train.speed_ratio[node])
+    return _ForceSizes(step, ramp, smooth)
+
+
+def _last_jump(case: CaseData) -> float:
+    """Latest time at which a table of torque against time begins with a jump; else zero."""
+    first = {p.station: p for p in reversed(case.torque_time)}
+    return max((float(p.time or 0.0) for p in first.values() if p.torque), default=0.0)
 
 
 def _mode_amplitudes(
-    train: Train,
-    modes: Modes,
-    stations: NDArray[np.int64],
-    step: Floats,
-    pulsation: Floats,
-    fastest: float,
+    modes: Modes, outputs: TorqueOutputs, reach: Floats, sizes: _ForceSizes, fastest: float
 ) -> tuple[Floats, Floats, Floats]:
     """Bounds per output and mode on ringing and on slow dynamics, and the torque scale of outputs.
 
-    A step rings with its own static deflection; a pulsation at ω ≤ `fastest` exceeds its static
-    deflection by (ω/ω_r)² / (1 − (ω/ω_r)²) in a mode well above it.
+    A step rings with its own static deflection, a change of slope with that of slope/ω; a smooth
+    force at ω ≤ `fastest` exceeds its static deflection by (ω/ω_r)² / (1 − (ω/ω_r)²) in a mode
+    well above it.
     """
-    outputs = torque_outputs(train, modes, stations)
-    reach = np.abs(force_reach(train, modes, stations))
     safe = np.where(modes.omega > 0.0, modes.omega, np.inf)
     flexible = np.abs(outputs.position) / safe**2
-    ringing = flexible * (reach @ step)
+    ringing = flexible * (np.abs(reach) @ sizes.step + np.abs(reach) @ sizes.ramp / safe)
     share = (fastest / safe) ** 2
     dynamic = np.where(share < 0.9, share / np.where(share < 0.9, 1.0 - share, 1.0), 1.0)
-    slow = flexible * (reach @ pulsation) * dynamic
-    signed = outputs.position / safe**2 @ (force_reach(train, modes, stations) * step)
-    scale = np.max(np.abs(signed + outputs.force * step), axis=1, initial=0.0)
-    return ringing, slow, scale
+    slow = flexible * (np.abs(reach) @ sizes.smooth) * dynamic
+    torque = np.maximum(sizes.step, SWITCHED_SHARE * sizes.smooth)
+    signed = outputs.position / safe**2 @ (reach * torque)
+    scale = np.max(np.abs(signed + outputs.force * torque), axis=1, initial=0.0)
+    return ringing, slow, np.maximum(scale, NEGLIGIBLE * np.max(scale, initial=0.0))
 
 
 def _kept_modes(
@@ -449,18 +527,26 @@ def _kept_modes(
 
 def _windows(
     modes: Modes, damping: ModalDamping, ringing: Floats, scale: Floats,
-    keep: NDArray[np.bool_], tolerance: float, fastest: float,
+    keep: NDArray[np.bool_], tolerance: float, fastest: float, maximum_time: float,
 ) -> tuple[tuple[float, float], ...]:  # fmt: skip
-    """Until when each kept fast mode rings visibly after breaker closing."""
+    """Until when each kept fast mode rings visibly after breaker closing.
+
+    Modes that would take an absurd number of steps (a link of 1e16 N m/rad without damping) are
+    taken out of `keep`.
+    """
     windows: list[tuple[float, float]] = []
+    budget = min(MAX_RINGING_STEPS, 2 * MAX_VALUES // max(len(scale), 1))
     for r in np.flatnonzero(keep & (modes.omega > fastest))[::-1]:
         with np.errstate(divide="ignore", invalid="ignore"):
-            size = np.where(scale > 0.0, ringing[:, r] / scale, 0.0).max()
+            size = np.where(scale > 0.0, ringing[:, r] / scale, 0.0).max(initial=0.0)
         if size <= FADED * tolerance:
             continue
         decay = 0.5 * damping.rate[r]
         until = math.log(size / (FADED * tolerance)) / decay if decay > 0.0 else math.inf
-        if not windows or until > windows[-1][0]:
+        steps = min(until, maximum_time) * modes.omega[r] / COARSEST_ANGLE
+        if steps > budget and modes.omega[r] > FAR_ABOVE * fastest:
+            keep[r] = False
+        elif not windows or until > windows[-1][0]:
             windows.append((until, float(modes.omega[r])))
     return tuple(windows)
 
@@ -551,19 +637,19 @@ def simulate(
     n, nf = model.reach.shape
     q, v = np.zeros(n), np.zeros(n)
     phase = model.phase.copy()
-    force, rate = _first_forces(model, phase)
+    force, rate = _forces_at(model, 0.0, 0.0, q, v, phase)
     pieces = [_torques(model, q[None], v[None], force[None], rate[None])]
     speeds: list[Floats] = [np.zeros(1)]
     times: list[Floats] = [np.zeros(1)]
     t, flag = 0.0, kernels.PENDING
     coefficients = exponential_step if method == "exponential" else newmark_step
-    for end, h in _step_plan(model, step, maximum_time):
+    for left, h in _step_plan(model, step, maximum_time):
         free, forced = (
             np.ascontiguousarray(a.transpose(1, 2, 0))
             for a in coefficients(model.stiffness, model.rate, h)
         )
         reach = np.ascontiguousarray(model.reach.T)
-        left = round((end - t) / h)
+        force, rate = _forces_at(model, t, t + 0.5 * h, q, v, phase)
         while left > 0 and flag == kernels.PENDING:
             count = min(CHUNK, left)
             out = [
@@ -575,12 +661,12 @@ def simulate(
             done, flag = kernels.advance_start(
                 count, h, t, target_speed, free, forced, model.stiffness, model.rate, reach,
                 model.mean_speed, model.curves, model.motors, model.loads, model.timed,
-                q, v, phase, force, rate, *out,
+                model.dampers, q, v, phase, force, rate, *out,
             )  # fmt: skip
             out_q, out_v, out_f, out_r = (a[:done] for a in out)
             pieces.append(_torques(model, out_q, out_v, out_f, out_r))
             speeds.append(out_v @ model.mean_speed)
-            times.append(t + h * np.arange(1, done + 1))
+            times.append(np.asarray(t + h * np.arange(1, done + 1), dtype=np.float64))
             t += h * done
             left -= done
         if flag != kernels.PENDING:
@@ -598,33 +684,52 @@ def simulate(
     )  # fmt: skip
 
 
-def _first_forces(model: StartModel, phase: Floats) -> tuple[Floats, Floats]:
-    """Forces and their rates at rest; the rate depends on the acceleration the forces cause."""
+def _forces_at(
+    model: StartModel, t: float, inside: float, q: Floats, v: Floats, phase: Floats
+) -> tuple[Floats, Floats]:
+    """Forces and their rates at one time; the rates depend on the acceleration the forces cause."""
     nf = model.reach.shape[1]
-    force, rate, still = np.zeros(nf), np.zeros(nf), np.zeros(nf)
-    acceleration = np.zeros(nf)
+    force, rate = np.zeros(nf), np.zeros(nf)
+    speed, acceleration = model.reach.T @ v, np.zeros(nf)
+    own = model.rate * v + model.stiffness * q
     for _ in range(2):
         kernels.start_forces(
-            0.0, phase, still, acceleration, model.curves, model.motors, model.loads, model.timed,
-            force, rate,
+            t, inside, phase, speed, acceleration, model.curves, model.motors, model.loads,
+            model.timed, model.dampers, force, rate,
         )  # fmt: skip
-        acceleration = model.reach.T @ (model.reach @ force)
+        acceleration = model.reach.T @ (model.reach @ force - own)
     return force, rate
 
 
-def _step_plan(model: StartModel, step: float, maximum_time: float) -> list[tuple[float, float]]:
-    """(end time, step) of each window; steps are the base step divided by powers of two."""
-    plan: list[tuple[float, float]] = []
-    start = 0.0
-    for until, omega in model.windows:
-        # a ringing mode is sampled as finely as the pulsation is
-        h = step / 2 ** math.ceil(math.log2(omega / model.pulsation_omega))
-        count = math.ceil((min(until, maximum_time) - start) / h)
-        if count > 0:
-            start += count * h
-            plan.append((start, h))
-    if maximum_time > start:
-        plan.append((start + math.ceil((maximum_time - start) / step) * step, step))
+def _step_plan(model: StartModel, step: float, maximum_time: float) -> list[tuple[int, float]]:
+    """(number of steps, step) of each stretch.
+
+    Steps are the base step divided by powers of two, shortened so that one ends at every knot of
+    a torque against time.
+    """
+    times, counts = model.timed[1], model.timed[3]
+    knots = np.unique(
+        np.concatenate([np.zeros(0), *(t[:n] for t, n in zip(times, counts, strict=True))])
+    )
+    plan: list[tuple[int, float]] = []
+    at = 0.0
+    # a ringing mode is sampled as finely as the pulsation is
+    stretches = [
+        (until, step / 2 ** math.ceil(math.log2(omega / model.pulsation_omega)))
+        for until, omega in model.windows
+    ]
+    for until, h in [*stretches, (maximum_time, step)]:
+        stop = min(until, maximum_time)
+        while at < stop * (1.0 - 1e-12):
+            count = math.ceil((stop - at) / h * (1.0 - 1e-12))
+            ahead = knots[(knots > at + 1e-9 * h) & (knots <= at + count * h)]
+            if len(ahead):
+                count = math.ceil((ahead[0] - at) / h * (1.0 - 1e-12))
+                plan.append((count, float(ahead[0] - at) / count))
+                at = float(ahead[0])
+            else:
+                plan.append((count, h))
+                at += count * h
     return plan
 
 
@@ -737,18 +842,41 @@ def _first_step(settings: StartSettings, fastest: float) -> float:
     return min(max(angle, FINEST_ANGLE), COARSEST_ANGLE) / fastest
 
 
-def _run_length(runup: RigidRunup, settings: StartSettings) -> tuple[float, float]:
-    """Target speed and longest time to simulate."""
+def _run_length(runup: RigidRunup, settings: StartSettings) -> float:
+    """Longest time to simulate: that of the rigid train with a reserve, or what the case says."""
+    if settings.maximum_time is not None:
+        return settings.maximum_time
     if runup.equilibrium is None:
-        target, needed = settings.end_speed, 1.5 * float(runup.time[-1]) + 1.0
-    elif runup.equilibrium <= 0.0:
-        target, needed = settings.end_speed, STANDSTILL_TIME
-    else:
-        target = settings.end_speed
-        below = 0.998 * runup.equilibrium
-        reach = float(np.interp(below, runup.speed, runup.time))
-        needed = 1.1 * reach + 2.0
-    return target, settings.maximum_time if settings.maximum_time else needed
+        return 1.5 * float(runup.time[-1]) + 1.0
+    if runup.equilibrium <= 0.0:
+        return STANDSTILL_TIME
+    # up to a speed where the net torque is still clearly positive, then the exponential approach
+    i = int(np.flatnonzero(runup.speed <= 0.98 * runup.equilibrium)[-1])
+    gap = runup.equilibrium - float(runup.speed[i])
+    approach = runup.inertia * gap / float(runup.net[i])
+    left = max(math.log(gap / (0.002 * runup.equilibrium)), 0.0)
+    return 1.1 * (float(runup.time[i]) + approach * left) + 2.0
+
+
+def _settled(runup: RigidRunup, trajectory: Trajectory, end: float, synchronous: float) -> bool:
+    """Whether a start that did not reach its end speed has come to rest at some speed."""
+    speed = _late_speed(trajectory, end)
+    if runup.equilibrium is not None:
+        if runup.equilibrium <= 0.0:
+            if speed < 0.01 * synchronous:
+                return True
+        elif abs(speed - runup.equilibrium) <= SETTLED * runup.equilibrium:
+            return True
+    before = _late_speed(trajectory, 0.8 * end)
+    gained = (speed - before) / (0.2 * end)
+    return gained * 10.0 * end < synchronous - speed and end > STANDSTILL_TIME
+
+
+def _late_speed(trajectory: Trajectory, end: float) -> float:
+    """Mean speed over the last tenth of a run, half a second at most."""
+    t, w = trajectory.time, trajectory.mean_speed
+    inside = (t >= end - min(0.5, 0.1 * end)) & (t <= end)
+    return float(np.mean(w[inside])) if np.any(inside) else float(w[-1])
 
 
 def _outcome(
@@ -759,28 +887,28 @@ def _outcome(
     synchronous: float,
 ) -> StartOutcome:
     """Name the way the start ended, with its numbers."""
-    tail = trajectory.mean_speed[trajectory.time >= end - 0.5]
-    speed = settings.end_speed if trajectory.reached else float(np.mean(tail))
+    speed = settings.end_speed if trajectory.reached else _late_speed(trajectory, end)
     share, rpm = speed / synchronous, speed * 30.0 / math.pi
     if trajectory.reached:
         return StartOutcome(
             "reached", end, speed, f"{share:.1%} speed ({rpm:.1f} rpm) reached after {end:.3f} s."
         )
-    if runup.equilibrium is not None:
-        settled = runup.equilibrium <= 0.0 or speed >= 0.99 * runup.equilibrium
-        if runup.equilibrium <= 0.0 and share < 0.01:
-            text = (
-                f"No breakaway: at standstill the loads take {runup.load[0]:.4g} N m, the motor gives "
-                f"{runup.average[0]:.4g} N m (referred to the motor)."
-            )
-            return StartOutcome("no breakaway", end, speed, text)
-        if settled:
-            word = "asynchronous" if share >= ASYNCHRONOUS_ABOVE else "stalled"
-            text = (
-                f"{word.capitalize()}: torque and load balance at {rpm:.1f} rpm ({share:.1%} speed), "
-                f"below the end speed of {settings.end_speed / synchronous:.1%}."
-            )
-            return StartOutcome(word, end, speed, text)
+    if runup.equilibrium is not None and runup.equilibrium <= 0.0 and share < 0.01:
+        text = (
+            f"No breakaway: at standstill the loads take {runup.load[0]:.4g} N m, the motor gives "
+            f"{runup.average[0]:.4g} N m (referred to the motor)."
+        )
+        return StartOutcome("no breakaway", end, speed, text)
+    near = runup.equilibrium and abs(speed - runup.equilibrium) <= SETTLED * runup.equilibrium
+    if near or (settings.maximum_time is None and _settled(runup, trajectory, end, synchronous)):
+        # judged by where the speed tends to, quoted as simulated
+        tends_to = runup.equilibrium / synchronous if near and runup.equilibrium else share
+        word = "asynchronous" if tends_to >= ASYNCHRONOUS_ABOVE else "stalled"
+        text = (
+            f"{word.capitalize()}: torque and load balance at {rpm:.1f} rpm ({share:.1%} speed), "
+            f"below the end speed of {settings.end_speed / synchronous:.1%}."
+        )
+        return StartOutcome(word, end, speed, text)
     text = f"Time out: {rpm:.1f} rpm ({share:.1%} speed) after {end:.3f} s."
     return StartOutcome("time out", end, speed, text)
 
@@ -818,29 +946,48 @@ def run_start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping)
     synchronous = case.ratings.synchronous_speed
     assert synchronous is not None
     runup = rigid_runup(train, motors, loads, settings.end_speed)
-    model = start_model(case, train, modes, damping, motors, loads, settings.tolerance_peak)
-    target, maximum = _run_length(runup, settings)
-    step = _first_step(settings, model.pulsation_omega)
+    target, maximum = settings.end_speed, _run_length(runup, settings)
+    model = start_model(
+        case, train, modes, damping, motors, loads, settings.tolerance_peak, maximum
+    )
+    step = min(_first_step(settings, model.pulsation_omega), model.largest_step)
 
     def at(h: float) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
         trajectory = simulate(model, h, settings.method, target, maximum)
         end = _end_of(trajectory, target)
         return trajectory, end, turning_of(trajectory, end)
 
-    coarse, fine = at(step), at(0.5 * step)
+    coarse = at(step)
+    for _ in range(MAX_PROLONGATIONS):
+        if (
+            coarse[0].reached
+            or settings.maximum_time is not None
+            or _settled(runup, coarse[0], coarse[1], synchronous)
+        ):
+            break
+        maximum *= 2.0
+        coarse = at(step)
+    fine = at(0.5 * step)
     halvings = 0
     while True:
         output = worst_outputs(train, fine[0], fine[2])
         peaks = element_peaks(train, model.truncation, fine, coarse, output)
-        error = max((p.relative_error for p in peaks), default=0.0)
+        bound = model.truncation[output[output >= 0]]
+        error, truncation = relative_errors(peaks, bound)
         met = error <= settings.tolerance_peak
-        if met or halvings >= MAX_HALVINGS:
+        by_step = error - truncation
+        values = fine[0].n_steps * len(model.truncation)
+        if (
+            met
+            or halvings >= MAX_HALVINGS
+            or 2 * values > MAX_VALUES
+            or by_step < min(0.1 * truncation, settings.tolerance_peak)
+        ):
             break
         halvings += 1
         step *= 0.5
         coarse, fine = fine, at(0.5 * step)
     trajectory, end, turning = fine
-    size = max((max(abs(p.maximum), abs(p.minimum)) for p in peaks), default=1.0)
     return Start(
         outcome=_outcome(runup, settings, trajectory, end, synchronous),
         peaks=peaks,
@@ -852,10 +999,37 @@ def run_start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping)
         step=0.5 * step,
         halvings=halvings,
         estimated_error=error,
-        truncation_error=float(np.max(model.truncation, initial=0.0)) / size,
+        truncation_error=truncation,
         kept_modes=len(model.stiffness),
         method=settings.method,
         met_tolerance=met,
+    )
+
+
+def relative_errors(peaks: tuple[ElementPeak, ...], truncation: Floats) -> tuple[float, float]:
+    """Largest relative error of the peaks, and the part of it that modes left out may cause.
+
+    Parameters
+    ----------
+    peaks : tuple of ElementPeak
+        Peaks. [N m]
+    truncation : ndarray, shape (n_peaks,)
+        Bound on what modes left out may add to each. [N m]
+
+    Returns
+    -------
+    error : float
+        Largest relative error. [1]
+    truncation : float
+        Largest relative truncation. [1]
+    """
+    sizes = np.array([max(abs(p.maximum), abs(p.minimum)) for p in peaks])
+    floor = np.maximum(sizes, NEGLIGIBLE * np.max(sizes, initial=0.0))
+    floor = np.where(floor > 0.0, floor, np.inf)
+    errors = np.array([p.error for p in peaks])
+    return (
+        float(np.max(errors / floor, initial=0.0)),
+        float(np.max(truncation / floor, initial=0.0)),
     )
 
 

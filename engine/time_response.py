@@ -17,7 +17,7 @@ from scipy.linalg import expm
 
 from engine.errors import ModelError
 from engine.modal import Modes, modal_damping_matrix
-from engine.outputs import TorqueOutputs, force_reach, torque_outputs
+from engine.outputs import force_reach, torque_outputs
 from engine.stepping import kernels
 from engine.stepping.exponential import polynomial_step
 from engine.train import Train
@@ -161,6 +161,7 @@ def time_response(
     damping_ratio: Floats | None = None,
     initial_angle: Floats | None = None,
     initial_speed: Floats | None = None,
+    kept: NDArray[np.bool_] | None = None,
 ) -> TimeResponse:
     """Integrate a train under prescribed torques.
 
@@ -179,6 +180,8 @@ def time_response(
         Stated modal damping, in addition to the train's dampers. [1]
     initial_angle, initial_speed : ndarray, shape (n_stations,), optional
         Angle and speed at the start, in running direction; default zero. [rad, rad/s]
+    kept : ndarray of bool, shape (n_modes,), optional
+        Modes that are integrated; elastic modes left out follow statically. Default all. [mask]
 
     Returns
     -------
@@ -194,20 +197,41 @@ def time_response(
     if len(t) < 1 or np.any(np.diff(t) <= 0.0):
         raise ModelError("The times of a time response must rise.")
     stations = np.array(sorted({p.station for p in torques}), dtype=np.int64)
-    reach = force_reach(train, modes, stations)
+    keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
+    reach = force_reach(train, modes, stations)[keep]
     grid = _step_grid(t, torques)
-    q = _initial(train, modes, initial_angle)
-    v = _initial(train, modes, initial_speed)
-    matrix = modal_damping_matrix(train, modes)
+    q = _initial(train, modes, initial_angle)[keep]
+    v = _initial(train, modes, initial_speed)[keep]
+    physical = modal_damping_matrix(train, modes)
+    matrix = physical
     if damping_ratio is not None:
         matrix = matrix + np.diag(2.0 * damping_ratio * modes.omega)
+    matrix = matrix[np.ix_(keep, keep)]
     off = np.abs(matrix - np.diag(np.diag(matrix)))
     coupled = bool(np.max(off, initial=0.0) > _COUPLED * np.max(np.abs(matrix), initial=0.0))
     cubic = _modal_cubics(torques, stations, reach, grid)
-    out_q, out_v = _integrate(modes, matrix, coupled, grid, cubic, q, v)
+    omega = modes.omega[keep]
+    out_q, out_v = _integrate(omega, matrix, coupled, grid, cubic, q, v)
     pick = np.searchsorted(grid, t)
     out_q, out_v = out_q[:, pick], out_v[:, pick]
-    return _response(train, modes, torques, stations, t, (out_q, out_v), matrix, coupled)
+    force, rate = np.zeros((len(stations), len(t))), np.zeros((len(stations), len(t)))
+    for p in torques:
+        column = int(np.searchsorted(stations, p.station))
+        force[column] += p.value(t, "right")
+        rate[column] += _slope(p, t)
+    outputs = torque_outputs(train, modes, stations, keep, damping=physical)
+    acceleration = reach @ force - matrix @ out_v - omega[:, None] ** 2 * out_q
+    angle = modes.shape[np.ix_(train.node_dof[: train.n_stations], keep)]
+    angle = angle * train.node_scale[: train.n_stations, None]
+    return TimeResponse(
+        t,
+        angle @ out_q,
+        angle @ out_v,
+        outputs.position @ out_q + outputs.velocity @ out_v + outputs.force @ force,
+        outputs.position @ out_v + outputs.velocity @ acceleration + outputs.force @ rate,
+        outputs.element,
+        coupled,
+    )
 
 
 def _initial(train: Train, modes: Modes, station_values: Floats | None) -> Floats:
@@ -269,10 +293,10 @@ def _modal_cubics(
 
 
 def _integrate(
-    modes: Modes, matrix: Floats, coupled: bool, grid: Floats, cubic: Floats, q: Floats, v: Floats
+    omega: Floats, matrix: Floats, coupled: bool, grid: Floats, cubic: Floats, q: Floats, v: Floats
 ) -> tuple[Floats, Floats]:
     """Modal positions and velocities on the grid, shape (n_modes, n_grid)."""
-    n = modes.n_modes
+    n = len(omega)
     steps = np.diff(grid)
     out_q, out_v = np.empty((len(grid), n)), np.empty((len(grid), n))
     out_q[0], out_v[0] = q, v
@@ -285,12 +309,12 @@ def _integrate(
             j += 1
         h = float(np.mean(steps[i:j]))
         if coupled:
-            free, forced = _coupled_step(modes.omega, matrix, h)
+            free, forced = _coupled_step(omega, matrix, h)
             out = np.empty((j - i, 2 * n))
             kernels.drive_coupled(free, forced, cubic[i:j], state, out)
             out_q[i + 1 : j + 1], out_v[i + 1 : j + 1] = out[:, :n], out[:, n:]
         else:
-            free, forced = polynomial_step(modes.omega**2, np.diag(matrix).copy(), h)
+            free, forced = polynomial_step(omega**2, np.diag(matrix).copy(), h)
             kernels.drive_modes(
                 free, forced, cubic[i:j], q, v, out_q[i + 1 : j + 1], out_v[i + 1 : j + 1]
             )
@@ -303,8 +327,9 @@ def _coupled_step(omega: Floats, matrix: Floats, h: float) -> tuple[Floats, Floa
     n = len(omega)
     A = np.zeros((6 * n, 6 * n))
     eye = np.eye(n)
-    A[:n, n : 2 * n] = eye  # state (q, h q̇), time s = t/h
-    A[n : 2 * n, :n] = -np.diag((omega * h) ** 2)
+    size = np.maximum(omega * h, 1.0)  # state (size · q, h q̇), so that no entry exceeds ωh
+    A[:n, n : 2 * n] = np.diag(size)
+    A[n : 2 * n, :n] = -np.diag((omega * h) ** 2 / size)
     A[n : 2 * n, n : 2 * n] = -matrix * h
     A[n : 2 * n, 2 * n : 3 * n] = eye
     for i in range(3):
@@ -312,44 +337,13 @@ def _coupled_step(omega: Floats, matrix: Floats, h: float) -> tuple[Floats, Floa
     E = expm(A)[: 2 * n]
     free = E[:, : 2 * n].copy()
     forced = E[:, 2 * n :].reshape(2 * n, 4, n).transpose(0, 2, 1) * np.array([1.0, 1.0, 2.0, 6.0])
+    free[:, :n] *= size
+    free[:n] /= size[:, None]
     free[:n, n:] *= h
     free[n:, :n] /= h
-    forced[:n] *= h * h
+    forced[:n] *= (h * h / size)[:, None, None]
     forced[n:] *= h
     return np.ascontiguousarray(free), np.ascontiguousarray(forced)
-
-
-def _response(
-    train: Train,
-    modes: Modes,
-    torques: Sequence[PrescribedTorque],
-    stations: NDArray[np.int64],
-    t: Floats,
-    state: tuple[Floats, Floats],
-    matrix: Floats,
-    coupled: bool,
-) -> TimeResponse:
-    """Station angles and element torques from modal coordinates."""
-    q, v = state
-    force, rate = np.zeros((len(stations), len(t))), np.zeros((len(stations), len(t)))
-    for p in torques:
-        column = int(np.searchsorted(stations, p.station))
-        force[column] += p.value(t, "right")
-        rate[column] += _slope(p, t)
-    outputs: TorqueOutputs = torque_outputs(train, modes, stations)
-    reach = force_reach(train, modes, stations)
-    acceleration = reach @ force - matrix @ v - modes.omega[:, None] ** 2 * q
-    angle = modes.shape[train.node_dof[: train.n_stations]]
-    angle = angle * train.node_scale[: train.n_stations, None]
-    return TimeResponse(
-        t,
-        angle @ q,
-        angle @ v,
-        outputs.position @ q + outputs.velocity @ v + outputs.force @ force,
-        outputs.position @ v + outputs.velocity @ acceleration + outputs.force @ rate,
-        outputs.element,
-        coupled,
-    )
 
 
 def _slope(p: PrescribedTorque, t: Floats) -> Floats:

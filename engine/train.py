@@ -132,9 +132,9 @@ class Train:
     @property
     def ground_damping(self) -> Floats:
         """Damping to ground of each degree of freedom, shape (n_dof,). [N m s/rad]"""
-        return np.bincount(
-            self.node_dof, self.node_damping * self.node_scale**2, minlength=self.n_dof
-        )
+        damping = np.zeros(self.n_dof)
+        np.add.at(damping, self.node_dof, self.node_damping * self.node_scale**2)
+        return damping
 
     def node_matrix(self) -> Floats:
         """Node angles from degrees of freedom.
@@ -256,9 +256,10 @@ class _Link:
 def _link(e: ElementRow, mesh: MeshRow | None) -> _Link:
     """What an element row (and its mesh row) mean mechanically."""
     stiffness, viscous = e.stiffness, e.damping
-    if stiffness is None and e.od and e.length and e.shear_modulus:
+    shaft = e.kind != GEAR_MESH
+    if shaft and stiffness is None and e.od and e.length and e.shear_modulus:
         stiffness = shaft_stiffness(e.od, e.id or 0.0, e.length, e.shear_modulus)
-    if mesh is not None and mesh.pitch_radius_drive and e.kind == GEAR_MESH:
+    if not shaft and mesh is not None and mesh.pitch_radius_drive:
         cos_t, share = line_of_action(mesh)
         base = mesh.pitch_radius_drive * cos_t
         if stiffness is None and mesh.mesh_stiffness:
@@ -266,9 +267,9 @@ def _link(e: ElementRow, mesh: MeshRow | None) -> _Link:
         if viscous is None and mesh.mesh_damping:
             viscous = mesh.mesh_damping * share * base**2
     inertia = 0.0
-    if e.density and e.od and e.length:
+    if shaft and e.density and e.od and e.length:
         inertia = shaft_inertia(e.od, e.id or 0.0, e.length, e.density)
-    if stiffness is None and e.kind != GEAR_MESH:
+    if shaft and stiffness is None:
         raise ModelError(f"Element '{e.element}' has neither a stiffness nor the geometry for one.")
     return _Link(stiffness, viscous or 0.0, e.loss_factor or 0.0, inertia)
 
@@ -300,7 +301,7 @@ class _Assembly:
         from_ground = e.from_ == GROUND
         chain: list[int | None] = [None] if from_ground else []
         chain += ends if len(ends) == 2 or from_ground else [ends[0], None]
-        count = max(1, segments) if link.inertia else 1
+        count = max(1, segments) if link.inertia and link.stiffness else 1
         self._series(element, link, count, chain)
 
     def _series(self, element: int, link: _Link, count: int, chain: list[int | None]) -> None:
@@ -354,27 +355,28 @@ def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Tr
         a.add(i, e, link, (segments or {}).get(str(e.element), 1))
     ratio = np.array(a.ratio)
     inertia = np.array(a.inertia)
-    dof, scale, n_dof = _merge(a.rigid, ratio)
+    dof, scale, n_dof = _merge(a.rigid, a.ratio)
+    row = np.array([r for r, (*_, entries) in enumerate(a.rows) for _ in entries], dtype=np.int64)
+    node = np.array([n for *_, entries in a.rows for n in entries], dtype=np.int64)
+    factor = np.array([f for *_, entries in a.rows for f in entries.values()])
     node_incidence = np.zeros((len(a.rows), len(ratio)))
-    for r, (_, _, _, _, entries) in enumerate(a.rows):
-        for node, factor in entries.items():
-            node_incidence[r, node] = factor
-    s = np.zeros((len(ratio), n_dof))
-    s[np.arange(len(ratio)), dof] = scale
-    dof_inertia = np.bincount(dof, inertia * scale**2, minlength=n_dof)
+    node_incidence[row, node] = factor
+    incidence = np.zeros((len(a.rows), n_dof))
+    np.add.at(incidence, (row, dof[node]), factor * scale[node])
+    dof_inertia = np.zeros(n_dof)
+    np.add.at(dof_inertia, dof, inertia * scale**2)
     if np.any(dof_inertia <= 0.0):
-        node = int(np.flatnonzero(dof == int(np.argmin(dof_inertia)))[0])
-        raise ModelError(f"Station '{case.stations[node].station}' has no inertia.")
+        massless = int(np.flatnonzero(dof == int(np.argmin(dof_inertia)))[0])
+        raise ModelError(f"Station '{case.stations[massless].station}' has no inertia.")
     n = len(case.stations)
     sides = _driven_side(a.edges, n, len(case.elements))
-    motors = {a.index[m.station] for m in case.motor_torque if m.station in a.index}
+    motors = sorted({a.index[m.station] for m in case.motor_torque if m.station in a.index})
     orientation = np.ones(len(case.elements))
-    for i in range(len(case.elements)):
-        driven = {int(k) for k in np.flatnonzero(sides[i])}
-        if motors and motors <= driven:
-            orientation[i] = -1.0
-            sides[i] = ~sides[i]
-    reference = min(motors) if motors else 0
+    if motors:
+        reversed_ = sides[:, motors].all(axis=1)
+        orientation[reversed_] = -1.0
+        sides[reversed_] = ~sides[reversed_]
+    reference = motors[0] if motors else 0
     internal = {m.element for m in case.meshes if m.gear_type == "internal"}
     flips = {
         i: e.kind == GEAR_MESH and e.element not in internal for i, e in enumerate(case.elements)
@@ -393,7 +395,7 @@ def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Tr
         viscous=np.array([row[2] for row in a.rows]),
         loss_factor=np.array([row[3] for row in a.rows]),
         node_incidence=node_incidence,
-        incidence=node_incidence @ s,
+        incidence=incidence,
         row_element=np.array([row[0] for row in a.rows], dtype=np.int64),
         rigid_meshes=_rigid_meshes(a.rigid, ratio, dof),
         orientation=orientation,
@@ -401,16 +403,24 @@ def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Tr
     )
 
 
-def _merge(rigid: list[tuple[int, int, int]], ratio: Floats) -> tuple[Ints, Floats, int]:
+def _merge(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[Ints, Floats, int]:
     """Degree of freedom and scale of every node after merging rigid meshes."""
-    n = len(ratio)
-    group = np.arange(n)
+    head = list(range(len(ratio)))
+
+    def find(node: int) -> int:
+        while head[node] != node:
+            head[node] = head[head[node]]
+            node = head[node]
+        return node
+
     for _, a, b in rigid:
-        group[group == group[b]] = group[a]
-    heads, dof = np.unique(group, return_inverse=True)
-    first = np.array([int(np.flatnonzero(group == h)[0]) for h in heads])
-    scale = ratio / ratio[first[dof]]
-    return dof.astype(np.int64), scale, len(heads)
+        first, second = sorted((find(a), find(b)))
+        head[second] = first
+    number: dict[int, int] = {}
+    heads = [find(node) for node in range(len(ratio))]
+    dof = np.array([number.setdefault(h, len(number)) for h in heads], dtype=np.int64)
+    scale = np.array([ratio[node] / ratio[h] for node, h in enumerate(heads)])
+    return dof, scale, len(number)
 
 
 def _rigid_meshes(
@@ -441,17 +451,41 @@ def _neighbours(edges: list[tuple[int, int, int]], n: int) -> list[list[tuple[in
 
 
 def _driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> NDArray[np.bool_]:
-    """Stations on the To side of each element (none for an element to ground)."""
+    """Stations on the To side of each element (none for an element to ground).
+
+    In an open train every element cuts off the stations hanging on it: a contiguous stretch of
+    the order in which a depth-first walk enters them.
+    """
     near = _neighbours(edges, n)
-    side = np.zeros((n_elements, n), dtype=np.bool_)
-    for element, a, b in edges:
-        stack = [b]
+    order: list[int] = []
+    parent, start = [-1] * n, [0] * n
+    size, whole = [1] * n, [(0, 0)] * n  # stations hanging on each; stretch of its whole train
+    entered = [False] * n
+    for root in range(n):
+        if entered[root]:
+            continue
+        first, stack = len(order), [(root, -1)]
         while stack:
-            node = stack.pop()
-            if side[element, node]:
+            node, up = stack.pop()
+            if entered[node]:
                 continue
-            side[element, node] = True
-            stack.extend(other for _, other in near[node] if other != a)
+            entered[node] = True
+            parent[node], start[node] = up, len(order)
+            order.append(node)
+            stack.extend((other, node) for _, other in near[node] if not entered[other])
+        for node in order[:first:-1]:
+            size[parent[node]] += size[node]
+        for node in order[first:]:
+            whole[node] = (first, len(order))
+    side = np.zeros((n_elements, n), dtype=np.bool_)
+    place = np.array(order, dtype=np.int64)
+    for element, a, b in edges:
+        if parent[b] == a:
+            side[element, place[start[b] : start[b] + size[b]]] = True
+        else:
+            low, high = whole[b]
+            side[element, place[low:high]] = True
+            side[element, place[start[a] : start[a] + size[a]]] = False
     return side
 
 
@@ -467,10 +501,11 @@ def _senses(a: _Assembly, n: int, reference: int, flips: Mapping[int, bool]) -> 
             if sense[other] == 0.0:
                 sense[other] = -sense[node] if flips[element] else sense[node]
                 stack.append(other)
-    for _, _, _, _, entries in a.rows:  # inner nodes turn with the shaft they divide
-        known = [node for node in entries if sense[node] != 0.0]
-        for node in entries:
-            if sense[node] == 0.0 and known:
-                sense[node] = sense[known[0]]
+    if len(a.ratio) > n:
+        for _, _, _, _, entries in a.rows:  # inner nodes turn with the shaft they divide
+            known = [node for node in entries if sense[node] != 0.0]
+            for node in entries:
+                if sense[node] == 0.0 and known:
+                    sense[node] = sense[known[0]]
     sense[sense == 0.0] = 1.0
     return sense

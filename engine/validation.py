@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
-from engine.case import GROUND, TABLES, CaseData, ElementRow
+from engine.case import GROUND, TABLES, CaseData, ElementRow, MeshRow, Ratings
 from engine.errors import Problem
 
 __all__ = ["GEAR_MESH", "KINDS", "SPRING_TO_GROUND", "find_problems"]
@@ -47,12 +47,17 @@ POSITIVE_SCALARS = {
     "maximum_time": ("MaximumTime", "s"),
     "starts_required": ("StartsRequired", ""),
     "starts_factor": ("StartsFactor", ""),
-    "tolerance_peak": ("TolerancePeak", ""),
-    "tolerance_starts": ("ToleranceStarts", ""),
     "voltage": ("Voltage", ""),
     "shock_time_constant": ("ShockTimeConstant", "s"),
     "field_time_constant": ("FieldTimeConstant", "s"),
     "trip_speed": ("TripSpeed", "rad/s"),
+    "pull_out_torque": ("PullOutTorque", "N m"),
+}
+#: Numbers of any sign, that only have to be numbers.
+FINITE_SCALARS = {
+    "shock_amplitude": ("ShockAmplitude", "N m"),
+    "field_angle": ("FieldAngle", "rad"),
+    "pulsation_phase": ("PulsationPhase", "rad"),
 }
 
 
@@ -73,9 +78,13 @@ def _wrong(
 ) -> Problem:
     """A problem whose sentence is: found …; it must be …. What to do."""
     return Problem(
-        table, row, column, found, allowed,
+        table,
+        row,
+        column,
+        found,
+        allowed,
         f"found {_number(found, unit)}; it must be {allowed}. {action}",
-    )  # fmt: skip
+    )
 
 
 def _missing(table: str, row: int | None, column: str, allowed: str, action: str) -> Problem:
@@ -108,44 +117,97 @@ def _not_negative(value: float) -> bool:
     return value >= 0.0
 
 
+def _any_number(value: float) -> bool:
+    return True
+
+
+def _is_fine(value: float | None) -> bool:
+    """Blank, or a finite positive number."""
+    return value is None or (math.isfinite(value) and value > 0.0)
+
+
+def _ratings_of(case: CaseData) -> Ratings:
+    """The ratings, all blank while one of the numbers they come from is impossible."""
+    typed = (case.line_frequency, case.synchronous_speed, case.rated_power, case.rated_torque)
+    if all(_is_fine(value) for value in typed) and _whole_poles(case):
+        return case.ratings
+    return Ratings(None, None, None, None, None)
+
+
+def _whole_poles(case: CaseData) -> bool:
+    return case.poles is None or (case.poles >= 2 and case.poles % 2 == 0)
+
+
 # --- scalars ------------------------------------------------------------------------------------
 
 
 def _scalars(case: CaseData) -> Iterator[Problem]:
     for key, (name, unit) in POSITIVE_SCALARS.items():
         yield from _check("Case", None, name, getattr(case, key), _positive, "positive", unit)
+    for key, (name, unit) in FINITE_SCALARS.items():
+        value = getattr(case, key)
+        yield from _check("Case", None, name, value, _any_number, "a finite number", unit)
+    yield from _check(
+        "Case",
+        None,
+        "PullInDamping",
+        case.pull_in_damping,
+        _not_negative,
+        "zero or positive",
+        "N m s/rad",
+    )
     for key, (name, words) in CHOICES.items():
         value = getattr(case, key)
         if value is not None and value not in words:
             allowed = "one of " + ", ".join(words)
             yield _wrong("Case", None, name, value, allowed, "Choose from the list.")
     yield from _check(
-        "Case", None, "DampingRatio", case.damping_ratio, lambda v: 0 <= v < 1,
-        "at least 0 and below 1 (100 %)", "", "1 % to 3 % is usual for a geared train.",
-    )  # fmt: skip
-    yield from _check(
-        "Case", None, "MarginRequired", case.margin_required, lambda v: 0 <= v < 1,
+        "Case",
+        None,
+        "DampingRatio",
+        case.damping_ratio,
+        lambda v: 0 <= v < 1,
         "at least 0 and below 1 (100 %)",
-    )  # fmt: skip
+        "",
+        "1 % to 3 % is usual for a geared train.",
+    )
+    yield from _check(
+        "Case",
+        None,
+        "MarginRequired",
+        case.margin_required,
+        lambda v: 0 <= v < 1,
+        "at least 0 and below 1 (100 %)",
+    )
     yield from _check(
         "Case", None, "FieldSlip", case.field_slip, lambda v: 0 < v < 1, "between 0 and 1 (100 %)"
     )
     for key, name in (("tolerance_peak", "TolerancePeak"), ("tolerance_starts", "ToleranceStarts")):
         yield from _check(
-            "Case", None, name, getattr(case, key), lambda v: 1e-9 <= v <= 0.5,
+            "Case",
+            None,
+            name,
+            getattr(case, key),
+            lambda v: 1e-9 <= v <= 0.5,
             "between 1e-9 and 0.5 (50 %)",
-        )  # fmt: skip
-    if case.poles is not None and (case.poles < 2 or case.poles % 2):
+        )
+    if not _whole_poles(case):
         yield _wrong(
-            "Case", None, "Poles", case.poles, "an even number, 2 or more",
+            "Case",
+            None,
+            "Poles",
+            case.poles,
+            "an even number, 2 or more",
             "Poles are counted, not pole pairs.",
-        )  # fmt: skip
+        )
     yield from _ratings(case)
     yield from _speed_range(case)
 
 
 def _ratings(case: CaseData) -> Iterator[Problem]:
     """Contradictions among frequency, speed, poles and among power, speed, torque."""
+    if _ratings_of(case).synchronous_speed is None:
+        return  # nothing to compare, or reported already
     if case.line_frequency and case.synchronous_speed:
         pairs = case.poles // 2 if case.poles else None
         natural = 2.0 * math.pi * case.line_frequency / case.synchronous_speed
@@ -153,41 +215,59 @@ def _ratings(case: CaseData) -> Iterator[Problem]:
         if abs(natural / wanted - 1.0) > RATING_TOLERANCE:
             rpm = 60.0 * case.line_frequency / wanted
             yield Problem(
-                "Case", None, "SynchronousSpeed", case.synchronous_speed,
+                "Case",
+                None,
+                "SynchronousSpeed",
+                case.synchronous_speed,
                 f"{rpm:.6g} rpm with {2 * wanted:.0f} poles at {case.line_frequency:.6g} Hz",
-                f"found {case.synchronous_speed * 30 / math.pi:.6g} rpm, but {2 * wanted:.0f} poles "
-                f"at {case.line_frequency:.6g} Hz turn at {rpm:.6g} rpm. Correct "
+                f"found {case.synchronous_speed * 30 / math.pi:.6g} rpm, but {2 * wanted:.0f} "
+                f"poles at {case.line_frequency:.6g} Hz turn at {rpm:.6g} rpm. Correct "
                 "SynchronousSpeed, Poles or LineFrequency, or leave one of them blank.",
-            )  # fmt: skip
-    speed = case.ratings.synchronous_speed
+            )
+    speed = _ratings_of(case).synchronous_speed
     if case.rated_power and case.rated_torque and speed:
         torque = case.rated_power / speed
         if abs(case.rated_torque / torque - 1.0) > RATING_TOLERANCE:
             yield Problem(
-                "Case", None, "RatedTorque", case.rated_torque, f"{torque:.6g} N m",
+                "Case",
+                None,
+                "RatedTorque",
+                case.rated_torque,
+                f"{torque:.6g} N m",
                 f"found {case.rated_torque:.6g} N m, but {case.rated_power:.6g} W at "
                 f"{speed * 30 / math.pi:.6g} rpm make {torque:.6g} N m. Correct RatedTorque or "
                 "RatedPower, or leave one of them blank.",
-            )  # fmt: skip
+            )
 
 
 def _speed_range(case: CaseData) -> Iterator[Problem]:
     low, high = case.minimum_speed, case.maximum_speed
-    synchronous = case.ratings.synchronous_speed
+    synchronous = _ratings_of(case).synchronous_speed
     low = low if low is not None else synchronous
     high = high if high is not None else synchronous
     if low and high and low > high * (1 + 1e-12):
-        column = "MinimumSpeed" if case.minimum_speed is not None else "MaximumSpeed"
+        name, found = ("MinimumSpeed", case.minimum_speed)
+        if found is None:
+            name, found = ("MaximumSpeed", case.maximum_speed)
         yield _wrong(
-            "Case", None, column, getattr(case, "minimum_speed" if column == "MinimumSpeed" else "maximum_speed"),
+            "Case",
+            None,
+            name,
+            found,
             "such that MinimumSpeed is not above MaximumSpeed",
-            "A blank one of them stands for the synchronous speed.", "rad/s",
-        )  # fmt: skip
+            "A blank one of them stands for the synchronous speed.",
+            "rad/s",
+        )
     if case.end_speed and synchronous and case.end_speed > synchronous * (1 + 1e-12):
         yield _wrong(
-            "Case", None, "EndSpeed", case.end_speed, f"at most synchronous speed ({synchronous:.6g} rad/s)",
-            "Without field a motor settles below synchronism; blank = 97 %.", "rad/s",
-        )  # fmt: skip
+            "Case",
+            None,
+            "EndSpeed",
+            case.end_speed,
+            f"at most synchronous speed ({synchronous:.6g} rad/s)",
+            "Without field a motor settles below synchronism; blank = 97 %.",
+            "rad/s",
+        )
 
 
 # --- train --------------------------------------------------------------------------------------
@@ -202,9 +282,13 @@ def _names(table: str, column: str, names: Sequence[str | None], what: str) -> I
             yield _missing(table, row, column, f"the name of a {what}", "Name it.")
         elif counts[name] > 1 and name in first:
             yield _wrong(
-                table, row, column, name, f"a name used once (row {first[name]} has it already)",
+                table,
+                row,
+                column,
+                name,
+                f"a name used once (row {first[name]} has it already)",
                 f"Rename one of the two {what}s.",
-            )  # fmt: skip
+            )
         else:
             first[name] = row
 
@@ -213,28 +297,48 @@ def _stations(case: CaseData) -> Iterator[Problem]:
     table = "Stations"
     if not case.stations:
         yield Problem(
-            table, None, "", None, "at least one station",
+            table,
+            None,
+            "",
+            None,
+            "at least one station",
             "the table is empty; a train needs at least one station with its inertia.",
-        )  # fmt: skip
+        )
     yield from _names(table, "Station", [s.station for s in case.stations], "station")
     shafted = {name for e in case.elements if e.density for name in (e.from_, e.to)}
     for row, s in enumerate(case.stations, start=1):
         if s.station and s.station.lower() == GROUND:
             yield _wrong(
-                table, row, "Station", s.station, "another word: 'ground' means a fixed end",
+                table,
+                row,
+                "Station",
+                s.station,
+                "another word: 'ground' means a fixed end",
                 "Rename the station.",
-            )  # fmt: skip
+            )
         if s.inertia is None and s.station not in shafted:
             yield _missing(
-                table, row, "Inertia", "positive",
-                "Type it, or give a shaft at this station a Density so that its own inertia counts.",
-            )  # fmt: skip
+                table,
+                row,
+                "Inertia",
+                "positive",
+                "Type it, or give a shaft at this station a Density so that its own inertia "
+                "counts.",
+            )
         zero_allowed = s.station in shafted
         yield from _check(
-            table, row, "Inertia", s.inertia, _not_negative if zero_allowed else _positive,
-            "positive" if not zero_allowed else "zero or positive", "kg m²",
+            table,
+            row,
+            "Inertia",
+            s.inertia,
+            _not_negative if zero_allowed else _positive,
+            "positive" if not zero_allowed else "zero or positive",
+            "kg m²",
             "Every station needs inertia; join two shafts of a massless point into one stiffness.",
-        )  # fmt: skip
+        )
+        yield from _check(
+            table, row, "Running load", s.running_load, _any_number, "a finite number", "N m"
+        )
         yield from _check(
             table, row, "Speed ratio", s.speed_ratio, _positive, "positive (blank = 1)"
         )
@@ -253,9 +357,13 @@ def _ends(case: CaseData, row: int, e: ElementRow) -> Iterator[Problem]:
             yield _missing("Elements", row, column, "a station of table Stations", "Choose it.")
         elif name != GROUND and name not in known:
             yield _wrong(
-                "Elements", row, column, name, "a station of table Stations or the word ground",
-                _suggest(name, known),
-            )  # fmt: skip
+                "Elements",
+                row,
+                column,
+                name,
+                "a station of table Stations or the word ground",
+                _suggest(name, known | {GROUND}),
+            )
     if e.from_ is not None and e.from_ == e.to:
         yield _wrong(
             "Elements",
@@ -269,32 +377,44 @@ def _ends(case: CaseData, row: int, e: ElementRow) -> Iterator[Problem]:
         yield _wrong(
             "Elements", row, "To", e.to, "ground", "A spring to ground has ground at one end."
         )
-    if e.kind == GEAR_MESH and GROUND in (e.from_, e.to):
-        yield _wrong("Elements", row, "To", GROUND, "a station", "A gear mesh joins two gears.")
+    for column, name in (("From", e.from_), ("To", e.to)):
+        if e.kind == GEAR_MESH and name == GROUND:
+            yield _wrong(
+                "Elements", row, column, GROUND, "a station", "A gear mesh joins two gears."
+            )
 
 
 def _suggest(name: str, known: set[str]) -> str:
     """The known name most like a mistyped one."""
     import difflib
 
-    close = difflib.get_close_matches(name, sorted(known), n=1)
-    return f"Did you mean '{close[0]}'?" if close else "Add the station or correct the name."
+    folded = {k.casefold(): k for k in sorted(known)}
+    close = difflib.get_close_matches(name.casefold(), list(folded), n=1)
+    return f"Did you mean '{folded[close[0]]}'?" if close else "Correct the name, or add its row."
 
 
 def _geometry(row: int, e: ElementRow) -> Iterator[Problem]:
     """Stiffness, or everything it is computed from."""
     table = "Elements"
     for column, value, unit in (
-        ("OD", e.od, "m"), ("Length", e.length, "m"), ("Shear modulus", e.shear_modulus, "Pa"),
-        ("Density", e.density, "kg/m³"), ("Stress diameter", e.stress_diameter, "m"), ("SCF", e.scf, ""),
-        ("Rated torque", e.rated_torque, "N m"), ("Peak torque limit", e.peak_torque_limit, "N m"),
+        ("OD", e.od, "m"),
+        ("Length", e.length, "m"),
+        ("Shear modulus", e.shear_modulus, "Pa"),
+        ("Density", e.density, "kg/m³"),
+        ("Stress diameter", e.stress_diameter, "m"),
+        ("SCF", e.scf, ""),
+        ("Rated torque", e.rated_torque, "N m"),
+        ("Peak torque limit", e.peak_torque_limit, "N m"),
         ("Vibratory limit", e.vibratory_limit, "N m"),
-    ):  # fmt: skip
+    ):
         yield from _check(table, row, column, value, _positive, "positive", unit)
     for column, value, unit in (
-        ("ID", e.id, "m"), ("Stress bore", e.stress_bore, "m"), ("Damping", e.damping, "N m s/rad"),
-        ("Loss factor", e.loss_factor, ""), ("Reversal limit", e.reversal_limit, "N m"),
-    ):  # fmt: skip
+        ("ID", e.id, "m"),
+        ("Stress bore", e.stress_bore, "m"),
+        ("Damping", e.damping, "N m s/rad"),
+        ("Loss factor", e.loss_factor, ""),
+        ("Reversal limit", e.reversal_limit, "N m"),
+    ):
         yield from _check(table, row, column, value, _not_negative, "zero or positive", unit)
     if e.scf is not None and 0 < e.scf < 1:
         yield _wrong(table, row, "SCF", e.scf, "1 or more", "A notch never lowers the stress.")
@@ -320,10 +440,16 @@ def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
     if e.stiffness is not None:
         damped = bool(e.damping)
         yield from _check(
-            table, row, "Stiffness", e.stiffness, _not_negative if damped else _positive,
-            "positive (0 only where Damping is given)", "N m/rad",
-            "Correct it, or leave it blank: a shaft is computed from OD, ID and Length, a gear mesh is rigid.",
-        )  # fmt: skip
+            table,
+            row,
+            "Stiffness",
+            e.stiffness,
+            _not_negative if damped else _positive,
+            "positive (0 only where Damping is given)",
+            "N m/rad",
+            "Correct it, or leave it blank: a shaft is computed from OD, ID and Length, a gear "
+            "mesh is rigid.",
+        )
     elif e.kind in ("shaft", "coupling", SPRING_TO_GROUND):
         absent = [
             name
@@ -336,16 +462,26 @@ def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
         ]
         if absent:
             yield Problem(
-                table, row, "Stiffness", None, "a stiffness, or OD, Length and Shear modulus",
-                "the stiffness is blank and cannot be computed: " + ", ".join(absent)
-                + (" are" if len(absent) > 1 else " is") + " blank too. Type a stiffness or the geometry.",
-            )  # fmt: skip
+                table,
+                row,
+                "Stiffness",
+                None,
+                "a stiffness, or OD, Length and Shear modulus",
+                "the stiffness is blank and cannot be computed: "
+                + ", ".join(absent)
+                + (" are" if len(absent) > 1 else " is")
+                + " blank too. Type a stiffness or the geometry.",
+            )
     if e.density is not None and (e.od is None or e.length is None):
         yield Problem(
-            table, row, "Density", e.density, "used with OD and Length",
-            "a density is given but OD or Length is blank: the shaft's own inertia cannot be computed. "
-            "Type the geometry or clear the density.",
-        )  # fmt: skip
+            table,
+            row,
+            "Density",
+            e.density,
+            "used with OD and Length",
+            "a density is given but OD or Length is blank: the shaft's own inertia cannot be "
+            "computed. Type the geometry or clear the density.",
+        )
 
 
 def _elements(case: CaseData) -> Iterator[Problem]:
@@ -367,21 +503,59 @@ def _elements(case: CaseData) -> Iterator[Problem]:
         a, b = ratios.get(e.from_), ratios.get(e.to)
         if e.kind in ("shaft", "coupling") and a and b and abs(a / b - 1.0) > 1e-9:
             yield Problem(
-                table, row, "To", e.to, "a station of the same speed ratio as From",
-                f"'{e.from_}' has speed ratio {a:.9g} and '{e.to}' {b:.9g}, but a {e.kind} joins stations "
-                "of equal speed. Correct the speed ratios in table Stations, or make it a gear mesh.",
-            )  # fmt: skip
+                table,
+                row,
+                "To",
+                e.to,
+                "a station of the same speed ratio as From",
+                f"'{e.from_}' has speed ratio {a:.9g} and '{e.to}' {b:.9g}, but a {e.kind} joins "
+                "stations of equal speed. Correct the speed ratios in table Stations, or make it "
+                "a gear mesh.",
+            )
+        yield from _rigid_or_shaft(row, e)
         if e.material and e.material not in materials:
             yield _wrong(
-                table, row, "Material", e.material, "a material of table Materials",
-                _suggest(e.material, {m for m in materials}),
-            )  # fmt: skip
+                table,
+                row,
+                "Material",
+                e.material,
+                "a material of table Materials",
+                _suggest(e.material, materials),
+            )
         if e.material and e.stress_diameter is None:
             yield Problem(
-                table, row, "Stress diameter", None, "positive where a material is named",
+                table,
+                row,
+                "Stress diameter",
+                None,
+                "positive where a material is named",
                 "a material is named but the stress diameter is blank: no stress can be judged. "
                 "Type the diameter or clear the material.",
-            )  # fmt: skip
+            )
+
+
+def _rigid_or_shaft(row: int, e: ElementRow) -> Iterator[Problem]:
+    """What a gear mesh cannot have."""
+    if e.kind != GEAR_MESH:
+        return
+    for column, value, unit in (
+        ("OD", e.od, "m"),
+        ("ID", e.id, "m"),
+        ("Length", e.length, "m"),
+        ("Shear modulus", e.shear_modulus, "Pa"),
+        ("Density", e.density, "kg/m³"),
+    ):
+        if value is not None:
+            yield _wrong(
+                "Elements",
+                row,
+                column,
+                value,
+                "blank for a gear mesh",
+                "A mesh has no shaft geometry: a blank Stiffness means rigid, and the gears' "
+                "inertias belong to their stations.",
+                unit,
+            )
 
 
 def _connected(case: CaseData) -> Iterator[Problem]:
@@ -408,11 +582,16 @@ def _connected(case: CaseData) -> Iterator[Problem]:
             continue  # side by side between the same two stations, a spring beside a damper
         else:
             yield Problem(
-                "Elements", row, "Element", e.element, "part of an open train",
-                f"'{e.element}' closes a circuit between '{e.from_}' and '{e.to}'. Closed gear circuits "
-                "(split torque, double helix as two meshes) are not calculated: how they share torque "
-                "depends on assembly. Join the parallel paths into one equivalent path.",
-            )  # fmt: skip
+                "Elements",
+                row,
+                "Element",
+                e.element,
+                "part of an open train",
+                f"'{e.element}' closes a circuit between '{e.from_}' and '{e.to}'. Closed gear "
+                "circuits (split torque, double helix as two meshes) are not calculated: how "
+                "they share torque depends on assembly. Join the parallel paths into one "
+                "equivalent path.",
+            )
     groups: dict[str, list[str]] = {}
     for name in names:
         groups.setdefault(find(name), []).append(name)
@@ -423,10 +602,14 @@ def _connected(case: CaseData) -> Iterator[Problem]:
                 continue
             row = names.index(group[0]) + 1
             yield Problem(
-                "Stations", row, "Station", group[0], "joined to the rest of the train",
+                "Stations",
+                row,
+                "Station",
+                group[0],
+                "joined to the rest of the train",
                 f"no element joins {', '.join(repr(n) for n in group)} to the rest of the train "
                 f"({main[0]!r}, …). Add the missing shaft, coupling or mesh.",
-            )  # fmt: skip
+            )
 
 
 MESH_LENGTHS = (
@@ -454,51 +637,207 @@ MESH_LENGTHS = (
 def _meshes(case: CaseData) -> Iterator[Problem]:
     table = "Meshes"
     elements = {e.element: (row, e) for row, e in enumerate(case.elements, start=1) if e.element}
-    ratios = {s.station: s.speed_ratio or 1.0 for s in case.stations}
     yield from _names(table, "Element", [m.element for m in case.meshes], "mesh")
     for row, m in enumerate(case.meshes, start=1):
-        for column, key, holds, allowed, unit in MESH_LENGTHS:
-            yield from _check(table, row, column, getattr(m, key), holds, allowed, unit)
-        for column, value in (("Pressure angle", m.pressure_angle), ("Helix angle", m.helix_angle)):
-            yield from _check(
-                table, row, column, value, lambda v: abs(v) < math.pi / 2, "between -90 and 90 degrees", "rad",
-                "Write degrees with the unit deg above the column.",
-            )  # fmt: skip
-        if m.gear_type not in (None, "external", "internal"):
+        yield from _mesh_numbers(row, m)
+        if m.element is None:
+            continue
+        if m.element not in elements:
             yield _wrong(
                 table,
                 row,
-                "Gear type",
-                m.gear_type,
-                "external or internal",
-                "Choose from the list.",
+                "Element",
+                m.element,
+                "an element of table Elements",
+                _suggest(m.element, set(elements)),
             )
-        if m.element and m.element not in elements:
+            continue
+        element_row, e = elements[m.element]
+        if e.kind == GEAR_MESH:
+            yield from _mesh_ratio(case, row, m, e)
+            yield from _mesh_line_of_action(row, m, element_row, e)
+        elif e.kind == "coupling":
+            yield from _geared_coupling(row, m)
+        elif e.kind in KINDS:
             yield _wrong(
-                table, row, "Element", m.element, "an element of table Elements",
-                _suggest(m.element, {str(n) for n in elements}),
-            )  # fmt: skip
-            continue
-        element_row, e = elements.get(m.element, (0, None))
-        if e is None or e.kind != GEAR_MESH:
-            continue
-        drive, driven = m.pitch_radius_drive, m.pitch_radius_driven
-        if drive and driven and e.from_ in ratios and e.to in ratios:
-            by_speed = ratios[e.to] / ratios[e.from_]
-            if abs(drive / driven / by_speed - 1.0) > RADIUS_TOLERANCE:
-                yield Problem(
-                    table, row, "Pitch radius driven", driven, f"{drive / by_speed:.6g} m",
-                    f"the pitch radii {drive:.6g} m and {driven:.6g} m make a ratio of {drive / driven:.6g}, but the "
-                    f"speed ratios of '{e.from_}' and '{e.to}' in table Stations make {by_speed:.6g}. They must agree "
-                    f"to 0.1 %: correct Pitch radius drive or driven (row {row}) or the Speed ratio of '{e.to}'.",
-                )  # fmt: skip
-        if (m.backlash or m.angular_backlash) and e.stiffness is None and m.mesh_stiffness is None:
+                table,
+                row,
+                "Element",
+                m.element,
+                "a gear mesh or a geared coupling",
+                f"It is a {e.kind} in table Elements, row {element_row}; correct one of the two.",
+            )
+    yield from _one_body(case)
+
+
+def _mesh_numbers(row: int, m: MeshRow) -> Iterator[Problem]:
+    """Each number of a mesh by itself."""
+    table = "Meshes"
+    for column, key, holds, allowed, unit in MESH_LENGTHS:
+        yield from _check(table, row, column, getattr(m, key), holds, allowed, unit)
+    for column, value in (("Pressure angle", m.pressure_angle), ("Helix angle", m.helix_angle)):
+        yield from _check(
+            table,
+            row,
+            column,
+            value,
+            lambda v: abs(v) < math.pi / 2,
+            "between -90 and 90 degrees",
+            "rad",
+            "Write degrees with the unit deg above the column.",
+        )
+    yield from _check(
+        table, row, "Orientation", m.orientation, _any_number, "a finite number", "rad"
+    )
+    if m.gear_type not in (None, "external", "internal"):
+        yield _wrong(
+            table, row, "Gear type", m.gear_type, "external or internal", "Choose from the list."
+        )
+
+
+def _mesh_ratio(case: CaseData, row: int, m: MeshRow, e: ElementRow) -> Iterator[Problem]:
+    """Pitch radii against speed ratios."""
+    stations = {s.station: (i, s.speed_ratio) for i, s in enumerate(case.stations, start=1)}
+    drive, driven = m.pitch_radius_drive, m.pitch_radius_driven
+    if drive is None or driven is None or not (_is_fine(drive) and _is_fine(driven)):
+        return
+    if e.from_ not in stations or e.to not in stations:
+        return
+    ratios = [1.0 if stations[n][1] is None else stations[n][1] for n in (e.from_, e.to)]
+    if not all(_is_fine(r) for r in ratios):
+        return
+    by_speed = float(ratios[1] or 0.0) / float(ratios[0] or 1.0)
+    if abs(drive / driven / by_speed - 1.0) > RADIUS_TOLERANCE:
+        yield Problem(
+            "Meshes",
+            row,
+            "Pitch radius driven",
+            driven,
+            f"{drive / by_speed:.6g} m",
+            f"found {driven:.6g} m: with {drive:.6g} m on the drive side the radii make a speed "
+            f"ratio of {drive / driven:.6g}, but the Speed ratios in table Stations ('{e.from_}', "
+            f"row {stations[e.from_][0]}, and '{e.to}', row {stations[e.to][0]}) make "
+            f"{by_speed:.6g}. They must agree to 0.1 %: correct a pitch radius, or the Speed "
+            f"ratio of '{e.to}' and of everything beyond it.",
+        )
+
+
+def _mesh_line_of_action(
+    row: int, m: MeshRow, element_row: int, e: ElementRow
+) -> Iterator[Problem]:
+    """What acts along the line of action needs a radius; what parts or damps needs a stiffness."""
+    table = "Meshes"
+    if m.angular_backlash is not None:
+        yield _wrong(
+            table,
+            row,
+            "Angular backlash",
+            m.angular_backlash,
+            "blank for a gear mesh",
+            "It belongs to geared couplings; type the normal Backlash of the teeth, a length.",
+            "rad",
+        )
+    for column, value, unit in (
+        ("Mesh stiffness", m.mesh_stiffness, "N/m"),
+        ("Mesh damping", m.mesh_damping, "N s/m"),
+        ("Backlash", m.backlash, "m"),
+    ):
+        if value and m.pitch_radius_drive is None:
             yield Problem(
-                table, row, "Backlash", m.backlash or m.angular_backlash, "used with a finite mesh stiffness",
-                f"a clearance is given but the mesh is rigid: Stiffness of '{m.element}' (table Elements, row "
-                f"{element_row}) is blank and so is Mesh stiffness here. Teeth that part need a stiffness to meet "
-                "again: type one of the two, or clear the backlash.",
-            )  # fmt: skip
+                table,
+                row,
+                "Pitch radius drive",
+                None,
+                f"positive where {column} is given",
+                f"the cell is blank, but {column} is {_number(value, unit)}, along the line of "
+                "action: without a radius it says nothing about the torque. Type the radius.",
+            )
+            break
+    if e.stiffness is not None and m.mesh_stiffness is not None:
+        yield Problem(
+            table,
+            row,
+            "Mesh stiffness",
+            m.mesh_stiffness,
+            "blank where Stiffness is given",
+            f"found {_number(m.mesh_stiffness, 'N/m')}, but table Elements, row {element_row}, "
+            f"gives '{e.element}' a Stiffness of {_number(e.stiffness, 'N m/rad')} as well. Keep "
+            "one of the two.",
+        )
+    rigid = e.stiffness is None and m.mesh_stiffness is None
+    blank = (
+        f"Stiffness of '{e.element}' (table Elements, row {element_row}) is blank and so is Mesh "
+        "stiffness (table Meshes"
+    )
+    if rigid and m.backlash:
+        yield Problem(
+            table,
+            row,
+            "Backlash",
+            m.backlash,
+            "used with a finite mesh stiffness",
+            f"found {_number(m.backlash, 'm')}, but the mesh is rigid: {blank}, row {row}). Teeth "
+            "that part need a stiffness to meet again: type one of the two, or clear the backlash.",
+        )
+    if rigid and m.mesh_damping:
+        yield Problem(
+            table,
+            row,
+            "Mesh damping",
+            m.mesh_damping,
+            "used with a finite mesh stiffness",
+            f"found {_number(m.mesh_damping, 'N s/m')}, but the mesh is rigid: {blank}, row "
+            f"{row}). Nothing moves in a rigid mesh: type a stiffness, or clear the damping.",
+        )
+
+
+def _geared_coupling(row: int, m: MeshRow) -> Iterator[Problem]:
+    """A geared coupling has an angular clearance and nothing else of table Meshes."""
+    for column, key, _, _, unit in MESH_LENGTHS:
+        value = getattr(m, key)
+        if value is not None and column != "Angular backlash":
+            yield _wrong(
+                "Meshes",
+                row,
+                column,
+                value,
+                f"blank: '{m.element}' is a coupling",
+                "A geared coupling has an Angular backlash; everything else here is for gear "
+                "meshes.",
+                unit,
+            )
+
+
+#: Data of one gear body, by side of the mesh.
+BODY = (
+    ("Mass", "mass"),
+    ("Bearing stiffness", "bearing_stiffness"),
+    ("Bearing damping", "bearing_damping"),
+)
+
+
+def _one_body(case: CaseData) -> Iterator[Problem]:
+    """A gear in several meshes is one body: what is repeated must agree."""
+    ends = {e.element: (e.from_, e.to) for e in case.elements}
+    first: dict[tuple[str, str], tuple[int, str, float]] = {}
+    for row, m in enumerate(case.meshes, start=1):
+        for side, station in zip(("drive", "driven"), ends.get(m.element, ()), strict=False):
+            for header, key in BODY:
+                value = getattr(m, f"{key}_{side}")
+                if value is None or station is None:
+                    continue
+                column = f"{header} {side}"
+                seen = first.setdefault((station, key), (row, column, value))
+                if abs(value - seen[2]) > 1e-9 * abs(seen[2]):
+                    yield _wrong(
+                        "Meshes",
+                        row,
+                        column,
+                        value,
+                        f"{seen[2]:.6g} as in row {seen[0]}, {seen[1]}",
+                        f"Both are of the gear '{station}', which is one body; leave one of them "
+                        "blank or make them equal.",
+                    )
 
 
 # --- torques ------------------------------------------------------------------------------------
@@ -536,9 +875,13 @@ def _curve(
         elif point.station in last and x <= last[point.station][1]:
             before, previous = last[point.station]
             yield _wrong(
-                table, row, header, x, f"above {previous:.6g} of row {before}",
+                table,
+                row,
+                header,
+                x,
+                f"above {previous:.6g} of row {before}",
                 f"The rows of '{point.station}' must be in rising order, no value twice.",
-            )  # fmt: skip
+            )
         elif point.station is not None:
             last[point.station] = (row, x)
         for column, key in values:
@@ -549,22 +892,51 @@ def _curve(
                 yield _wrong(table, row, column, value, "a finite number", "Correct the cell.")
 
 
+def _single_points(table: str, rows: Sequence[Any], header: str) -> Iterator[Problem]:
+    """Stations with one row only, where one point makes no curve."""
+    stations = [point.station for point in rows]
+    for row, station in enumerate(stations, start=1):
+        if station is not None and stations.count(station) == 1:
+            yield Problem(
+                table,
+                row,
+                "Station",
+                station,
+                "on two or more rows",
+                f"found one row only for '{station}': a curve needs two points or more. "
+                f"Add rows of other {header.lower()}s.",
+            )
+
+
 def _torques(case: CaseData) -> Iterator[Problem]:
+    yield from _single_points("MotorTorque", case.motor_torque, "Speed")
+    yield from _single_points("TorqueTime", case.torque_time, "Time")
     yield from _curve(
-        case, "MotorTorque", case.motor_torque, "speed", "Speed",
+        case,
+        "MotorTorque",
+        case.motor_torque,
+        "speed",
+        "Speed",
         (("Average", "average"), ("Pulsating", "pulsating")),
-    )  # fmt: skip
+    )
     yield from _curve(
         case, "LoadTorque", case.load_torque, "speed", "Speed", (("Torque", "torque"),)
     )
     yield from _curve(case, "TorqueTime", case.torque_time, "time", "Time", (("Torque", "torque"),))
-    for table, rows in (("MotorTorque", case.motor_torque), ("LoadTorque", case.load_torque)):
-        for row, point in enumerate(rows, start=1):
+    speeds = [("MotorTorque", row, p.speed) for row, p in enumerate(case.motor_torque, start=1)]
+    speeds += [("LoadTorque", row, p.speed) for row, p in enumerate(case.load_torque, start=1)]
+    for table, row, speed in speeds:
+        if speed is not None:
             yield from _check(
-                table, row, "Speed", point.speed, lambda v: v <= LARGEST_SPEED_FRACTION,
-                f"at most {LARGEST_SPEED_FRACTION:.0%} of synchronous speed", "",
+                table,
+                row,
+                "Speed",
+                speed,
+                lambda v: v <= LARGEST_SPEED_FRACTION,
+                f"at most {LARGEST_SPEED_FRACTION:.0%} of synchronous speed",
+                "",
                 "Write 50 % or 900 rpm; a plain number in JSON is a fraction of synchronous speed.",
-            )  # fmt: skip
+            )
     for row, motor in enumerate(case.motor_torque, start=1):
         yield from _check(
             "MotorTorque",
@@ -577,21 +949,72 @@ def _torques(case: CaseData) -> Iterator[Problem]:
         )
     for row, load in enumerate(case.load_torque, start=1):
         yield from _check(
-            "LoadTorque", row, "Torque", load.torque, _not_negative, "zero or positive", "N m",
+            "LoadTorque",
+            row,
+            "Torque",
+            load.torque,
+            _not_negative,
+            "zero or positive",
+            "N m",
             "A load opposes the motion: type its size.",
-        )  # fmt: skip
+        )
+    yield from _motor_place(case)
+    if not (_is_fine(case.line_frequency) and _is_fine(case.synchronous_speed)):
+        return  # reported already
+    if not _whole_poles(case):
+        return
     ratings = case.ratings
     if case.motor_torque and ratings.synchronous_speed is None:
         yield Problem(
-            "Case", None, "SynchronousSpeed", None, "given where MotorTorque is",
-            "torque curves are given, but neither SynchronousSpeed nor LineFrequency with Poles: the curves "
-            "have no speed. Type two of LineFrequency, SynchronousSpeed and Poles.",
-        )  # fmt: skip
+            "Case",
+            None,
+            "SynchronousSpeed",
+            None,
+            "given where MotorTorque is",
+            "torque curves are given, but neither SynchronousSpeed nor LineFrequency with Poles: "
+            "the curves have no speed. Type two of LineFrequency, SynchronousSpeed and Poles.",
+        )
     elif case.motor_torque and ratings.line_frequency is None:
         yield Problem(
-            "Case", None, "LineFrequency", None, "given where MotorTorque is",
-            "a motor is given, but no LineFrequency (or Poles): the slip frequency is unknown. Type it.",
-        )  # fmt: skip
+            "Case",
+            None,
+            "LineFrequency",
+            None,
+            "given where MotorTorque is",
+            "a motor is given, but no LineFrequency (or Poles): the slip frequency is unknown. "
+            "Type it.",
+        )
+
+
+def _motor_place(case: CaseData) -> Iterator[Problem]:
+    """A motor on the reference shaft, and a train it can turn."""
+    motors = {p.station for p in case.motor_torque}
+    placed = [(row, s) for row, s in enumerate(case.stations, start=1) if s.station in motors]
+    if placed and all(s.speed_ratio not in (None, 1.0) for _, s in placed):
+        row, s = placed[0]
+        yield Problem(
+            "Stations",
+            row,
+            "Speed ratio",
+            s.speed_ratio,
+            "1 (or blank) at a motor",
+            f"found {_number(s.speed_ratio)} at '{s.station}', where the motor acts: its shaft is "
+            "the reference shaft, to which SynchronousSpeed and all speed ratios refer. Type 1 "
+            "there and the other ratios to it.",
+        )
+    for row, e in enumerate(case.elements, start=1):
+        grounded = e.kind == SPRING_TO_GROUND or GROUND in (e.from_, e.to)
+        if placed and grounded and (e.stiffness is None or e.stiffness > 0):
+            yield Problem(
+                "Elements",
+                row,
+                "From" if e.from_ == GROUND else "To",
+                GROUND,
+                "a station, where a motor is to start the train",
+                f"found ground: '{e.element}' holds the train, so that its motor (table "
+                "MotorTorque) cannot start it. Clear the element or the motor's rows; a damper "
+                "to ground has Stiffness 0.",
+            )
 
 
 # --- fatigue ------------------------------------------------------------------------------------
@@ -647,22 +1070,36 @@ def _sn_points(case: CaseData) -> Iterator[Problem]:
             if n1 <= n0 or s1 >= s0:
                 column = "Cycles" if n1 <= n0 else "Stress"
                 yield _wrong(
-                    table, row, column, n1 if n1 <= n0 else s1, "such that cycles rise and stress falls from row to row",
-                    f"The S-N line of '{material}' must fall; order its rows from few cycles to many.",
-                )  # fmt: skip
+                    table,
+                    row,
+                    column,
+                    n1 if n1 <= n0 else s1,
+                    "such that cycles rise and stress falls from row to row",
+                    f"The S-N line of '{material}' must fall; order its rows from few cycles to "
+                    "many.",
+                )
         if len(points) == 1:
             yield Problem(
-                table, points[0][0], "Material", material, "two or more points",
-                f"'{material}' has one S-N point only; a line needs two. Add a point or clear the row.",
-            )  # fmt: skip
+                table,
+                points[0][0],
+                "Material",
+                material,
+                "two or more points",
+                f"'{material}' has one S-N point only; a line needs two. Add a point or clear the "
+                "row.",
+            )
         endurance = next((m.endurance for m in case.materials if m.material == material), None)
         row = next((i for i, m in enumerate(case.materials, start=1) if m.material == material), 1)
         if endurance and endurance > points[-1][2] * (1 + 1e-9) and len(points) > 1:
             yield _wrong(
-                "Materials", row, "Endurance", endurance,
+                "Materials",
+                row,
+                "Endurance",
+                endurance,
                 f"at most the lowest S-N stress of '{material}' ({points[-1][2]:.6g} Pa)",
-                "Correct it, or drop the S-N points below the endurance limit.", "Pa",
-            )  # fmt: skip
+                "Correct it, or drop the S-N points below the endurance limit.",
+                "Pa",
+            )
 
 
 # --- the rest -----------------------------------------------------------------------------------
@@ -675,9 +1112,14 @@ def _mode_damping(case: CaseData) -> Iterator[Problem]:
             yield _missing(
                 "ModeDamping", row, "Mode", "the number of an elastic mode", "Count from 1."
             )
-        elif m.mode < 1:
+        elif m.mode < 1 or m.mode != int(m.mode):
             yield _wrong(
-                "ModeDamping", row, "Mode", m.mode, "1 or more", "The lowest elastic mode is 1."
+                "ModeDamping",
+                row,
+                "Mode",
+                m.mode,
+                "a whole number, 1 or more",
+                "The lowest elastic mode is 1.",
             )
         elif m.mode in seen:
             yield _wrong(
@@ -711,14 +1153,29 @@ def _excitations(case: CaseData) -> Iterator[Problem]:
         if (x.order is None) == (x.frequency is None):
             found = "both" if x.order is not None else None
             yield Problem(
-                table, row, "Order", found, "either an Order or a Frequency",
-                "an excitation needs either an Order (multiple of a shaft speed) or a Frequency, not both and not "
+                table,
+                row,
+                "Order",
+                found,
+                "either an Order or a Frequency",
+                "an excitation needs either an Order (multiple of a shaft speed) or a Frequency, "
+                "not both and not "
                 "neither. Fill one of the two.",
-            )  # fmt: skip
+            )
         yield from _check(table, row, "Order", x.order, _positive, "positive")
         yield from _check(table, row, "Frequency", x.frequency, _positive, "positive", "Hz")
         yield from _check(table, row, "Torque", x.torque, _positive, "positive", "N m")
         yield from _check(table, row, "Torque", x.torque_share, _positive, "positive")
+        if x.torque is not None and x.torque_share is not None:
+            yield Problem(
+                table,
+                row,
+                "Torque",
+                x.torque,
+                "a torque or a share of the torque there",
+                f"found both {_number(x.torque, 'N m')} and a share of {_number(x.torque_share)} "
+                "of the transmitted torque. Keep one of the two.",
+            )
         for column, name in (("Of station", x.of_station), ("Station", x.station)):
             if name is not None:
                 yield from _known_station(case, table, row, name, column)
@@ -761,11 +1218,15 @@ def find_problems(
     Returns
     -------
     tuple of Problem
-        Empty if the case may be calculated. [count]
+        Empty if the case may be calculated; one problem a cell, the first found. [count]
     """
-    found = [
-        p for check in CHECKS for p in check(case) if (p.table, p.row, p.column) not in bad_cells
-    ]
+    found: list[Problem] = []
+    told = set(bad_cells)
+    for p in (p for check in CHECKS for p in check(case)):
+        place = (p.table, p.row, p.column)
+        if place not in told:
+            found.append(p)
+            told.add(place)
     spoilt = {"Stations", "Elements"} & ({p.table for p in found} | {b[0] for b in bad_cells})
     if not spoilt:
         found.extend(_connected(case))

@@ -51,6 +51,7 @@ def evaluate_curve(x: float, knots: Floats, cubic: Floats, count: int) -> tuple[
 @njit(cache=True, inline="always")
 def start_forces(
     t: float,
+    inside: float,
     phase: Floats,
     speed: Floats,
     acceleration: Floats,
@@ -58,14 +59,20 @@ def start_forces(
     motors: tuple[Any, Any, Any, Floats, Floats, float],
     loads: tuple[Any, Any, Floats, Floats],
     timed: tuple[Any, Floats, Floats, Any],
+    dampers: tuple[Any, Floats],
     force: Floats,
     force_rate: Floats,
 ) -> None:
-    """Torque and its rate at every force station, written into `force` and `force_rate`."""
+    """Every force and its rate, written into `force` and `force_rate`.
+
+    A table against time is read on the segment that holds the time `inside`, a point within the
+    step, so that a jump at the end of a step is not seen before it happens.
+    """
     knots, cubics, counts = curves
     motor_force, average_curve, pulsating_curve, motor_speed, pole_pairs, line_omega = motors
     load_force, load_curve, load_speed, soft_speed = loads
     timed_force, times, torques, timed_count = timed
+    damper_force, viscous = dampers
     force[:] = 0.0
     force_rate[:] = 0.0
     for m in range(len(motor_force)):
@@ -91,9 +98,9 @@ def start_forces(
             force_rate[f] -= slope * acceleration[f] / load_speed[k]
         else:
             z = max(z, -1.0)
-            inside = 1.0 if z > -1.0 else 0.0
+            soft = 1.0 if z > -1.0 else 0.0
             sign = z * (1.5 - 0.5 * z * z)
-            turn = 1.5 * (1.0 - z * z) / soft_speed[k] * inside
+            turn = 1.5 * (1.0 - z * z) / soft_speed[k] * soft
             direction = 1.0 if x >= 0.0 else -1.0
             force[f] -= torque * sign
             force_rate[f] -= (
@@ -102,19 +109,23 @@ def start_forces(
     for k in range(len(timed_force)):
         n = timed_count[k]
         f = timed_force[k]
-        if t >= times[k, n - 1]:
+        if inside >= times[k, n - 1]:
             force[f] += torques[k, n - 1]
-        elif t >= times[k, 0]:
+        elif inside >= times[k, 0]:
             low, high = 0, n - 1
             while high - low > 1:
                 middle = (low + high) // 2
-                if times[k, middle] <= t:
+                if times[k, middle] <= inside:
                     low = middle
                 else:
                     high = middle
             slope = (torques[k, low + 1] - torques[k, low]) / (times[k, low + 1] - times[k, low])
             force[f] += torques[k, low] + slope * (t - times[k, low])
             force_rate[f] += slope
+    for k in range(len(damper_force)):
+        f = damper_force[k]
+        force[f] -= viscous[k] * speed[f]
+        force_rate[f] -= viscous[k] * acceleration[f]
 
 
 @njit(cache=True, fastmath={"reassoc", "contract", "nsz"})
@@ -133,6 +144,7 @@ def advance_start(
     motors: tuple[Any, Any, Any, Floats, Floats, float],
     loads: tuple[Any, Any, Floats, Floats],
     timed: tuple[Any, Floats, Floats, Any],
+    dampers: tuple[Any, Floats],
     q: Floats,
     v: Floats,
     phase: Floats,
@@ -195,7 +207,10 @@ def advance_start(
                 for i in range(n):
                     turned += reach[motor_force[m], i] * (q1[i] - q[i])
                 phase1[m] = phase[m] + 2.0 * (line_omega * h - pole_pairs[m] * turned)
-            start_forces(t + h, phase1, speed, acceleration, curves, motors, loads, timed, f1, fr1)
+            start_forces(
+                t + h, t + 0.5 * h, phase1, speed, acceleration, curves, motors, loads, timed,
+                dampers, f1, fr1,
+            )  # fmt: skip
             for i in range(n):
                 u1[i], r1[i] = 0.0, 0.0
             for f in range(nf):
@@ -256,7 +271,10 @@ def drive_coupled(free: Floats, forced: Floats, cubic: Floats, state: Floats, ou
 
 @njit(cache=True)
 def turning_points(t: Floats, y: Floats, slope: Floats) -> tuple[Floats, Floats]:
-    """Times and values of all turning points of a piecewise cubic Hermite curve."""
+    """Times and values of all turning points of a piecewise cubic Hermite curve.
+
+    A turning point within rounding of a sample may come twice, but is never missed.
+    """
     n = len(t)
     when, value = np.empty(2 * n), np.empty(2 * n)
     found = 0
@@ -279,7 +297,8 @@ def turning_points(t: Floats, y: Floats, slope: Floats) -> tuple[Floats, Floats]
         if s1 > s2:
             s1, s2 = s2, s1
         for s in (s1, s2):
-            if 0.0 < s <= 1.0 or (s == 0.0 and i == 0):
+            if -1e-12 <= s <= 1.0 + 1e-12:
+                s = min(max(s, 0.0), 1.0)
                 when[found] = t[i] + s * h
                 value[found] = y[i] + s * (d0 + s * (0.5 * b + s * c / 3.0))
                 found += 1

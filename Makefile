@@ -1,0 +1,90 @@
+# Everything runs in .venv inside the checkout, made on first use. `make` alone lists the targets.
+# A machine needs Python 3.11, 3.12 or 3.13, make, and the network for the first run.
+
+VENV := .venv
+PY := $(VENV)/bin/python
+TORSIONBOOK := $(VENV)/bin/torsionbook
+RUN_READY := $(VENV)/.ready-run
+DEV_READY := $(VENV)/.ready-dev
+# A checkout that was moved or copied together with its .venv gets a new one.
+MOVED := $(shell [ ! -e $(VENV)/.checkout ] || [ "$$(cat $(VENV)/.checkout)" = "$$(pwd -P)" ] || echo moved)
+SETUP := pyproject.toml scripts/make_venv.sh $(MOVED)
+
+# Test processes: one a core, four at most (make test JOBS=1 for a debugger).
+JOBS := auto
+# More words for pytest: make test ARGS="tests/boundaries -x"
+ARGS :=
+# More words for the lock: make lock LOCK="--upgrade"
+LOCK :=
+
+.DELETE_ON_ERROR:
+.PHONY: help demo test check format bench templates wheel smoke lock clean distclean moved
+
+help:
+	@echo "make demo       recalculate both example workbooks into build/demo"
+	@echo "make test       run the tests"
+	@echo "make check      style, formatting and types"
+	@echo "make format     put the formatting right"
+	@echo "make bench      time and accuracy, side by side with other programs"
+	@echo "make templates  rebuild the workbooks in templates/"
+	@echo "make wheel      build the wheel into build/dist"
+	@echo "make smoke      install that wheel outside the checkout and use it"
+	@echo "make lock       lock the dependencies anew (LOCK=--upgrade for newer versions)"
+	@echo "make clean      remove what was built; make distclean removes .venv as well"
+
+demo: $(RUN_READY)
+	@mkdir -p build/demo
+	$(TORSIONBOOK) recalc templates/example_proposed.xlsx templates/example_modified.xlsx --out build/demo
+	@echo
+	@echo "The recalculated workbooks are in $(CURDIR)/build/demo:"
+	@ls build/demo/*.xlsx
+	@echo "Open the Summary sheet first. The inputs are the files of the same names in templates/."
+
+test: $(DEV_READY)
+	$(PY) -m pytest -n $(JOBS) --maxprocesses 4 $(ARGS)
+
+check: $(DEV_READY)
+	$(PY) -m ruff check .
+	$(PY) -m ruff format --check .
+	$(PY) -m mypy
+
+format: $(DEV_READY)
+	$(PY) -m ruff check --fix .
+	$(PY) -m ruff format .
+
+bench: $(DEV_READY)
+	$(PY) -m benchmarks
+
+templates: $(RUN_READY)
+	$(PY) -m addin.template templates
+
+wheel: $(RUN_READY)
+	@rm -rf build/dist
+	$(PY) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir build/dist .
+	@ls build/dist/*.whl
+
+smoke: wheel
+	scripts/smoke_wheel.sh $(PY) build/dist/*.whl
+
+lock: $(RUN_READY)
+	$(PY) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/lock.txt
+	scripts/lock.sh $(PY) $(LOCK)
+
+clean:
+	rm -rf build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -path ./$(VENV) -prune -o -type d -name __pycache__ -exec rm -rf {} +
+
+distclean: clean
+	rm -rf $(VENV)
+
+# The stamps are younger than the lock files they were made from, so a second run starts at once.
+$(RUN_READY): requirements/run.txt $(SETUP)
+	@scripts/make_venv.sh requirements/run.txt
+	@touch $@
+
+$(DEV_READY): requirements/dev.txt $(SETUP)
+	@scripts/make_venv.sh requirements/dev.txt
+	@touch $@ $(RUN_READY)
+
+moved:
+	@echo "This checkout has moved since $(VENV) was made."

@@ -1,0 +1,164 @@
+"""The audit trail: which inputs, which program, which method, how accurate, by which equations."""
+
+from __future__ import annotations
+
+import datetime as dt
+import os
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import metadata
+from typing import Any
+
+from addin.version import product_version
+from engine.results import Results
+
+__all__ = ["EQUATIONS", "Stamp", "audit_rows"]
+
+#: Libraries whose numbers or files enter the result.
+LIBRARIES = ("numpy", "scipy", "numba", "rainflow", "pint", "openpyxl", "lxml", "formualizer")
+
+#: What was calculated by which equation, and where it comes from.
+EQUATIONS: tuple[tuple[str, str], ...] = (
+    ("Shaft stiffness", "k = G π (D⁴ − d⁴) / 32 L (strength of materials)"),
+    (
+        "Natural frequencies",
+        "singular values of √k·B/√m, B the incidence matrix with speed ratios; K = Bᵀ k B "
+        "(Demmel et al., Linear Algebra Appl. 299 (1999))",
+    ),
+    (
+        "Modal damping",
+        "ζ = stated + ½ Σ loss factor × strain-energy share + ½ φᵀCφ/ω at unit modal mass",
+    ),
+    ("Separation margin", "|f − f_exc| / f_exc, least over the operating speeds; 20 % calculated, "
+     "10 % measured (Szenasi & von Nimitz 1978, Steady state torsional analysis)"),
+    ("Forced response", "direct complex solution of (K(1+iη) + iωC − ω²J) θ = T; 1 % zero-to-peak "
+     "of the transmitted torque at motor, gear and driven machine in turn (the same)"),
+    ("Allowable vibratory stress", "UTS/25 (Mil-Std-167, as cited there)"),
+    ("Pulsation", "T(ω) sin(2 (ω_line t − p θ) + phase); f = 2 f_line (1 − n/n_s) (the same)"),
+    ("Start-up crossing", "% speed = 100 (1 − f / 2 f_line) (Table 1 of the same)"),
+    ("Start, exponential", "q̈ + 2ζω q̇ + ω² q = Φᵀ T(t, θ, ω), exact step for a force cubic in "
+     "time (Hochbruck & Ostermann, Acta Numerica 19 (2010))"),
+    ("Start, Newmark", "average acceleration, eqs (1) to (3) of the paper; eq. (4) derived from them "
+     "(as printed its second C term repeats the velocity for the acceleration)"),
+    ("Torque curves", "monotone cubic through the points, no overshoot (Fritsch & Carlson 1980)"),
+    ("Shear stress", "τ = 16 T D / (π (D⁴ − d⁴)), nominal; SCF multiplies it for fatigue and UTS/25"),
+    ("Cycle counting", "rainflow, ASTM E1049; history from rest, closed by a return to zero"),
+    ("Damage", "q = Σ n_i/N_i, starts = 1/q, log-log S-N line, bending data halved for torsion "
+     "(Figure 3 and Stress criterion of the paper); mean stress ignored"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Stamp:
+    """When and with what a calculation was made.
+
+    Parameters
+    ----------
+    software : str
+        Name and version. [text]
+    date : datetime
+        In UTC. [date]
+    """
+
+    software: str
+    date: dt.datetime
+
+    @classmethod
+    def now(cls) -> Stamp:
+        """The present; SOURCE_DATE_EPOCH sets another date for reproducible files."""
+        epoch = os.environ.get("SOURCE_DATE_EPOCH")
+        date = (
+            dt.datetime.fromtimestamp(int(epoch), dt.UTC)
+            if epoch
+            else dt.datetime.now(dt.UTC).replace(microsecond=0)
+        )
+        return cls(f"torsionbook {product_version()}", date)
+
+
+def audit_rows(
+    results: Results,
+    stamp: Stamp,
+    digest: str,
+    warnings: Sequence[str],
+    overrides: Mapping[str, object],
+) -> list[dict[str, Any]]:
+    """Rows of the Audit table.
+
+    Parameters
+    ----------
+    results : Results
+        The run. [SI]
+    stamp : Stamp
+        Version and date.
+    digest : str
+        Digest of the inputs as typed. [hex]
+    warnings : sequence of str
+        Everything a reader must know. [sentences]
+    overrides : mapping
+        Settings of the command line that differ from the workbook's.
+
+    Returns
+    -------
+    list of dict
+        Keys item and value. [text]
+    """
+    pairs = [
+        ("Inputs, SHA-256 of the canonical case", digest),
+        ("Software", stamp.software),
+        ("Date (UTC)", f"{stamp.date:%Y-%m-%d %H:%M:%S}"),
+        ("Python", f"{platform.python_version()} on {platform.system()}"),
+        ("Libraries", ", ".join(f"{n} {metadata.version(n)}" for n in LIBRARIES)),
+        *((f"Setting of the command line: {k}", str(v)) for k, v in overrides.items()),
+        *_settings(results),
+        *_accuracy(results),
+        *((f"Time spent: {name}", f"{1e3 * s:.1f} ms") for name, s in results.spent),
+        *((f"Warning {i}", text) for i, text in enumerate(warnings, start=1)),
+        *((f"Equation: {name}", text) for name, text in EQUATIONS),
+    ]
+    return [{"item": item, "value": value} for item, value in pairs]
+
+
+def _settings(results: Results) -> Iterator[tuple[str, str]]:
+    case, start = results.case, results.start
+    margins = results.margins
+    low_high = margins.speed_range
+    yield "Required margin", f"{margins.required:.0%} ({case.margin_basis or 'calculated'})"
+    if low_high:
+        rpm = [s * 9.549296585513721 for s in low_high]
+        yield "Operating speed range", f"{rpm[0]:.6g} to {rpm[1]:.6g} rpm"
+    yield "UTS/25 compared with", f"{results.steady.stress_basis} stress, SCF included"
+    if start is not None:
+        yield "Method of the start", start.method
+        yield "Outcome of the start", start.outcome.sentence
+    yield "Rainflow residue", case.rainflow_residue or "half cycles (ASTM E1049)"
+    yield "Mean stress", "ignored; amplitude = half range"
+    yield (
+        "Element torque in a start",
+        "elastic torque, stiffness × twist; a rigid mesh by equilibrium",
+    )
+
+
+def _accuracy(results: Results) -> Iterator[tuple[str, str]]:
+    case, start = results.case, results.start
+    yield "Modes by", {"svd": "SVD", "jacobi": "one-sided Jacobi SVD"}[results.modes.algorithm]
+    if results.segments:
+        text = ", ".join(f"{name}: {n}" for name, n in results.segments)
+        yield "Shaft segments", f"{text}; estimated frequency error {results.frequency_error:.1e}"
+    if results.damping.neglected > 0.0:
+        yield (
+            "Largest neglected damping term",
+            f"{results.damping.neglected:.3g} 1/s (coupling {results.damping.coupling:.2g})",
+        )
+    if start is None:
+        return
+    yield "Wanted error of peak torques", f"{case.tolerance_peak or 1e-3:.1e}"
+    yield "Estimated error of peak torques", f"{start.estimated_error:.1e} (change from h to h/2)"
+    yield "of which modes left out", f"{start.truncation_error:.1e}; {start.kept_modes} modes kept"
+    yield (
+        "Largest step",
+        f"{1e3 * start.step:.4g} ms, {start.trajectory.n_steps} steps, {start.halvings} halvings",
+    )
+    for name, error in results.starts_error:
+        shown = "unlimited" if error is None else f"{error:.1e}"
+        yield f"Estimated error of starts, {name}", shown

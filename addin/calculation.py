@@ -1,0 +1,107 @@
+"""A checked case → everything the sheets, the JSON and the summary show of it.
+
+Between `engine` and the writers: one run of the engine, its tables and curves, and the audit trail.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from addin.audit import Stamp, audit_rows
+from addin.run_view import RunView, view_of
+from engine.case import Case
+from engine.results import Results
+from engine.run import run
+
+__all__ = ["Calculation", "calculate"]
+
+
+@dataclass(frozen=True, eq=False)
+class Calculation:
+    """One calculated case, ready to be written.
+
+    Parameters
+    ----------
+    case : Case
+        What was calculated. [SI]
+    case_sha256 : str
+        Digest of the inputs as typed, before settings of the command line. [hex]
+    results : Results
+        The engine's results. [SI]
+    tables : mapping of str to list of dict
+        Result tables of the contract, rows under JSON keys. [SI]
+    startup : mapping or None
+        Outcome, time, end speed and sentence. [SI]
+    view : RunView
+        Tables and curves as the workbook shows them. [SI]
+    warnings : tuple of str
+        Of the reader and of the engine. [sentences]
+    outcome : str
+        How the run ended. [word]
+    stamp : Stamp
+        Version and date. [text]
+    """
+
+    case: Case
+    case_sha256: str
+    results: Results
+    tables: Mapping[str, Sequence[Mapping[str, Any]]]
+    startup: Mapping[str, Any] | None
+    view: RunView
+    warnings: tuple[str, ...]
+    outcome: str
+    stamp: Stamp
+
+
+def calculate(
+    case: Case,
+    *,
+    input_warnings: Sequence[str] = (),
+    case_sha256: str | None = None,
+    overrides: Mapping[str, object] | None = None,
+    on_stage: Callable[[str], None] | None = None,
+) -> Calculation:
+    """Run the engine on a case and gather what is to be shown.
+
+    Parameters
+    ----------
+    case : Case
+        The case. [SI]
+    input_warnings : sequence of str
+        What the reader found worth saying. [sentences]
+    case_sha256 : str, optional
+        Digest of the inputs as typed, where `overrides` changed the case. [hex]
+    overrides : mapping, optional
+        Settings of the command line that differ from the workbook's. [names and values]
+    on_stage : callable, optional
+        Called with the name of each analysis as it begins.
+
+    Returns
+    -------
+    Calculation
+        Complete. [SI]
+
+    Raises
+    ------
+    ModelError
+        If the train as a whole cannot be calculated.
+    """
+    results = run(case, on_stage)
+    warnings = tuple(dict.fromkeys([*input_warnings, *results.warnings]))
+    stamp = Stamp.now()
+    digest = case_sha256 or results.case_sha256
+    audit = audit_rows(results, stamp, digest, warnings, overrides or {})
+    view = view_of(results, audit)
+    return Calculation(
+        case=case,
+        case_sha256=digest,
+        results=results,
+        tables=view.tables,
+        startup=view.startup,
+        view=view,
+        warnings=warnings,
+        outcome=results.outcome,
+        stamp=stamp,
+    )

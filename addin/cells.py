@@ -1,0 +1,256 @@
+"""One cell of a workbook → a number, words, nothing, or a sentence on what is wrong with it."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from addin.fields import Field
+from addin.package import ErrorValue
+from addin.problems import shortened
+
+__all__ = ["Cell", "Fault", "is_date_format", "is_percent_format", "read_number", "read_text"]
+
+Constant = None | bool | int | float | str | ErrorValue
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What a cell shows.
+
+    Parameters
+    ----------
+    value : None, bool, int, float, str or ErrorValue
+        Its value; of a formula the value of the last calculation. [as typed]
+    is_formula : bool
+        Whether a formula stands in it. [flag]
+    number_format : str
+        Format code, such as ``0.00`` or ``dd/mm/yyyy``. [code]
+    """
+
+    value: Constant
+    is_formula: bool = False
+    number_format: str = "General"
+
+    @property
+    def is_blank(self) -> bool:
+        """Whether it holds nothing, or a formula that shows nothing."""
+        blank_text = isinstance(self.value, str) and not _trimmed(self.value)
+        return blank_text or (self.value is None and not self.is_formula)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Why a cell cannot be taken as it is.
+
+    Parameters
+    ----------
+    found : str
+        What it shows. [as shown]
+    allowed : str
+        What would be accepted. [words]
+    message : str
+        What is wrong and what to do. [sentence]
+    """
+
+    found: str
+    allowed: str
+    message: str
+
+
+_NUMBER = "a number"
+
+
+def read_number(cell: Cell, spec: Field, unit_place: str) -> float | Fault | None:
+    """The number in a cell.
+
+    Parameters
+    ----------
+    cell : Cell
+        Not merged away. [cell]
+    spec : Field
+        Its field. [field]
+    unit_place : str
+        Where its unit belongs, in words. [words]
+
+    Returns
+    -------
+    float, Fault or None
+        None for a blank. [shown unit]
+    """
+    value = cell.value
+    if cell.is_blank:
+        return None
+    fault = _formula_fault(cell)
+    if fault is not None:
+        return fault
+    if isinstance(value, bool):
+        shown = "TRUE" if value else "FALSE"
+        return Fault(shown, _NUMBER, f"found {shown}; a number is needed. Type it.")
+    if isinstance(value, str):
+        return _text_fault(value, spec, unit_place)
+    assert isinstance(value, (int, float))
+    if not math.isfinite(value):
+        return Fault(
+            str(value), "a finite number", f"found {value}; it must be a finite number. Correct it."
+        )
+    if is_date_format(cell.number_format):
+        return Fault(
+            f"a date or time ({value:.10g})",
+            _NUMBER,
+            f"the cell is formatted as a date or time, Excel holds {value:.10g}. Excel turns "
+            "entries such as 1-2 or 3/4 into dates: format the cell as Number and type the value "
+            "again.",
+        )
+    return float(value)
+
+
+def read_text(cell: Cell, spec: Field) -> str | Fault | None:
+    """The words in a cell; a number stands for its digits.
+
+    Parameters
+    ----------
+    cell : Cell
+        Not merged away. [cell]
+    spec : Field
+        Its field. [field]
+
+    Returns
+    -------
+    str, Fault or None
+        None for a blank. [text]
+    """
+    value = cell.value
+    if cell.is_blank:
+        return None
+    fault = _formula_fault(cell)
+    if fault is not None:
+        return fault
+    if isinstance(value, bool):
+        shown = "TRUE" if value else "FALSE"
+        allowed = "one of " + ", ".join(spec.choices) if spec.choices else "text"
+        return Fault(shown, allowed, f"found {shown}; it must be {allowed}. Type it as text.")
+    if isinstance(value, str):
+        return value
+    assert isinstance(value, (int, float))
+    return f"{value:.15g}"
+
+
+def _formula_fault(cell: Cell) -> Fault | None:
+    """An error value, or a formula nobody has calculated."""
+    value = cell.value
+    if isinstance(value, ErrorValue) or (isinstance(value, str) and re.match(r"#[A-Z/0]", value)):
+        code = value.code if isinstance(value, ErrorValue) else shortened(value)
+        if cell.is_formula:
+            action = "Correct the formula or the cells it reads"
+        else:
+            action = "Type the value, or leave the cell blank"
+        return Fault(code, "a value", f"found the error {code}. {action}.")
+    if cell.is_formula and value is None:
+        return Fault(
+            "a formula without value",
+            "a calculated value",
+            "found a formula that has never been calculated: the file holds no value for it. Open "
+            "the workbook in Excel or LibreOffice, let it calculate, and save it.",
+        )
+    return None
+
+
+# --- text where a number belongs ------------------------------------------------------------------
+
+_DIGITS = re.compile(r"[+\-−]?(\d+\.?\d*|\.\d+)([eE][+\-−]?\d+)?")
+_COMMA = re.compile(r"[+\-−]?\d+,\d+([eE][+\-−]?\d+)?")
+_GROUPED = re.compile(r"[+\-−]?\d{1,3}([ ,'’]\d{3})+(\.\d*)?")
+_WITH_UNIT = re.compile(r"([+\-−]?(?:\d[\d.,]*|\.\d+)(?:[eE][+\-−]?\d+)?)\s*([A-Za-z%°µ\"'].*)")
+
+
+def _text_fault(text: str, spec: Field, unit_place: str) -> Fault:
+    """Why a text is not the number it may look like."""
+    text = shortened(text)
+    trimmed = _trimmed(text)
+    if _DIGITS.fullmatch(trimmed):
+        why = (
+            "looks like a number but is text. Retype it, or use Data > Text to Columns; "
+            "mind blanks and a leading apostrophe."
+        )
+    elif _GROUPED.fullmatch(trimmed):
+        why = "is text, with a thousands separator or a decimal comma. Type the digits without it."
+    elif _COMMA.fullmatch(trimmed):
+        why = (
+            "has a decimal comma and is text. Retype it with the decimal sign of your Excel "
+            f"({trimmed.replace(',', '.')} here)."
+        )
+    else:
+        with_unit = _WITH_UNIT.fullmatch(trimmed)
+        if with_unit and spec.has_unit:
+            number, unit = with_unit.groups()
+            why = (
+                f"has its unit inside the cell. Leave only the number {number} and put the unit "
+                f"{unit} {unit_place}."
+            )
+        elif with_unit:
+            why = f"is not a number alone. Type {with_unit.group(1)}."
+        else:
+            why = "is not a number. Type a number or leave the cell blank."
+    return Fault(text, _NUMBER, f"found '{text}', which {why}")
+
+
+def _trimmed(text: str) -> str:
+    """Without blanks at both ends, the unbreakable ones too."""
+    return text.replace("\u00a0", " ").replace("\u202f", " ").strip()
+
+
+# --- number formats -------------------------------------------------------------------------------
+
+_BUILT_IN_DATES = frozenset([*range(14, 23), *range(27, 37), *range(45, 48), *range(50, 59)])
+_LITERAL = re.compile(r'"[^"]*"|\\.|_.|\*.|\[(?!h+\]|m+\]|s+\])[^\]]*\]', re.IGNORECASE)
+
+
+def is_date_format(code: str) -> bool:
+    """Whether a number format shows a date or a time.
+
+    Parameters
+    ----------
+    code : str
+        Format code. [code]
+
+    Returns
+    -------
+    bool
+    """
+    bare = _LITERAL.sub("", code).split(";")[0]
+    return bare.casefold() != "general" and bool(re.search("[dmyhs]", bare, re.IGNORECASE))
+
+
+def is_percent_format(code: str) -> bool:
+    """Whether a number format shows a hundred times the value and a percent sign.
+
+    Parameters
+    ----------
+    code : str
+        Format code. [code]
+
+    Returns
+    -------
+    bool
+    """
+    return "%" in _LITERAL.sub("", code)
+
+
+def built_in_format(number: int) -> str:
+    """A code that stands for a built-in number format: date, percent, or any other.
+
+    Parameters
+    ----------
+    number : int
+        Identifier below 164. [count]
+
+    Returns
+    -------
+    str
+        Format code.
+    """
+    if number in _BUILT_IN_DATES:
+        return "yyyy-mm-dd"
+    return "0%" if number in (9, 10) else "General"

@@ -1,0 +1,1027 @@
+"""The one table of inputs and outputs: names, keys, units, choices, sheets and help texts.
+
+Workbook templates, the reader, the writer, both JSON forms and their schemas are made from it.
+The names are those of the contract; a `key` is the JSON key, an `attribute` the name of the same
+quantity in `engine.case`. Nothing here converts or checks a number: see `addin.units`.
+"""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+__all__ = [
+    "DIMENSIONS",
+    "Dimension",
+    "Field",
+    "INPUT_TABLES",
+    "RESULT_TABLES",
+    "SCALARS",
+    "SCALAR_SHEET",
+    "SCALAR_TABLE",
+    "TEMPLATE_VERSION",
+    "TableSpec",
+    "input_table",
+    "json_key",
+    "result_table",
+    "scalar",
+]
+
+#: Version of the workbook layout, written into `TemplateVersion` of every shipped workbook.
+TEMPLATE_VERSION = "1"
+
+#: Sheet of the scalars, and the table name problems of scalars carry.
+SCALAR_SHEET = "Case"
+SCALAR_TABLE = "Case"
+
+_WORDS = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
+
+
+def json_key(name: str) -> str:
+    """The JSON key of a contract name: words and capital runs, joined by `_`, lower case.
+
+    Parameters
+    ----------
+    name : str
+        Defined name, table name or column header. [name]
+
+    Returns
+    -------
+    str
+        Key such as ``rated_power`` for ``RatedPower`` or ``sn_points`` for ``SNPoints``.
+    """
+    return "_".join(_WORDS.findall(name)).lower()
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """One physical dimension: the SI unit inside and the units people usually type.
+
+    Parameters
+    ----------
+    si : str
+        Unit of the engine and of a plain JSON number; empty where there is none. [unit]
+    unit_us, unit_si : str
+        Units shown by the US-customary and the SI template. [unit]
+    units : tuple of str
+        The drop-down list. [units]
+    """
+
+    si: str = ""
+    unit_us: str = ""
+    unit_si: str = ""
+    units: tuple[str, ...] = ()
+
+
+_RELATIVE = ("pu", "%")
+_TORQUES = ("lbf*in", "lbf*ft", "kip*in", "N*m", "kN*m")
+
+#: Every dimension a field may have. A ratio may lack its unit (it is 1 then), a fraction may not.
+DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
+    {
+        "none": Dimension(),
+        "count": Dimension(),
+        "ratio": Dimension("1", "1", "1", ("1", "%")),
+        "fraction": Dimension("1", "%", "%", ("%", "1")),
+        "speed fraction": Dimension("1", "%", "%", ("%", "1", "rpm", "rad/s")),
+        "inertia": Dimension(
+            "kg*m^2", "lb*ft^2", "kg*m^2", ("lb*ft^2", "lb*in^2", "lbf*in*s^2", "kg*m^2")
+        ),
+        "torsional stiffness": Dimension(
+            "N*m/rad",
+            "lbf*in/rad",
+            "N*m/rad",
+            ("lbf*in/rad", "lbf*ft/rad", "N*m/rad", "kN*m/rad", "MN*m/rad"),
+        ),
+        "torsional damping": Dimension(
+            "N*m*s/rad",
+            "lbf*in*s/rad",
+            "N*m*s/rad",
+            ("lbf*in*s/rad", "lbf*ft*s/rad", "N*m*s/rad", "kN*m*s/rad"),
+        ),
+        "torque": Dimension("N*m", "lbf*in", "N*m", _TORQUES + _RELATIVE),
+        "excitation torque": Dimension("N*m", "%", "%", ("%", "pu", *_TORQUES)),
+        "length": Dimension("m", "in", "mm", ("in", "ft", "mm", "m", "um")),
+        "pressure": Dimension("Pa", "psi", "MPa", ("psi", "ksi", "Mpsi", "MPa", "GPa", "N/mm^2")),
+        "density": Dimension(
+            "kg/m^3", "lb/in^3", "kg/m^3", ("lb/in^3", "lb/ft^3", "kg/m^3", "g/cm^3")
+        ),
+        "angle": Dimension("rad", "deg", "deg", ("deg", "rad")),
+        "time": Dimension("s", "s", "s", ("s", "ms", "min")),
+        "frequency": Dimension("Hz", "Hz", "Hz", ("Hz", "cpm")),
+        "cycles per minute": Dimension("cpm", "cpm", "cpm", ("cpm",)),
+        "speed": Dimension("rad/s", "rpm", "rpm", ("rpm", "rad/s", "Hz")),
+        "running speed": Dimension("rad/s", "rpm", "rpm", ("rpm", "%", "rad/s", "Hz")),
+        "angular acceleration": Dimension("rad/s^2", "rpm/s", "rpm/s", ("rpm/s", "rad/s^2")),
+        "sweep rate": Dimension("Hz/s", "Hz/s", "Hz/s", ("Hz/s",)),
+        "power": Dimension("W", "hp", "kW", ("hp", "kW", "MW", "W")),
+        "mass": Dimension("kg", "lb", "kg", ("lb", "kg", "t")),
+        "linear stiffness": Dimension(
+            "N/m", "lbf/in", "N/m", ("lbf/in", "kip/in", "N/m", "N/um", "N/mm")
+        ),
+        "linear damping": Dimension("N*s/m", "lbf*s/in", "N*s/m", ("lbf*s/in", "N*s/m", "N*s/mm")),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Field:
+    """One input or output: a scalar of sheet `Case` or a column of a table.
+
+    Parameters
+    ----------
+    name : str
+        Defined name of a scalar or header of a column, as in the contract. [name]
+    key : str
+        JSON key. [name]
+    kind : str
+        ``number``, ``integer``, ``text``, ``choice``, ``station``, ``element``, ``material``
+        (references by name); of results also ``flag`` (yes or no) and ``mixed`` (a number in one
+        row, words in another). [word]
+    dimension : str
+        Key of `DIMENSIONS`. [word]
+    unit_us, unit_si : str
+        Units shown by the two templates; empty where there is no unit. [unit]
+    units : tuple of str
+        Drop-down list of the unit cell; empty where there is no unit. [units]
+    choices : tuple of str
+        Allowed words of a choice; the first one is the default. [words]
+    default_text : str
+        What a blank cell means; empty where a blank has no meaning of its own. [text]
+    help : str
+        One sentence for the input prompt. [sentence]
+    group : str
+        Block of sheet `Case` the scalar stands in; empty for columns. [name]
+    used : bool
+        False while no calculation of this version reads it. [flag]
+    """
+
+    name: str
+    key: str
+    kind: str
+    dimension: str
+    unit_us: str
+    unit_si: str
+    units: tuple[str, ...]
+    choices: tuple[str, ...]
+    default_text: str
+    help: str
+    group: str = ""
+    used: bool = True
+
+    @property
+    def attribute(self) -> str:
+        """Name of the quantity in `engine.case` (`from` and `yield` get an underscore)."""
+        return f"{self.key}_" if keyword.iskeyword(self.key) else self.key
+
+    @property
+    def is_number(self) -> bool:
+        """Whether a cell of this field holds a number."""
+        return self.kind in ("number", "integer")
+
+    @property
+    def has_unit(self) -> bool:
+        """Whether a unit stands above (column) or right of (scalar) it."""
+        return bool(self.units)
+
+    @property
+    def si(self) -> str:
+        """Unit of the engine and of a plain JSON number; empty where there is none."""
+        return DIMENSIONS[self.dimension].si
+
+
+@dataclass(frozen=True)
+class TableSpec:
+    """One Excel table.
+
+    Parameters
+    ----------
+    name : str
+        Name of the Excel table. [name]
+    key : str
+        JSON key. [name]
+    sheet : str
+        Sheet it is shipped on. [name]
+    columns : tuple of Field
+        Columns of the contract, in its order. [fields]
+    rows : int
+        Blank rows shipped. [count]
+    help : str
+        One sentence above the table. [sentence]
+    extra_columns : tuple of Field
+        Columns after those of the contract, such as live checks; never read. [fields]
+    repeated : Field or None
+        Column repeated after `columns`, its name ending in 1, 2, ... (mode shapes). [field]
+    json_only : tuple of str
+        Keys a JSON row may have beside the columns. [names]
+    """
+
+    name: str
+    key: str
+    sheet: str
+    columns: tuple[Field, ...]
+    rows: int
+    help: str
+    extra_columns: tuple[Field, ...] = ()
+    repeated: Field | None = None
+    json_only: tuple[str, ...] = ()
+
+    def column(self, name: str) -> Field:
+        """The contract column of a header.
+
+        Parameters
+        ----------
+        name : str
+            Header. [name]
+
+        Returns
+        -------
+        Field
+            The column.
+        """
+        for field in self.columns:
+            if field.name == name:
+                return field
+        raise KeyError(f"table {self.name} has no column {name!r}")
+
+    def repeated_column(self, number: int) -> Field:
+        """One of the repeated columns, such as ``Mode 3``.
+
+        Parameters
+        ----------
+        number : int
+            Counted from 1. [count]
+
+        Returns
+        -------
+        Field
+            The column.
+        """
+        if self.repeated is None:
+            raise KeyError(f"table {self.name} has no repeated column")
+        name = f"{self.repeated.name} {number}"
+        return replace(self.repeated, name=name, key=json_key(name))
+
+
+def _number(
+    name: str,
+    dimension: str,
+    help: str,
+    *,
+    blank: str = "",
+    us: str = "",
+    si: str = "",
+    kind: str = "number",
+    group: str = "",
+    used: bool = True,
+) -> Field:
+    """A number; `us` and `si` replace the units the templates show."""
+    usual = DIMENSIONS[dimension]
+    return Field(
+        name=name,
+        key=json_key(name),
+        kind=kind,
+        dimension=dimension,
+        unit_us=us or usual.unit_us,
+        unit_si=si or usual.unit_si,
+        units=usual.units,
+        choices=(),
+        default_text=blank,
+        help=help,
+        group=group,
+        used=used,
+    )
+
+
+def _integer(name: str, help: str, *, group: str = "") -> Field:
+    """A whole number without unit."""
+    return _number(name, "count", help, kind="integer", group=group)
+
+
+def _text(
+    name: str,
+    help: str,
+    *,
+    kind: str = "text",
+    choices: tuple[str, ...] = (),
+    blank: str = "",
+    group: str = "",
+    used: bool = True,
+) -> Field:
+    """Words: free text, a choice, or the name of a station, element or material."""
+    return Field(
+        name=name,
+        key=json_key(name),
+        kind=kind,
+        dimension="none",
+        unit_us="",
+        unit_si="",
+        units=(),
+        choices=choices,
+        default_text=blank,
+        help=help,
+        group=group,
+        used=used,
+    )
+
+
+def _choice(
+    name: str,
+    choices: tuple[str, ...],
+    help: str,
+    *,
+    blank: str = "",
+    group: str = "",
+    used: bool = True,
+) -> Field:
+    """A word from a short list."""
+    return _text(name, help, kind="choice", choices=choices, blank=blank, group=group, used=used)
+
+
+def _table(
+    name: str, sheet: str, rows: int, help: str, *columns: Field, **more: object
+) -> TableSpec:
+    """A table whose key follows from its name."""
+    return TableSpec(name, json_key(name), sheet, columns, rows, help, **more)  # type: ignore[arg-type]
+
+
+_DOCUMENT = "Document"
+_MACHINE = "Motor and line"
+_RUNNING = "Continuous operation"
+_START = "Start-up"
+_METHOD = "Accuracy and method"
+_EFFECTS = "Effects"
+
+#: Scalars of sheet `Case`, in the order in which they stand there.
+SCALARS: tuple[Field, ...] = (
+    _text("TemplateVersion", "Layout of this workbook; leave it as it is.", group=_DOCUMENT),
+    _text("Title", "Title of the calculation.", group=_DOCUMENT),
+    _text("Tag", "Equipment tag of the train.", group=_DOCUMENT),
+    _text("Client", "For whom the calculation is made.", group=_DOCUMENT),
+    _text("Document", "Document number.", group=_DOCUMENT),
+    _text("Revision", "Revision of the document.", group=_DOCUMENT),
+    _text("PreparedBy", "Who prepared the calculation.", group=_DOCUMENT),
+    _text("CheckedBy", "Who checked the calculation.", group=_DOCUMENT),
+    _number(
+        "LineFrequency",
+        "frequency",
+        "Line frequency; two of frequency, speed and poles fix the third.",
+        blank="from speed and poles",
+        group=_MACHINE,
+    ),
+    _number(
+        "SynchronousSpeed",
+        "speed",
+        "Synchronous speed of the motor.",
+        blank="from frequency and poles",
+        group=_MACHINE,
+    ),
+    _integer(
+        "Poles", "Number of poles (not pairs); blank = from frequency and speed.", group=_MACHINE
+    ),
+    _number(
+        "RatedPower",
+        "power",
+        "Rated power of the motor; power and speed fix the torque.",
+        blank="from torque and speed",
+        group=_MACHINE,
+    ),
+    _number(
+        "RatedTorque",
+        "torque",
+        "Rated torque, the base of every torque typed in pu or %.",
+        blank="from power and speed",
+        us="lbf*ft",
+        group=_MACHINE,
+    ),
+    _number(
+        "MinimumSpeed",
+        "running speed",
+        "Lowest speed of continuous operation; % means of synchronous speed.",
+        blank="synchronous speed",
+        group=_RUNNING,
+    ),
+    _number(
+        "MaximumSpeed",
+        "running speed",
+        "Highest speed of continuous operation; % means of synchronous speed.",
+        blank="synchronous speed",
+        group=_RUNNING,
+    ),
+    _number(
+        "DampingRatio",
+        "fraction",
+        "Damping of all elastic modes as a fraction of critical; table ModeDamping overrides it.",
+        group=_RUNNING,
+    ),
+    _choice(
+        "MarginBasis",
+        ("calculated", "measured"),
+        "Calculated frequencies need a margin of 20 %, measured ones 10 %.",
+        blank="calculated",
+        group=_RUNNING,
+    ),
+    _number(
+        "MarginRequired",
+        "fraction",
+        "Required separation margin, when it differs from 20 % (calculated) or 10 % (measured).",
+        blank="20 % calculated, 10 % measured",
+        group=_RUNNING,
+    ),
+    _choice(
+        "StressBasis",
+        ("peak-to-peak", "zero-to-peak"),
+        "Which stress is compared with UTS/25; both are shown.",
+        blank="peak-to-peak",
+        group=_RUNNING,
+    ),
+    _number(
+        "EndSpeed",
+        "running speed",
+        "Speed at which the simulated start ends; % means of synchronous speed.",
+        blank="97 % of synchronous speed",
+        us="%",
+        si="%",
+        group=_START,
+    ),
+    _number(
+        "MaximumTime",
+        "time",
+        "Longest simulated time.",
+        blank="from the rigid-body run-up",
+        group=_START,
+    ),
+    _number("StartsRequired", "count", "Starts the train must survive.", group=_START),
+    _number(
+        "StartsFactor",
+        "ratio",
+        "Allowable starts are divided by it before they are judged.",
+        blank="1",
+        group=_START,
+    ),
+    _number(
+        "PulsationPhase",
+        "angle",
+        "Phase of the torque pulsation at t = 0.",
+        blank="0",
+        group=_START,
+    ),
+    _number(
+        "Voltage",
+        "fraction",
+        "Voltage during the start in % of the voltage of the torque curves; torques go with its "
+        "square.",
+        blank="100 %",
+        group=_START,
+    ),
+    _number(
+        "TolerancePeak",
+        "fraction",
+        "Wanted accuracy of peak torques.",
+        blank="0.1 %",
+        group=_METHOD,
+    ),
+    _number(
+        "ToleranceStarts",
+        "fraction",
+        "Wanted accuracy of allowable starts.",
+        blank="2 %",
+        group=_METHOD,
+    ),
+    _choice(
+        "Method",
+        ("exponential", "newmark"),
+        "Time integration: exponential, or the paper's average acceleration (Newmark).",
+        blank="exponential",
+        group=_METHOD,
+    ),
+    _choice(
+        "RainflowResidue",
+        ("half cycles", "repeated"),
+        "What becomes of the unclosed part of the stress history: ASTM half cycles, or repeated.",
+        blank="half cycles",
+        group=_METHOD,
+    ),
+    _choice(
+        "KeepHistory",
+        ("no", "parquet", "npz"),
+        "Write the full torque history to a file beside the workbook.",
+        blank="no",
+        group=_METHOD,
+    ),
+    _number(
+        "ShockAmplitude",
+        "torque",
+        "Amplitude of the torque transient at breaker closing.",
+        us="pu",
+        si="pu",
+        group=_EFFECTS,
+        used=False,
+    ),
+    _number(
+        "ShockTimeConstant",
+        "time",
+        "Time constant of the transient at breaker closing.",
+        group=_EFFECTS,
+        used=False,
+    ),
+    _number(
+        "FieldSlip", "fraction", "Slip at which the field is applied.", group=_EFFECTS, used=False
+    ),
+    _number("FieldTimeConstant", "time", "Time constant of the field.", group=_EFFECTS, used=False),
+    _number(
+        "FieldAngle",
+        "angle",
+        "Electrical angle at which the field is applied.",
+        group=_EFFECTS,
+        used=False,
+    ),
+    _number(
+        "PullOutTorque",
+        "torque",
+        "Pull-out torque in synchronism.",
+        us="pu",
+        si="pu",
+        group=_EFFECTS,
+        used=False,
+    ),
+    _number(
+        "PullInDamping",
+        "torsional damping",
+        "Damping by the cage near synchronism.",
+        group=_EFFECTS,
+        used=False,
+    ),
+    _number(
+        "TripSpeed",
+        "running speed",
+        "Speed at which the start is aborted; % means of synchronous speed.",
+        us="%",
+        si="%",
+        group=_EFFECTS,
+        used=False,
+    ),
+)
+
+_CURVE_SPEED = "Speed in % of that station's speed at synchronism, rising within a station."
+
+#: Input tables, in the order in which problems are reported.
+INPUT_TABLES: tuple[TableSpec, ...] = (
+    _table(
+        "Stations",
+        "Train",
+        24,
+        "Lumped inertias, each at its own speed.",
+        _text("Station", "Name of the station, unique in the train."),
+        _text("Description", "Free text."),
+        _number("Inertia", "inertia", "Polar inertia (WR²) at the station's own speed."),
+        _number(
+            "Speed ratio",
+            "ratio",
+            "Speed of the station over the speed of the motor shaft.",
+            blank="1",
+        ),
+        _number(
+            "Damping",
+            "torsional damping",
+            "Viscous damping to ground at the station's own speed.",
+            blank="0",
+        ),
+        _number(
+            "Running load",
+            "torque",
+            "Torque absorbed in continuous operation, at the station's own speed.",
+            blank="RatedTorque shared in proportion to LoadTorque, when all are blank",
+            us="lbf*ft",
+        ),
+    ),
+    _table(
+        "Elements",
+        "Train",
+        24,
+        "Shafts, couplings, gear meshes and springs, each at its own shaft's speed.",
+        _text("Element", "Name of the element, unique in the train."),
+        _choice(
+            "Kind",
+            ("shaft", "coupling", "gear mesh", "spring to ground"),
+            "What the element is.",
+        ),
+        _text("From", "Station at the drive end, or ground.", kind="station"),
+        _text("To", "Station at the driven end, or ground.", kind="station"),
+        _number(
+            "Stiffness",
+            "torsional stiffness",
+            "Torsional stiffness at the shaft's own speed; of a mesh on the From side.",
+            blank="from OD, ID and Length; a gear mesh is rigid",
+        ),
+        _number("OD", "length", "Outer diameter, for stiffness from geometry."),
+        _number("ID", "length", "Bore, for stiffness from geometry.", blank="0"),
+        _number("Length", "length", "Length, for stiffness from geometry."),
+        _number(
+            "Shear modulus",
+            "pressure",
+            "Shear modulus, for stiffness from geometry.",
+            si="GPa",
+        ),
+        _number(
+            "Density",
+            "density",
+            "Density; when given, the shaft's own inertia is distributed along it.",
+            blank="shaft without inertia of its own",
+        ),
+        _number(
+            "Damping",
+            "torsional damping",
+            "Viscous damping across the element.",
+            blank="0",
+        ),
+        _number("Loss factor", "ratio", "Hysteretic loss factor of the element.", blank="0"),
+        _number(
+            "Stress diameter",
+            "length",
+            "Diameter of the section where stress is judged.",
+            blank="torque only, no stress",
+        ),
+        _number("Stress bore", "length", "Bore of the section where stress is judged.", blank="0"),
+        _number("SCF", "ratio", "Stress concentration factor in torsion.", blank="1"),
+        _text("Material", "Row of table Materials.", kind="material"),
+        _number("Rated torque", "torque", "The maker's rated torque.", blank="not judged"),
+        _number("Peak torque limit", "torque", "The maker's peak torque.", blank="not judged"),
+        _number("Reversal limit", "torque", "Allowed reversing torque.", blank="not judged"),
+        _number("Vibratory limit", "torque", "Allowed vibratory torque.", blank="not judged"),
+    ),
+    _table(
+        "Meshes",
+        "Train",
+        6,
+        "Gear geometry, clearances and bearings of gear meshes and geared couplings.",
+        _text("Element", "The gear mesh or geared coupling of table Elements.", kind="element"),
+        _number("Pitch radius drive", "length", "Pitch radius on the From side."),
+        _number("Pitch radius driven", "length", "Pitch radius on the To side."),
+        _number("Pressure angle", "angle", "Normal pressure angle."),
+        _number("Helix angle", "angle", "Helix angle.", blank="0"),
+        _number("Orientation", "angle", "Angle of the line of centres.", blank="0"),
+        _number(
+            "Mesh stiffness",
+            "linear stiffness",
+            "Mesh stiffness along the line of action.",
+            used=False,
+        ),
+        _number(
+            "Mesh damping",
+            "linear damping",
+            "Mesh damping along the line of action.",
+            used=False,
+        ),
+        _number("Backlash", "length", "Normal backlash, the total gap.", used=False),
+        _number(
+            "Angular backlash",
+            "angle",
+            "Total angular clearance of a geared coupling.",
+            used=False,
+        ),
+        _number("Mass drive", "mass", "Mass of the gear on the From side.", used=False),
+        _number("Mass driven", "mass", "Mass of the gear on the To side.", used=False),
+        _number(
+            "Bearing stiffness drive",
+            "linear stiffness",
+            "Bearing stiffness on the From side.",
+            used=False,
+        ),
+        _number(
+            "Bearing stiffness driven",
+            "linear stiffness",
+            "Bearing stiffness on the To side.",
+            used=False,
+        ),
+        _number(
+            "Bearing damping drive",
+            "linear damping",
+            "Bearing damping on the From side.",
+            used=False,
+        ),
+        _number(
+            "Bearing damping driven",
+            "linear damping",
+            "Bearing damping on the To side.",
+            used=False,
+        ),
+        _choice(
+            "Gear type",
+            ("external", "internal"),
+            "Internal gears keep the sense of rotation.",
+            blank="external",
+        ),
+    ),
+    _table(
+        "ModeDamping",
+        "Train",
+        10,
+        "Damping of single elastic modes, instead of DampingRatio.",
+        _integer("Mode", "Elastic mode, counted from 1."),
+        _number("Damping ratio", "fraction", "Damping of the mode as a fraction of critical."),
+    ),
+    _table(
+        "MotorTorque",
+        "Torque",
+        30,
+        "Motor torque against speed at rated voltage, the same curve the maker gives.",
+        _text("Station", "Where the motor acts.", kind="station"),
+        _number("Speed", "speed fraction", _CURVE_SPEED),
+        _number("Average", "torque", "Average torque.", us="%", si="%"),
+        _number(
+            "Pulsating",
+            "torque",
+            "Pulsating torque at twice slip frequency, zero-to-peak.",
+            us="%",
+            si="%",
+        ),
+    ),
+    _table(
+        "LoadTorque",
+        "Torque",
+        40,
+        "Torque of the driven machines against speed.",
+        _text("Station", "Where the load acts.", kind="station"),
+        _number("Speed", "speed fraction", _CURVE_SPEED),
+        _number(
+            "Torque",
+            "torque",
+            "Opposing torque at that station's own speed.",
+            us="lbf*ft",
+        ),
+    ),
+    _table(
+        "TorqueTime",
+        "Torque",
+        20,
+        "Optional: prescribed torque against time, linear between rows.",
+        _text("Station", "Where the torque acts.", kind="station"),
+        _number("Time", "time", "Time, rising within a station."),
+        _number("Torque", "torque", "Torque in the running direction.", us="lbf*ft"),
+    ),
+    _table(
+        "Materials",
+        "Fatigue",
+        5,
+        "Strength of the shaft materials.",
+        _text("Material", "Name of the material."),
+        _number("UTS", "pressure", "Ultimate tensile strength."),
+        _number("Yield", "pressure", "Yield strength in tension; half of it in shear is judged."),
+        _number(
+            "Endurance",
+            "pressure",
+            "Endurance limit (amplitude) in the basis given.",
+            blank="none",
+        ),
+        _choice(
+            "Basis",
+            ("torsion", "bending"),
+            "Bending data are halved for torsion.",
+            blank="torsion",
+        ),
+        _choice(
+            "Below endurance",
+            ("none", "same slope", "2k-1"),
+            "Damage below the endurance limit.",
+            blank="none",
+        ),
+    ),
+    _table(
+        "SNPoints",
+        "Fatigue",
+        12,
+        "S-N line of each material, log-log between the points.",
+        _text("Material", "Row of table Materials.", kind="material"),
+        _number("Cycles", "count", "Cycles to failure, rising within a material."),
+        _number("Stress", "pressure", "Stress amplitude, zero-to-peak."),
+    ),
+    _table(
+        "Excitations",
+        "Excitation",
+        14,
+        "What shakes the train in continuous operation; blank = 1× and 2× of every shaft speed, "
+        "1× and 2× line frequency.",
+        _text("Name", "Name of the excitation."),
+        _number("Order", "ratio", "Multiple of a station's speed."),
+        _text("Of station", "Whose speed.", kind="station", blank="the motor shaft"),
+        _number("Frequency", "frequency", "Fixed frequency, instead of an order."),
+        _text(
+            "Station",
+            "Where it acts.",
+            kind="station",
+            blank="motor, gears and driven machines in turn",
+        ),
+        _number(
+            "Torque",
+            "excitation torque",
+            "Zero-to-peak torque; % means of the torque transmitted there, pu of RatedTorque.",
+            blank="1 % of the torque transmitted there",
+        ),
+    ),
+    _table(
+        "EffectChoices",
+        "Case",
+        8,
+        "Effects forced on or off; auto lets the plan decide.",
+        _text("Effect", "Name of the effect."),
+        _choice("Choice", ("auto", "on", "off"), "auto, on or off.", blank="auto", used=False),
+    ),
+)
+
+
+def _mixed(name: str, help: str) -> Field:
+    """A result that is a number in one row and words in another."""
+    return _text(name, help, kind="mixed")
+
+
+#: Result tables of this version.
+RESULT_TABLES: tuple[TableSpec, ...] = (
+    _table(
+        "Verdicts",
+        "Summary",
+        1,
+        "Each check with its limit and verdict.",
+        _text("Check", "What is judged."),
+        _mixed("Result", "The number found."),
+        _mixed("Limit", "The number allowed."),
+        _text("Verdict", "pass, accepted by forced response, or fail."),
+        _text("Where", "Mode, element or speed that governs."),
+        json_only=("dimension",),
+    ),
+    _table(
+        "NaturalFrequencies",
+        "Frequencies",
+        1,
+        "Undamped natural frequencies; rigid-body modes first, with frequency 0.",
+        _integer("Mode", "Elastic modes count from 1; rigid-body modes have 0."),
+        _number("Frequency", "frequency", "Natural frequency."),
+        _number("CPM", "cycles per minute", "Natural frequency in cycles per minute."),
+        _number("Percent speed", "fraction", "Speed of the start-up crossing, of synchronous."),
+        _number("Damping ratio", "fraction", "Fraction of critical damping in the start."),
+        _text("Largest strain energy", "Element with the largest share.", kind="element"),
+        _number("Share", "fraction", "Its share of the strain energy."),
+        extra_columns=(
+            _number("Percent speed check", "fraction", "Live formula: 1 - f / (2 f_line)."),
+        ),
+    ),
+    _table(
+        "ModeShapes",
+        "Frequencies",
+        1,
+        "Twist of each station, largest = 1.",
+        _text("Station", "Station.", kind="station"),
+        repeated=_number("Mode", "ratio", "Twist of the station in this mode."),
+    ),
+    _table(
+        "SeparationMargins",
+        "Margins",
+        1,
+        "Every mode against every continuous excitation.",
+        _integer("Mode", "Elastic mode."),
+        _text("Excitation", "Name of the excitation."),
+        _number("Speed", "speed", "Motor speed at which the margin is least."),
+        _number("Excitation frequency", "frequency", "Its frequency there."),
+        _number("Margin", "fraction", "|f - f_exc| / f_exc."),
+        _number("Required", "fraction", "Required margin."),
+        _text("Verdict", "pass, accepted by forced response, or fail."),
+        json_only=("frequency",),
+        extra_columns=(_number("Margin check", "fraction", "Live formula: |f - f_exc| / f_exc."),),
+    ),
+    _table(
+        "SteadyState",
+        "Steady state",
+        1,
+        "Forced response; stresses include SCF.",
+        _text("Element", "Element.", kind="element"),
+        _text("Excitation", "Name of the excitation."),
+        _integer("Mode", "Mode excited."),
+        _number("Frequency", "frequency", "Frequency of the worst response."),
+        _text("Applied at", "Station of the applied torque.", kind="station"),
+        _number("Applied torque", "torque", "Applied torque, zero-to-peak.", us="lbf*ft"),
+        _number("Torque", "torque", "Response torque, zero-to-peak, at own speed.", us="lbf*ft"),
+        _number("Zero-to-peak stress", "pressure", "Shear stress amplitude with SCF."),
+        _number("Peak-to-peak stress", "pressure", "Shear stress range with SCF."),
+        _number("Allowable", "pressure", "UTS/25."),
+        _text("Verdict", "pass, fail, unbounded or not judged."),
+        json_only=("torque_limit",),
+        extra_columns=(_number("UTS/25 check", "pressure", "Live formula: UTS / 25."),),
+    ),
+    _table(
+        "StartupPeaks",
+        "Start-up",
+        1,
+        "Extremes from rest to EndSpeed, torques at own speed, stress nominal without SCF.",
+        _text("Element", "Element.", kind="element"),
+        _number("Maximum torque", "torque", "Largest torque.", us="lbf*ft"),
+        _number("Minimum torque", "torque", "Smallest torque.", us="lbf*ft"),
+        _number("Peak-to-peak torque", "torque", "Maximum minus minimum.", us="lbf*ft"),
+        _number("Peak-to-peak stress", "pressure", "Nominal shear stress range, without SCF."),
+        _number("Time", "time", "Time of the largest torque."),
+        _number("Percent speed", "fraction", "Speed at that time, of synchronous."),
+        _number("Error", "fraction", "Estimated relative error of the peak."),
+    ),
+    _table(
+        "StartupCrossings",
+        "Start-up",
+        1,
+        "Where 2 × slip frequency crosses each mode.",
+        _integer("Mode", "Elastic mode."),
+        _number("Frequency", "frequency", "Natural frequency."),
+        _number("Percent speed", "fraction", "Speed of the crossing, of synchronous."),
+        _number("Time", "time", "Time of the crossing."),
+        _number("Average torque", "torque", "Average motor torque there.", us="lbf*ft"),
+        _number("Pulsating torque", "torque", "Pulsating torque there, zero-to-peak.", us="lbf*ft"),
+        _number(
+            "Load torque", "torque", "Load torque there, referred to motor speed.", us="lbf*ft"
+        ),
+        _number("Acceleration", "angular acceleration", "Acceleration of the motor there."),
+        _number("Sweep rate", "sweep rate", "How fast 2 × slip frequency falls."),
+        _text("Governing element", "Element with the largest stress or torque.", kind="element"),
+        _number("Peak-to-peak torque", "torque", "Its torque range at the crossing.", us="lbf*ft"),
+        _number("Peak-to-peak stress", "pressure", "Its nominal stress range at the crossing."),
+        _number("Mesh minimum torque", "torque", "Least mesh torque at the crossing.", us="lbf*ft"),
+        _text("Note", "What the numbers say, in words."),
+    ),
+    _table(
+        "AllowableStarts",
+        "Starts",
+        1,
+        "Fatigue damage of one start and how many are allowed.",
+        _text("Element", "Element.", kind="element"),
+        _number("Damage", "count", "Miner sum of one start."),
+        _number("Allowable starts", "count", "1 / damage; unlimited when there is no damage."),
+        _number("Paper count", "count", "Allowable starts by the paper's cycle-by-cycle count."),
+        _number("Error", "fraction", "Estimated relative error of the allowable starts."),
+        _text("Governing", "yes for the element that allows the fewest starts.", kind="flag"),
+        extra_columns=(
+            _number("Starts check", "count", "Live formula: 1 / damage."),
+            _number("Starts to judge", "count", "Live formula: 1 / damage / StartsFactor."),
+        ),
+        json_only=("unlimited", "starts_low", "starts_high"),
+    ),
+    _table(
+        "Audit",
+        "Audit",
+        1,
+        "What was calculated, from which inputs, by which version and method.",
+        _text("Item", "What is stated."),
+        _mixed("Value", "Its value."),
+    ),
+)
+
+
+def scalar(name: str) -> Field:
+    """The scalar of a defined name.
+
+    Parameters
+    ----------
+    name : str
+        Defined name. [name]
+
+    Returns
+    -------
+    Field
+        The scalar.
+    """
+    return _SCALARS[name]
+
+
+def input_table(name: str) -> TableSpec:
+    """The input table of a name.
+
+    Parameters
+    ----------
+    name : str
+        Name of the Excel table. [name]
+
+    Returns
+    -------
+    TableSpec
+        The table.
+    """
+    return _INPUTS[name]
+
+
+def result_table(name: str) -> TableSpec:
+    """The result table of a name.
+
+    Parameters
+    ----------
+    name : str
+        Name of the Excel table. [name]
+
+    Returns
+    -------
+    TableSpec
+        The table.
+    """
+    return _RESULTS[name]
+
+
+_SCALARS = {field.name: field for field in SCALARS}
+_INPUTS = {table.name: table for table in INPUT_TABLES}
+_RESULTS = {table.name: table for table in RESULT_TABLES}

@@ -1,0 +1,67 @@
+"""The full torque histories of a start in a file beside the workbook: Parquet or NPZ."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from addin.calculation import Calculation
+
+__all__ = ["HistoryUnavailable", "write_history"]
+
+
+class HistoryUnavailable(Exception):
+    """The history cannot be written here; the sentence says what to do."""
+
+
+def write_history(calculation: Calculation, beside: Path, kind: str) -> tuple[Path, str] | None:
+    """Write time, speed and the torque of every element, SI, at every step taken.
+
+    Parameters
+    ----------
+    calculation : Calculation
+        A calculated case. [SI]
+    beside : Path
+        The result workbook or JSON; the file gets its name with another ending. [path]
+    kind : str
+        ``parquet`` or ``npz``. [word]
+
+    Returns
+    -------
+    tuple of (Path, str) or None
+        The file and its SHA-256; None if there is no start.
+
+    Raises
+    ------
+    HistoryUnavailable
+        If Parquet is wanted and pyarrow is not installed.
+    """
+    import numpy as np
+
+    start = calculation.results.start
+    if start is None:
+        return None
+    target = beside.with_name(f"{beside.stem}.history.{kind}")
+    trajectory = start.trajectory
+    inside = trajectory.time <= start.outcome.time
+    columns = {"time_s": trajectory.time[inside], "speed_rad_per_s": trajectory.mean_speed[inside]}
+    for element, output in zip(
+        calculation.results.train.elements, start.output_of_element, strict=True
+    ):
+        if output >= 0:
+            columns[f"torque_N_m: {element}"] = trajectory.torque[output][inside]
+    if kind == "npz":
+        np.savez_compressed(target, **columns)  # type: ignore[arg-type]
+    else:
+        try:
+            import pandas as pd
+
+            pd.DataFrame(columns).to_parquet(target, compression="zstd", index=False)
+        except ImportError:
+            raise HistoryUnavailable(
+                "KeepHistory is parquet, but pyarrow is not installed: pip install "
+                "'torsionbook[parquet]', or choose npz."
+            ) from None
+    return target, hashlib.sha256(target.read_bytes()).hexdigest()

@@ -1,0 +1,169 @@
+"""JSON Schemas of cases and results, made from `addin.fields`.
+
+``python -m addin.json_schemas`` writes them into ``addin/schemas``; a test compares.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from addin.case_json import FORMAT as CASE_FORMAT
+from addin.fields import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
+from addin.results_json import FORMAT as RESULTS_FORMAT
+
+__all__ = ["SCHEMA_FOLDER", "case_schema", "results_schema", "write_schemas"]
+
+#: Where the shipped schemas are.
+SCHEMA_FOLDER = Path(__file__).resolve().parent / "schemas"
+
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_QUANTITY = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*[^\s\d.+-].*$"
+_PROBLEM_KEYS = ("sheet", "table", "row", "column", "found", "allowed", "message")
+
+
+def case_schema() -> dict[str, Any]:
+    """Schema of a case JSON.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12.
+    """
+    properties: dict[str, Any] = {"format": {"const": CASE_FORMAT}}
+    properties |= {spec.key: _input(spec) for spec in SCALARS}
+    properties |= {table.key: _input_table(table) for table in INPUT_TABLES}
+    return {
+        "$schema": _DIALECT,
+        "title": "torsionbook case",
+        "description": "Numbers in SI; a string carries its unit; absent means blank.",
+        **_object(properties, required=["format"]),
+    }
+
+
+def results_schema() -> dict[str, Any]:
+    """Schema of a results JSON.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12.
+    """
+    texts = {"type": "array", "items": {"type": "string"}}
+    properties: dict[str, Any] = {
+        "format": {"const": RESULTS_FORMAT},
+        "case_sha256": {"type": "string", "pattern": "^[0-9a-f]{64}$"},
+        "version": {"type": "string"},
+        "outcome": {"type": "string"},
+        "warnings": texts,
+        "errors": {"type": "array", "items": _problem()},
+        "startup": _startup(),
+    }
+    properties |= {table.key: _result_table(table) for table in RESULT_TABLES}
+    return {
+        "$schema": _DIALECT,
+        "title": "torsionbook results",
+        "description": "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as 1.",
+        **_object(properties, required=["format", "errors"]),
+    }
+
+
+def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
+    """Write both schemas.
+
+    Parameters
+    ----------
+    folder : Path
+        Where to; made when it is not there. [path]
+    """
+    folder.mkdir(exist_ok=True)
+    for name, schema in (("case", case_schema()), ("results", results_schema())):
+        text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+        (folder / f"{name}.schema.json").write_text(text, encoding="utf-8", newline="\n")
+
+
+def _object(properties: dict[str, Any], required: list[str] | None = None) -> dict[str, Any]:
+    content: dict[str, Any] = {"type": "object", "properties": properties}
+    if required:
+        content["required"] = required
+    return {**content, "additionalProperties": False}
+
+
+def _described(schema: dict[str, Any], spec: Field) -> dict[str, Any]:
+    unit = f" [{spec.si}]" if spec.si else ""
+    return {"description": spec.help + unit, **schema}
+
+
+def _input(spec: Field) -> dict[str, Any]:
+    """One input: a number in SI, a string with its unit, or words."""
+    if spec.kind == "choice":
+        return _described({"enum": list(spec.choices)}, spec)
+    if not spec.is_number:
+        return _described({"type": "string"}, spec)
+    number = {"type": spec.kind}
+    if not spec.has_unit:
+        return _described(number, spec)
+    return _described({"anyOf": [number, {"type": "string", "pattern": _QUANTITY}]}, spec)
+
+
+def _input_table(table: TableSpec) -> dict[str, Any]:
+    row = _object({column.key: _input(column) for column in table.columns})
+    return {"description": table.help, "type": "array", "items": row}
+
+
+def _result(spec: Field) -> dict[str, Any]:
+    """One result: a number in SI, or words."""
+    if spec.kind == "mixed":
+        return _described({"type": ["number", "string", "boolean"]}, spec)
+    words = "boolean" if spec.kind == "flag" else "string"
+    return _described({"type": spec.kind if spec.is_number else words}, spec)
+
+
+def _result_table(table: TableSpec) -> dict[str, Any]:
+    row = _object({column.key: _result(column) for column in table.columns})
+    for key in table.json_only:
+        row["properties"][key] = _JSON_ONLY[key]
+    if "unlimited" in table.json_only:
+        row["properties"]["allowable_starts"]["type"] = ["number", "null"]
+    if table.repeated is not None:
+        row["patternProperties"] = {f"^{table.repeated.key}_[1-9][0-9]*$": _result(table.repeated)}
+    return {"description": table.help, "type": "array", "items": row}
+
+
+_JSON_ONLY: dict[str, dict[str, Any]] = {
+    "dimension": {
+        "description": "Dimension of result and limit, which are in its SI unit.",
+        "type": "string",
+    },
+    "frequency": {"description": "Natural frequency. [Hz]", "type": "number"},
+    "torque_limit": {"description": "Vibratory limit of the element. [N*m]", "type": "number"},
+    "unlimited": {"description": "No damage: any number of starts.", "type": "boolean"},
+    "starts_low": {"description": "Fewest allowable starts within the error.", "type": "number"},
+    "starts_high": {
+        "description": "Most allowable starts within the error; absent = unlimited.",
+        "type": "number",
+    },
+}
+
+
+def _startup() -> dict[str, Any]:
+    outcomes = ["reached", "asynchronous", "stalled", "no breakaway", "time out"]
+    return _object(
+        {
+            "outcome": {"description": "How the start ended.", "enum": outcomes},
+            "time": {"description": "When it ended. [s]", "type": "number"},
+            "end_speed": {"description": "Speed at the end. [rad/s]", "type": "number"},
+        }
+    )
+
+
+def _problem() -> dict[str, Any]:
+    properties: dict[str, Any] = {key: {"type": "string"} for key in _PROBLEM_KEYS}
+    properties["row"] = {"type": ["integer", "null"]}
+    properties["found"] = {"type": ["string", "number", "boolean", "null"]}
+    return _object(properties, required=list(_PROBLEM_KEYS))
+
+
+if __name__ == "__main__":
+    write_schemas()

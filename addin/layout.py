@@ -1,0 +1,133 @@
+"""What the template and the writer agree on beside the fields: live formulas, facts, columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from addin.fields import Field, TableSpec
+
+__all__ = [
+    "CHECK_FORMULAS",
+    "CROSSING_ROWS",
+    "NOTES_WIDTH",
+    "RUN_FACTS",
+    "SHAPE_COLUMNS",
+    "WRAPPED",
+    "plot_name",
+    "text_height",
+    "workbook_columns",
+]
+
+#: Mode-shape columns of the workbook; further modes are in the JSON only.
+SHAPE_COLUMNS = 10
+
+#: Result columns with sentences that wrap, and their width as shipped. [characters]
+WRAPPED: Mapping[tuple[str, str], float] = {
+    ("StartupCrossings", "Note"): 52.0,
+    ("Audit", "Value"): 110.0,
+}
+
+#: Rows kept free for the crossings of the start; what stands below them begins there.
+CROSSING_ROWS = 8
+
+#: Width of the text column of sheet `Notes`. [characters]
+NOTES_WIDTH = 122.0
+
+#: Rows of table `RunFacts`, in this order: what live formulas need, written by the calculation.
+RUN_FACTS: tuple[tuple[str, str], ...] = (
+    ("run_Stamp", "Which inputs the results belong to"),
+    ("run_Software", "Software and version"),
+    ("run_Date", "Date of the calculation, UTC"),
+    ("run_SHA256", "SHA-256 of the inputs"),
+    ("run_Outcome", "How the start ended"),
+    ("run_StartTime", "Duration of the start [s]"),
+    ("run_SynchronousSpeed", "Synchronous speed [rpm]"),
+    ("run_LineFrequency", "Line frequency [Hz]"),
+    ("run_StartsFactor", "Factor on starts"),
+    ("run_HzPerFrequency", "Hz per unit of NaturalFrequencies[Frequency]"),
+    ("run_HzPerExcitation", "Hz per unit of SeparationMargins[Excitation frequency]"),
+    ("run_PaPerUTS", "Pa per unit of Materials[UTS]"),
+    ("run_PaPerAllowable", "Pa per unit of SteadyState[Allowable]"),
+)
+
+
+def _row(table: str, column: str) -> str:
+    return f"{table}[[#This Row],[{column}]]"
+
+
+def _check_formulas() -> dict[tuple[str, str], str]:
+    frequency = f"N({_row('NaturalFrequencies', 'Frequency')})*N(run_HzPerFrequency)"
+    of_mode = (
+        "INDEX(NaturalFrequencies[Frequency],"
+        f"MATCH({_row('SeparationMargins', 'Mode')},NaturalFrequencies[Mode],0))"
+    )
+    excitation = f"({_row('SeparationMargins', 'Excitation frequency')}*run_HzPerExcitation)"
+    material = (
+        f"INDEX(Elements[Material],MATCH({_row('SteadyState', 'Element')},Elements[Element],0))"
+    )
+    damage = f"N({_row('AllowableStarts', 'Damage')})"
+    return {
+        ("NaturalFrequencies", "Percent speed check"): (
+            f"=IF(AND({frequency}>0,{frequency}<2*N(run_LineFrequency)),"
+            f'100*(1-{frequency}/(2*run_LineFrequency)),"")'
+        ),
+        ("SeparationMargins", "Margin check"): (
+            f'=IFERROR(100*ABS({of_mode}*run_HzPerFrequency-{excitation})/{excitation},"")'
+        ),
+        ("SteadyState", "UTS/25 check"): (
+            f"=IFERROR(IF(INDEX(Materials[UTS],MATCH({material},Materials[Material],0))>0,"
+            f"INDEX(Materials[UTS],MATCH({material},Materials[Material],0))"
+            '*run_PaPerUTS/25/run_PaPerAllowable,""),"")'
+        ),
+        ("AllowableStarts", "Starts check"): f'=IF({damage}>0,1/{damage},"")',
+        ("AllowableStarts", "Starts to judge"): (
+            f'=IF(AND({damage}>0,N(run_StartsFactor)>0),1/{damage}/run_StartsFactor,"")'
+        ),
+    }
+
+
+#: Live formulas of the columns that a reviewer can click on, by table and column.
+CHECK_FORMULAS: Mapping[tuple[str, str], str] = _check_formulas()
+
+
+def workbook_columns(spec: TableSpec) -> tuple[Field, ...]:
+    """All columns of a table as it stands in the workbook.
+
+    Parameters
+    ----------
+    spec : TableSpec
+        The table.
+
+    Returns
+    -------
+    tuple of Field
+        Contract columns, the repeated ones numbered, live checks last.
+    """
+    repeated = () if spec.repeated is None else range(1, SHAPE_COLUMNS + 1)
+    return (*spec.columns, *(spec.repeated_column(k) for k in repeated), *spec.extra_columns)
+
+
+def plot_name(number: int) -> str:
+    """Defined name of the cell in which the engineer may name the element of a history chart."""
+    return f"PlotElement{number}"
+
+
+def text_height(text: str, width: float) -> float:
+    """Height of a row in which a text wraps.
+
+    Parameters
+    ----------
+    text : str
+        The text, in Arial 9.
+    width : float
+        Width of its column. [characters of the standard font]
+
+    Returns
+    -------
+    float
+        Height. [point]
+    """
+    # A letter of Arial 9 takes 5.3 of the 7 pixels a standard character takes, on average.
+    lines = sum(max(1, math.ceil(len(part) * 5.3 / (7.0 * width))) for part in text.split("\n"))
+    return 15.0 + 12.0 * (lines - 1)

@@ -1,0 +1,68 @@
+"""Writing into somebody's workbook without damaging it.
+
+A workbook is a zip file of XML parts. Only the parts that hold written cells are rewritten, all others are copied as they
+are stored; values that formulas and charts carry of changed cells are renewed or removed; the file is replaced in one
+step. This package knows nothing of torsional vibration; numbers are written as they are given.
+
+======================  ====================================================================================
+module                  responsibility
+======================  ====================================================================================
+``workbook``            `open_workbook` and `Workbook`: what the rest of the add-in uses
+``container``           the zip file: guards before opening, raw copy of untouched parts
+``workbook_part``       sheets, defined names, relationships, content types, calculation settings
+``sheet_part``          rows, cells and styles of one sheet
+``tables``              Excel tables and their size
+``charts``              chart ranges and the values that charts carry
+``values``              what a cell may hold, and its XML
+``formula_text``        references inside a formula
+``dependents``          which formulas hang on changed cells
+``formulas``            cached values of formulas: renewed or removed, never stale
+``locks``               lock files of spreadsheet programs
+``save``                writing whole or not at all
+``references``          A1 arithmetic
+``xml_part``            parsing without trusting, writing with the original's declaration
+``errors``              the error tree
+======================  ====================================================================================
+"""
+
+from .container import Limits
+from .errors import (
+    CellRefused,
+    Obstacle,
+    ObstaclesFound,
+    PackageError,
+    SaveRefused,
+    SourceChanged,
+    WorkbookLocked,
+    WorkbookMismatch,
+    WorkbookRefused,
+)
+from .formulas import CacheReport, refresh_formula_caches
+from .save import SaveReport
+from .tables import Table
+from .values import ErrorValue, Formula
+from .workbook import TableData, Workbook, open_workbook
+from .workbook_part import DefinedName
+
+__all__ = [
+    "CacheReport",
+    "CellRefused",
+    "DefinedName",
+    "ErrorValue",
+    "Formula",
+    "Limits",
+    "Obstacle",
+    "ObstaclesFound",
+    "PackageError",
+    "SaveRefused",
+    "SaveReport",
+    "SourceChanged",
+    "Table",
+    "TableData",
+    "Workbook",
+    "WorkbookLocked",
+    "WorkbookMismatch",
+    "WorkbookRefused",
+    "open_workbook",
+    "refresh_formula_caches",
+]

@@ -1,0 +1,390 @@
+"""Cached values of formulas: never stale.
+
+A formula cell stores its last result. When other cells were written into the file, the results that hang on them are
+wrong until a spreadsheet program recalculates, and viewers never do. Hence, for every formula that hangs on a changed
+cell, the result is renewed, and where that cannot be done for certain, removed: blank beats wrong.
+
+Renewed values come from formualizer, when it is installed. It is not trusted blindly: functions it does not know, values
+that it gets otherwise than the file has them in cells that did not change, new errors, and clock or random functions make
+everything that hangs on them suspect, and that is removed and not replaced.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import zipfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from .dependents import DependencyGraph, FormulaCell, ReferenceResolver, spill_rect
+from .formula_text import CHANGES_BY_ITSELF, parse_formula
+from .references import Rect, cell_name
+from .sheet_part import SheetPart
+from .values import Constant, ErrorValue
+from .xml_part import main
+
+if TYPE_CHECKING:
+    from .workbook import Workbook
+
+_F = main("f")
+_HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
+_SHEET_DATA = re.compile(rb"<((?:\w+:)?)sheetData\b[^>]*>.*</\1sheetData>", re.DOTALL)
+_DIMENSION = re.compile(rb"<(?:\w+:)?dimension\b[^>]*/>")
+_TABLE_FORMULA = re.compile(
+    rb"<((?:\w+:)?(?:calculatedColumnFormula|totalsRowFormula))\b[^>]*(?:/>|>.*?</\1>)", re.DOTALL
+)
+_TOTALS_FUNCTION = re.compile(rb"""\stotalsRowFunction=(?:"[^"]*"|'[^']*')""")
+
+# Results that tell of the data rather than of a calculator's shortcomings.
+_HONEST_ERRORS = frozenset(["#DIV/0!", "#N/A", "#NUM!"])
+# Two programs evaluate the same formula alike to the last digit or two; a larger difference is a disagreement.
+_SAME_VALUE = 1e-14
+_SAME_RESULT = 1e-9
+
+
+@dataclass(frozen=True)
+class CacheReport:
+    """What was done about the cached values of formulas.
+
+    Attributes
+    ----------
+    method : str
+        ``"not needed"`` (no formula hangs on a changed cell), ``"recalculated"`` or ``"removed"``.
+    formulas : int
+        Formula cells of the workbook whose value is not given by the writer.
+    affected : int
+        Those that hang on changed cells.
+    changed : int
+        Those that got a new value.
+    removed : int
+        Those that were left without a value, to be calculated when the workbook is opened.
+    disagreements : tuple of str
+        Formula cells written with a value that the recalculation gets otherwise (relative difference above 1e-9).
+    reason : str
+        Why values were removed, in words; empty otherwise.
+    """
+
+    method: str
+    formulas: int = 0
+    affected: int = 0
+    changed: int = 0
+    removed: int = 0
+    disagreements: tuple[str, ...] = ()
+    reason: str = ""
+
+
+def refresh_formula_caches(workbook: Workbook) -> CacheReport:
+    """Renew or remove the cached value of each formula that hangs on changed cells.
+
+    Sheets without such a formula stay byte-identical.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The workbook, after all cells are written.
+    """
+    if not workbook.changed:
+        return CacheReport("not needed")
+    everything = list(_formula_cells(workbook))
+    others = [
+        cell
+        for cell in everything
+        if not workbook.is_owned_formula(cell.sheet, cell.rect.top, cell.rect.left)
+    ]
+    if not others:
+        return CacheReport("not needed")
+    resolver = ReferenceResolver(
+        workbook.sheet_names, workbook.structure.names, workbook.tables.values()
+    )
+    graph = DependencyGraph(others, resolver.reads)
+    affected = [others[index] for index in sorted(graph.downstream_of_cells(workbook.changed))]
+    affected += _never_calculated(workbook, others, affected)
+    if not affected:
+        return CacheReport("not needed", formulas=len(others))
+    return _Refresh(workbook, everything, affected, len(others), resolver.reads).run()
+
+
+def _never_calculated(
+    workbook: Workbook, others: Sequence[FormulaCell], affected: Sequence[FormulaCell]
+) -> list[FormulaCell]:
+    """Formulas that we wrote without a value, which nothing else makes us calculate."""
+    known = set(map(id, affected))
+    return [
+        cell
+        for cell in others
+        if id(cell) not in known and workbook.changed.touch(cell.sheet, _home(cell))
+    ]
+
+
+def _formula_cells(workbook: Workbook) -> Iterator[FormulaCell]:
+    for sheet in workbook.sheet_names:
+        data = workbook.sheet_bytes(sheet)
+        # The quick look spares parsing long sheets of numbers; a sheet already open may have gained formulas.
+        if data and (workbook.is_loaded(sheet) or _HAS_FORMULA.search(data)):
+            yield from _formulas_of(workbook.sheet_part(sheet))
+
+
+def _formulas_of(sheet: SheetPart) -> Iterator[FormulaCell]:
+    masters: dict[str, tuple[str, int, int]] = {}
+    arrays = sheet.arrays
+    for (row, column), cell in sheet.formulas.items():
+        formula = cell.find(_F)
+        kind, text = formula.get("t"), formula.text or ""
+        here = Rect(row, column, row, column)
+        if kind == "shared":
+            if text:
+                masters[formula.get("si")] = (text, row, column)
+            text, from_row, from_column = masters.get(formula.get("si"), ("", row, column))
+            yield FormulaCell(sheet.name, here, text, (row - from_row, column - from_column))
+        elif kind == "dataTable":
+            yield FormulaCell(sheet.name, arrays.get((row, column), here), "")
+        elif cell.get("cm"):
+            yield FormulaCell(sheet.name, spill_rect(here), text, spills=True)
+        else:
+            yield FormulaCell(sheet.name, arrays.get((row, column), here), text)
+
+
+def _home(cell: FormulaCell) -> Rect:
+    """The cell that holds the formula."""
+    return Rect(cell.rect.top, cell.rect.left, cell.rect.top, cell.rect.left)
+
+
+class _Refresh:
+    """One renewal of cached values: recalculate, judge, replace or remove."""
+
+    def __init__(
+        self,
+        workbook: Workbook,
+        everything: Sequence[FormulaCell],
+        affected: Sequence[FormulaCell],
+        count: int,
+        reads: Callable[[FormulaCell], list[tuple[str, Rect]] | None],
+    ) -> None:
+        self.workbook = workbook
+        self.everything = everything
+        self.affected = affected
+        self.count = count
+        self.reads = reads
+        self.changed = 0
+        self.removed = 0
+
+    def run(self) -> CacheReport:
+        recalculated, reason = _recalculate(self.workbook, self._sheets_read())
+        if recalculated is None:
+            for cell in self.affected:
+                self._remove(cell)
+            return self._report("removed", reason)
+        suspects = self._suspects(recalculated)
+        for cell in self.affected:
+            if cell in suspects:
+                self._remove(cell)
+            else:
+                self._renew(cell, recalculated)
+        disagreements = tuple(self._disagreements(recalculated))
+        reason = "Some formulas cannot be recalculated for certain." if self.removed else ""
+        return self._report("recalculated", reason, disagreements)
+
+    def _sheets_read(self) -> set[str] | None:
+        """Sheets that formulas read; None when some formula may read any."""
+        found: set[str] = set()
+        for cell in {(one.sheet, one.text): one for one in self.everything}.values():
+            areas = self.reads(cell)
+            if areas is None:
+                return None
+            found.update(sheet for sheet, _ in areas)
+        return found
+
+    def _report(self, method: str, reason: str, disagreements: tuple[str, ...] = ()) -> CacheReport:
+        return CacheReport(
+            method,
+            self.count,
+            len(self.affected),
+            self.changed,
+            self.removed,
+            disagreements,
+            reason,
+        )
+
+    def _suspects(self, recalculated: _Recalculated) -> set[FormulaCell]:
+        """Formulas whose recalculated value is not to be trusted."""
+        affected = set(self.affected)
+        sources = [
+            index
+            for index, cell in enumerate(self.everything)
+            if self._is_doubtful(cell, cell in affected, recalculated)
+        ]
+        if not sources:
+            return set()
+        graph = DependencyGraph(self.everything, self.reads)
+        return {self.everything[index] for index in graph.downstream_of_formulas(sources)}
+
+    def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
+        if not parse_formula(cell.text).functions.isdisjoint(recalculated.doubtful_functions):
+            return True
+        sheet = self.workbook.sheet_part(cell.sheet)
+        again = recalculated.sheet(cell.sheet)
+        if again is sheet:
+            return False
+        home = (cell.rect.top, cell.rect.left)
+        if sheet.arrays.get(home) != again.arrays.get(home):
+            return True
+        trusted = affected or self.workbook.is_owned_formula(cell.sheet, *home)
+        for row, column in self._places(cell):
+            old, new = sheet.constant(row, column), again.constant(row, column)
+            if old == new:
+                continue
+            if isinstance(new, ErrorValue) and new.code not in _HONEST_ERRORS:
+                return True
+            if not trusted and old is not None and not _alike(old, new, _SAME_RESULT):
+                return True
+        return False
+
+    def _places(self, cell: FormulaCell) -> Sequence[tuple[int, int]]:
+        """Cells that show the result of the formula now."""
+        home = (cell.rect.top, cell.rect.left)
+        rect = self.workbook.sheet_part(cell.sheet).arrays.get(home)
+        if rect is None:
+            return [home]
+        rows, columns = range(rect.top, rect.bottom + 1), range(rect.left, rect.right + 1)
+        return [(row, column) for row in rows for column in columns]
+
+    def _renew(self, cell: FormulaCell, recalculated: _Recalculated) -> None:
+        sheet = self.workbook.sheet_part(cell.sheet)
+        for row, column in self._places(cell):
+            new = recalculated.value(cell.sheet, row, column)
+            if not _alike(sheet.constant(row, column), new, _SAME_VALUE):
+                sheet.set_cached(row, column, new)
+                self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
+                self.changed += 1
+
+    def _remove(self, cell: FormulaCell) -> None:
+        sheet = self.workbook.sheet_part(cell.sheet)
+        for row, column in self._places(cell):
+            if sheet.constant(row, column) is not None:
+                sheet.set_cached(row, column, None)
+                self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
+        self.removed += 1
+
+    def _disagreements(self, recalculated: _Recalculated) -> Iterator[str]:
+        for cell in self.everything:
+            row, column = cell.rect.top, cell.rect.left
+            if not self.workbook.is_owned_formula(cell.sheet, row, column):
+                continue
+            ours = self.workbook.sheet_part(cell.sheet).constant(row, column)
+            theirs = recalculated.value(cell.sheet, row, column)
+            if not isinstance(theirs, ErrorValue) and not _alike(ours, theirs, _SAME_RESULT):
+                yield f"{cell.sheet}!{cell_name(row, column)}"
+
+
+class _Recalculated:
+    """Values of a recalculated copy of the workbook.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The workbook.
+    fed : dict of str to bytes
+        Changed parts that went into the copy.
+    result : dict
+        What formualizer returned.
+    """
+
+    def __init__(self, workbook: Workbook, fed: dict[str, bytes], result: dict[str, Any]) -> None:
+        self._workbook = workbook
+        self._fed = fed
+        self._zip = zipfile.ZipFile(io.BytesIO(result["bytes"]))
+        self._sheets: dict[str, SheetPart] = {}
+        unknown = result["summary"].get("unknown_functions", ())
+        names = frozenset(name for one in unknown for name in _spellings(one["name"]))
+        self.doubtful_functions = names | CHANGES_BY_ITSELF
+
+    def value(self, sheet: str, row: int, column: int) -> Constant:
+        """Recalculated value of a cell."""
+        return self.sheet(sheet).constant(row, column)
+
+    def sheet(self, name: str) -> SheetPart:
+        """Recalculated sheet; the workbook's own when nothing came back differently."""
+        if name not in self._sheets:
+            mine = self._workbook.sheet_part(name)
+            data = self._zip.read(mine.part)
+            before = self._fed.get(mine.part) or self._workbook.container.read(mine.part)
+            again = (
+                SheetPart(name, mine.part, data, mine.shared_strings) if data != before else mine
+            )
+            self._sheets[name] = again
+        return self._sheets[name]
+
+
+def _spellings(name: str) -> Iterator[str]:
+    yield name.upper()
+    yield name.upper().rpartition(".")[2]
+
+
+def _recalculate(
+    workbook: Workbook, read_sheets: set[str] | None
+) -> tuple[_Recalculated | None, str]:
+    """A recalculated copy, or None and the reason; ``read_sheets`` are those that formulas read, None = any."""
+    try:
+        import formualizer
+    except ImportError:
+        return None, "The package formualizer is not installed, so formulas were not recalculated."
+    fed = workbook.changed_parts()
+    fed |= _without_table_formulas(workbook, fed) | _lightened_sheets(workbook, fed, read_sheets)
+    fed |= workbook.structure.as_plain_workbook()
+    package = io.BytesIO()
+    # Not compressed, as it lives for milliseconds.
+    workbook.container.write(package, fed, compress=False)
+    try:
+        result = formualizer.recalculate_xlsx_bytes(package.getvalue())
+    except (KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as problem:  # a panic of the Rust side is a BaseException
+        return None, f"The formulas could not be recalculated ({problem})."
+    return _Recalculated(workbook, fed, result), ""
+
+
+def _without_table_formulas(workbook: Workbook, fed: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Table parts without column formulas.
+
+    formualizer refuses a workbook in which a cell of a calculated column holds a value; people type over such cells.
+    """
+    parts = {}
+    for table in workbook.tables.values():
+        data = fed.get(table.part) or workbook.container.read(table.part)
+        parts[table.part] = _TOTALS_FUNCTION.sub(b"", _TABLE_FORMULA.sub(b"", data))
+    return parts
+
+
+def _lightened_sheets(
+    workbook: Workbook, fed: Mapping[str, bytes], read_sheets: set[str] | None
+) -> dict[str, bytes]:
+    """Sheets without their stated extent, and without cells where no formula reads them.
+
+    Some programs state an extent that is too small, which formualizer refuses. Histories take long to load; they are
+    left out where they have no formulas or tables and nothing refers to them.
+    """
+    with_tables = {table.sheet for table in workbook.tables.values()}
+    parts = {}
+    for sheet in workbook.sheet_names:
+        part = workbook.structure.worksheet_part(sheet)
+        if part is None:
+            continue
+        data = fed.get(part) or workbook.container.read(part)
+        is_read = read_sheets is None or sheet in read_sheets or sheet in with_tables
+        if not is_read and _HAS_FORMULA.search(data) is None:
+            data = _SHEET_DATA.sub(rb"<\1sheetData/>", data)
+        parts[part] = _DIMENSION.sub(b"", data, count=1)
+    return parts
+
+
+def _alike(old: Constant, new: Constant, tolerance: float) -> bool:
+    if isinstance(old, float) and isinstance(new, float):
+        return math.isclose(old, new, rel_tol=tolerance, abs_tol=0.0)
+    return (
+        (old or None) == (new or None)
+        if isinstance(old, str) or isinstance(new, str)
+        else old == new
+    )

@@ -1,0 +1,612 @@
+"""The cells of one worksheet part.
+
+The part is parsed once; cells are changed in the tree and the tree is written back. Blocks of cells are built as text,
+parsed in one go and put in place row by row, which keeps the cost in proportion to the number of cells.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from lxml import etree
+
+from .errors import CellRefused, WorkbookRefused
+from .formula_text import shifted_formula
+from .references import (
+    Rect,
+    cell_name,
+    column_letters,
+    column_number,
+    parse_cell,
+    parse_range,
+    retargeted,
+)
+from .values import CellValue, Constant, Formula, constant_text, read_cell, read_constant, row_xml
+from .xml_part import EXCEL_2010, EXCEL_2010_FORMULA, MAIN, Element, main, parse_part, serialise
+
+_C, _F, _V, _ROW = (main(tag) for tag in ("c", "f", "v", "row"))
+_SQREF = f"{{{EXCEL_2010_FORMULA}}}sqref"
+_SPARKLINE = f"{{{EXCEL_2010}}}sparkline"
+_SPARKLINE_RANGE = f"{{{EXCEL_2010_FORMULA}}}f"
+_XML_SPACE = "{http://www.w3.org/XML/1998/namespace}space"
+
+SharedStrings = Callable[[str], str]
+
+
+@dataclass
+class Row:
+    """A ``<row>`` with its cells by column and the columns in order."""
+
+    element: Element
+    cells: dict[int, Element] = field(default_factory=dict)
+    columns: list[int] = field(default_factory=list)
+
+
+class SheetPart:
+    """Cells, styles and row order of one worksheet.
+
+    Parameters
+    ----------
+    name : str
+        Sheet name, for messages.
+    part : str
+        Name of the part.
+    data : bytes
+        The part as stored.
+    shared_strings : callable
+        Gives the shared string of an index, given as text.
+    """
+
+    def __init__(self, name: str, part: str, data: bytes, shared_strings: SharedStrings) -> None:
+        self.name = name
+        self.part = part
+        self._changed = False
+        self._bytes: bytes | None = None
+        self._original = data
+        self.shared_strings = shared_strings
+        self._root = parse_part(data, part)
+        self._data = self._root.find(main("sheetData"))
+        if self._data is None:
+            raise WorkbookRefused(
+                "damaged", f"Sheet {name} has no cell data. Open the workbook and save it again."
+            )
+        self._rows: dict[int, Element] = {}
+        self._row_numbers: list[int] = []
+        self._indexed: dict[int, Row] = {}
+        self._index_rows()
+        self._formulas: dict[tuple[int, int], Element] | None = None
+        self._arrays: dict[tuple[int, int], Rect] | None = None
+        self._formula_before: dict[tuple[int, int], bool] = {}
+        self._merges: list[Rect] | None = None
+        self._extent: Rect | None = None
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything was written."""
+        return self._changed
+
+    def _touch(self) -> None:
+        self._changed = True
+        self._bytes = None
+
+    # ---- reading -----------------------------------------------------------------------------------------------
+
+    def value(self, row: int, column: int) -> CellValue:
+        """What a cell holds."""
+        cell = self._cell(row, column)
+        return None if cell is None else read_cell(cell, self.shared_strings)
+
+    def constant(self, row: int, column: int) -> Constant:
+        """The value that a cell shows; of a formula its cached value."""
+        cell = self._cell(row, column)
+        return None if cell is None else read_constant(cell, self.shared_strings)
+
+    def style(self, row: int, column: int) -> str | None:
+        """Style index that a cell has, or would have if it were written now."""
+        cell = self._cell(row, column)
+        if cell is not None:
+            return cell.get("s")  # type: ignore[no-any-return]
+        return self._default_styles(row, self._column_styles(Rect(row, column, row, column)))[0]
+
+    def filled_cells(self, rect: Rect) -> Iterator[tuple[int, int]]:
+        """Cells of a rectangle that hold a value or a formula."""
+        for number in self._rows_between(rect.top, rect.bottom):
+            row = self._row(number)
+            for column in row.columns[bisect_left(row.columns, rect.left) :]:
+                if column > rect.right:
+                    break
+                if len(row.cells[column]):
+                    yield number, column
+
+    @property
+    def formulas(self) -> dict[tuple[int, int], Element]:
+        """Cells with a formula, by row and column."""
+        if self._formulas is None:
+            self._formulas = {}
+            for formula in self._data.iter(_F):
+                cell = formula.getparent()
+                self._formulas[self._place(cell)] = cell
+        return self._formulas
+
+    @property
+    def merges(self) -> list[Rect]:
+        """Merged ranges."""
+        if self._merges is None:
+            entries = self._root.iterfind(f"{main('mergeCells')}/{main('mergeCell')}")
+            self._merges = [parse_range(entry.get("ref")) for entry in entries]
+        return self._merges
+
+    @property
+    def arrays(self) -> dict[tuple[int, int], Rect]:
+        """Ranges of array formulas, spilled results and data tables, by their master cell."""
+        if self._arrays is None:
+            self._arrays = {}
+            for place, cell in self.formulas.items():
+                formula = cell.find(_F)
+                if formula.get("t") in ("array", "dataTable") and formula.get("ref"):
+                    self._arrays[place] = parse_range(formula.get("ref"))
+        return self._arrays
+
+    def formula_set_changed(self) -> bool:
+        """Whether other cells hold formulas now than in the file."""
+        return any(
+            (place in self.formulas) != before for place, before in self._formula_before.items()
+        )
+
+    # ---- writing -----------------------------------------------------------------------------------------------
+
+    def set_cell(
+        self,
+        row: int,
+        column: int,
+        value: CellValue,
+        *,
+        style: str | None = None,
+        replace_formula: bool = False,
+    ) -> list[str]:
+        """Write one cell, keeping its style unless another is given.
+
+        Parameters
+        ----------
+        row, column : int
+            The cell.
+        value : CellValue
+            A value that has passed `values.clean`.
+        style : str, optional
+            Style index.
+        replace_formula : bool
+            Whether a formula of the sheet may be replaced by a value.
+
+        Raises
+        ------
+        CellRefused
+            For a merged cell other than the first, a part of an array formula, or a formula that may not be replaced.
+        """
+        self._check_single(row, column, value, replace_formula)
+        here = Rect(row, column, row, column)
+        if style is None:
+            return self.write_rows(here, [[value]])
+        return self.write_rows(here, [[value]], styles=[style], keep_styles=False)
+
+    def write_rows(
+        self,
+        rect: Rect,
+        rows: Sequence[Sequence[CellValue]],
+        *,
+        styles: Sequence[str | None] | None = None,
+        keep_styles: bool = True,
+    ) -> list[str]:
+        """Write a rectangle of cells.
+
+        Parameters
+        ----------
+        rect : Rect
+            Where; rows beyond those given are blanked.
+        rows : sequence of sequence of CellValue
+            Values that have passed `values.clean`, as wide as the rectangle.
+        styles : sequence of (str or None), optional
+            Style for each column, for cells that do not exist yet; left out, they take the style of their row or column.
+        keep_styles : bool
+            Whether cells that exist keep their style.
+
+        Returns
+        -------
+        list of str
+            XML of the cells of each row, as it stands in the part when its namespace has no prefix.
+        """
+        self._forget_formulas(rect)
+        column_styles = None if styles is not None else self._column_styles(rect)
+        starts = [f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)]
+        blank: list[CellValue] = [None] * rect.width
+        texts = []
+        for offset in range(rect.height):
+            number = rect.top + offset
+            default = (
+                self._default_styles(number, column_styles)
+                if column_styles is not None
+                else list(styles or ())
+            )
+            row_styles = self._row_styles(number, rect, default, keep_styles)
+            texts.append(
+                row_xml(number, starts, row_styles, rows[offset] if offset < len(rows) else blank)
+            )
+        self._graft(rect, texts)
+        for offset, row in enumerate(rows):
+            for shift, value in enumerate(row):
+                if type(value) is Formula:
+                    self._note_formula(rect.top + offset, rect.left + shift)
+        self._note_extent(rect)
+        self._touch()
+        return texts
+
+    def remove_cells(self, rect: Rect) -> None:
+        """Take cells out of the sheet, values and styles."""
+        self._forget_formulas(rect)
+        for number in self._rows_between(rect.top, rect.bottom):
+            self._take_out(self._row(number), rect)
+        self._touch()
+
+    def move_row_cells(self, source: Rect, row: int) -> None:
+        """Move the cells of a one-row rectangle to another row, as they are.
+
+        Used for totals rows: their formulas name columns and need no adjustment.
+        """
+        self._unshare_all(source)
+        number = source.top
+        if number not in self._rows:
+            return
+        cells = self._take_out(self._row(number), source)
+        if row not in self._rows:
+            self._insert_row(row, self._data.makeelement(_ROW, r=str(row)))
+        target = self._row(row)
+        self._take_out(target, Rect(row, source.left, row, source.right))
+        for cell in cells:
+            _, column = parse_cell(cell.get("r"))
+            cell.set("r", cell_name(row, column))
+        self._put_in(target, cells)
+        for column in range(source.left, source.right + 1):
+            if (number, column) in self.formulas:
+                self._drop_formula(number, column)
+                self._note_formula(row, column)
+        self._note_extent(Rect(row, source.left, row, source.right))
+        self._touch()
+
+    def set_cached(self, row: int, column: int, value: Constant) -> None:
+        """Replace the cached value of a cell; the formula stays. None leaves it without a value."""
+        cell = self._cell(row, column)
+        if cell is None:
+            return
+        for old in cell.findall(_V):
+            cell.remove(old)
+        kind, text = constant_text(value)
+        cell.attrib.pop("t", None)
+        if kind:
+            cell.set("t", kind)
+        if text is not None:
+            new = etree.SubElement(cell, _V)
+            new.text = text
+            if text != text.strip():
+                new.set(_XML_SPACE, "preserve")
+        self._touch()
+
+    def show_rows(self, top: int, bottom: int) -> None:
+        """Make hidden rows visible."""
+        for number in self._rows_between(top, bottom):
+            if self._rows[number].attrib.pop("hidden", None) is not None:
+                self._touch()
+
+    def set_row_height(self, row: int, height: float) -> None:
+        """Give a row of the sheet a height [point]; a row without cells keeps the usual one."""
+        element = self._rows.get(row)
+        if element is not None:
+            element.set("ht", f"{height:g}")
+            element.set("customHeight", "1")
+            self._touch()
+
+    def resize_ranges(self, old: Rect, new: Rect) -> int:
+        """Let conditional formats and data validations follow a resized block.
+
+        Only ranges that reach exactly from its first to its last row, within its columns, are changed.
+
+        Returns
+        -------
+        int
+            Number of rules changed.
+        """
+        count = 0
+        for element in self._root.iter(main("conditionalFormatting"), main("dataValidation")):
+            resized = _resized_ranges(element.get("sqref", ""), old, new)
+            if resized is not None:
+                element.set("sqref", resized)
+                count += 1
+        for element in self._root.iter(_SQREF):
+            resized = _resized_ranges(element.text or "", old, new)
+            if resized is not None:
+                element.text = resized
+                count += 1
+        if count:
+            self._touch()
+        return count
+
+    def retarget_sparklines(self, sheet: str, old: Rect, new: Rect) -> int:
+        """Let sparklines over a column of a resized block follow it.
+
+        Returns
+        -------
+        int
+            Number of sparklines changed.
+        """
+        count = 0
+        for formula in self._root.iterfind(f".//{_SPARKLINE}/{_SPARKLINE_RANGE}"):
+            moved = retargeted(formula.text or "", sheet, old, new)
+            if moved != formula.text:
+                formula.text = moved
+                count += 1
+        if count:
+            self._touch()
+        return count
+
+    def merge_across(self, rect: Rect) -> Rect | None:
+        """A merged range that shares a cell with the rectangle."""
+        return next((merge for merge in self.merges if merge.meets(rect)), None)
+
+    def array_across(self, rect: Rect) -> Rect | None:
+        """An array formula's range that reaches into the rectangle and out of it."""
+        for array in self.arrays.values():
+            if array.meets(rect) and not rect.covers(array):
+                return array
+        return None
+
+    def to_bytes(self) -> bytes:
+        """The part as it shall be stored."""
+        if self._bytes is None:
+            self._update_dimension()
+            self._bytes = serialise(self._root, self._original)
+        return self._bytes
+
+    # ---- rows and cells ----------------------------------------------------------------------------------------
+
+    def _index_rows(self) -> None:
+        last = 0
+        in_order = True
+        for element in self._data.iterchildren(_ROW):
+            number = int(element.get("r") or last + 1)
+            in_order = in_order and number > last
+            if not in_order:
+                raise WorkbookRefused(
+                    "damaged",
+                    f"The rows of sheet {self.name} are out of order at row {number}. "
+                    "Open the workbook in the spreadsheet program and save it again.",
+                )
+            element.set("r", str(number))
+            self._rows[number] = element
+            self._row_numbers.append(number)
+            last = number
+
+    def _rows_between(self, top: int, bottom: int) -> list[int]:
+        start = bisect_left(self._row_numbers, top)
+        return self._row_numbers[start : bisect_left(self._row_numbers, bottom + 1)]
+
+    def _row(self, number: int) -> Row:
+        """Row with its cells indexed; it must exist."""
+        if number not in self._indexed:
+            row = Row(self._rows[number])
+            ending, last = str(number), 0
+            try:
+                for cell in row.element.iterchildren(_C):
+                    name = cell.get("r")
+                    if name:
+                        last = column_number(name.removesuffix(ending))
+                    else:
+                        # Cells without a name follow the one before them; that would go wrong once one is inserted.
+                        last += 1
+                        cell.set("r", cell_name(number, last))
+                    row.cells[last] = cell
+                    row.columns.append(last)
+            except ValueError as problem:
+                raise WorkbookRefused(
+                    "damaged",
+                    f"Sheet {self.name} has a cell named {name} in row {number}. "
+                    "Open the workbook in the spreadsheet program and save it again.",
+                ) from problem
+            if len(row.columns) != len(row.element):
+                # Positions of cells are used below: comments between them would shift these.
+                etree.strip_tags(row.element, etree.Comment, etree.ProcessingInstruction)
+            self._indexed[number] = row
+        return self._indexed[number]
+
+    def _cell(self, row: int, column: int) -> Element | None:
+        if self._formulas is not None and (row, column) in self._formulas:
+            # Formulas are asked for most often, and their index spares that of the row.
+            return self._formulas[row, column]
+        return self._row(row).cells.get(column) if row in self._rows else None
+
+    def _place(self, cell: Element) -> tuple[int, int]:
+        if not cell.get("r"):
+            # Indexing the row names its cells.
+            self._row(int(cell.getparent().get("r")))
+        return parse_cell(cell.get("r"))
+
+    def _insert_row(self, number: int, element: Element) -> None:
+        position = bisect_left(self._row_numbers, number)
+        if position:
+            # Behind its neighbour: inserting by index would walk over all rows each time.
+            self._rows[self._row_numbers[position - 1]].addnext(element)
+        else:
+            self._data.insert(0, element)
+        self._rows[number] = element
+        self._row_numbers.insert(position, number)
+
+    def _column_styles(self, rect: Rect) -> list[str | None]:
+        """Style of each column of a rectangle, as far as the sheet gives columns a style."""
+        styles: list[str | None] = [None] * rect.width
+        for entry in self._root.iterfind(f"{main('cols')}/{main('col')}"):
+            first, last = int(entry.get("min")), int(entry.get("max"))
+            for column in range(max(first, rect.left), min(last, rect.right) + 1):
+                styles[column - rect.left] = entry.get("style")
+        return styles
+
+    def _default_styles(self, number: int, column_styles: list[str | None]) -> list[str | None]:
+        """Styles of cells that do not exist yet: a formatted row goes before the columns."""
+        element = self._rows.get(number)
+        if element is not None and element.get("customFormat") in ("1", "true"):
+            return [element.get("s")] * len(column_styles)
+        return list(column_styles)
+
+    def _row_styles(
+        self, number: int, rect: Rect, new_styles: list[str | None], keep_styles: bool
+    ) -> list[str | None]:
+        if not keep_styles or number not in self._rows:
+            return new_styles
+        cells = self._row(number).cells
+        for column in range(rect.left, rect.right + 1) if cells else ():
+            cell = cells.get(column)
+            if cell is not None:
+                new_styles[column - rect.left] = cell.get("s")
+        return new_styles
+
+    def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
+        """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""
+        body = "</row><row>".join(texts)
+        built = etree.fromstring(f'<d xmlns="{MAIN}"><row>{body}</row></d>')
+        for number, new_row in enumerate(list(built), rect.top):
+            if number in self._rows:
+                self._replace_cells(number, rect, new_row)
+            elif len(new_row):
+                new_row.set("r", str(number))
+                self._insert_row(number, new_row)
+
+    def _replace_cells(self, number: int, rect: Rect, new_row: Element) -> None:
+        old = self._rows[number]
+        indexed = self._indexed.get(number)
+        columns = (
+            indexed.columns if indexed is not None and len(old) == len(indexed.columns) else None
+        )
+        if columns is None or (
+            columns and not rect.left <= columns[0] <= columns[-1] <= rect.right
+        ):
+            row = self._row(number)
+            self._take_out(row, rect)
+            self._put_in(row, new_row[:])
+            return
+        # No other cell in this row: exchange it whole, which spares touching each cell.
+        for name, value in old.attrib.items():
+            if name != "spans":
+                new_row.set(name, value)
+        self._data.replace(old, new_row)
+        self._rows[number] = new_row
+        self._indexed.pop(number, None)
+
+    def _take_out(self, row: Row, rect: Rect) -> list[Element]:
+        """Remove the cells of a row that lie in the columns of the rectangle."""
+        start = bisect_left(row.columns, rect.left)
+        stop = bisect_left(row.columns, rect.right + 1)
+        taken: list[Element] = row.element[start:stop]
+        del row.element[start:stop]
+        for column in row.columns[start:stop]:
+            del row.cells[column]
+        del row.columns[start:stop]
+        return taken
+
+    def _put_in(self, row: Row, cells: list[Element]) -> None:
+        """Insert neighbouring cells into a row from which the old ones are gone."""
+        if not cells:
+            return
+        ending = row.element.get("r")
+        columns = [column_number(cell.get("r").removesuffix(ending)) for cell in cells]
+        position = bisect_left(row.columns, columns[0])
+        row.element[position:position] = cells
+        row.columns[position:position] = columns
+        row.cells.update(zip(columns, cells, strict=True))
+        # The span is a hint for readers and wrong as soon as a cell lies outside it; without it nothing is lost.
+        row.element.attrib.pop("spans", None)
+
+    # ---- formulas ----------------------------------------------------------------------------------------------
+
+    def _note_formula(self, row: int, column: int) -> None:
+        self._formula_before.setdefault((row, column), (row, column) in self.formulas)
+        self.formulas[row, column] = self._row(row).cells[column]
+
+    def _drop_formula(self, row: int, column: int) -> None:
+        self._formula_before.setdefault((row, column), True)
+        del self.formulas[row, column]
+        self.arrays.pop((row, column), None)
+
+    def _forget_formulas(self, rect: Rect) -> None:
+        """Prepare for overwriting a rectangle: shared formulas are written out, its formulas leave the index."""
+        if not self.formulas:
+            return
+        self._unshare_all(rect)
+        for row, column in self._formulas_in(rect):
+            self._drop_formula(row, column)
+
+    def _formulas_in(self, rect: Rect) -> list[tuple[int, int]]:
+        if rect.is_single:
+            # Scalars are written one by one; looking through all formulas each time would cost their product.
+            place = (rect.top, rect.left)
+            return [place] if place in self.formulas else []
+        return [place for place in self.formulas if rect.has(*place)]
+
+    def _unshare_all(self, rect: Rect) -> None:
+        """Write out the shared formulas whose master lies in the rectangle, so that the other cells keep theirs."""
+        for row, column in self._formulas_in(rect):
+            formula = self.formulas[row, column].find(_F)
+            if formula.get("t") == "shared" and formula.text:
+                self._unshare(row, column, formula.get("si"), formula.text)
+
+    def _unshare(self, row: int, column: int, group: str, text: str) -> None:
+        for (to_row, to_column), cell in self.formulas.items():
+            formula = cell.find(_F)
+            if formula.get("t") == "shared" and formula.get("si") == group:
+                formula.text = shifted_formula(text, to_row - row, to_column - column)
+                for attribute in ("t", "si", "ref"):
+                    formula.attrib.pop(attribute, None)
+
+    def _check_single(self, row: int, column: int, value: CellValue, replace_formula: bool) -> None:
+        name = cell_name(row, column)
+        here = Rect(row, column, row, column)
+        merge = self.merge_across(here)
+        if merge is not None and (merge.top, merge.left) != (row, column):
+            raise CellRefused(self.name, name, f"lies inside the merged range {merge}. Unmerge it.")
+        array = self.array_across(here)
+        if array is not None:
+            raise CellRefused(
+                self.name, name, f"belongs to the array formula in {array}. Move that formula away."
+            )
+        if (row, column) in self.formulas and not (replace_formula or isinstance(value, Formula)):
+            raise CellRefused(
+                self.name, name, "holds a formula, which is not overwritten. Clear the cell first."
+            )
+
+    # ---- dimension ---------------------------------------------------------------------------------------------
+
+    def _note_extent(self, rect: Rect) -> None:
+        self._extent = rect if self._extent is None else self._extent.join(rect)
+
+    def _update_dimension(self) -> None:
+        dimension = self._root.find(main("dimension"))
+        if dimension is None or self._extent is None:
+            return
+        try:
+            old = parse_range(dimension.get("ref", ""))
+        except ValueError:
+            return
+        if not old.covers(self._extent):
+            dimension.set("ref", str(old.join(self._extent)))
+
+
+def _resized_ranges(sqref: str, old: Rect, new: Rect) -> str | None:
+    """A list of ranges with those that follow the block changed; None when there is none."""
+    resized = [_follow(area, old, new) for area in sqref.split()]
+    return " ".join(resized) if resized != sqref.split() else None
+
+
+def _follow(area: str, old: Rect, new: Rect) -> str:
+    try:
+        rect = parse_range(area)
+    except ValueError:
+        return area
+    spans = (rect.top, rect.bottom) == (old.top, old.bottom) and old.covers(rect)
+    return str(rect.with_bottom(new.bottom)) if spans else area

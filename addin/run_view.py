@@ -1,0 +1,101 @@
+"""What the workbook shows of a run, gathered once from the engine's results."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case import CaseData
+
+if TYPE_CHECKING:
+    from engine.results import Results
+
+__all__ = ["RunView", "view_of"]
+
+Floats = NDArray[np.float64]
+Rows = Sequence[Mapping[str, Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class RunView:
+    """Results as tables and curves.
+
+    Parameters
+    ----------
+    case : CaseData
+        The inputs. [SI]
+    tables : mapping of str to rows
+        Result tables of the contract, rows by JSON key. [SI]
+    startup : mapping or None
+        Outcome, time, end_speed and sentence of the start. [SI]
+    speed_time : tuple of ndarray or None
+        Time and mean speed of the reference shaft. [s, rad/s]
+    histories : mapping of str to tuple of ndarray
+        Time and torque of each element, turning points included. [s, N m]
+    interference : engine.margins.Interference or None
+        Lines of the interference diagram. [rad/s, Hz]
+    cycles : tuple of (str, ndarray, ndarray)
+        Judged shaft, stress amplitudes with SCF and counts of one start. [Pa, 1]
+    """
+
+    case: CaseData
+    tables: Mapping[str, Rows]
+    startup: Mapping[str, Any] | None = None
+    speed_time: tuple[Floats, Floats] | None = None
+    histories: Mapping[str, tuple[Floats, Floats]] | None = None
+    interference: Any = None
+    cycles: tuple[tuple[str, Floats, Floats], ...] = ()
+
+
+def view_of(results: Results, audit: Rows = ()) -> RunView:
+    """The tables and curves of the engine's results.
+
+    Parameters
+    ----------
+    results : Results
+        A complete run. [SI]
+    audit : sequence of mapping
+        Rows of table `Audit`. [words]
+
+    Returns
+    -------
+    RunView
+        What the workbook shows.
+    """
+    from engine.report import result_tables, start_summary
+
+    start = results.start
+    shafts = results.starts.shafts if results.starts is not None else ()
+    return RunView(
+        case=results.case,
+        tables=dict(result_tables(results)) | {"Audit": audit},
+        startup=start_summary(results),
+        speed_time=None if start is None else (start.trajectory.time, start.trajectory.mean_speed),
+        histories=_histories(results),
+        interference=results.interference,
+        cycles=tuple((s.element, s.cycles.amplitude, s.cycles.count) for s in shafts),
+    )
+
+
+def _histories(results: Results) -> dict[str, tuple[Floats, Floats]]:
+    """Sampled torques with the exact turning points put in between."""
+    start = results.start
+    if start is None:
+        return {}
+    turning = start.turning_of_element()
+    found = {}
+    for index, element in enumerate(results.case.elements):
+        output = int(start.output_of_element[index])
+        if output < 0 or element.element is None:
+            continue
+        time, torque = start.trajectory.time, start.trajectory.torque[output]
+        if index in turning:
+            at = np.searchsorted(time, turning[index][0])
+            time = np.insert(time, at, turning[index][0])
+            torque = np.insert(torque, at, turning[index][1])
+        found[element.element] = (time, torque)
+    return found

@@ -1,0 +1,760 @@
+"""Builds the shipped workbooks from the one table of fields: ``python -m addin.template FOLDER``.
+
+Sheets are described as data (`SHEETS`): which tables stand where, which charts beside them, how
+wide the columns are. The builder knows how a scalar, an input table and a result table look and
+nothing of what they mean. Dates are fixed, so that building twice gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime as dt
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import xlsxwriter
+from xlsxwriter.utility import xl_cell_to_rowcol, xl_col_to_name, xl_rowcol_to_cell
+
+from . import fields
+from .chart_data import CHART_TABLES, GROUPS, LABELS, Rows, chart_blocks
+from .charts import Place, Places, make_chart
+from .examples import EXAMPLES, PROVENANCE, Example, example_case, example_torque
+from .fields import Field, TableSpec
+from .layout import (
+    CHECK_FORMULAS,
+    NOTES_WIDTH,
+    RUN_FACTS,
+    SHAPE_COLUMNS,
+    WRAPPED,
+    plot_name,
+    text_height,
+    workbook_columns,
+)
+from .shown_units import shown_units
+from .template_sheets import (
+    BLANK_TEXT,
+    CASE_HALVES,
+    HISTORY_CHARTS,
+    KEY_NUMBERS,
+    KIND_WORDS,
+    OVERALL,
+    SHEETS,
+    STRIP,
+    TAB_COLOURS,
+    TITLE_BLOCK,
+    Sheet,
+)
+from .template_styles import SPEED_GROUPS, Styles, number_format
+from .template_text import CAPTIONS, NOTES, SHEET_INTROS, SHORT_CAPTIONS
+
+__all__ = ["TEMPLATES", "build_all", "build_template", "main"]
+
+#: Rows of the lists behind the drop-downs.
+_LISTED = 60
+_CREATED = dt.datetime(2026, 1, 1)
+_LETTER, _A4 = 1, 9
+_NOT_YET = "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
+
+#: File name → unit system and example.
+TEMPLATES: Mapping[str, tuple[str, str | None]] = {
+    "blank_us.xlsx": ("us", None),
+    "blank_si.xlsx": ("si", None),
+    "example_proposed.xlsx": ("us", "proposed"),
+    "example_modified.xlsx": ("us", "modified"),
+}
+
+# --- the builder ----------------------------------------------------------------------------------
+
+
+def build_all(folder: Path) -> list[Path]:
+    """Build every shipped workbook.
+
+    Parameters
+    ----------
+    folder : Path
+        Where they go; made when it is not there.
+
+    Returns
+    -------
+    list of Path
+        The workbooks.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    return [build_template(folder / name, *kind) for name, kind in TEMPLATES.items()]
+
+
+def build_template(path: Path, system: str, example: str | None = None) -> Path:
+    """Build one workbook.
+
+    Parameters
+    ----------
+    path : Path
+        The file, replaced when it is there.
+    system : str
+        ``us`` or ``si``. [word]
+    example : str, optional
+        Key of `EXAMPLES`. [name]
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    filled = EXAMPLES[example] if example else Example({}, {}, {})
+    blocks = _chart_rows(filled, system)
+    with xlsxwriter.Workbook(
+        path, {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
+    ) as workbook:
+        workbook.set_properties(
+            {
+                "title": "Torsional start-up analysis of a synchronous-motor train",
+                "author": "torsionbook",
+                "created": _CREATED,
+                "comments": "Built by addin.template; recalculated by torsionbook recalc.",
+            }
+        )
+        workbook.set_size(2400, 1500)
+        _Builder(workbook, system, filled, blocks, is_example=example is not None).build()
+    return path
+
+
+def _chart_rows(filled: Example, system: str) -> dict[str, Rows]:
+    """Chart data that the inputs alone give, so that an example opens with its drawing."""
+    names = {
+        (table.name, field.name): filled.units.get(
+            (table.name, field.name), getattr(field, f"unit_{system}")
+        )
+        for table in (*fields.INPUT_TABLES, *fields.RESULT_TABLES)
+        for field in table.columns
+    }
+    units, _ = shown_units(names, example_torque(filled))
+    return chart_blocks(example_case(filled, units), units)
+
+
+class _Builder:
+    """One workbook under construction."""
+
+    def __init__(
+        self,
+        workbook: Any,
+        system: str,
+        example: Example,
+        blocks: Mapping[str, Rows],
+        *,
+        is_example: bool,
+    ) -> None:
+        self.workbook = workbook
+        self.system = system
+        self.example = example
+        self.blocks = blocks
+        self.is_example = is_example
+        self.style = Styles(workbook)
+        self.places: dict[str, Place] = {}
+        self.unit_cells: dict[tuple[str, str], str] = {}
+        self.sheets: dict[str, Any] = {}
+
+    def build(self) -> None:
+        """All sheets: first the cells, then the charts that refer to them."""
+        for sheet in SHEETS:
+            self.sheets[sheet.name] = self.workbook.add_worksheet(sheet.name)
+        for name in ("Lists", "ChartData"):
+            self.sheets[name] = self.workbook.add_worksheet(name)
+        for sheet in SHEETS:
+            self._frame(sheet)
+            for table, cell in sheet.tables.items():
+                self._table(sheet, _spec(table), *xl_cell_to_rowcol(cell))
+        self._case()
+        self._notes()
+        self._lists()
+        self._chart_data()
+        self._chosen_elements()
+        self._frequencies_note()
+        self._summary()
+        self._verdict_colours()
+        places = Places(self.places)
+        for sheet in SHEETS:
+            for at in sheet.charts:
+                chart = make_chart(self.workbook, places, at.name, (at.width, at.height))
+                options = {"object_position": 2, "description": at.name}
+                self.sheets[sheet.name].insert_chart(at.cell, chart, options)
+        self.sheets["Summary"].activate()
+
+    # -- frames ------------------------------------------------------------------------------------
+
+    def _frame(self, sheet: Sheet) -> None:
+        """Column widths, banner, strip, freezing and print set-up of a sheet."""
+        page = self.sheets[sheet.name]
+        page.hide_gridlines(2)
+        page.set_tab_color(TAB_COLOURS[sheet.kind])
+        for columns, width in sheet.widths.items():
+            page.set_column(columns if ":" in columns else f"{columns}:{columns}", width)
+        page.set_row(0, 28)
+        page.set_row(1, 18)
+        self._banner(page, sheet)
+        if sheet.name in SHEET_INTROS:
+            page.write_string(2, 1, SHEET_INTROS[sheet.name], self.style("note"))
+        if sheet.freeze:
+            page.freeze_panes(*xl_cell_to_rowcol(sheet.freeze))
+        self._print_set_up(page, sheet)
+
+    def _banner(self, page: Any, sheet: Sheet) -> None:
+        """Title and kind of the sheet, then document and overall verdict."""
+        last = _column(sheet.last)
+        for column in range(1, last + 1):
+            page.write_blank(0, column, None, self.style("banner"))
+            page.write_blank(1, column, None, self.style("strip"))
+        if sheet.name == "Summary":
+            title = "Torsional start-up analysis of a synchronous-motor train"
+            page.write_string(0, 1, title, self.style("banner"))
+            page.write_string(0, last, "torsionbook", self.style("banner_right"))
+            self.workbook.define_name("DocumentStrip", "=Summary!$B$2")
+            page.write_formula(1, 1, STRIP, self.style("strip"), self._strip())
+            return
+        page.write_string(0, 1, sheet.name, self.style("banner"))
+        page.write_string(0, last, KIND_WORDS[sheet.kind], self.style("banner_right"))
+        page.write_formula(1, 1, "=DocumentStrip", self.style("strip"), self._strip())
+        if last < 3:  # a wide last column would cut the strip short
+            return
+        verdict = self.style("strip_right")
+        page.write_formula(1, last, "=OverallVerdict", verdict, "NOT CALCULATED")
+        cell = xl_rowcol_to_cell(1, last, True, True)
+        for word, style in (("PASS", "cf_pass"), ("ACCEPTED", "cf_accepted"), ("FAIL", "cf_fail")):
+            rule = f'=LEFT({cell},{len(word)})="{word}"'
+            page.conditional_format(
+                1, last - 2, 1, last,
+                {"type": "formula", "criteria": rule, "format": self.style(style)},
+            )  # fmt: skip
+
+    def _strip(self) -> str:
+        """What the strip shows, for its cached value."""
+        document, revision, tag, title = (
+            str(self.example.scalars.get(name, ""))
+            for name in ("Document", "Revision", "Tag", "Title")
+        )
+        gap = "   " if tag and title else ""
+        return f"Document {document or '-'}   Rev. {revision or '-'}   {tag}{gap}{title}"
+
+    def _print_set_up(self, page: Any, sheet: Sheet) -> None:
+        page.set_landscape()
+        page.set_paper(_LETTER if self.system == "us" else _A4)
+        page.set_margins(left=0.4, right=0.4, top=0.45, bottom=0.6)
+        page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
+        page.repeat_rows(0, sheet.header_rows - 1)
+        page.fit_to_pages(1, 1 if sheet.one_page else 0)
+
+    # -- tables ------------------------------------------------------------------------------------
+
+    def _table(self, sheet: Sheet, spec: TableSpec, row: int, left: int) -> None:
+        """Caption, units row, header and data of a table, with drop-downs and prompts."""
+        page = self.sheets[sheet.name]
+        columns = workbook_columns(spec)
+        self._caption(page, row, left, spec)
+        has_units = any(field.has_unit for field in columns)
+        header = row + (2 if has_units else 1)
+        is_input = spec in fields.INPUT_TABLES
+        rows = list(self.example.tables.get(spec.name, ())) if is_input else []
+        first, last = header + 1, header + max(spec.rows, len(rows))
+        self.places[spec.name] = Place(
+            sheet.name, first, last, {field.name: left + k for k, field in enumerate(columns)}
+        )
+        page.set_row(header, 38 if has_units else 24)
+        page.add_table(
+            header,
+            left,
+            last,
+            left + len(columns) - 1,
+            {
+                "name": spec.name,
+                "style": None,
+                "autofilter": spec.name in ("SeparationMargins", "SteadyState"),
+                "columns": [self._column_options(spec, field, is_input) for field in columns],
+            },
+        )
+        for k, field in enumerate(columns):
+            if has_units:
+                self._unit_cell(page, spec, field, header - 1, left + k)
+            self._column_cells(page, spec, field, rows, first, last, left + k)
+
+    def _caption(self, page: Any, row: int, left: int, spec: TableSpec) -> None:
+        caption, note = self.style("caption"), self.style("note")
+        if spec.name in SHORT_CAPTIONS:  # another table stands close by
+            page.write_string(row, left, CAPTIONS[spec.name], caption)
+            return
+        page.write_rich_string(
+            row, left, caption, CAPTIONS[spec.name], note, f"   {spec.help}", self.style("plain")
+        )
+
+    def _column_options(self, spec: TableSpec, field: Field, is_input: bool) -> dict[str, Any]:
+        kind = "input" if is_input else "check" if field in spec.extra_columns else "result"
+        options: dict[str, Any] = {
+            "header": field.name,
+            "header_format": self.style(f"header_{kind}"),
+            "format": self._cell_style(spec, field, is_input),
+        }
+        formula = CHECK_FORMULAS.get((spec.name, field.name))
+        return options | ({"formula": formula} if formula else {})
+
+    def _cell_style(self, spec: TableSpec, field: Field, is_input: bool) -> Any:
+        if is_input:
+            return self.style("input" if field.is_number else "input_text")
+        if (spec.name, field.name) in WRAPPED:
+            return self.style("result_wrap")
+        if field.name == "Verdict":
+            return self.style("verdict")
+        if field in spec.extra_columns:
+            return self.style("check", number_format(field.name, field.dimension))
+        if field.kind == "mixed":
+            return self.style("result_mixed")
+        if field.kind == "integer":
+            return self.style("result_center")
+        if field.is_number:
+            return self.style("result", number_format(field.name, field.dimension))
+        return self.style("result_text")
+
+    def _unit_cell(self, page: Any, spec: TableSpec, field: Field, row: int, column: int) -> None:
+        self.unit_cells[spec.name, field.name] = (
+            f"'{page.get_name()}'!{xl_rowcol_to_cell(row, column, True, True)}"
+        )
+        if not field.has_unit:
+            page.write_blank(row, column, None, self.style("no_unit"))
+            return
+        unit = self.example.units.get((spec.name, field.name), self._unit(field))
+        if field in spec.extra_columns:
+            page.write_string(row, column, unit, self.style("fixed_unit"))
+            return
+        page.write_string(row, column, unit, self.style("input_unit"))
+        page.data_validation(row, column, row, column, _unit_list(field))
+
+    def _unit(self, field: Field) -> str:
+        return str(getattr(field, f"unit_{self.system}"))
+
+    def _column_cells(
+        self,
+        page: Any,
+        spec: TableSpec,
+        field: Field,
+        rows: Sequence[Mapping[str, Any]],
+        first: int,
+        last: int,
+        column: int,
+    ) -> None:
+        is_input = spec in fields.INPUT_TABLES
+        style = self._cell_style(spec, field, is_input)
+        formula = CHECK_FORMULAS.get((spec.name, field.name))
+        for k, row in enumerate(range(first, last + 1)):
+            value = rows[k].get(field.name) if k < len(rows) else None
+            if formula:
+                page.write_formula(row, column, formula, style, "")
+            elif value is None:
+                page.write_blank(row, column, None, style)
+            elif isinstance(value, str):
+                page.write_string(row, column, value, style)
+            else:
+                page.write_number(row, column, value, style)
+        if is_input:
+            page.data_validation(first, column, last, column, _input_rule(field))
+
+    # -- the sheets with more than tables ----------------------------------------------------------
+
+    def _case(self) -> None:
+        """Scalars in two halves, each with its name, unit and what a blank means."""
+        page = self.sheets["Case"]
+        for letter, groups in CASE_HALVES:
+            row, left = 4, _column(letter)
+            for group in groups:
+                for column in range(left, left + 4):
+                    page.write_blank(row, column, None, self.style("group"))
+                page.write_string(row, left, group, self.style("group"))
+                row += 1
+                for field in fields.SCALARS:
+                    if field.group == group:
+                        self._scalar(page, field, row, left)
+                        row += 1
+                row += 1
+
+    def _scalar(self, page: Any, field: Field, row: int, left: int) -> None:
+        label = self.style("label" if field.used else "label_unused")
+        page.write_string(row, left, _in_words(field.name), label)
+        value = self.example.scalars.get(field.name)
+        if field.name == "TemplateVersion":
+            value = fields.TEMPLATE_VERSION
+        is_wide = field.group == "Document"  # room for long titles
+        style = self.style(
+            "input" if field.is_number else "input_wide" if is_wide else "input_text"
+        )
+        if value is None:
+            page.write_blank(row, left + 1, None, style)
+        elif field.is_number:
+            page.write_number(row, left + 1, value, style)
+        else:
+            page.write_string(row, left + 1, str(value), style)
+        page.data_validation(row, left + 1, row, left + 1, _input_rule(field))
+        cell = xl_rowcol_to_cell(row, left + 1, True, True)
+        self.workbook.define_name(field.name, f"=Case!{cell}")
+        if is_wide:
+            for column in (left + 2, left + 3):
+                page.write_blank(row, column, None, self.style("input_more"))
+            return
+        if field.has_unit:
+            page.write_string(row, left + 2, self._unit(field), self.style("input_unit"))
+            page.data_validation(row, left + 2, row, left + 2, _unit_list(field))
+        else:
+            page.write_blank(row, left + 2, None, self.style("no_unit"))
+        page.write_string(row, left + 3, _hint(field), self.style("hint"))
+
+    def _summary(self) -> None:
+        page = self.sheets["Summary"]
+        for row, height in ((2, 5), (7, 5), (8, 24), (9, 5), (11, 24)):
+            page.set_row(row, height)
+        for label, begin, end, words, name in TITLE_BLOCK:
+            page.write_string(label, words, self.style("title_label"))
+            style, value = self.style("title_value"), self._scalar_text(name)
+            if begin != end:
+                page.merge_range(f"{begin}:{end}", "", style)
+            page.write_formula(begin, BLANK_TEXT.format(name), style, value)
+        banner = self.style("verdict_banner")
+        page.merge_range("B9:L9", "", banner)
+        page.write_formula("B9", OVERALL, banner, "NOT CALCULATED")
+        self.workbook.define_name("OverallVerdict", "=Summary!$B$9")
+        page.write_string("B11", "The train", self.style("caption"))
+        self._speed_legend(page, 24)
+        self._key_numbers(page, 26)
+
+    def _scalar_text(self, name: str) -> Any:
+        """Cached value of a title block cell."""
+        if name.startswith("run_"):
+            return _NOT_YET if name == "run_Stamp" else ""
+        return self.example.scalars.get(name, "")
+
+    def _speed_legend(self, page: Any, row: int) -> None:
+        """The speeds of the drawing in their colours, and what the sizes mean."""
+        labels = dict(self.blocks["ChartLabels"])
+        for k in range(GROUPS):
+            key = f"Speed group {k + 1}"
+            cell = f"ChartData!$B${self._label_row(key)}"
+            style = self.workbook.add_format(
+                {"font_name": "Arial", "font_size": 9, "bold": True, "align": "center",
+                 "font_color": SPEED_GROUPS[k][0]}
+            )  # fmt: skip
+            text = str(labels[key])
+            page.write_formula(
+                row,
+                1 + k,
+                f'=IF(TRIM({cell})="","","■ "&{cell})',
+                style,
+                f"■ {text}" if text.strip() else "",
+            )
+        page.write_string(
+            row + 1,
+            1,
+            "Discs: height ∝ inertia^¼; shafts (pale): ∝ stiffness^¼, each at its own speed; "
+            "gold: gear mesh.",
+            self.style("note"),
+        )
+
+    def _label_row(self, key: str) -> int:
+        """Row of a word in `ChartLabels`, counted from 1."""
+        return self.places["ChartLabels"].first + LABELS.index(key) + 1
+
+    def _key_numbers(self, page: Any, row: int) -> None:
+        page.write_string(row, 1, "Key numbers", self.style("caption"))
+        for k, (label, formula, unit, where, number) in enumerate(KEY_NUMBERS, row + 1):
+            page.write_string(k, 1, label, self.style("key_label"))
+            page.write_formula(k, 2, formula, self.style("key_value", number), "")
+            unit_style, where_style = self.style("key_unit"), self.style("key_unit")
+            if "[" in unit:
+                cell = self.unit_cells[tuple(unit.rstrip("]").split("["))]
+                text = self._unit_of(unit)
+                page.write_formula(k, 3, f'=IF({cell}="","",{cell})', unit_style, text)
+            else:
+                page.write_string(k, 3, unit, unit_style)
+            page.merge_range(k, 4, k, 5, "", where_style)
+            if where:
+                page.write_formula(k, 4, where, where_style, "")
+
+    def _unit_of(self, reference: str) -> str:
+        table, column = reference.rstrip("]").split("[")
+        return self._unit(_spec(table).column(column))
+
+    def _chosen_elements(self) -> None:
+        """Cells in which the engineer may name the element of each history chart."""
+        page = self.sheets["Histories"]
+        for number, chart in enumerate(HISTORY_CHARTS, 1):
+            row, column = xl_cell_to_rowcol(chart.cell)
+            row -= 1
+            page.write_string(row, column, "Element to draw", self.style("label"))
+            page.merge_range(row, column + 1, row, column + 2, "", self.style("input_text"))
+            page.data_validation(
+                row, column + 1, row, column + 1,
+                {
+                    "validate": "list", "source": "=ElementNames", "show_error": False,
+                    "input_title": "Element of this chart",
+                    "input_message": "Blank = chosen by torsionbook. It is drawn at the next "
+                    "recalculation.",
+                },
+            )  # fmt: skip
+            hint = "   blank = chosen by torsionbook; drawn at the next recalculation"
+            page.write_string(row, column + 3, hint, self.style("note"))
+            cell = xl_rowcol_to_cell(row, column + 1, True, True)
+            self.workbook.define_name(plot_name(number), f"=Histories!{cell}")
+
+    def _frequencies_note(self) -> None:
+        self.sheets["Frequencies"].write_string(
+            3,
+            10,
+            f"Mode shapes of the first {SHAPE_COLUMNS} elastic modes; further modes are in the "
+            "JSON results.",
+            self.style("note"),
+        )
+
+    def _verdict_colours(self) -> None:
+        """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""
+        for table in ("Verdicts", "SeparationMargins", "SteadyState"):
+            place = self.places[table]
+            column = place.columns["Verdict"]
+            self._colours(place.sheet, place.first, column, place.last, column)
+        self._colours("Summary", 8, 1, 8, 11)
+
+    def _colours(self, sheet: str, *area: int) -> None:
+        for criteria, words, style in (
+            ("begins with", "pass", "cf_pass"),
+            ("begins with", "accepted", "cf_accepted"),
+            ("begins with", "fail", "cf_fail"),
+            ("begins with", "unbounded", "cf_fail"),
+            ("begins with", "not judged", "cf_open"),
+        ):
+            self.sheets[sheet].conditional_format(
+                *area,
+                {"type": "text", "criteria": criteria, "value": words, "format": self.style(style)},
+            )
+
+    def _notes(self) -> None:
+        """Legend, how to use, equations and, in an example, where its numbers come from."""
+        page = self.sheets["Notes"]
+        row = 3
+        blocks = dict(NOTES)
+        if self.is_example:
+            blocks = {"Provenance of this example": PROVENANCE} | blocks
+        for heading, lines in blocks.items():
+            for column in (1, 2):
+                page.write_blank(row, column, None, self.style("group"))
+            page.write_string(row, 1, heading, self.style("group"))
+            for k, (term, text) in enumerate(lines, row + 1):
+                page.write_string(k, 1, term, self.style("prose_bold"))
+                page.write_string(k, 2, text, self.style("prose"))
+                page.set_row(k, text_height(text, NOTES_WIDTH))
+            row += len(lines) + 2
+        self._legend(page, row)
+
+    def _legend(self, page: Any, row: int) -> None:
+        for column in (1, 2):
+            page.write_blank(row, column, None, self.style("group"))
+        page.write_string(row, 1, "Colours", self.style("group"))
+        for k, (style, sample, words) in enumerate(
+            (
+                ("input", "1 234.5", "Typed by the engineer: inputs and the units they are in."),
+                ("result", "1 234.5", "Written by torsionbook; typed values are lost at the next "
+                 "recalculation."),
+                ("check", "1 234.5", "Live formula beside the engine's number, for the reviewer."),
+            ),
+            row + 1,
+        ):  # fmt: skip
+            page.write_string(k, 1, sample, self.style(style))
+            page.write_string(k, 2, words, self.style("prose"))
+
+    def _lists(self) -> None:
+        """Hidden: names behind the drop-downs and the facts that live formulas need."""
+        page = self.sheets["Lists"]
+        page.hide()
+        page.set_column("A:D", 28)
+        page.set_column("E:G", 42)
+        lists = (
+            ("StationNames", "Stations", "Station", ("ground",)),
+            ("ElementNames", "Elements", "Element", ()),
+            ("MaterialNames", "Materials", "Material", ()),
+        )
+        for column, (name, table, header, fixed) in enumerate(lists):
+            page.write_string(0, column, name, self.style("caption"))
+            names = [row.get(header, "") for row in self.example.tables.get(table, ())]
+            for k in range(_LISTED):
+                self._listed(page, k, column, f"{table}[{header}]", fixed, names)
+            letter = xl_col_to_name(column)
+            self.workbook.define_name(name, f"=Lists!${letter}$2:${letter}${_LISTED + 1}")
+        self._run_facts(page, 4)
+
+    def _listed(
+        self,
+        page: Any,
+        k: int,
+        column: int,
+        source: str,
+        fixed: tuple[str, ...],
+        names: Sequence[str],
+    ) -> None:
+        if k < len(fixed):
+            page.write_string(k + 1, column, fixed[k], self.style("plain"))
+            return
+        index = k - len(fixed)
+        page.write_formula(
+            k + 1,
+            column,
+            f'=IFERROR(INDEX({source},{index + 1})&"","")',
+            self.style("plain"),
+            names[index] if index < len(names) else "",
+        )
+
+    def _run_facts(self, page: Any, left: int) -> None:
+        page.write_string(0, left, "Written by the calculation", self.style("caption"))
+        columns = {"Name": left, "Meaning": left + 1, "Value": left + 2}
+        last = 1 + len(RUN_FACTS)
+        page.add_table(
+            1, left, last, left + 2,
+            {"name": "RunFacts", "style": None, "autofilter": False,
+             "columns": [{"header": name} for name in columns]},
+        )  # fmt: skip
+        self.places["RunFacts"] = Place("Lists", 2, last, columns)
+        for row, (name, meaning) in enumerate(RUN_FACTS, 2):
+            page.write_string(row, left, name, self.style("plain"))
+            page.write_string(row, left + 1, meaning, self.style("plain"))
+            if name == "run_Stamp":
+                page.write_string(row, left + 2, _NOT_YET, self.style("plain"))
+            cell = xl_rowcol_to_cell(row, left + 2, True, True)
+            self.workbook.define_name(name, f"=Lists!{cell}")
+
+    def _chart_data(self) -> None:
+        """Hidden: one Excel table a chart, side by side, so that each may grow."""
+        page = self.sheets["ChartData"]
+        page.hide()
+        page.write_string(0, 0, "Data behind the charts, rewritten by every calculation",
+                          self.style("caption"))  # fmt: skip
+        left = 0
+        for table in CHART_TABLES:
+            rows = self.blocks[table.name]
+            last = 3 + len(rows)
+            width = len(table.columns)
+            page.write_string(2, left, table.help, self.style("note"))
+            page.add_table(
+                3, left, last, left + width - 1,
+                {"name": table.name, "style": None, "autofilter": False,
+                 "columns": [{"header": name} for name in table.columns]},
+            )  # fmt: skip
+            for k, row in enumerate(rows, 4):
+                for column, value in enumerate(row, left):
+                    if value is not None:
+                        page.write(k, column, value)
+            self.places[table.name] = Place(
+                "ChartData", 4, last, {name: left + k for k, name in enumerate(table.columns)}
+            )
+            left += width + 1
+
+
+# --- small helpers --------------------------------------------------------------------------------
+
+
+def _spec(name: str) -> TableSpec:
+    every: Iterator[TableSpec] = iter((*fields.INPUT_TABLES, *fields.RESULT_TABLES))
+    return next(table for table in every if table.name == name)
+
+
+def _column(letters: str) -> int:
+    return int(xl_cell_to_rowcol(f"{letters}1")[1])
+
+
+def _in_words(name: str) -> str:
+    """``RatedPower`` → ``Rated power``."""
+    words = re.findall(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+", name)
+    return " ".join([words[0], *(word.lower() for word in words[1:])])
+
+
+def _hint(field: Field) -> str:
+    if not field.used:
+        return "not used by this version"
+    return f"blank = {field.default_text}" if field.default_text else ""
+
+
+def _prompt(field: Field) -> dict[str, str]:
+    """The input prompt: Excel shows at most 32 and 255 characters."""
+    words = [field.help]
+    if field.default_text:
+        words.append(f"Blank = {field.default_text}.")
+    if not field.used:
+        words.append("Not used by this version.")
+    return {"input_title": field.name[:32], "input_message": " ".join(words)[:255]}
+
+
+#: Dimensions whose numbers may be negative.
+_SIGNED = frozenset({"torque", "excitation torque", "angle"})
+_NAME_LISTS = {"station": "StationNames", "element": "ElementNames", "material": "MaterialNames"}
+
+
+def _input_rule(field: Field) -> dict[str, Any]:
+    """Drop-down, number rule or prompt alone, as the field asks for."""
+    prompt = _prompt(field)
+    if field.kind == "choice":
+        return prompt | {
+            "validate": "list",
+            "source": list(field.choices),
+            "error_title": field.name[:32],
+            "error_message": f"Choose one of: {', '.join(field.choices)}."[:255],
+        }
+    if field.kind in _NAME_LISTS:
+        return prompt | {
+            "validate": "list",
+            "source": f"={_NAME_LISTS[field.kind]}",
+            "error_type": "warning",
+            "error_title": "Unknown name",
+            "error_message": "There is no row of that name yet. Keep it anyway?",
+        }
+    if not field.is_number:
+        return prompt | {"validate": "any"}
+    kind = "integer" if field.kind == "integer" else "decimal"
+    low, high = (-1e300, 1e300) if field.dimension in _SIGNED else (0, 1e300)
+    if kind == "integer":
+        low, high = 0, 100000
+    asked = "A whole number" if kind == "integer" else "A number"
+    asked += " of zero or more" if low == 0 else ""
+    return prompt | {
+        "validate": kind,
+        "criteria": "between",
+        "minimum": low,
+        "maximum": high,
+        "error_title": "Not a number that fits",
+        "error_message": f"{asked} is needed; its unit stands in the unit cell.",
+    }
+
+
+def _unit_list(field: Field) -> dict[str, Any]:
+    """Drop-down of the usual units; any other of the right dimension may be typed."""
+    return {
+        "validate": "list",
+        "source": list(field.units),
+        "show_error": False,
+        "input_title": "Unit",
+        "input_message": "Choose a unit, or type another of the same dimension. The numbers are "
+        "read in it; they are not converted.",
+    }
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Build the shipped workbooks into a folder.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Command line without the program's name.
+
+    Returns
+    -------
+    int
+        0.
+    """
+    parser = argparse.ArgumentParser(prog="python -m addin.template", description=main.__doc__)
+    parser.add_argument("folder", type=Path, help="where the workbooks go")
+    build_all(parser.parse_args(arguments).folder)
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

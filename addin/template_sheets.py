@@ -1,0 +1,318 @@
+"""What stands where on the shipped workbooks, as data: sheets, title block, key numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from .chart_data import HISTORIES
+from .layout import CROSSING_ROWS
+
+__all__ = [
+    "BLANK_TEXT",
+    "CASE_HALVES",
+    "ChartAt",
+    "HISTORY_CHARTS",
+    "KEY_NUMBERS",
+    "KIND_WORDS",
+    "OVERALL",
+    "SHEETS",
+    "STRIP",
+    "Sheet",
+    "TAB_COLOURS",
+    "TITLE_BLOCK",
+]
+
+BLANK_TEXT = '=IF({0}="","",{0})'
+
+
+def _count(words: str) -> str:
+    """How many checks have a verdict; the row of the overall verdict is not a check."""
+    return f'COUNTIFS(Verdicts[Verdict],"{words}",Verdicts[Check],"<>Overall")'
+
+
+_JUDGED = f"{_count('?*')}-{_count('not judged*')}"
+_FAILED = f"{_count('fail*')}+{_count('unbounded*')}"
+OVERALL = (
+    f'=IF({_count("?*")}=0,"NOT CALCULATED",'
+    f'IF({_FAILED}>0,"FAIL: "&({_FAILED})&" of "&({_JUDGED})&" checks",'
+    f"IF({_count('accepted*')}>0,"
+    f'"ACCEPTED BY FORCED RESPONSE: "&{_count("accepted*")}&" of "&({_JUDGED})&" checks",'
+    f'"PASS: all "&({_JUDGED})&" checks")))'
+)
+STRIP = (
+    '="Document "&IF(Document="","-",Document)&"   Rev. "&IF(Revision="","-",Revision)'
+    '&"   "&Tag&IF(AND(Tag<>"",Title<>""),"   ","")&Title'
+)
+
+
+# --- where everything stands ----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ChartAt:
+    """A chart on a sheet.
+
+    Parameters
+    ----------
+    name : str
+        Key of `charts.CHARTS`. [name]
+    cell : str
+        Its upper left cell. [A1]
+    width, height : int
+        Size. [pixel]
+    """
+
+    name: str
+    cell: str
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One sheet as data.
+
+    Parameters
+    ----------
+    name : str
+        Sheet name. [name]
+    kind : str
+        ``input``, ``result`` or ``notes``: colour of the tab and of the banner's word. [word]
+    widths : mapping of str to float
+        Column widths by ranges such as ``B:D``. [characters]
+    last : str
+        Last column of the banner. [letters]
+    tables : mapping of str to str
+        Cell of each table's caption; header and data stand below. [A1]
+    charts : tuple of ChartAt
+        Its charts.
+    freeze : str
+        First cell that scrolls; empty = all of it. [A1]
+    header_rows : int
+        Rows repeated on every page. [count]
+    one_page : bool
+        Whether all of it is fitted to one page.
+    """
+
+    name: str
+    kind: str
+    widths: Mapping[str, float]
+    last: str
+    tables: Mapping[str, str]
+    charts: tuple[ChartAt, ...] = ()
+    freeze: str = "A4"
+    header_rows: int = 3
+    one_page: bool = False
+
+
+#: Row of the cell above each history chart; the chart begins one row below.
+_HISTORY_ROWS = (5, 20, 35)
+
+HISTORY_CHARTS = tuple(
+    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2] + 1}", 624, 268)
+    for k in range(HISTORIES)
+)
+
+SHEETS: tuple[Sheet, ...] = (
+    Sheet(
+        "Summary",
+        "summary",
+        {"A": 1.5, "B": 26, "C": 14, "D": 9, "E:F": 18, "G": 2, "H": 28, "I:J": 12, "K": 23,
+         "L": 46},
+        "L",
+        {"Verdicts": "H11"},
+        (ChartAt("train", "B12", 612, 270), ChartAt("speed-time", "B36", 612, 290)),
+        freeze="",
+        header_rows=2,
+        one_page=True,
+    ),
+    Sheet(
+        "Case",
+        "input",
+        {"A": 1.5, "B": 22, "C": 26, "D": 9, "E": 32, "F": 2, "G": 22, "H": 18, "I": 9, "J": 34},
+        "J",
+        {"EffectChoices": "B32"},
+    ),
+    Sheet(
+        "Train",
+        "input",
+        {"A": 1.5, "B": 21, "C": 22, "D:E": 13, "F": 13, "G:U": 9.5},
+        "U",
+        {"Stations": "B5", "ModeDamping": "I5", "Elements": "B35", "Meshes": "B65"},
+    ),
+    Sheet(
+        "Torque",
+        "input",
+        {"A": 1.5, "B": 14, "C:E": 10, "F": 2, "G": 14, "H": 10, "I": 13, "J": 2, "K": 14,
+         "L:M": 10, "N": 2, "O:V": 9},
+        "V",
+        {"MotorTorque": "B5", "LoadTorque": "G5", "TorqueTime": "K5"},
+        (
+            ChartAt("torque", "O5", 544, 334),
+            ChartAt("motor-typed", "O21", 544, 274),
+            ChartAt("load-typed", "O36", 544, 274),
+        ),
+        freeze="A8",
+    ),
+    Sheet(
+        "Fatigue",
+        "input",
+        {"A": 1.5, "B": 18, "C:E": 11, "F": 10, "G": 15, "H": 2, "I": 18, "J:K": 11, "L": 2,
+         "M:T": 9},
+        "T",
+        {"Materials": "B5", "SNPoints": "I5"},
+        (ChartAt("sn", "M5", 544, 400),),
+        freeze="A8",
+    ),
+    Sheet(
+        "Excitation",
+        "input",
+        {"A": 1.5, "B": 30, "C": 10, "D": 22, "E": 13, "F": 22, "G": 14, "H:J": 18},
+        "J",
+        {"Excitations": "B5"},
+        freeze="A8",
+    ),
+    Sheet(
+        "Frequencies",
+        "result",
+        {"A": 1.5, "B": 7, "C:D": 11, "E:F": 10, "G": 24, "H": 9, "I": 11, "J": 2, "K": 18,
+         "L:U": 8.5},
+        "U",
+        {"NaturalFrequencies": "B24", "ModeShapes": "K24"},
+        (ChartAt("shapes", "B5", 1464, 362),),
+    ),
+    Sheet(
+        "Margins",
+        "result",
+        {"A": 1.5, "B": 7, "C": 26, "D": 10, "E": 12, "F:G": 10, "H": 24, "I": 10, "J": 2,
+         "K:R": 9.5},
+        "R",
+        {"SeparationMargins": "B5"},
+        (ChartAt("interference", "K5", 570, 520),),
+        freeze="A8",
+        header_rows=7,
+    ),
+    Sheet(
+        "Steady state",
+        "result",
+        {"A": 1.5, "B": 22, "C": 26, "D": 7, "E": 11, "F": 16, "G:K": 12, "L": 24, "M": 12},
+        "M",
+        {"SteadyState": "B5"},
+        freeze="A8",
+        header_rows=7,
+    ),
+    Sheet(
+        "Start-up",
+        "result",
+        {"A": 1.5, "B": 20, "C:J": 9.7, "K": 20, "L:N": 10, "O": 52},
+        "O",
+        {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
+        (ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 420),),
+    ),
+    Sheet(
+        "Histories",
+        "result",
+        {"A": 1.5, "B": 14, "C:D": 14, "E:G": 14, "H": 2, "I:N": 14},
+        "N",
+        {},
+        HISTORY_CHARTS,
+    ),
+    Sheet(
+        "Starts",
+        "result",
+        {"A": 1.5, "B": 24, "C:F": 13, "G": 11, "H:I": 12, "J": 2, "K:R": 9.5},
+        "R",
+        {"AllowableStarts": "B5"},
+        (ChartAt("sn", "K5", 570, 420),),
+        freeze="A8",
+        header_rows=7,
+    ),
+    Sheet("Audit", "result", {"A": 1.5, "B": 38, "C": 110}, "C", {"Audit": "B5"}, freeze="A7"),
+    Sheet("Notes", "notes", {"A": 1.5, "B": 28, "C": 122}, "C", {}, freeze="A3"),
+)  # fmt: skip
+
+TAB_COLOURS = {"summary": "#1F3A5F", "input": "#C9971C", "result": "#44719B", "notes": "#8C8C8C"}
+KIND_WORDS = {
+    "summary": "",
+    "input": "Inputs",
+    "result": "Results: written by torsionbook, do not type here",
+    "notes": "",
+}
+
+#: Left and right half of sheet `Case`: first column and the groups of scalars below each other.
+CASE_HALVES: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("B", ("Document", "Motor and line", "Continuous operation")),
+    ("G", ("Start-up", "Accuracy and method", "Effects")),
+)
+
+#: Title block of the Summary: label cell, first and last value cell, what it shows.
+TITLE_BLOCK: tuple[tuple[str, str, str, str, str], ...] = (
+    ("B4", "C4", "F4", "Title", "Title"),
+    ("B5", "C5", "F5", "Equipment tag", "Tag"),
+    ("B6", "C6", "F6", "Client", "Client"),
+    ("B7", "C7", "F7", "Inputs SHA-256", "run_SHA256"),
+    ("H4", "I4", "J4", "Document no.", "Document"),
+    ("K4", "L4", "L4", "Revision", "Revision"),
+    ("H5", "I5", "J5", "Prepared by", "PreparedBy"),
+    ("K5", "L5", "L5", "Checked by", "CheckedBy"),
+    ("H6", "I6", "J6", "Software", "run_Software"),
+    ("K6", "L6", "L6", "Calculated (UTC)", "run_Date"),
+    ("H7", "I7", "L7", "Results", "run_Stamp"),
+)
+
+
+def _element_at(column: str, extreme: str) -> str:
+    """Element of the row where a result column has its extreme."""
+    table = column.split("[")[0]
+    return f'=IFERROR(INDEX({table}[Element],MATCH({extreme}({column}),{column},0)),"")'
+
+
+def _extreme(column: str, extreme: str) -> str:
+    return f'=IF(COUNT({column})=0,"",{extreme}({column}))'
+
+
+#: Key numbers of the Summary: label, value, unit (a text, or a column whose unit is shown), where.
+KEY_NUMBERS: tuple[tuple[str, str, str, str, str], ...] = (
+    ("Synchronous speed", BLANK_TEXT.format("run_SynchronousSpeed"), "rpm", "", "#,##0.0"),
+    (
+        "First torsional mode",
+        '=IFERROR(INDEX(NaturalFrequencies[Frequency],MATCH(1,NaturalFrequencies[Mode],0)),"")',
+        "NaturalFrequencies[Frequency]",
+        "",
+        "0.000",
+    ),
+    (
+        "Modes below 2 × line frequency",
+        '=IF(COUNT(NaturalFrequencies[Percent speed])=0,"",COUNT(NaturalFrequencies[Percent speed]))',
+        "",
+        "",
+        "0",
+    ),
+    (
+        "Least separation margin",
+        _extreme("SeparationMargins[Margin]", "MIN"),
+        "SeparationMargins[Margin]",
+        '=IFERROR("mode "&INDEX(SeparationMargins[Mode],MATCH(MIN(SeparationMargins[Margin]),'
+        'SeparationMargins[Margin],0))&", "&INDEX(SeparationMargins[Excitation],'
+        'MATCH(MIN(SeparationMargins[Margin]),SeparationMargins[Margin],0)),"")',
+        "0.00",
+    ),
+    ("Duration of the start", BLANK_TEXT.format("run_StartTime"), "s",
+     BLANK_TEXT.format("run_Outcome"), "0.000"),
+    (
+        "Largest nominal stress, p-p",
+        _extreme("StartupPeaks[Peak-to-peak stress]", "MAX"),
+        "StartupPeaks[Peak-to-peak stress]",
+        _element_at("StartupPeaks[Peak-to-peak stress]", "MAX"),
+        "[>=1000]#,##0;0.000",
+    ),
+    (
+        "Least allowable starts",
+        '=IF(COUNT(AllowableStarts[Allowable starts])>0,MIN(AllowableStarts[Allowable starts]),'
+        'IF(COUNTIF(AllowableStarts[Allowable starts],"?*")>0,"unlimited",""))',
+        "",
+        _element_at("AllowableStarts[Allowable starts]", "MIN"),
+        "#,##0",
+    ),
+)  # fmt: skip

@@ -1,0 +1,19 @@
+"""The version of torsionbook, as installed."""
+
+from importlib import metadata
+
+__all__ = ["product_version"]
+
+
+def product_version() -> str:
+    """Version of torsionbook.
+
+    Returns
+    -------
+    str
+        Such as ``0.1.0``; ``unknown (not installed)`` where only the sources are there.
+    """
+    try:
+        return metadata.version("torsionbook")
+    except metadata.PackageNotFoundError:
+        return "unknown (not installed)"

@@ -1,0 +1,339 @@
+"""Results → the cells the product owns: result tables, facts for live formulas, chart data.
+
+Numbers are written in the unit that stands above each result column, whatever the engineer has
+put there. Everything owned is rewritten on each recalculation, so that nothing stale remains;
+`addin.package` sees to it that nothing else changes.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from addin import fields
+from addin.chart_data import CHART_TABLES, HISTORIES, ShownUnits, chart_blocks
+from addin.fields import Field, TableSpec
+from addin.layout import (
+    CHECK_FORMULAS,
+    CROSSING_ROWS,
+    RUN_FACTS,
+    WRAPPED,
+    plot_name,
+    text_height,
+    workbook_columns,
+)
+from addin.package import PackageError, SaveReport, TableData, Workbook, open_workbook
+from addin.package.references import cell_name
+from addin.run_view import RunView
+from addin.shown_units import shown_units
+
+__all__ = ["RunStamp", "chart_tables", "result_blocks", "read_shown_units", "write_results"]
+
+#: Column whose unit shows a judged number of a dimension in `Verdicts`.
+_VERDICT_UNITS: Mapping[str, tuple[str, str]] = {
+    "frequency": ("NaturalFrequencies", "Frequency"),
+    "fraction": ("SeparationMargins", "Margin"),
+    "pressure": ("SteadyState", "Allowable"),
+    "torque": ("StartupPeaks", "Maximum torque"),
+    "time": ("StartupPeaks", "Time"),
+    "speed": ("SeparationMargins", "Speed"),
+}
+_RPM = math.pi / 30.0
+#: Columns in which no number means that there is no limit.
+_STARTS = frozenset({"Allowable starts", "Paper count"})
+
+
+@dataclass(frozen=True)
+class RunStamp:
+    """Who calculated, when, from which inputs.
+
+    Parameters
+    ----------
+    software : str
+        Name and version. [text]
+    date : datetime
+        When, in UTC. [date]
+    sha256 : str
+        Digest of the inputs. [hexadecimal]
+    """
+
+    software: str
+    date: dt.datetime
+    sha256: str
+
+    @property
+    def sentence(self) -> str:
+        """What stands on Summary."""
+        return f"Results belong to the inputs with SHA-256 {self.sha256[:12]}…"
+
+    @property
+    def day(self) -> str:
+        """Date and minute. [text]"""
+        return f"{self.date:%Y-%m-%d %H:%M}"
+
+
+def write_results(
+    source: Path,
+    destination: Path | None,
+    run: RunView,
+    stamp: RunStamp,
+    *,
+    in_place: bool = False,
+    ignore_lock: bool = False,
+) -> SaveReport:
+    """Write the results of a run into a workbook.
+
+    Parameters
+    ----------
+    source : Path
+        The workbook the case was read from.
+    destination : Path or None
+        The new workbook; None with `in_place`.
+    run : RunView
+        Results, see `run_view.view_of`. [SI]
+    stamp : RunStamp
+        Who, when, from which inputs.
+    in_place : bool
+        Replace the source; it stays as ``.bak``. [flag]
+    ignore_lock : bool
+        Open it although a lock file says somebody has it open. [flag]
+
+    Returns
+    -------
+    SaveReport
+        What was written, and sentences the user should read.
+
+    Raises
+    ------
+    PackageError
+        When the workbook cannot be opened, has no room for a table, or cannot be saved; nothing
+        has been written then.
+    """
+    workbook = open_workbook(source, ignore_lock=ignore_lock)
+    units, problems = read_shown_units(workbook, run.case.ratings.rated_torque)
+    wanted = [*result_blocks(run, units), _run_facts(run, stamp, units)]
+    wanted += chart_tables(run, units, _chosen_elements(workbook))
+    workbook.notes += problems
+    present = _present(workbook, wanted)
+    workbook.write_tables(present)
+    _fit_rows(workbook, present)
+    return workbook.save(destination, in_place=in_place)
+
+
+def read_shown_units(
+    workbook: Workbook, rated_torque: float | None
+) -> tuple[ShownUnits, list[str]]:
+    """The units above the columns of a workbook.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The open workbook.
+    rated_torque : float or None
+        Base of pu. [N m]
+
+    Returns
+    -------
+    units : ShownUnits
+        Names and factors; a table that is not in the workbook has none.
+    problems : list of str
+        A sentence for each unit that cannot be used.
+    """
+    names: dict[tuple[str, str], str] = {}
+    for spec in (*fields.INPUT_TABLES, *fields.RESULT_TABLES):
+        table = workbook.tables.get(spec.name)
+        if table is None or not table.header_row or table.header_row < 2:
+            continue
+        for offset, header in enumerate(table.columns):
+            cell = cell_name(table.header_row - 1, table.ref.left + offset)
+            text = workbook.shown_value(table.sheet, cell)
+            if isinstance(text, str):
+                names[spec.name, header] = text.strip()
+    return shown_units(names, rated_torque)
+
+
+def result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
+    """Rows of every result table in the units shown.
+
+    Parameters
+    ----------
+    run : RunView
+        Results. [SI]
+    units : ShownUnits
+        Units above the columns.
+
+    Returns
+    -------
+    list of TableData
+        One a table; live checks are formulas whose value is calculated when saving.
+    """
+    return [_result_block(spec, run, units) for spec in fields.RESULT_TABLES]
+
+
+def chart_tables(
+    run: RunView, units: ShownUnits, chosen: Sequence[str | None] = ()
+) -> list[TableData]:
+    """Rows of every chart table.
+
+    Parameters
+    ----------
+    run : RunView
+        Results. [SI]
+    units : ShownUnits
+        Units above the columns.
+    chosen : sequence of (str or None)
+        Elements the engineer wants drawn. [names]
+
+    Returns
+    -------
+    list of TableData
+        One a table of sheet `ChartData`.
+    """
+    blocks = chart_blocks(run.case, units, run, chosen)
+    return [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
+
+
+def _result_block(spec: TableSpec, run: RunView, units: ShownUnits) -> TableData:
+    columns = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
+    rows = [[_shown(spec, f, row, units) for f in columns] for row in run.tables.get(spec.name, ())]
+    formulas = {f.name: CHECK_FORMULAS[spec.name, f.name] for f in spec.extra_columns if rows}
+    return TableData(spec.name, rows, [f.name for f in columns], formulas)
+
+
+def _shown(spec: TableSpec, field: Field, row: Mapping[str, Any], units: ShownUnits) -> Any:
+    """The cell of one result."""
+    value = row.get(field.key)
+    if value is None:
+        return "unlimited" if field.name in _STARTS else None
+    if isinstance(value, bool):
+        return "yes" if value else None
+    if field.kind == "mixed":
+        return _mixed(value, row.get("dimension"), units)
+    if not field.is_number:
+        return str(value)
+    if not math.isfinite(value):
+        return "unlimited" if field.name in _STARTS else "unbounded"
+    name = spec.repeated.name if field.name not in _names(spec) and spec.repeated else field.name
+    factor = units.factors.get((spec.name, field.name), units.factor(spec.name, name))
+    return int(value) if field.kind == "integer" else float(value) / factor
+
+
+def _names(spec: TableSpec) -> frozenset[str]:
+    return frozenset(field.name for field in spec.columns)
+
+
+def _mixed(value: Any, dimension: str | None, units: ShownUnits) -> Any:
+    """A judged number with its unit, or words as they are."""
+    if isinstance(value, str):
+        return value
+    if dimension not in _VERDICT_UNITS:
+        return float(f"{value:.4g}") if abs(value) < 1000.0 else float(round(value))
+    place = _VERDICT_UNITS[dimension]
+    number = value / units.factor(*place)
+    if dimension == "fraction":
+        digits = f"{number:.2f}"
+    else:
+        digits = f"{number:,.0f}" if abs(number) >= 1000.0 else f"{number:.4g}"
+    return f"{digits} {units.name(*place)}".rstrip()
+
+
+def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
+    ratings = run.case.ratings
+    start = run.startup or {}
+    speed = ratings.synchronous_speed
+    facts: dict[str, Any] = {
+        "run_Stamp": stamp.sentence,
+        "run_Software": stamp.software,
+        "run_Date": stamp.day,
+        "run_SHA256": stamp.sha256,
+        "run_Outcome": start.get("sentence") or start.get("outcome"),
+        "run_StartTime": start.get("time"),
+        "run_SynchronousSpeed": speed / _RPM if speed else None,
+        "run_LineFrequency": ratings.line_frequency,
+        "run_StartsFactor": run.case.starts_factor or 1.0,
+        "run_HzPerFrequency": units.factor("NaturalFrequencies", "Frequency"),
+        "run_HzPerExcitation": units.factor("SeparationMargins", "Excitation frequency"),
+        "run_PaPerUTS": units.factor("Materials", "UTS"),
+        "run_PaPerAllowable": units.factor("SteadyState", "Allowable"),
+    }
+    rows = [[name, meaning, facts[name]] for name, meaning in RUN_FACTS]
+    return TableData("RunFacts", rows, ["Name", "Meaning", "Value"])
+
+
+def _chosen_elements(workbook: Workbook) -> list[str | None]:
+    """What the engineer wrote into the cells above the history charts."""
+    chosen: list[str | None] = []
+    for number in range(1, HISTORIES + 1):
+        try:
+            target = workbook.name(plot_name(number))
+        except PackageError:
+            chosen.append(None)
+            continue
+        assert target.sheet
+        assert target.rect
+        cell = cell_name(target.rect.top, target.rect.left)
+        text = workbook.shown_value(target.sheet, cell)
+        chosen.append(text.strip() or None if isinstance(text, str) else None)
+    return chosen
+
+
+def _present(workbook: Workbook, wanted: Sequence[TableData]) -> list[TableData]:
+    """The tables and columns that the workbook still has; the others are named in its notes."""
+    kept = []
+    for data in wanted:
+        table = workbook.tables.get(data.name)
+        if table is None:
+            workbook.notes.append(
+                f"The workbook has no table {data.name}; its results are not shown. They are in "
+                "the JSON, and a new template has the table."
+            )
+            continue
+        kept.append(_cut_to_room(workbook, _with_columns(workbook, data, table.columns)))
+    return kept
+
+
+def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
+    """The crossings have a fixed room above the peaks; what does not fit is in the JSON only."""
+    if data.name != "StartupCrossings":
+        return data
+    count = len(data.rows)
+    while count > 1 and workbook.obstacles({data.name: count}):
+        count -= 1
+    if count < len(data.rows):
+        workbook.notes.append(
+            f"Table {data.name} has room for {count} of {len(data.rows)} modes; the others are in "
+            "the JSON. Move what stands below the table to see them all."
+        )
+    return TableData(data.name, data.rows[:count], data.columns, data.formulas)
+
+
+def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
+    """Row heights of tables with sentences that wrap; rows no longer used get the usual one."""
+    by_name = {data.name: data for data in written}
+    for (name, column), width in WRAPPED.items():
+        data = by_name.get(name)
+        if data is None or data.columns is None or column not in data.columns:
+            continue
+        table, at = workbook.table(name), list(data.columns).index(column)
+        spare = CROSSING_ROWS - len(data.rows) if name == "StartupCrossings" else 0
+        texts = [str(row[at] or "") for row in data.rows] + [""] * max(spare, 0)
+        for row, text in enumerate(texts, table.data.top):
+            workbook.set_row_height(table.sheet, row, text_height(text, width))
+
+
+def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> TableData:
+    known = {name.casefold() for name in there}
+    names = list(data.columns or there)
+    keep = [k for k, name in enumerate(names) if name.casefold() in known]
+    missing = [name for name in names if name.casefold() not in known]
+    if missing:
+        workbook.notes.append(
+            f"Table {data.name} has no column {', '.join(missing)}; it is not shown."
+        )
+    formulas = {name: text for name, text in data.formulas.items() if name.casefold() in known}
+    rows = [[row[k] for k in keep] for row in data.rows]
+    return TableData(data.name, rows, [names[k] for k in keep], formulas)

@@ -1,0 +1,27 @@
+#!/bin/sh
+# Rewrite requirements/*.txt from pyproject.toml: exact versions with the hashes of every wheel, one
+# version of each package for Python 3.11 to 3.13 on Linux, Windows and macOS, no index address.
+# Versions already locked are kept unless the new constraints or "--upgrade" say otherwise.
+#
+#   scripts/lock.sh PYTHON [--upgrade | --upgrade-package NAME]
+set -eu
+cd "$(dirname "$0")/.."
+python=$1
+shift
+
+compile() {
+    "$python" -m uv pip compile --quiet --universal --python-version 3.11 \
+        --fork-strategy fewest --generate-hashes \
+        --custom-compile-command "make lock" "$@"
+}
+
+group() { echo "--group pyproject.toml:$1"; }
+
+# shellcheck disable=SC2046  # the two words of group() are two arguments
+{
+    compile "$@" pyproject.toml $(group build) -o requirements/run.txt
+    compile "$@" $(group parquet) -c requirements/run.txt -o requirements/parquet.txt
+    compile "$@" pyproject.toml $(group build) $(group parquet) $(group dev) \
+        -c requirements/run.txt -c requirements/parquet.txt -o requirements/dev.txt
+    compile "$@" $(group lock) -o requirements/lock.txt
+}

@@ -1,0 +1,234 @@
+"""The command line on real files: what it writes, what it says, how it exits."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import jsonschema
+import openpyxl
+import pytest
+
+from addin.json_schemas import results_schema
+from addin.template_files import template_path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def torsionbook(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Run the command line as a user does."""
+    return subprocess.run(
+        [sys.executable, "-m", "addin.cli", *map(str, words)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        env=_environment(),
+        timeout=300,
+    )
+
+
+def _environment() -> dict[str, str]:
+    import os
+
+    return {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8", "COLUMNS": "140"}
+
+
+@pytest.fixture(scope="module")
+def example(tmp_path_factory) -> Path:
+    """A folder in which the proposed example has been made and calculated, with its JSON."""
+    folder = tmp_path_factory.mktemp("example")
+    made = torsionbook("new", "train.xlsx", "--example", "proposed", cwd=folder)
+    assert made.returncode == 0, made.stderr
+    done = torsionbook("recalc", "train.xlsx", "--json", "train.json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    (folder / "stdout.txt").write_text(done.stdout, encoding="utf-8")
+    return folder
+
+
+def edited(source: Path, target: Path, **cells: object) -> Path:
+    """A copy with cells typed into it: sheet__table__row__column = value."""
+    book = openpyxl.load_workbook(source)
+    for place, value in cells.items():
+        sheet, table, row, column = place.split("__")
+        sheet, column = sheet.replace("_", " "), column.replace("_", " ")
+        ws = book[sheet]
+        header = next(iter(ws[ws.tables[table].ref]))
+        at = next(cell for cell in header if cell.value == column)
+        ws.cell(at.row + int(row), at.column).value = value
+    book.save(target)
+    return target
+
+
+def test_recalc_writes_a_new_file_and_leaves_the_input_alone(example):
+    assert (example / "train.out.xlsx").is_file()
+    assert (example / "train.xlsx").read_bytes() == template_path(
+        "example_proposed.xlsx"
+    ).read_bytes()
+
+
+def test_the_summary_names_modes_margin_peak_starts_and_verdict(example):
+    said = (example / "stdout.txt").read_text(encoding="utf-8")
+    for word in ("train.xlsx", "30, 53, 86", "0.0 %", "rated", "fail", "train.out.xlsx"):
+        assert word in said
+
+
+def test_results_json_keeps_to_its_schema_and_to_the_published_table(example):
+    results = json.loads((example / "train.json").read_text(encoding="utf-8"))
+    jsonschema.validate(results, results_schema())
+    elastic = [r for r in results["natural_frequencies"] if r["frequency"] > 0.0]
+    assert [round(r["frequency"], 3) for r in elastic[:3]] == [30.0, 53.0, 86.0]
+    assert results["outcome"] == results["startup"]["outcome"] == "reached"
+    assert results["errors"] == []
+
+
+def test_sheet_and_json_show_the_same_numbers(example):
+    results = json.loads((example / "train.json").read_text(encoding="utf-8"))
+    sheet = openpyxl.load_workbook(example / "train.out.xlsx", data_only=True)["Frequencies"]
+    first, last = sheet.tables["NaturalFrequencies"].ref.split(":")
+    rows = list(sheet[first:last])
+    header = [c.value for c in rows[0]]
+    at = header.index("Frequency")
+    assert [r[at].value for r in rows[1:]] == pytest.approx(
+        [r["frequency"] for r in results["natural_frequencies"]], rel=1e-12
+    )
+
+
+def test_export_and_recalc_of_the_case_json_give_the_same_digest(example, tmp_path):
+    out = torsionbook("export", example / "train.xlsx", "case.json", cwd=tmp_path)
+    assert out.returncode == 0, out.stderr
+    done = torsionbook("recalc", "case.json", "--json", "r.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    book = json.loads((example / "train.json").read_text(encoding="utf-8"))
+    case = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    assert case["case_sha256"] == book["case_sha256"]
+    assert case["allowable_starts"] == book["allowable_starts"]
+
+
+def test_a_wrong_number_is_named_with_its_cell_and_nothing_is_written(tmp_path):
+    source = template_path("example_modified.xlsx")
+    edited(
+        source,
+        tmp_path / "bad.xlsx",
+        Train__Stations__2__Inertia=-5,
+        Train__Elements__3__To="Bull gaer",
+        Torque__MotorTorque__4__Speed="12,5",
+    )
+    done = torsionbook("recalc", "bad.xlsx", "--json", "bad.json", cwd=tmp_path)
+    assert done.returncode == 1
+    assert not (tmp_path / "bad.out.xlsx").exists()
+    for word in ("table Stations, row 2, Inertia", "Bull gear", "12,5", "3 errors"):
+        assert word in done.stderr
+    errors = json.loads((tmp_path / "bad.json").read_text(encoding="utf-8"))["errors"]
+    places = {(e["sheet"], e["table"], e["row"], e["column"]) for e in errors}
+    assert ("Train", "Stations", 2, "Inertia") in places
+    assert ("Train", "Elements", 3, "To") in places
+    assert ("Torque", "MotorTorque", 4, "Speed") in places
+
+
+def test_one_wrong_file_does_not_stop_the_others(tmp_path):
+    edited(
+        template_path("example_modified.xlsx"),
+        tmp_path / "bad.xlsx",
+        Train__Stations__2__Inertia=-5,
+    )
+    (tmp_path / "good.xlsx").write_bytes(template_path("example_modified.xlsx").read_bytes())
+    done = torsionbook(
+        "recalc", "bad.xlsx", "missing.xlsx", "good.xlsx", "--out", "results", cwd=tmp_path
+    )
+    assert done.returncode == 1
+    assert [p.name for p in (tmp_path / "results").iterdir()] == ["good.xlsx"]
+    assert "missing.xlsx does not exist" in done.stderr
+
+
+def test_in_place_keeps_a_backup(tmp_path):
+    book = tmp_path / "train.xlsx"
+    original = template_path("example_modified.xlsx").read_bytes()
+    book.write_bytes(original)
+    done = torsionbook("recalc", "train.xlsx", "--in-place", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert book.read_bytes() != original
+    assert (tmp_path / "train.xlsx.bak").read_bytes() == original
+
+
+def test_a_workbook_open_in_excel_is_refused_by_name(tmp_path):
+    (tmp_path / "train.xlsx").write_bytes(template_path("example_modified.xlsx").read_bytes())
+    name = "A. Engineer"
+    lock = bytes([len(name)]) + name.encode().ljust(54) + bytes([len(name), 0])
+    (tmp_path / "~$train.xlsx").write_bytes(lock + name.encode("utf-16-le").ljust(108, b" "))
+    done = torsionbook("recalc", "train.xlsx", "--in-place", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "train.xlsx" in done.stderr
+    assert "A. Engineer" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("recalc", "x.xlsx", "--method", "euler"),
+        ("recalc", "x.xlsx", "--tolerance", "tight"),
+        ("recalc", "x.xlsx", "--tolerance", "200%"),
+        ("recalc", "x.xlsx", "--out", "a", "--in-place"),
+        ("recalc", "a/x.xlsx", "b/x.xlsx", "--out", "c"),
+        ("new", "x.xls"),
+        ("new", "x.xlsx", "--units", "metric"),
+        ("recalc",),
+        ("nonsense",),
+    ],
+)
+def test_wrong_usage_exits_with_two(words, tmp_path):
+    done = torsionbook(*words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+
+
+def test_new_refuses_to_replace_a_file(tmp_path):
+    (tmp_path / "x.xlsx").write_text("mine")
+    done = torsionbook("new", "x.xlsx", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "--force" in done.stderr
+    assert (tmp_path / "x.xlsx").read_text() == "mine"
+
+
+def test_a_blank_template_says_what_it_wants(tmp_path):
+    torsionbook("new", "x.xlsx", "--units", "si", cwd=tmp_path)
+    done = torsionbook("check", "x.xlsx", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "at least one station" in done.stderr
+
+
+def test_strict_turns_a_failed_verdict_into_one(example):
+    done = torsionbook("recalc", "train.xlsx", "--strict", "--out", "strict", cwd=example)
+    assert done.returncode == 1
+    assert (example / "strict" / "train.xlsx").is_file()
+
+
+def test_newmark_and_tolerance_are_recorded_in_the_audit(example):
+    done = torsionbook(
+        "recalc", "train.xlsx", "--method", "newmark", "--tolerance", "2%",
+        "--json", "n.json", "--out", "newmark", cwd=example,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    results = json.loads((example / "n.json").read_text(encoding="utf-8"))
+    items = {row["item"]: row["value"] for row in results["audit"]}
+    assert items["Setting of the command line: method"] == "newmark"
+    usual = json.loads((example / "train.json").read_text(encoding="utf-8"))
+    assert results["case_sha256"] == usual["case_sha256"]
+    ours = {r["element"]: r["maximum_torque"] for r in usual["startup_peaks"]}
+    for row in results["startup_peaks"]:
+        assert row["maximum_torque"] == pytest.approx(ours[row["element"]], rel=0.04)
+
+
+def test_two_runs_with_a_fixed_date_are_byte_identical_but_for_the_times_spent(example, tmp_path):
+    results = []
+    for name in ("a", "b"):
+        torsionbook("recalc", example / "train.xlsx", "--json", f"{name}.json",
+                    "--out", name, cwd=tmp_path)  # fmt: skip
+        content = json.loads((tmp_path / f"{name}.json").read_text(encoding="utf-8"))
+        content["audit"] = [
+            r for r in content["audit"] if not r["item"].startswith(("Time spent", "Date"))
+        ]
+        results.append(content)
+    assert results[0] == results[1]

@@ -1,0 +1,384 @@
+"""Cached values of formulas and charts: renewed or removed, never stale."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import openpyxl
+import pytest
+import xlsxwriter
+from rich_workbooks import changed_parts, parts_of, with_parts
+
+from addin.package import CacheReport, Formula, open_workbook
+from addin.package.formula_text import parse_formula, shifted_formula
+
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
+
+
+def workbook_of(
+    path: Path, cells: dict[str, tuple[str, Any]], names: dict[str, str] | None = None
+) -> Path:
+    """Sheets In (A1:A9 = 1 to 9) and Out with formulas and the values stated for them."""
+    book = xlsxwriter.Workbook(str(path))
+    source, sheet = book.add_worksheet("In"), book.add_worksheet("Out")
+    for row in range(9):
+        source.write_number(row, 0, row + 1.0)
+    for cell, (formula, value) in cells.items():
+        sheet.write_formula(cell, formula, None, value)
+    for name, text in (names or {}).items():
+        book.define_name(name, text)
+    book.close()
+    return path
+
+
+def refreshed(path: Path, changes: dict[str, Any]) -> tuple[dict[str, Any], CacheReport]:
+    """Values of sheet Out after changes to sheet In."""
+    book = open_workbook(path)
+    for cell, value in changes.items():
+        book.set_cell("In", cell, value)
+    report = book.save(path.with_name("out.xlsx"))
+    sheet = openpyxl.load_workbook(report.path, data_only=True)["Out"]
+    return {cell.coordinate: cell.value for row in sheet for cell in row}, report.caches
+
+
+def test_values_that_hang_on_changes_are_renewed(train: Path) -> None:
+    book = open_workbook(train)
+    book.set_name("RatedPower", 5000.0)
+    book.set_name("Title", "new")
+    book.write_table("Modes", [[1, 20.0, 1.0, 2.0], [2, 45.0, 1.0, 2.0]])
+    report = book.save(train.with_name("out.xlsx"))
+    sheet = openpyxl.load_workbook(report.path, data_only=True)["Summary"]
+    assert [sheet[f"B{row}"].value for row in range(1, 10)] == [
+        45,
+        2,
+        90,
+        "low",
+        2500,
+        10000,
+        2,
+        False,
+        "new!",
+    ]
+    assert [sheet[f"D{row}"].value for row in range(1, 4)] == [40, 90, 0]
+    assert openpyxl.load_workbook(report.path, data_only=True)["Case"]["B4"].value == 5000 * 0.7457
+    assert report.caches.method == "recalculated"
+    assert report.caches.removed == 0
+
+
+def test_recalculation_is_asked_for(train: Path) -> None:
+    with_parts(
+        train,
+        {},
+        {"xl/workbook.xml": lambda data: data.replace(b' fullCalcOnLoad="1"', b' iterate="1"')},
+    )
+    book = open_workbook(train)
+    book.set_name("RatedPower", 1.0)
+    data = parts_of(book.save(train.with_name("out.xlsx")).path)["xl/workbook.xml"]
+    assert data == parts_of(train)["xl/workbook.xml"].replace(
+        b' iterate="1"', b' iterate="1" fullCalcOnLoad="1"'
+    )
+
+
+@pytest.mark.parametrize("last", ["definedNames", "sheets"])
+def test_recalculation_is_asked_for_where_nothing_was_said(train: Path, last: str) -> None:
+    import re
+
+    def without(data: bytes) -> bytes:
+        data = re.sub(rb"<calcPr[^>]*/>", b"", data)
+        return re.sub(rb"<definedNames>.*</definedNames>", b"", data) if last == "sheets" else data
+
+    with_parts(train, {}, {"xl/workbook.xml": without})
+    book = open_workbook(train)
+    book.set_cell("Case", "B2", 1.0)
+    data = parts_of(book.save(train.with_name("out.xlsx")).path)["xl/workbook.xml"]
+    assert f'</{last}><calcPr fullCalcOnLoad="1"/>'.encode() in data
+
+
+def test_calculation_chain_goes_only_with_the_set_of_formulas(train: Path) -> None:
+    book = open_workbook(train)
+    book.set_name("RatedPower", 1.0)
+    book.set_cell("Summary", "B7", Formula("2+2", 4.0))
+    assert book.save(train.with_name("same.xlsx")).dropped == ()
+    book = open_workbook(train)
+    book.set_cell("Summary", "F7", Formula("2+2", 4.0))
+    out = book.save(train.with_name("more.xlsx"))
+    assert out.dropped == ("xl/calcChain.xml",)
+    parts = parts_of(out.path)
+    assert b"calcChain" not in parts["[Content_Types].xml"] + parts["xl/_rels/workbook.xml.rels"]
+    openpyxl.load_workbook(out.path)
+
+
+def test_sheets_with_unconcerned_formulas_stay_byte_identical(train: Path) -> None:
+    """Also the one with TODAY(): its value is as old as the file, and a run must not depend on the day."""
+    book = open_workbook(train)
+    book.set_name("RatedPower", 5000.0)
+    out = book.save(train.with_name("out.xlsx")).path
+    assert "xl/worksheets/sheet5.xml" not in changed_parts(train, out)
+
+
+def test_unknown_functions_and_all_that_hangs_on_them_are_removed(tmp_path: Path) -> None:
+    path = workbook_of(
+        tmp_path / "t.xlsx",
+        {
+            "A1": ("=TV_FREQUENCY(In!A1)", 10),
+            "A2": ("=IFERROR(A1,3)", 10),
+            "A3": ("=A2+In!A9", 19),
+            "A4": ("=In!A1*2", 2),
+            "A5": ("=TV_FREQUENCY(In!A5)", 50),
+            "A6": ("=A5+1", 51),
+            "A7": ("=A5+In!A1", 51),
+        },
+    )
+    values, report = refreshed(path, {"A1": 7.0})
+    assert values == {"A1": None, "A2": None, "A3": None, "A4": 14, "A5": 50, "A6": 51, "A7": None}
+    assert (report.method, report.affected, report.changed, report.removed) == (
+        "recalculated",
+        5,
+        1,
+        4,
+    )
+    assert report.reason
+
+
+def test_clock_and_chance_do_not_get_in(tmp_path: Path) -> None:
+    path = workbook_of(
+        tmp_path / "t.xlsx",
+        {
+            "A1": ("=TODAY()", 45000),
+            "A2": ("=A1+In!A1", 45001),
+            "A3": ("=RAND()*In!A1", 0.5),
+            "A4": ("=A1+1", 45001),
+        },
+    )
+    values, _ = refreshed(path, {"A1": 2.0})
+    assert values == {"A1": 45000, "A2": None, "A3": None, "A4": 45001}
+
+
+def test_honest_errors_are_written_doubtful_ones_are_not(tmp_path: Path) -> None:
+    path = workbook_of(
+        tmp_path / "t.xlsx",
+        {
+            "A1": ("=1/In!A1", 1),
+            "A2": ("=MATCH(In!A1,In!A2:A9,0)", "#N/A"),
+            "A3": ('=IF(In!A1=0,In!A1+"x",2)', 2),
+            "A4": ("=IFERROR(A3,5)", 2),
+        },
+    )
+    values, _ = refreshed(path, {"A1": 0.0})
+    assert values == {"A1": "#DIV/0!", "A2": "#N/A", "A3": None, "A4": None}
+
+
+def test_disagreement_on_an_unchanged_cell_makes_its_dependants_suspect(tmp_path: Path) -> None:
+    """Whoever gets another value from unchanged cells is not to be trusted with what hangs on them."""
+    path = workbook_of(
+        tmp_path / "t.xlsx",
+        {"A1": ("=In!A2*2", 999), "A2": ("=A1+In!A1", 1000), "A3": ("=In!A1", 1)},
+    )
+    values, _ = refreshed(path, {"A1": 5.0})
+    assert values == {"A1": 999, "A2": None, "A3": 5}
+
+
+@pytest.mark.parametrize(
+    ("formula", "old", "new"),
+    [
+        ("=SUM(In!A:A)", 45, 54),
+        ("=SUM(In!1:3)", 6, 15),
+        ("=SUM(In!$A$1:$A$3)", 6, 15),
+        ("=OFFSET(In!A2,-1,0)", 1, 10),
+        ('=INDIRECT("In!A1")', 1, 10),
+        ("=SUM(In!A2:INDEX(In!A:A,1))", 3, 12),
+        ("=SUM(first:third)", 6, 15),
+        ("=Twofold", 2, 20),
+        ("=SUM(In!A1,In!A2)", 3, 12),
+        ('=IF("In!A1"="x",1,In!A1)', 1, 10),
+        ("=LOG10(In!A1)", 0, 1),
+        ("=SUMPRODUCT((In!A1:A9>5)*1)", 4, 5),
+        ("=CHOOSE(1,In!A1,In!A2)", 1, 10),
+        ("=-In!A1%", -0.01, -0.1),
+        ('=_xlfn.CONCAT(In!A1,"!A2")', "1!A2", "10!A2"),
+        ("=VLOOKUP(In!A1,In!A1:A9,1,FALSE)", 1, 10),
+    ],
+)
+def test_dependence_is_found(tmp_path: Path, formula: str, old: Any, new: Any) -> None:
+    path = workbook_of(
+        tmp_path / "t.xlsx",
+        {"B2": (formula, old)},
+        {"Twofold": "=In!$A$1*2", "first": "=In!$A$1", "third": "=In!$A$3"},
+    )
+    values, report = refreshed(path, {"A1": 10.0})
+    assert report.affected == 1
+    assert values["B2"] in (None, new)
+    # What formualizer does not calculate is removed, never left.
+    if not any(word in formula for word in ("INDIRECT", "OFFSET", "first:third")):
+        assert values["B2"] == new
+
+
+def test_long_chains_and_cycles_end(tmp_path: Path) -> None:
+    cells = {f"A{row}": (f"=A{row - 1}+1" if row > 1 else "=In!A1", row) for row in range(1, 1500)}
+    path = workbook_of(tmp_path / "t.xlsx", cells)
+    values, report = refreshed(path, {"A1": 2.0})
+    assert report.affected == 1499
+    assert values["A1499"] in (None, 1500)
+    path = workbook_of(tmp_path / "c.xlsx", {"A1": ("=B1+In!A1", 0), "B1": ("=A1", 0)})
+    values, report = refreshed(path, {"A1": 2.0})
+    assert values == {"A1": None, "B1": None}
+    assert report.method in ("removed", "recalculated")
+
+
+def test_without_formualizer_affected_values_are_removed(
+    train: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "formualizer", None)
+    book = open_workbook(train)
+    book.set_name("RatedPower", 5000.0)
+    report = book.save(train.with_name("out.xlsx"))
+    sheet = openpyxl.load_workbook(report.path, data_only=True)["Summary"]
+    assert [sheet[f"B{row}"].value for row in (5, 6)] == [None, None]
+    assert [sheet[f"B{row}"].value for row in (1, 2, 7)] == [77, 3, 2]
+    assert report.caches.method == "removed"
+    assert "formualizer" in report.caches.reason
+
+
+def test_a_recalculation_that_fails_removes_values(
+    train: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Panic(BaseException):
+        pass
+
+    def panic(*_: Any, **__: Any) -> None:
+        raise Panic("the Rust side gave up")
+
+    import formualizer
+
+    monkeypatch.setattr(formualizer, "recalculate_xlsx_bytes", panic)
+    book = open_workbook(train)
+    book.set_name("RatedPower", 5000.0)
+    report = book.refresh_formula_caches()
+    assert (report.method, report.removed) == ("removed", 3)
+    assert "gave up" in report.reason
+
+
+def test_given_values_are_kept_and_disagreements_told(train: Path) -> None:
+    book = open_workbook(train)
+    book.write_table(
+        "Modes",
+        [[1, 60.0, 3600.0, 1.0], [2, 120.0, 7200.0, 2.5]],
+        formulas={"Ratio": "=Modes[[#This Row],[Frequency]]/60"},
+    )
+    report = book.save(train.with_name("out.xlsx"))
+    sheet = openpyxl.load_workbook(report.path, data_only=True)["Frequencies"]
+    assert [sheet["E6"].value, sheet["E7"].value] == [1, 2.5]
+    assert report.caches.disagreements == ("Frequencies!E7",)
+
+
+def test_formulas_without_a_given_value_are_calculated(train: Path) -> None:
+    book = open_workbook(train)
+    book.set_cell("Start-up", "D1", Formula("=SUM(B5:B14)"))
+    report = book.save(train.with_name("out.xlsx"))
+    assert openpyxl.load_workbook(report.path, data_only=True)["Start-up"]["D1"].value == 9500
+
+
+def test_macro_workbooks_are_recalculated(macro_train: Path) -> None:
+    book = open_workbook(macro_train)
+    book.set_name("RatedPower", 5000.0)
+    report = book.save(macro_train.with_name("out.xlsm"))
+    assert report.caches.method == "recalculated"
+    assert openpyxl.load_workbook(report.path, data_only=True)["Summary"]["B5"].value == 2500
+
+
+def test_typed_over_cells_of_calculated_columns_do_not_stop_the_recalculation(train: Path) -> None:
+    book = open_workbook(train)
+    book.write_table("Modes", [[1, 60.0, 1.0, 5.0], [2, 90.0, 1.0, 6.0]])
+    report = book.save(train.with_name("out.xlsx"))
+    assert report.caches.method == "recalculated"
+    assert openpyxl.load_workbook(report.path, data_only=True)["Summary"]["B1"].value == 90
+
+
+def test_dynamic_arrays_that_grow_are_removed(tmp_path: Path) -> None:
+    path = tmp_path / "t.xlsx"
+    book = xlsxwriter.Workbook(str(path))
+    source, sheet = book.add_worksheet("In"), book.add_worksheet("Out")
+    for row in range(9):
+        source.write_number(row, 0, row + 1.0)
+    sheet.write_dynamic_array_formula("A1:A3", "=_xlfn._xlws.SORT(In!A1:A3,1,-1)", None, 3)
+    sheet.write_number("A2", 2)
+    sheet.write_number("A3", 1)
+    sheet.write_dynamic_array_formula("C1:C2", "=_xlfn._xlws.FILTER(In!A1:A9,In!A1:A9>7)", None, 8)
+    sheet.write_number("C2", 9)
+    sheet.write_formula("E1", "=C2*10", None, 90)
+    sheet.write_formula("E2", "=A2*10", None, 20)
+    book.close()
+    values, _ = refreshed(path, {"A1": 50.0})
+    assert [values[name] for name in ("A1", "A2", "A3")] == [50, 3, 2]
+    # The filtered list has three entries now: where they go is for the spreadsheet program to say.
+    assert [values[name] for name in ("C1", "C2", "E1")] == [None, None, None]
+
+
+def test_charts_show_what_the_cells_hold(train: Path) -> None:
+    book = open_workbook(train)
+    book.write_table("Modes", [[i, 10.0 * i, 1.0, 2.0] for i in range(1, 6)])
+    out = book.save(train.with_name("out.xlsx")).path
+    chart = parts_of(out)["xl/charts/chart1.xml"].decode()
+    assert "<c:f>Frequencies!$B$6:$B$10</c:f>" in chart
+    assert "<c:f>Frequencies!$C$6:$C$10</c:f>" in chart
+    points = "".join(f'<c:pt idx="{i}"><c:v>{10 * (i + 1)}</c:v></c:pt>' for i in range(5))
+    assert f'<c:ptCount val="5"/>{points}</c:numCache>' in chart
+    assert "<c:v>Frequency</c:v>" in chart
+
+
+def test_untouched_charts_stay_byte_identical(train: Path) -> None:
+    book = open_workbook(train)
+    book.write_block("Start-up", "A5:B14", [[1.0, 2.0], [3.0, None], [4.0, "text"]])
+    out = book.save(train.with_name("out.xlsx")).path
+    assert {name for name in changed_parts(train, out) if "chart" in name} == {
+        "xl/charts/chart3.xml"
+    }
+    chart = parts_of(out)["xl/charts/chart3.xml"].decode()
+    assert '<c:ptCount val="10"/><c:pt idx="0"><c:v>2</c:v></c:pt></c:numCache>' in chart
+
+
+def test_charts_follow_renewed_formulas(tmp_path: Path) -> None:
+    path = tmp_path / "t.xlsx"
+    book = xlsxwriter.Workbook(str(path))
+    source, sheet = book.add_worksheet("In"), book.add_worksheet("Out")
+    source.write_number("A1", 1)
+    sheet.write_formula("A1", "=In!A1*2", None, 2)
+    sheet.write("B1", "label")
+    chart = book.add_chart({"type": "line"})
+    chart.add_series(
+        {"values": "=Out!$A$1:$A$1", "categories": "=(Out!$B$1,Out!$A$1)", "name": "=Series"}
+    )
+    sheet.insert_chart("D2", chart)
+    book.define_name("Series", "=In!$A$1")
+    book.close()
+    opened = open_workbook(path)
+    opened.set_cell("In", "A1", 21.0)
+    text = parts_of(opened.save(tmp_path / "out.xlsx").path)["xl/charts/chart1.xml"].decode()
+    assert "<c:v>42</c:v>" in text
+
+
+def test_references_of_formulas() -> None:
+    parsed = parse_formula(
+        "SUM('My ''Sheet'!$A$1:B2,Tbl[[#This Row],[a]b']],Name)+LOG10(XFE1)&\"A9\""
+    )
+    assert [(one.sheet, one.text) for one in parsed.cells] == [("'My ''Sheet'!", "$A$1:B2")]
+    assert parsed.functions == {"SUM", "LOG10"}
+    assert [one.name for one in parsed.names] == ["Name", "XFE1"]
+    assert not parse_formula("SUM(A1,{1,2;3,4},#REF!)").unclear
+    for unclear in ("A1:INDEX(B:B,2)", "INDIRECT(A1)", "Sheet1:Sheet3!A1!", "Tbl[oops"):
+        assert parse_formula(unclear).unclear
+
+
+@pytest.mark.parametrize(
+    ("text", "shift", "moved"),
+    [
+        ("A1+$A1+A$1+$A$1", (2, 3), "D3+$A3+D$1+$A$1"),
+        ('"A1"&S1!A1:B2', (1, 1), '"A1"&S1!B2:C3'),
+        ("SUM(A:A,$B:$B,1:1,$2:$2)", (1, 1), "SUM(B:B,$B:$B,2:2,$2:$2)"),
+        ("A1", (-1, 0), "#REF!"),
+        ("LOG10(A1)+Tbl[A1]", (1, 0), "LOG10(A2)+Tbl[A1]"),
+        ("'A1'!A1", (1, 0), "'A1'!A2"),
+    ],
+)
+def test_filling_moves_relative_references(text: str, shift: tuple[int, int], moved: str) -> None:
+    assert shifted_formula(text, *shift) == moved

@@ -1,0 +1,262 @@
+"""Saving: whole or not at all."""
+
+import os
+import signal
+import stat
+import subprocess
+import sys
+import time
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rich_workbooks import changed_parts, parts_of
+
+from addin.package import SaveRefused, SourceChanged, Workbook, WorkbookLocked, open_workbook
+from addin.package import save as save_module
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def edited(path: Path) -> Workbook:
+    book = open_workbook(path)
+    book.set_name("RatedPower", 5000.0)
+    return book
+
+
+def leftovers(folder: Path) -> list[str]:
+    return sorted(one.name for one in folder.iterdir())
+
+
+def test_new_file_leaves_the_original(train: Path) -> None:
+    before = train.read_bytes()
+    report = edited(train).save(train.with_name("out.xlsx"))
+    assert train.read_bytes() == before
+    assert report.backup is None
+    assert leftovers(train.parent) == ["out.xlsx", "train.xlsx"]
+    assert zipfile.ZipFile(report.path).testzip() is None
+
+
+def test_in_place_keeps_a_copy(train: Path) -> None:
+    before = train.read_bytes()
+    backup = train.with_name("train.xlsx.bak")
+    backup.write_bytes(b"older copy")
+    report = edited(train).save(in_place=True)
+    assert report.path == train
+    assert report.backup == backup
+    assert backup.read_bytes() == before
+    assert open_workbook(train).value("Case", "B2") == 5000.0
+    assert leftovers(train.parent) == ["train.xlsx", "train.xlsx.bak"]
+
+
+def test_in_place_twice(train: Path) -> None:
+    book = edited(train)
+    book.save(in_place=True)
+    first = train.read_bytes()
+    with pytest.raises(SourceChanged):
+        book.save(in_place=True)
+    edited(train).save(in_place=True)
+    assert train.with_name("train.xlsx.bak").read_bytes() == first
+
+
+@pytest.mark.parametrize("when", ["write", "flush", "replace", "permission", "read back", "check"])
+@pytest.mark.parametrize("in_place", [True, False])
+def test_failures_leave_the_original_and_no_rubbish(
+    train: Path, monkeypatch: pytest.MonkeyPatch, when: str, in_place: bool
+) -> None:
+    before = train.read_bytes()
+    book = edited(train)
+    out = train.with_name("out.xlsx")
+    expected, words = {
+        "write": (SaveRefused, "could not be written"),
+        "flush": (SaveRefused, "could not be written"),
+        "replace": (SaveRefused, "could not be replaced"),
+        "permission": (SaveRefused, "open in Excel"),
+        "read back": (SaveRefused, "disk returned other data"),
+        "check": (SaveRefused, "Case!B2 read back otherwise"),
+    }[when]
+    real_replace, real_read = os.replace, Path.read_bytes
+
+    def spoiled_reading(path: Path) -> bytes:
+        return b"rubbish" if path.suffix == ".tmp" else real_read(path)
+
+    def fail(*arguments: Any) -> None:
+        if when in ("replace", "permission") and str(arguments[-1]).endswith(".bak"):
+            real_replace(*arguments)
+            return
+        raise (
+            PermissionError(13, "denied")
+            if when == "permission"
+            else OSError(28, "No space left on device")
+        )
+
+    if when == "write":
+        monkeypatch.setattr(save_module.os, "chmod", fail)
+    elif when == "flush":
+        monkeypatch.setattr(save_module.os, "fsync", fail)
+    elif when in ("replace", "permission"):
+        monkeypatch.setattr(save_module.os, "replace", fail)
+    elif when == "read back":
+        monkeypatch.setattr(Path, "read_bytes", spoiled_reading)
+    else:
+        monkeypatch.setattr(book, "_misread_cells", lambda parts: ["Case!B2"])
+    with pytest.raises(expected, match=words):
+        book.save(None if in_place else out, in_place=in_place)
+    monkeypatch.undo()
+    assert train.read_bytes() == before
+    rest = set(leftovers(train.parent)) - {"train.xlsx.bak"}
+    assert rest == {"train.xlsx"}
+
+
+def test_interrupt_leaves_the_original_and_no_rubbish(
+    train: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = train.read_bytes()
+
+    def interrupt(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(save_module.os, "replace", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        edited(train).save(train.with_name("out.xlsx"))
+    assert train.read_bytes() == before
+    assert leftovers(train.parent) == ["train.xlsx"]
+
+
+CHILD = """
+import os, sys, time
+from pathlib import Path
+from addin.package import open_workbook
+
+book = open_workbook(sys.argv[1])
+book.set_name("RatedPower", 5000.0)
+real = os.replace
+def replace(source, target):
+    if str(target).endswith(".bak"):
+        return real(source, target)
+    Path(sys.argv[2]).write_text("ready")
+    time.sleep(60)
+os.replace = replace
+book.save(in_place=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
+def test_kill_between_write_and_replace(train: Path, tmp_path: Path) -> None:
+    before = train.read_bytes()
+    flag = tmp_path / "flag"
+    child = subprocess.Popen([sys.executable, "-c", CHILD, str(train), str(flag)], cwd=ROOT)
+    try:
+        deadline = time.monotonic() + 30
+        while not flag.exists() and child.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.02)
+        assert flag.exists()
+    finally:
+        os.kill(child.pid, signal.SIGKILL)
+        child.wait()
+    assert train.read_bytes() == before
+    assert train.with_name("train.xlsx.bak").read_bytes() == before
+    edited(train).save(in_place=True)
+    assert open_workbook(train).value("Case", "B2") == 5000.0
+
+
+def test_source_changed_meanwhile(train: Path) -> None:
+    book = edited(train)
+    other = train.read_bytes() + b""
+    train.write_bytes(other[:-1] + bytes([other[-1] ^ 1]))
+    with pytest.raises(SourceChanged, match="changed by somebody else"):
+        book.save(train.with_name("out.xlsx"))
+    train.unlink()
+    with pytest.raises(SourceChanged, match="can no longer be read"):
+        book.save(train.with_name("out.xlsx"))
+    assert leftovers(train.parent) == []
+
+
+def test_opened_by_somebody_meanwhile(train: Path) -> None:
+    book = edited(train)
+    lock = train.with_name("~$train.xlsx")
+    lock.write_bytes(b"\x03Eng")
+    with pytest.raises(WorkbookLocked):
+        book.save(in_place=True)
+    book.save(train.with_name("out.xlsx"))
+    train.with_name("~$out.xlsx").write_bytes(b"\x03Eng")
+    with pytest.raises(WorkbookLocked):
+        book.save(train.with_name("out.xlsx"))
+
+
+def test_where_it_may_be_written(train: Path) -> None:
+    book = edited(train)
+    with pytest.raises(SaveRefused, match="only on request"):
+        book.save(train)
+    with pytest.raises(SaveRefused, match="No file to write"):
+        book.save()
+    with pytest.raises(SaveRefused, match=r"must end in \.xlsx"):
+        book.save(train.with_name("out.xlsm"))
+    with pytest.raises(SaveRefused, match="another file was named"):
+        book.save(train.with_name("out.xlsx"), in_place=True)
+    with pytest.raises(SaveRefused, match="Nothing can be written in the folder"):
+        book.save(train.parent / "nowhere" / "out.xlsx")
+    with pytest.raises(SaveRefused, match="reading only"):
+        open_workbook(train, read_only=True).save(train.with_name("out.xlsx"))
+    book.save(train, in_place=True)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes are those of POSIX")
+def test_mode_is_kept(train: Path) -> None:
+    train.chmod(0o640)
+    out = edited(train).save(train.with_name("out.xlsx")).path
+    assert stat.S_IMODE(out.stat().st_mode) == 0o640
+    edited(train).save(in_place=True)
+    assert stat.S_IMODE(train.stat().st_mode) == 0o640
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links need rights on Windows")
+def test_links_are_followed(train: Path) -> None:
+    link = train.with_name("link.xlsx")
+    link.symlink_to(train)
+    edited(link).save(in_place=True)
+    assert link.is_symlink()
+    assert open_workbook(train).value("Case", "B2") == 5000.0
+
+
+def test_a_part_that_would_change_is_noticed(train: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from addin.package.container import Container
+
+    real = Container.write
+
+    def careless(
+        self: Container, stream: Any, replaced: Any, dropped: Any = (), **options: Any
+    ) -> None:
+        real(self, stream, {**replaced, "xl/styles.xml": b"<oops/>"}, dropped, **options)
+
+    book = edited(train)
+    book.refresh_formula_caches()
+    monkeypatch.setattr(Container, "write", careless)
+    with pytest.raises(SaveRefused, match="the part xl/styles.xml would have changed"):
+        book.save(train.with_name("out.xlsx"))
+
+
+def test_report_names_what_changed(train: Path) -> None:
+    report = edited(train).save(train.with_name("out.xlsx"))
+    assert set(report.parts) == changed_parts(train, report.path)
+    assert set(parts_of(train)) == set(parts_of(report.path))
+
+
+def test_copies_of_values_that_are_not_renewed_are_told(train: Path) -> None:
+    report = edited(train).save(train.with_name("out.xlsx"))
+    assert report.notes == ()
+    from rich_workbooks import with_parts
+
+    with_parts(
+        train,
+        {"xl/pivotCache/pivotCacheDefinition1.xml": b"<x/>"},
+        {
+            "xl/drawings/drawing3.xml": lambda data: data.replace(
+                b'textlink=""', b'textlink="Case!$B$2"'
+            )
+        },
+    )
+    notes = " ".join(edited(train).save(train.with_name("out.xlsx")).notes)
+    assert "Pivot tables" in notes
+    assert "Text boxes linked" in notes
