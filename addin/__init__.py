@@ -1,21 +1,34 @@
 """The Excel side of torsionbook: workbooks, JSON and the command line; no physics.
 
-=====================  ==========================================================================
-module                 responsibility
-=====================  ==========================================================================
-`fields`               the one table of inputs and outputs: name, key, unit, choices, sheet, help
-`units`                shown unit ↔ SI; the only home of rpm, mm, lbf*ft and per unit
-`nearest`              the nearest of the known words, for "did you mean"
-`cells`                one cell → text, number, word or a sentence on what is wrong
-`quantities`           numbers with units → SI, per unit and % of synchronous speed resolved
-`read_workbook`        workbook → `CaseData` and every problem with its cell
-`case_json`            case JSON ↔ `CaseData`
-`results_json`         results → JSON
-`schemas`              JSON Schemas of both, made from `fields`
-`template_files`       where the shipped workbooks are
-`template`             builds them from `fields`
-`write_workbook`       results → the cells the product owns
-=====================  ==========================================================================
+===================  ============================================================================
+module               responsibility
+===================  ============================================================================
+`fields`             the one table of inputs and outputs: name, key, unit, choices, sheet, help
+`units`              shown unit ↔ SI; the only home of rpm, mm, lbf*ft and per unit
+`problems`           a problem with its sheet and cell; the nearest of known words
+`cells`              one cell → a number, words, or a sentence on what is wrong with it
+`typed_case`         everything typed → `CaseData`; per unit and % of synchronous speed resolved
+`read_workbook`      workbook → `CaseData` and every problem with its cell
+`case_json`          case JSON ↔ `CaseData`
+`results_json`       results → JSON
+`json_schemas`       JSON Schemas of both, made from `fields` into `schemas/`
+`calculation`        a checked case → everything shown of it
+`run_view`           what the workbook shows of a run
+`audit`              the audit trail
+`write_workbook`     results → the cells the product owns
+`shown_units`        units above the columns → their worth in SI
+`layout`             what template and writer agree on beside the fields
+`chart_data`         numbers behind the charts
+`charts`             which series goes on which chart
+`history_file`       full torque histories beside the workbook
+`template`           builds the shipped workbooks; `template_sheets`, `_styles`, `_text` are its data
+`template_files`     where the shipped workbooks are
+`examples`           the two filled examples
+`recalc`             one input file in, its results out
+`cli`                the command line
+`version`            the version as installed
+`package`            writing into somebody's workbook without damaging it
+===================  ============================================================================
 
 Everything shown carries its unit beside it; everything handed to `engine` is in SI.
 """

@@ -207,9 +207,9 @@ def _waiting_labels() -> dict[str, Cell]:
 
 def _side_by_side(columns: Iterable[Sequence[Cell]]) -> Rows:
     """Columns of unequal length as rows; at least one row."""
-    columns = [list(column) for column in columns]
-    rows = [list(row) for row in zip_longest(*columns)]
-    return rows or [[None] * len(columns)]
+    lists = [list(column) for column in columns]
+    rows: Rows = [list(row) for row in zip_longest(*lists)]
+    return rows or [[None] * len(lists)]
 
 
 def _plain(values: Iterable[float]) -> list[Cell]:
@@ -329,7 +329,7 @@ def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
     shaft = max([_stiffness(e) for e in shafts], default=0.0) or 1.0
     rows: Rows = []
     for name, item in _sequence(case):
-        row: list[Cell] = [name or None] + [None] * (4 * GROUPS + 2)
+        row: list[Cell] = [name or None, *[None] * (4 * GROUPS + 2)]
         if isinstance(item, ElementRow):
             is_mesh = item.kind == "gear mesh"
             ends = [end for end in (item.from_, item.to) if end in ratios]
@@ -421,10 +421,10 @@ def _speed_time_rows(run: RunView | None) -> Rows:
 def _crossing_rows(case: CaseData, run: RunView | None, labels: dict[str, Cell]) -> Rows:
     """The first crossings of the start as points; always the same number of rows."""
     rows: Rows = [[None, None] for _ in range(CROSSINGS)]
-    speed = case.ratings.synchronous_speed
+    speed = case.ratings.synchronous_speed or 0.0
     crossings = [c for c in _table(run, "StartupCrossings") if c.get("time") is not None]
-    for k, crossing in enumerate(crossings[:CROSSINGS] if speed else ()):
-        rows[k] = _plain([crossing["time"], _rpm(speed) * crossing["percent_speed"]])
+    for k, crossing in enumerate(crossings[:CROSSINGS]):
+        rows[k] = _plain([crossing["time"], _rpm(speed * crossing["percent_speed"])])
         labels[f"Crossing {k + 1}"] = f"Mode {crossing['mode']}: {crossing['frequency']:.1f} Hz"
     return rows
 

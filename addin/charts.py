@@ -316,15 +316,15 @@ def _interference(workbook: Any, places: Places, _: int) -> Any:
         chart.add_series(
             _xy(places, table, f"Line speed {k}", f"Line {k}", "", line=_line("grey", 0.75))
         )
-        name = _xy(places, table, f"Name speed {k}", f"Name at {k}", "", line={"none": True})
-        name["name"] = places.label(f"Line {k}")
-        name["data_labels"] = {
+        named = _xy(places, table, f"Name speed {k}", f"Name at {k}", "", line={"none": True})
+        named["name"] = places.label(f"Line {k}")
+        named["data_labels"] = {
             "series_name": True,
             "value": False,
             "position": "above",
             "font": _font(7.5, color=PALETTE["grey"]),
         }
-        chart.add_series(name)
+        chart.add_series(named)
     labels = _xy(places, table, "Label speed", "Label", "Labels", line={"none": True})
     labels["data_labels"] = {
         "value": True,

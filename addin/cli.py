@@ -166,10 +166,10 @@ def export(
     Example: `torsionbook export train.xlsx case.json`
     """
     from addin.case_json import case_to_json
-    from addin.recalc import read_checked, write_json
+    from addin.recalc import Unreadable, read_checked, write_json
 
     read = read_checked(file)
-    if read.problems:
+    if isinstance(read, Unreadable) or read.problems:
         _list_problems(file, read.problems)
         raise typer.Exit(WRONG_INPUT)
     write_json(case, case_to_json(read.data))

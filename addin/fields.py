@@ -573,7 +573,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     _table(
         "Stations",
         "Train",
-        24,
+        20,
         "Lumped inertias, each at its own speed.",
         _text("Station", "Name of the station, unique in the train."),
         _text("Description", "Free text."),
@@ -601,7 +601,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     _table(
         "Elements",
         "Train",
-        24,
+        20,
         "Shafts, couplings, gear meshes and springs, each at its own shaft's speed.",
         _text("Element", "Name of the element, unique in the train."),
         _choice(

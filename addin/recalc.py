@@ -20,7 +20,14 @@ if TYPE_CHECKING:
     from addin.calculation import Calculation
     from addin.typed_case import CaseInput
 
-__all__ = ["Recalculated", "WORKBOOK_ENDINGS", "read_checked", "recalculate", "write_json"]
+__all__ = [
+    "Recalculated",
+    "Unreadable",
+    "WORKBOOK_ENDINGS",
+    "read_checked",
+    "recalculate",
+    "write_json",
+]
 
 WORKBOOK_ENDINGS = (".xlsx", ".xlsm")
 

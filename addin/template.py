@@ -430,7 +430,7 @@ class _Builder:
 
     def _speed_legend(self, page: Any, row: int) -> None:
         """The speeds of the drawing in their colours, and what the sizes mean."""
-        labels = dict(self.blocks["ChartLabels"])
+        labels = {str(key): str(text) for key, text in self.blocks["ChartLabels"]}
         for k in range(GROUPS):
             key = f"Speed group {k + 1}"
             cell = f"ChartData!$B${self._label_row(key)}"
@@ -438,7 +438,7 @@ class _Builder:
                 {"font_name": "Arial", "font_size": 9, "bold": True, "align": "center",
                  "font_color": SPEED_GROUPS[k][0]}
             )  # fmt: skip
-            text = str(labels[key])
+            text = labels[key]
             page.write_formula(
                 row,
                 1 + k,
@@ -465,18 +465,15 @@ class _Builder:
             page.write_formula(k, 2, formula, self.style("key_value", number), "")
             unit_style, where_style = self.style("key_unit"), self.style("key_unit")
             if "[" in unit:
-                cell = self.unit_cells[tuple(unit.rstrip("]").split("["))]
-                text = self._unit_of(unit)
+                table, column = unit.rstrip("]").split("[")
+                cell = self.unit_cells[table, column]
+                text = self._unit(_spec(table).column(column))
                 page.write_formula(k, 3, f'=IF({cell}="","",{cell})', unit_style, text)
             else:
                 page.write_string(k, 3, unit, unit_style)
             page.merge_range(k, 4, k, 5, "", where_style)
             if where:
                 page.write_formula(k, 4, where, where_style, "")
-
-    def _unit_of(self, reference: str) -> str:
-        table, column = reference.rstrip("]").split("[")
-        return self._unit(_spec(table).column(column))
 
     def _chosen_elements(self) -> None:
         """Cells in which the engineer may name the element of each history chart."""
@@ -495,7 +492,7 @@ class _Builder:
                     "recalculation.",
                 },
             )  # fmt: skip
-            hint = "   blank = chosen by torsionbook; drawn at the next recalculation"
+            hint = "   blank = torsionbook chooses; drawn at recalculation"
             page.write_string(row, column + 3, hint, self.style("note"))
             cell = xl_rowcol_to_cell(row, column + 1, True, True)
             self.workbook.define_name(plot_name(number), f"=Histories!{cell}")
@@ -533,25 +530,25 @@ class _Builder:
     def _notes(self) -> None:
         """Legend, how to use, equations and, in an example, where its numbers come from."""
         page = self.sheets["Notes"]
-        row = 3
+        row = self._legend(page, 3)
         blocks = dict(NOTES)
         if self.is_example:
             blocks = {"Provenance of this example": PROVENANCE} | blocks
         for heading, lines in blocks.items():
-            for column in (1, 2):
-                page.write_blank(row, column, None, self.style("group"))
-            page.write_string(row, 1, heading, self.style("group"))
+            self._heading(page, row, heading)
             for k, (term, text) in enumerate(lines, row + 1):
                 page.write_string(k, 1, term, self.style("prose_bold"))
                 page.write_string(k, 2, text, self.style("prose"))
                 page.set_row(k, text_height(text, NOTES_WIDTH))
             row += len(lines) + 2
-        self._legend(page, row)
 
-    def _legend(self, page: Any, row: int) -> None:
-        for column in (1, 2):
-            page.write_blank(row, column, None, self.style("group"))
-        page.write_string(row, 1, "Colours", self.style("group"))
+    def _heading(self, page: Any, row: int, words: str) -> None:
+        page.write_string(row, 1, words, self.style("group"))
+        page.write_blank(row, 2, None, self.style("group"))
+
+    def _legend(self, page: Any, row: int) -> int:
+        """What the colours mean; the row at which the next block begins."""
+        self._heading(page, row, "Colours")
         for k, (style, sample, words) in enumerate(
             (
                 ("input", "1 234.5", "Typed by the engineer: inputs and the units they are in."),
@@ -562,7 +559,8 @@ class _Builder:
             row + 1,
         ):  # fmt: skip
             page.write_string(k, 1, sample, self.style(style))
-            page.write_string(k, 2, words, self.style("prose"))
+            page.write_string(k, 2, words, self.style("prose_beside"))
+        return k + 2
 
     def _lists(self) -> None:
         """Hidden: names behind the drop-downs and the facts that live formulas need."""
@@ -577,7 +575,7 @@ class _Builder:
         )
         for column, (name, table, header, fixed) in enumerate(lists):
             page.write_string(0, column, name, self.style("caption"))
-            names = [row.get(header, "") for row in self.example.tables.get(table, ())]
+            names = [str(row.get(header, "")) for row in self.example.tables.get(table, ())]
             for k in range(_LISTED):
                 self._listed(page, k, column, f"{table}[{header}]", fixed, names)
             letter = xl_col_to_name(column)

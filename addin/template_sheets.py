@@ -139,7 +139,7 @@ SHEETS: tuple[Sheet, ...] = (
         "input",
         {"A": 1.5, "B": 21, "C": 22, "D:E": 13, "F": 13, "G:U": 9.5},
         "U",
-        {"Stations": "B5", "ModeDamping": "I5", "Elements": "B35", "Meshes": "B65"},
+        {"Stations": "B5", "ModeDamping": "I5", "Elements": "B31", "Meshes": "B57"},
     ),
     Sheet(
         "Torque",
@@ -217,6 +217,7 @@ SHEETS: tuple[Sheet, ...] = (
         "N",
         {},
         HISTORY_CHARTS,
+        one_page=True,
     ),
     Sheet(
         "Starts",

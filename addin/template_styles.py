@@ -96,12 +96,6 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
         "bold": True,
     },
     "note": {"italic": True, "font_color": PALETTE["grey"]},
-    "note_wrap": {
-        "italic": True,
-        "font_color": PALETTE["grey"],
-        "text_wrap": True,
-        "valign": "top",
-    },
     "caption": {"bold": True, "font_size": 11, "font_color": PALETTE["navy"]},
     "group": {
         "bold": True,
@@ -227,8 +221,8 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "key_value": {"bold": True, "align": "right", "valign": "vcenter", **_THIN},
     "key_unit": {"font_color": PALETTE["grey"], "indent": 1, "valign": "vcenter", **_THIN},
     "prose": {"text_wrap": True, "valign": "top"},
+    "prose_beside": {"text_wrap": True, "valign": "vcenter", "indent": 1},
     "prose_bold": {"text_wrap": True, "valign": "top", "bold": True},
-    "prose_equation": {"text_wrap": True, "valign": "top", "font_color": PALETTE["navy"]},
     "cf_pass": {"bg_color": PALETTE["pass"], "font_color": PALETTE["pass_ink"]},
     "cf_accepted": {"bg_color": PALETTE["accepted"], "font_color": PALETTE["accepted_ink"]},
     "cf_fail": {"bg_color": PALETTE["fail"], "font_color": PALETTE["fail_ink"]},

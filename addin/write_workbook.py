@@ -230,7 +230,7 @@ def _mixed(value: Any, dimension: str | None, units: ShownUnits) -> Any:
     """A judged number with its unit, or words as they are."""
     if isinstance(value, str):
         return value
-    if dimension not in _VERDICT_UNITS:
+    if dimension is None or dimension not in _VERDICT_UNITS:
         return float(f"{value:.4g}") if abs(value) < 1000.0 else float(round(value))
     place = _VERDICT_UNITS[dimension]
     number = value / units.factor(*place)

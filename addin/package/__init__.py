@@ -12,6 +12,8 @@ module                  responsibility
 ``workbook_part``       sheets, defined names, relationships, content types, calculation settings
 ``sheet_part``          rows, cells and styles of one sheet
 ``tables``              Excel tables and their size
+``table_writing``       rows into tables, with all that follows them and all that may be in the way
+``written``             what was written, to be found again before the file is put in place
 ``charts``              chart ranges and the values that charts carry
 ``values``              what a cell may hold, and its XML
 ``formula_text``        references inside a formula
@@ -39,9 +41,10 @@ from .errors import (
 )
 from .formulas import CacheReport, refresh_formula_caches
 from .save import SaveReport
+from .table_writing import TableData
 from .tables import Table
 from .values import ErrorValue, Formula
-from .workbook import TableData, Workbook, open_workbook
+from .workbook import Workbook, open_workbook
 from .workbook_part import DefinedName
 
 __all__ = [

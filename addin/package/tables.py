@@ -7,6 +7,7 @@ belong to the sheet.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -148,7 +149,7 @@ def parse_table(root: Element, sheet: str, part: str) -> Table:
     )
 
 
-def apply_table(root: Element, table: Table, formulas: dict[str, str]) -> bool:
+def apply_table(root: Element, table: Table, formulas: Mapping[str, str]) -> bool:
     """Put the size and the calculated columns of a table into its part.
 
     The filter range follows the size. Filter criteria and sort order are taken out: they described the old rows, and a
@@ -160,7 +161,7 @@ def apply_table(root: Element, table: Table, formulas: dict[str, str]) -> bool:
         Root of the table part, changed in place.
     table : Table
         The table as it shall be.
-    formulas : dict of str to str
+    formulas : mapping of str to str
         Formula text of calculated columns.
 
     Returns

@@ -6,9 +6,7 @@ Nothing touches the file before `Workbook.save`; until then all changes live in 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import cached_property
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +18,14 @@ from .dependents import ChangedCells
 from .errors import CellRefused, Obstacle, ObstaclesFound, WorkbookMismatch, WorkbookRefused
 from .formulas import CacheReport, refresh_formula_caches
 from .locks import check_not_open
-from .references import MAX_ROW, Rect, cell_name, parse_cell, parse_range, split_areas, split_sheet
+from .references import Rect, cell_name, parse_cell, parse_range, split_areas, split_sheet
 from .save import SaveReport, save_package
 from .sheet_part import SheetPart
+from .table_writing import TableData, TablePlan, carry_out, obstacles_of, plan_table
 from .tables import Table, apply_table, parse_table
-from .values import CellValue, Constant, Formula, clean, rich_text
+from .values import CellValue, Constant, Formula, rich_text
 from .workbook_part import DefinedName, WorkbookPart
+from .written import Written, cleaned, cleaned_row, misread
 from .xml_part import Element, main, parse_part, serialise
 
 
@@ -74,84 +74,6 @@ def open_workbook(
     return Workbook(container, structure, read_only=read_only, ignore_lock=ignore_lock)
 
 
-@dataclass(frozen=True)
-class TableData:
-    """Rows for a table.
-
-    Parameters
-    ----------
-    name : str
-        The table.
-    rows : sequence of sequence
-        Values, aligned with ``columns``.
-    columns : sequence of str, optional
-        Columns that are written; the others stay the user's. Left out = all columns of the table in order.
-    formulas : mapping of str to str
-        Formula text of calculated columns. The row's value of such a column is the formula's cached value; for a column
-        that is not among ``columns`` the value is recalculated.
-    """
-
-    name: str
-    rows: Sequence[Sequence[Any]]
-    columns: Sequence[str] | None = None
-    formulas: Mapping[str, str] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class _TablePlan:
-    """A table with the cells to write: ``grid`` has a column for each of ``positions``."""
-
-    old: Table
-    new: Table
-    positions: list[int]
-    grid: list[list[CellValue]]
-    formulas: dict[str, str]
-
-    @property
-    def growth(self) -> Rect | None:
-        """Rows below the old table that the new one needs."""
-        if self.new.ref.bottom <= self.old.ref.bottom:
-            return None
-        return self.new.ref._replace(top=self.old.ref.bottom + 1)
-
-    def runs(self) -> Iterator[tuple[int, int, int]]:
-        """Neighbouring positions: first grid column, first table column, count."""
-        start = 0
-        for index in range(1, len(self.positions) + 1):
-            if (
-                index == len(self.positions)
-                or self.positions[index] != self.positions[index - 1] + 1
-            ):
-                yield start, self.positions[start], index - start
-                start = index
-
-
-@dataclass(frozen=True)
-class _Written:
-    """A written rectangle: its values and the XML of its rows."""
-
-    rect: Rect
-    grid: Sequence[Sequence[CellValue]]
-    texts: Sequence[str]
-
-    def stands_in(self, part: bytes) -> bool:
-        """Whether the rows stand in the part as they were built, in their order."""
-        position = 0
-        for text in self.texts:
-            position = part.find(text.encode(), position)
-            if position < 0:
-                return False
-        return True
-
-    def values(self) -> Iterator[tuple[tuple[int, int], CellValue]]:
-        """Places and values of all cells, the blank ones below the rows given included."""
-        blank = [None] * self.rect.width
-        for offset in range(self.rect.height):
-            row = self.grid[offset] if offset < len(self.grid) else blank
-            for shift, value in enumerate(row):
-                yield (self.rect.top + offset, self.rect.left + shift), value
-
-
 class Workbook:
     """An open workbook. Made by `open_workbook`.
 
@@ -181,7 +103,7 @@ class Workbook:
         self._table_roots: dict[str, Element] = {}
         self._changed_tables: dict[str, bytes] = {}
         self._changed = ChangedCells()
-        self._written: dict[str, list[_Written]] = {}
+        self._written: dict[str, list[Written]] = {}
         self._given_formulas: dict[str, set[tuple[int, int]]] = {}
         self._cache_report: CacheReport | None = None
         self._charts_current = True
@@ -316,9 +238,9 @@ class Workbook:
         style = str(style_id) if style_id is not None else None
         if style_from is not None:
             style = part.style(*parse_cell(style_from)) or "0"
-        cleaned = self._cleaned(part.name, row, column, value)
-        texts = part.set_cell(row, column, cleaned, style=style, replace_formula=replace_formula)
-        self._note_written(part.name, Rect(row, column, row, column), [[cleaned]], texts)
+        held = cleaned(part.name, row, column, value)
+        texts = part.set_cell(row, column, held, style=style, replace_formula=replace_formula)
+        self.note_written(part.name, Rect(row, column, row, column), [[held]], texts)
 
     def set_name(self, name: str, value: Any, *, replace_formula: bool = False) -> None:
         """Write the cell that a defined name stands for."""
@@ -372,11 +294,11 @@ class Workbook:
         grid = []
         for number, row in enumerate(rows, rect.top):
             columns = range(rect.left, rect.left + len(row))
-            cleaned = self._cleaned_row(part.name, number, columns, row)
-            grid.append(cleaned + [None] * (rect.width - len(row)))
+            held = cleaned_row(part.name, number, columns, row)
+            grid.append(held + [None] * (rect.width - len(row)))
         styles = [part.style(rect.top, column) for column in range(rect.left, rect.right + 1)]
         texts = part.write_rows(rect, grid, styles=styles)
-        self._note_written(part.name, rect, grid, texts)
+        self.note_written(part.name, rect, grid, texts)
 
     def write_table(
         self,
@@ -405,12 +327,15 @@ class Workbook:
         WorkbookMismatch
             For a table or column that the workbook lacks.
         """
-        plans = [self._plan(data) for data in tables]
-        obstacles = [obstacle for plan in plans for obstacle in self._obstacles(plan)]
+        plans = [plan_table(self, data) for data in tables]
+        names = [plan.old.name for plan in plans]
+        if len(set(names)) < len(names):
+            raise WorkbookMismatch(f"A table was given twice: {', '.join(names)}.")
+        obstacles = [obstacle for plan in plans for obstacle in obstacles_of(self, plan)]
         if obstacles:
             raise ObstaclesFound(obstacles)
         for plan in plans:
-            self._carry_out(plan)
+            carry_out(self, plan)
 
     def set_row_height(self, sheet: str, row: int, height: float) -> None:
         """Set the height of a row whose text wraps.
@@ -437,8 +362,10 @@ class Workbook:
         plans = []
         for name, count in rows.items():
             table = self.table(name)
-            plans.append(_TablePlan(table, table.resized(count), [], [], {}))
-        return [obstacle for plan in plans for obstacle in self._obstacles(plan)]
+            plans.append(
+                TablePlan(table, table.resized(count), list(range(len(table.columns))), [], {})
+            )
+        return [obstacle for plan in plans for obstacle in obstacles_of(self, plan)]
 
     # ---- caches and saving -------------------------------------------------------------------------------------
 
@@ -571,11 +498,46 @@ class Workbook:
         """Note changed values, so that charts renew their caches."""
         self._changed.add(sheet, rect)
         self._charts_current = False
+        self._cache_report = None
 
     def changed_parts(self) -> dict[str, bytes]:
         """Sheet and table parts that differ from the file."""
         parts = {sheet.part: sheet.to_bytes() for sheet in self._sheets.values() if sheet.changed}
         return parts | self._changed_tables
+
+    def note_written(
+        self, sheet: str, rect: Rect, grid: Sequence[Sequence[CellValue]], texts: Sequence[str]
+    ) -> None:
+        """Note a rectangle that was written, to be found again when the file is checked."""
+        self._written.setdefault(sheet, []).append(Written(rect, grid, texts))
+        self._forget_formulas(sheet, rect)
+        given = self._given_formulas.setdefault(sheet, set())
+        for number, row in enumerate(grid, rect.top):
+            for column, value in enumerate(row, rect.left):
+                if type(value) is Formula and value.cached is not None:
+                    given.add((number, column))
+        self.note_changed(sheet, rect)
+
+    def forget_written(self, sheet: str, rect: Rect) -> None:
+        """Expect no longer to find what was written into rows that are given up now."""
+        self._forget_formulas(sheet, rect)
+        written = self._written.get(sheet, [])
+        blank = [one for one in written if one.rect.meets(rect)]
+        for one in blank:
+            written.remove(one)
+
+    def update_table(self, table: Table, formulas: Mapping[str, str]) -> None:
+        """Put the size and the calculated columns of a table into its part."""
+        root = self._table_roots[table.part]
+        before = etree.tostring(root)
+        if apply_table(root, table, formulas):
+            self._sheet(table.sheet).show_rows(table.data.top, table.data.bottom)
+            self.notes.append(
+                f"The filter of table {table.name} was cleared, as it was set for the old rows."
+            )
+        if etree.tostring(root) != before:
+            self._changed_tables[table.part] = serialise(root, self._container.read(table.part))
+            self.tables[table.name] = parse_table(root, table.sheet, table.part)
 
     # ---- internals ---------------------------------------------------------------------------------------------
 
@@ -639,207 +601,12 @@ class Workbook:
     def _shown(self, sheet: str, row: int, column: int) -> Constant:
         return self._sheet(sheet).constant(row, column)
 
-    def _cleaned(self, sheet: str, row: int, column: int, value: Any) -> CellValue:
-        try:
-            return clean(value)
-        except (ValueError, TypeError) as problem:
-            raise CellRefused(sheet, cell_name(row, column), f"{problem}.") from problem
-
-    def _cleaned_row(
-        self, sheet: str, number: int, columns: Sequence[int], row: Sequence[Any]
-    ) -> list[CellValue]:
-        try:
-            # Most cells are numbers; asking for that here spares a call for each.
-            return [
-                value if type(value) is float and isfinite(value) else clean(value) for value in row
-            ]
-        except (ValueError, TypeError):
-            # Once more with the place, for the message.
-            return [
-                self._cleaned(sheet, number, column, value)
-                for column, value in zip(columns, row, strict=True)
-            ]
-
-    def _note_written(
-        self, sheet: str, rect: Rect, grid: Sequence[Sequence[CellValue]], texts: Sequence[str]
-    ) -> None:
-        self._written.setdefault(sheet, []).append(_Written(rect, grid, texts))
-        self._forget_formulas(sheet, rect)
-        given = self._given_formulas.setdefault(sheet, set())
-        for number, row in enumerate(grid, rect.top):
-            for column, value in enumerate(row, rect.left):
-                if type(value) is Formula and value.cached is not None:
-                    given.add((number, column))
-        self.note_changed(sheet, rect)
-        self._cache_report = None
-
-    def _plan(self, data: TableData) -> _TablePlan:
-        table = self.table(data.name)
-        names = list(data.columns) if data.columns is not None else list(table.columns)
-        added = [
-            name
-            for name in data.formulas
-            if name.casefold() not in {one.casefold() for one in names}
-        ]
-        for number, row in enumerate(data.rows, 1):
-            if len(row) != len(names):
-                raise WorkbookMismatch(
-                    f"Row {number} for table {table.name} has {len(row)} values for {len(names)} columns."
-                )
-        sources = {table.column_index(name): source for source, name in enumerate(names + added)}
-        if len(sources) != len(names) + len(added):
-            raise WorkbookMismatch(
-                f"Columns for table {table.name} are named twice: {', '.join(names)}."
-            )
-        new = table.resized(len(data.rows))
-        if new.ref.bottom > MAX_ROW:
-            raise WorkbookMismatch(
-                f"Table {table.name} cannot have {len(data.rows)} rows: the sheet ends before."
-            )
-        columns = [table.data.left + table.column_index(name) for name in names]
-        blanks: list[CellValue] = [None] * len(added)
-        rows = [
-            self._cleaned_row(table.sheet, number, columns, row) + blanks
-            for number, row in enumerate(data.rows, new.data.top)
-        ]
-        positions = sorted(sources)
-        order = [sources[position] for position in positions]
-        texts = {table.column_index(name): text for name, text in data.formulas.items()}
-        formulas = [(index, texts[one]) for index, one in enumerate(positions) if one in texts]
-        grid = [_in_table_order(row, order, formulas) for row in rows]
-        return _TablePlan(table, new, positions, grid, dict(data.formulas))
-
-    def _obstacles(self, plan: _TablePlan) -> Iterator[Obstacle]:
-        table, sheet = plan.old, self._sheet(plan.old.sheet)
-        array = sheet.array_across(table.data)
-        if array is not None:
-            yield Obstacle(
-                table.sheet, str(array), "an array formula that reaches into the table", table.name
-            )
-        for merge in sheet.merges:
-            if merge.meets(plan.new.ref):
-                yield Obstacle(table.sheet, str(merge), "a merged range", table.name)
-        growth = plan.growth
-        if growth is None:
-            return
-        others = [
-            other
-            for other in self.tables.values()
-            if other.sheet == table.sheet and other.name != table.name and other.ref.meets(growth)
-        ]
-        for other in others:
-            yield Obstacle(table.sheet, str(other.ref), f"table {other.name}", table.name)
-        for rect in self._pivot_ranges(table.sheet):
-            if rect.meets(growth):
-                yield Obstacle(table.sheet, str(rect), "a pivot table", table.name)
-        for row, column in sheet.filled_cells(growth):
-            if not any(other.ref.has(row, column) for other in others):
-                found = _in_words(sheet.value(row, column))
-                yield Obstacle(table.sheet, cell_name(row, column), found, table.name)
-
-    def _pivot_ranges(self, sheet: str) -> Iterator[Rect]:
-        part = self._structure.worksheet_part(sheet)
-        for related in self._structure.relationships(part) if part else ():
-            if related.kind == "pivotTable":
-                location = parse_part(self._container.read(related.part), related.part).find(
-                    main("location")
-                )
-                if location is not None:
-                    yield parse_range(location.get("ref"))
-
-    def _carry_out(self, plan: _TablePlan) -> None:
-        old, new = plan.old, plan.new
-        sheet = self._sheet(old.sheet)
-        styles = [
-            sheet.style(old.data.top, column) for column in range(old.data.left, old.data.right + 1)
-        ]
-        if new.ref != old.ref and old.has_totals:
-            sheet.move_row_cells(old.ref._replace(top=old.ref.bottom), new.ref.bottom)
-        self._give_up_rows(plan)
-        for first, position, count in plan.runs():
-            left = new.data.left + position
-            rect = Rect(new.data.top, left, new.data.bottom, left + count - 1)
-            grid = [row[first : first + count] for row in plan.grid]
-            texts = sheet.write_rows(rect, grid, styles=styles[position : position + count])
-            self._note_written(old.sheet, rect, grid, texts)
-        self._fill_user_formulas(plan, styles)
-        self._update_table_part(plan)
-        if new.ref != old.ref:
-            sheet.resize_ranges(old.data, new.data)
-            self.retarget_chart_range(old.sheet, str(old.data), str(new.data))
-        self.note_changed(old.sheet, old.ref.join(new.ref)._replace(top=new.data.top))
-        self._cache_report = None
-
-    def _give_up_rows(self, plan: _TablePlan) -> None:
-        """Remove the cells of rows that the table no longer has, but not what the user typed in other columns."""
-        old, new = plan.old, plan.new
-        if new.ref.bottom >= old.ref.bottom:
-            return
-        sheet = self._sheet(old.sheet)
-        rows = old.ref._replace(top=new.ref.bottom + 1)
-        self._forget_written(old.sheet, rows)
-        written = set(plan.positions)
-        for position in range(len(old.columns)):
-            column = rows.left + position
-            strip = rows._replace(left=column, right=column)
-            kept = (
-                []
-                if position in written
-                else [one for one in sheet.filled_cells(strip) if one not in sheet.formulas]
-            )
-            if not kept:
-                sheet.remove_cells(strip)
-                continue
-            for row in range(strip.top, strip.bottom + 1):
-                if (row, column) not in kept:
-                    sheet.remove_cells(Rect(row, column, row, column))
-            names = ", ".join(cell_name(*one) for one in kept)
-            self.notes.append(
-                f"Table {old.name} has fewer rows now; {old.sheet}!{names} below it, typed in column "
-                f"{old.columns[position]}, was left where it is."
-            )
-
     def _forget_formulas(self, sheet: str, rect: Rect) -> None:
         given = self._given_formulas.get(sheet, set())
         if rect.is_single:
             given.discard((rect.top, rect.left))
         else:
             given -= {place for place in given if rect.has(*place)}
-
-    def _forget_written(self, sheet: str, rect: Rect) -> None:
-        """Expect no longer to find what was written into rows that are given up now."""
-        self._forget_formulas(sheet, rect)
-        written = self._written.get(sheet, [])
-        blank = [one for one in written if one.rect.meets(rect)]
-        for one in blank:
-            written.remove(one)
-
-    def _fill_user_formulas(self, plan: _TablePlan, styles: Sequence[str | None]) -> None:
-        """Continue calculated columns that are not ours into the rows that the table gained."""
-        growth_top, bottom = plan.old.data.bottom + 1, plan.new.data.bottom
-        if growth_top > bottom:
-            return
-        sheet = self._sheet(plan.new.sheet)
-        for position, text in enumerate(plan.new.calculated):
-            if position in plan.positions:
-                continue
-            column = plan.new.data.left + position
-            rect = Rect(growth_top, column, bottom, column)
-            value = Formula(text) if text else None
-            sheet.write_rows(rect, [[value]] * rect.height, styles=[styles[position]])
-
-    def _update_table_part(self, plan: _TablePlan) -> None:
-        table = plan.new
-        root = self._table_roots[table.part]
-        before = etree.tostring(root)
-        if apply_table(root, table, plan.formulas):
-            self._sheet(table.sheet).show_rows(table.data.top, table.data.bottom)
-            self.notes.append(
-                f"The filter of table {table.name} was cleared, as it was set for the old rows."
-            )
-        if etree.tostring(root) != before:
-            self._changed_tables[table.part] = serialise(root, self._container.read(table.part))
-            self.tables[plan.old.name] = parse_table(root, table.sheet, table.part)
 
     def _parts_to_write(self) -> tuple[dict[str, bytes], set[str]]:
         replaced = self.changed_parts()
@@ -886,38 +653,5 @@ class Workbook:
             if not all(one.stands_in(data) for one in written):
                 # Prefixed names, cells written twice, renewed values: read these sheets cell by cell.
                 again = SheetPart(name, part, data, self._shared_string)
-                wrong += [f"{name}!{cell}" for cell in _misread(again, written)]
+                wrong += [f"{name}!{cell}" for cell in misread(again, written)]
         return wrong
-
-
-def _in_table_order(
-    row: Sequence[CellValue], order: Sequence[int], formulas: Sequence[tuple[int, str]]
-) -> list[CellValue]:
-    """Cells of a row as the table has its columns, values of calculated columns with their formula."""
-    cells = [row[source] for source in order]
-    for index, text in formulas:
-        value = cells[index]
-        if not isinstance(value, Formula):
-            cells[index] = Formula(text, value)
-    return cells
-
-
-def _misread(sheet: SheetPart, written: Sequence[_Written]) -> Iterator[str]:
-    last: dict[tuple[int, int], CellValue] = {}
-    for one in written:
-        last.update(one.values())
-    for place, value in last.items():
-        if not _same(sheet.value(*place), value):
-            yield cell_name(*place)
-
-
-def _same(read: CellValue, written: CellValue) -> bool:
-    if isinstance(written, Formula) and isinstance(read, Formula) and written.cached is None:
-        return read.text == written.text
-    return read == written or (written == "" and read is None)
-
-
-def _in_words(value: CellValue) -> str:
-    if isinstance(value, Formula):
-        return f"the formula ={value.text[:60]}"
-    return f"the text {value[:60]!r}" if isinstance(value, str) else f"the value {value}"

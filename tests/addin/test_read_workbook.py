@@ -562,7 +562,7 @@ TYPED = st.sampled_from(
 UNITS = st.sampled_from(["", "%", "pu", "rpm", "N*m", "kg*m^2", "lb*ft", "1", "nonsense", "Hz"])
 
 
-@settings(max_examples=1500, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     cells=st.dictionaries(st.sampled_from(PLACES), TYPED, max_size=6),
     scalars=st.dictionaries(st.sampled_from([s.name for s in SCALARS]), TYPED, max_size=3),

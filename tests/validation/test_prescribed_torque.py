@@ -186,9 +186,10 @@ def test_a06_sweep_through_resonance(row: dict[str, float]) -> None:
     cosine, sine = response(np.cos), response(np.sin)
     _, value = turning_points(t, cosine.station_angle[0], cosine.station_speed[0])
     largest = np.max(np.abs(value))
-    # the file's figure is the largest of samples, hence up to 1.5e-5 low for q ≥ 100
-    assert row["cos_drive_max_abs"] * (1 - 1e-6) < largest < row["cos_drive_max_abs"] * (1 + 2e-5)
-    if row["zeta"] == 0.01 and q in (5, 100, 500):
+    # the file's figure is the largest of its samples: from q = 100 on up to 6e-5 low
+    above = 1e-6 if q <= 50 else 1e-4
+    assert row["cos_drive_max_abs"] * (1 - 1e-6) < largest < row["cos_drive_max_abs"] * (1 + above)
+    if (q, row["zeta"]) in ((5, 0.01), (100, 0.05), (500, 0.0), (1000, 0.02)):
         k = int(np.argmax(np.abs(cosine.station_angle[0])))
         exact = [swept(q, ratio, 2 * np.pi * x).real for x in t[k - 1 : k + 2]]
         np.testing.assert_allclose(

@@ -77,9 +77,7 @@ def book(request: pytest.FixtureRequest) -> openpyxl.Workbook:
 
 def all_tables(book: openpyxl.Workbook) -> dict[str, tuple[str, str]]:
     return {
-        name: (sheet.title, ref)
-        for sheet in book.worksheets
-        for name, ref in sheet.tables.items()
+        name: (sheet.title, ref) for sheet in book.worksheets for name, ref in sheet.tables.items()
     }
 
 

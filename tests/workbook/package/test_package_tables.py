@@ -11,7 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich_workbooks import parts_of, rich_workbook, with_parts
 
-from addin.package import CellRefused, Formula, ObstaclesFound, TableData, open_workbook
+from addin.package import (
+    CellRefused,
+    Formula,
+    ObstaclesFound,
+    TableData,
+    WorkbookMismatch,
+    open_workbook,
+)
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 
@@ -231,7 +238,10 @@ def test_what_the_user_typed_is_not_deleted_by_shrinking(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("count", [0, 1, 2, 4])
 def test_totals_row_moves_along(tmp_path: Path, count: int) -> None:
-    book = open_workbook(two_tables(tmp_path / "t.xlsx", totals=True))
+    path = two_tables(tmp_path / "t.xlsx", totals=True)
+    book = open_workbook(path)
+    if count < 2:
+        book.set_cell("S", "D4", None)
     book.write_table("Upper", [[10.0, 20.0]] * count, columns=["A", "B"])
     report = book.save(tmp_path / "out.xlsx")
     bottom = 3 + max(count, 1)
@@ -240,6 +250,18 @@ def test_totals_row_moves_along(tmp_path: Path, count: int) -> None:
     assert (table.ref, table.autoFilter.ref) == (f"B2:E{bottom}", f"B2:E{bottom - 1}")
     assert shown[f"B{bottom}"].value == 10 * count
     assert shown["B9"].value == "A"
+
+
+def test_typed_where_the_totals_row_must_go(tmp_path: Path) -> None:
+    book = open_workbook(two_tables(tmp_path / "t.xlsx", totals=True))
+    with pytest.raises(ObstaclesFound, match="S!D4: the text 'r2' is in the way of table Upper"):
+        book.write_table("Upper", [[10.0, 20.0]], columns=["A", "B"])
+    assert book.save(tmp_path / "out.xlsx").parts == ()
+
+
+def test_a_table_is_given_once(train: Path) -> None:
+    with pytest.raises(WorkbookMismatch, match="twice"):
+        open_workbook(train).write_tables([TableData("Modes", []), TableData("modes", [])])
 
 
 def test_stale_filter_is_cleared(train: Path) -> None:

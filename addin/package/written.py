@@ -1,0 +1,80 @@
+"""What was written into a sheet, kept to be found again in the file before it is put in place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+from .errors import CellRefused
+from .references import Rect, cell_name
+from .sheet_part import SheetPart
+from .values import CellValue, Formula, clean
+
+
+@dataclass(frozen=True)
+class Written:
+    """A written rectangle: its values and the XML of its rows."""
+
+    rect: Rect
+    grid: Sequence[Sequence[CellValue]]
+    texts: Sequence[str]
+
+    def stands_in(self, part: bytes) -> bool:
+        """Whether the rows stand in the part as they were built, in their order."""
+        position = 0
+        for text in self.texts:
+            position = part.find(text.encode(), position)
+            if position < 0:
+                return False
+        return True
+
+    def values(self) -> Iterator[tuple[tuple[int, int], CellValue]]:
+        """Places and values of all cells, the blank ones below the rows given included."""
+        blank = [None] * self.rect.width
+        for offset in range(self.rect.height):
+            row = self.grid[offset] if offset < len(self.grid) else blank
+            for shift, value in enumerate(row):
+                yield (self.rect.top + offset, self.rect.left + shift), value
+
+
+def cleaned(sheet: str, row: int, column: int, value: Any) -> CellValue:
+    """The value that a cell will hold; what it cannot hold is refused with its place."""
+    try:
+        return clean(value)
+    except (ValueError, TypeError) as problem:
+        raise CellRefused(sheet, cell_name(row, column), f"{problem}.") from problem
+
+
+def cleaned_row(
+    sheet: str, number: int, columns: Sequence[int], row: Sequence[Any]
+) -> list[CellValue]:
+    """The values that the cells of a row will hold."""
+    try:
+        # Most cells are numbers; asking for that here spares a call for each.
+        return [
+            value if type(value) is float and isfinite(value) else clean(value) for value in row
+        ]
+    except (ValueError, TypeError):
+        # Once more with the place, for the message.
+        return [
+            cleaned(sheet, number, column, value)
+            for column, value in zip(columns, row, strict=True)
+        ]
+
+
+def misread(sheet: SheetPart, written: Sequence[Written]) -> Iterator[str]:
+    """Cells of a sheet that hold something else than was written last."""
+    last: dict[tuple[int, int], CellValue] = {}
+    for one in written:
+        last.update(one.values())
+    for place, value in last.items():
+        if not _same(sheet.value(*place), value):
+            yield cell_name(*place)
+
+
+def _same(read: CellValue, written: CellValue) -> bool:
+    if isinstance(written, Formula) and isinstance(read, Formula) and written.cached is None:
+        return read.text == written.text
+    return read == written or (written == "" and read is None)

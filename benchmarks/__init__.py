@@ -1,0 +1,20 @@
+"""Time against error, side by side with other programs in one run: `python -m benchmarks`.
+
+=================  =============================================================================
+module             responsibility
+=================  =============================================================================
+`problems`         the trains, torques and starts that are calculated
+`references`       their right answers, calculated independently of the engine
+`ours`             our calls
+`peers`            openTorsion and ROSS, each in an environment of its own
+`modes`            natural frequencies: time and error
+`response`         a prescribed torque of 15 s: time against error
+`start`            a start of 15 s: time against error, and how time grows
+`whole_run`        a workbook recalculated, warm and cold, by stage
+`measure`          interleaved medians, errors on a common grid, equal-error times, the machine
+`goals`            what was aimed at and what was reached
+`report`, `plots`  tables on the terminal, docs/benchmarks.md, docs/images/bench_*.png
+=================  =============================================================================
+
+Nothing here is asserted: times are printed, never tested. SI and seconds.
+"""

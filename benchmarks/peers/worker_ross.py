@@ -1,0 +1,109 @@
+"""ROSS's own calls, timed in its own process (run in an environment that has it).
+
+ROSS has no table of inertias and stiffnesses: the first span is a shaft element without mass whose
+G·Ip/L is the stiffness wanted, the others are coupling elements, the inertias are disks; two
+bearings are needed for a rotor at all. Of the six degrees of freedom of a station the torsional
+one is kept. `load` tells how far the resulting matrices are from the wanted ones.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from importlib.metadata import version
+from typing import Any
+
+from protocol import serve, timed
+
+began = time.perf_counter()
+import numpy as np  # noqa: E402
+import ross  # noqa: E402
+from ross.utils import convert_6dof_to_torsional  # noqa: E402
+
+IMPORT_SECONDS = time.perf_counter() - began
+SHEAR_MODULUS = 8e10
+NEWMARK_TOLERANCE = 1e-2
+"""The default of 1e-6 N·m is below the rounding of K·θ once the train turns."""
+
+
+class Model:
+    """The rotor the other calls work on."""
+
+    rotor: Any
+    stiffness: Any
+
+
+def assemble(inertia: list[float], stiffness: list[float], damping: list[float]) -> Any:
+    weightless = ross.Material("weightless", rho=1e-9, E=2e11, G_s=SHEAR_MODULUS)
+    diameter = (32.0 * stiffness[0] / (SHEAR_MODULUS * math.pi)) ** 0.25
+    beta = damping[0] / stiffness[0]
+    spans = [
+        ross.ShaftElement(L=1.0, idl=0.0, odl=diameter, material=weightless, n=0, alpha=0, beta=beta)
+    ]
+    for i in range(1, len(stiffness)):
+        spans.append(
+            ross.CouplingElement(
+                m_l=0, m_r=0, Ip_l=0, Ip_r=0, kr_z=stiffness[i], cr_z=damping[i], n=i
+            )
+        )
+    disks = [ross.DiskElement(n=i, m=1.0, Id=J, Ip=J) for i, J in enumerate(inertia)]
+    bearings = [ross.BearingElement(n=n, kxx=1e8, cxx=0) for n in (0, len(inertia) - 1)]
+    return convert_6dof_to_torsional(ross.Rotor(spans, disks, bearings))
+
+
+def load(budget: float, **chain: list[float]) -> dict[str, Any]:
+    Model.rotor, laps = timed(lambda: assemble(**chain), budget, 20)
+    Model.stiffness = np.array(chain["stiffness"])
+    J, k = np.array(chain["inertia"]), Model.stiffness
+    B = np.eye(len(k), len(J)) - np.eye(len(k), len(J), 1)
+    K = (B.T * k) @ B
+    difference = max(
+        float(np.max(np.abs(Model.rotor.M() - np.diag(J))) / J.max()),
+        float(np.max(np.abs(Model.rotor.K(0.0) - K)) / np.max(np.abs(K))),
+    )
+    return {"laps": laps, "matrix_difference": difference}
+
+
+def modes(variant: str, budget: float) -> dict[str, Any]:
+    """`run_modal`; the frequencies as ROSS presents them (it leaves out |λ| < 0.1 rad/s)."""
+
+    def call() -> Any:
+        return Model.rotor.run_modal(0.0, sparse=variant == "sparse")
+
+    call()
+    result, laps = timed(call, budget, 50)
+    return {"laps": laps, "omega": np.asarray(result.wn, dtype=float).tolist()}
+
+
+def response(
+    variant: str, step: float, station: int, torque: str, stride: int, out: str, budget: float
+) -> dict[str, Any]:
+    """`run_time_response`; k·Δθ of all shafts at every `stride`-th sample goes to `out`."""
+    samples = np.load(torque)
+    times = step * np.arange(len(samples))
+    force = np.zeros((len(samples), Model.rotor.ndof))
+    force[:, station] = samples
+    options: dict[str, Any] = {}
+    if variant != "lsim":
+        options["method"] = "newmark"
+    if variant == "newmark, tol 1e-2":
+        options["tol"] = NEWMARK_TOLERANCE
+
+    def call() -> Any:
+        return Model.rotor.run_time_response(0.0, force, times, **options)
+
+    result, laps = timed(call, budget, 20)
+    angle = np.asarray(result.yout)[::stride]
+    np.save(out, Model.stiffness[:, None] * (angle[:, :-1] - angle[:, 1:]).T)
+    return {"laps": laps}
+
+
+def hello() -> dict[str, Any]:
+    return {
+        "versions": {name: version(name) for name in ("ross-rotordynamics", "numpy", "scipy")},
+        "import_seconds": IMPORT_SECONDS,
+    }
+
+
+if __name__ == "__main__":
+    serve(hello, {"load": load, "modes": modes, "response": response})
