@@ -573,7 +573,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     _table(
         "Stations",
         "Train",
-        20,
+        15,
         "Lumped inertias, each at its own speed.",
         _text("Station", "Name of the station, unique in the train."),
         _text("Description", "Free text."),
@@ -601,7 +601,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     _table(
         "Elements",
         "Train",
-        20,
+        15,
         "Shafts, couplings, gear meshes and springs, each at its own shaft's speed.",
         _text("Element", "Name of the element, unique in the train."),
         _choice(
@@ -656,7 +656,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     _table(
         "Meshes",
         "Train",
-        6,
+        4,
         "Gear geometry, clearances and bearings of gear meshes and geared couplings.",
         _text("Element", "The gear mesh or geared coupling of table Elements.", kind="element"),
         _number("Pitch radius drive", "length", "Pitch radius on the From side."),

@@ -90,7 +90,7 @@ class Sheet:
     freeze : str
         First cell that scrolls; empty = all of it. [A1]
     header_rows : int
-        Rows repeated on every page. [count]
+        Rows repeated on every page; a chart must begin below them. [count]
     one_page : bool
         Whether all of it is fitted to one page.
     """
@@ -139,7 +139,7 @@ SHEETS: tuple[Sheet, ...] = (
         "input",
         {"A": 1.5, "B": 21, "C": 22, "D:E": 13, "F": 13, "G:U": 9.5},
         "U",
-        {"Stations": "B5", "ModeDamping": "I5", "Elements": "B31", "Meshes": "B57"},
+        {"Stations": "B5", "ModeDamping": "I5", "Elements": "B25", "Meshes": "B45"},
     ),
     Sheet(
         "Torque",
@@ -189,7 +189,7 @@ SHEETS: tuple[Sheet, ...] = (
          "K:R": 9.5},
         "R",
         {"SeparationMargins": "B5"},
-        (ChartAt("interference", "K5", 570, 520),),
+        (ChartAt("interference", "K8", 570, 520),),
         freeze="A8",
         header_rows=7,
     ),
@@ -225,7 +225,7 @@ SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 24, "C:F": 13, "G": 11, "H:I": 12, "J": 2, "K:R": 9.5},
         "R",
         {"AllowableStarts": "B5"},
-        (ChartAt("sn", "K5", 570, 420),),
+        (ChartAt("sn", "K8", 570, 420),),
         freeze="A8",
         header_rows=7,
     ),

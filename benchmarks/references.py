@@ -155,32 +155,40 @@ def exact_start(
     pick[np.arange(len(stations)), train.node_dof[stations]] = train.node_scale[stations]
     A, G = _twist_matrices(train.inertia, train.stiffness, B, damping)
     n_rows = train.n_rows
-    curves, motors, loads = model.curves, model.motors, model.loads
-    timed, dampers = model.timed, model.dampers
     G = np.ascontiguousarray(G @ pick.T)
-    pole_pairs, line_omega, motor_force = motors[4], motors[5], motors[0]
-
-    @njit
-    def slope(t: float, y: Floats) -> Floats:
-        n, nf = len(A), len(pick)
-        out = np.empty(len(y))
-        speed = pick @ y[n_rows:n]
-        force, rate = np.zeros(nf), np.zeros(nf)
-        start_forces(
-            t, t, y[n:], speed, np.zeros(nf), curves, motors, loads, timed, dampers, force, rate
-        )
-        out[:n] = A @ y[:n] + G @ force
-        for m in range(len(y) - n):
-            out[n + m] = 2.0 * (line_omega - pole_pairs[m] * speed[motor_force[m]])
-        return out
-
+    law = (model.curves, model.motors, model.loads, model.timed, model.dampers)
     start = np.concatenate([np.zeros(len(A)), model.phase])
     largest = np.concatenate(
         [np.full(n_rows, 1e5) / train.stiffness, np.full(train.n_dof, 1.0), np.ones(len(model.phase))]
     )
     solved = solve_ivp(
-        slope, (0.0, time[-1]), start, method="DOP853", t_eval=time, rtol=RTOL, atol=1e-10 * largest
+        lambda t, y: _start_slope(t, y, A, G, pick, n_rows, *law),
+        (0.0, time[-1]),
+        start,
+        method="DOP853",
+        t_eval=time,
+        rtol=RTOL,
+        atol=RTOL * largest,
     )
     twist, speed = solved.y[:n_rows], solved.y[n_rows : len(A)]
     elastic = twist * train.stiffness[:, None]
     return Curves(time, elastic + train.viscous[:, None] * (B @ speed), elastic)
+
+
+@njit(cache=False)
+def _start_slope(
+    t: float, y: Floats, A: Floats, G: Floats, pick: Floats, n_rows: int,
+    curves: Any, motors: Any, loads: Any, timed: Any, dampers: Any,
+) -> Floats:  # fmt: skip
+    """Rate of change of (twists, speeds, phases of the pulsations)."""
+    n, nf = len(A), len(pick)
+    out = np.empty(len(y))
+    speed = pick @ y[n_rows:n]
+    force, rate = np.zeros(nf), np.zeros(nf)
+    start_forces(
+        t, t, y[n:], speed, np.zeros(nf), curves, motors, loads, timed, dampers, force, rate
+    )
+    out[:n] = A @ y[:n] + G @ force
+    for m in range(len(y) - n):
+        out[n + m] = 2.0 * (motors[5] - motors[4][m] * speed[motors[0][m]])
+    return out

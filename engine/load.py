@@ -21,6 +21,8 @@ __all__ = ["Load", "loads_of"]
 
 #: Width of the standstill zone over synchronous speed. [1]
 STANDSTILL_ZONE = 1e-3
+#: Up to this speed, over synchronous, a load's torque counts as that at standstill. [1]
+NEAR_STANDSTILL = 0.05
 #: A load must not change its station's speed by more than the zone within this time. [s]
 STANDSTILL_TIME = 2e-3
 
@@ -81,6 +83,8 @@ def loads_of(case: CaseData, train: Train) -> tuple[Load, ...]:
         y = np.array([p.torque for p in points], dtype=float)
         speed = synchronous * float(train.speed_ratio[station])
         inertia = float(train.inertia[train.node_dof[station]] / train.node_scale[station] ** 2)
-        soft = max(STANDSTILL_ZONE * speed, STANDSTILL_TIME * float(np.max(y)) / inertia)
-        loads.append(Load(station, torque_curve(x, y), speed, soft))
+        curve = torque_curve(x, y)
+        sticking = float(np.max(curve(np.linspace(0.0, NEAR_STANDSTILL, 11))))
+        soft = max(STANDSTILL_ZONE * speed, STANDSTILL_TIME * sticking / inertia)
+        loads.append(Load(station, curve, speed, soft))
     return tuple(loads)

@@ -230,10 +230,11 @@ def _components(train: Train) -> list[tuple[NDArray[np.int64], NDArray[np.int64]
 def _singular_triplets(D: Floats, count: int) -> tuple[Floats, Floats, Floats, str]:
     """The `count` largest singular triplets of D, ascending, and the algorithm used."""
     u, sigma, vt = np.linalg.svd(D, full_matrices=False)
-    loss = np.finfo(float).eps * max(D.shape) * sigma[0] / max(sigma[count - 1], TINY)
     v = vt.T
-    large = max(D.shape) >= LARGE_TRAIN and loss <= LARGE_TRAIN_LIMIT
-    if loss <= SVD_ERROR_LIMIT or (large and not _contradicted(D, sigma[:count][::-1])):
+    loss, smallest = np.finfo(float).eps * max(D.shape) * sigma[0], sigma[count - 1]
+    large = max(D.shape) >= LARGE_TRAIN and loss <= LARGE_TRAIN_LIMIT * smallest
+    good = loss <= SVD_ERROR_LIMIT * smallest
+    if good or (large and not _contradicted(D, sigma[:count][::-1])):
         used = "svd"
     else:
         used = "jacobi"

@@ -242,6 +242,13 @@ def _warnings(
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
+    counted = {e.element for _, e in _judged_shafts(case)}
+    for e in case.elements:
+        if e.stress_diameter and e.material and e.element not in counted:
+            yield (
+                f"'{e.element}' has a stress diameter, but its material '{e.material}' has no S-N "
+                "points: its starts were not counted."
+            )
     if not start.met_tolerance:
         yield (
             f"The wanted accuracy of peak torques was not met: estimated error "

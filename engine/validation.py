@@ -472,7 +472,8 @@ def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
                 + (" are" if len(absent) > 1 else " is")
                 + " blank too. Type a stiffness or the geometry.",
             )
-    if e.density is not None and (e.od is None or e.length is None):
+    shaft = e.kind != GEAR_MESH
+    if shaft and e.density is not None and (e.od is None or e.length is None):
         yield Problem(
             table,
             row,
@@ -909,8 +910,6 @@ def _single_points(table: str, rows: Sequence[Any], header: str) -> Iterator[Pro
 
 
 def _torques(case: CaseData) -> Iterator[Problem]:
-    yield from _single_points("MotorTorque", case.motor_torque, "Speed")
-    yield from _single_points("TorqueTime", case.torque_time, "Time")
     yield from _curve(
         case,
         "MotorTorque",
@@ -923,6 +922,8 @@ def _torques(case: CaseData) -> Iterator[Problem]:
         case, "LoadTorque", case.load_torque, "speed", "Speed", (("Torque", "torque"),)
     )
     yield from _curve(case, "TorqueTime", case.torque_time, "time", "Time", (("Torque", "torque"),))
+    yield from _single_points("MotorTorque", case.motor_torque, "Speed")
+    yield from _single_points("TorqueTime", case.torque_time, "Time")
     speeds = [("MotorTorque", row, p.speed) for row, p in enumerate(case.motor_torque, start=1)]
     speeds += [("LoadTorque", row, p.speed) for row, p in enumerate(case.load_torque, start=1)]
     for table, row, speed in speeds:
@@ -1026,7 +1027,7 @@ def _materials(case: CaseData) -> Iterator[Problem]:
     for row, m in enumerate(case.materials, start=1):
         for column, value in (("UTS", m.uts), ("Yield", m.yield_), ("Endurance", m.endurance)):
             yield from _check(table, row, column, value, _positive, "positive", "Pa")
-        if m.uts and m.yield_ and m.yield_ > m.uts:
+        if m.uts and m.yield_ and m.yield_ > m.uts > 0:
             yield _wrong(table, row, "Yield", m.yield_, "at most UTS", "Correct one of them.", "Pa")
         if m.basis not in (None, "torsion", "bending"):
             yield _wrong(
@@ -1078,7 +1079,7 @@ def _sn_points(case: CaseData) -> Iterator[Problem]:
                     f"The S-N line of '{material}' must fall; order its rows from few cycles to "
                     "many.",
                 )
-        if len(points) == 1:
+        if len(points) == 1 and sum(p.material == material for p in case.sn_points) == 1:
             yield Problem(
                 table,
                 points[0][0],

@@ -23,7 +23,16 @@ from .references import (
     parse_range,
     retargeted,
 )
-from .values import CellValue, Constant, Formula, constant_text, read_cell, read_constant, row_xml
+from .values import (
+    FORMULA_MARK,
+    CellValue,
+    Constant,
+    Formula,
+    constant_text,
+    read_cell,
+    read_constant,
+    row_xml,
+)
 from .xml_part import EXCEL_2010, EXCEL_2010_FORMULA, MAIN, Element, main, parse_part, serialise
 
 _C, _F, _V, _ROW = (main(tag) for tag in ("c", "f", "v", "row"))
@@ -234,9 +243,10 @@ class SheetPart:
             )
         self._graft(rect, texts)
         for offset, row in enumerate(rows):
-            for shift, value in enumerate(row):
-                if type(value) is Formula:
-                    self._note_formula(rect.top + offset, rect.left + shift)
+            if FORMULA_MARK in texts[offset]:
+                for shift, value in enumerate(row):
+                    if isinstance(value, Formula):
+                        self._note_formula(rect.top + offset, rect.left + shift)
         self._note_extent(rect)
         self._touch()
         return texts

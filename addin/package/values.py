@@ -16,6 +16,8 @@ from xml.sax.saxutils import escape
 
 from .xml_part import Element, main
 
+# Stands in the XML of a row exactly if one of its cells is a formula: in text the bracket is escaped.
+FORMULA_MARK = "<f>"
 MAX_TEXT = 32_767
 MAX_FORMULA = 8_192
 ERROR_CODES = frozenset(
@@ -159,6 +161,7 @@ def row_xml(
     for start, style, value in zip(starts, styles, row, strict=True):
         opening = f'{start}{number}" s="{style}"' if style else f'{start}{number}"'
         if type(value) is float:
+            # As `number_text`, written out: long blocks of numbers come through here.
             texts.append(f"{opening}><v>{repr(value).removesuffix('.0')}</v></c>")
         elif value is not None:
             texts.append(opening + _rest_of_cell(value))

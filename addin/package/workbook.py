@@ -23,7 +23,7 @@ from .save import SaveReport, save_package
 from .sheet_part import SheetPart
 from .table_writing import TableData, TablePlan, carry_out, obstacles_of, plan_table
 from .tables import Table, apply_table, parse_table
-from .values import CellValue, Constant, Formula, rich_text
+from .values import FORMULA_MARK, CellValue, Constant, Formula, rich_text
 from .workbook_part import DefinedName, WorkbookPart
 from .written import Written, cleaned, cleaned_row, misread
 from .xml_part import Element, main, parse_part, serialise
@@ -512,10 +512,11 @@ class Workbook:
         self._written.setdefault(sheet, []).append(Written(rect, grid, texts))
         self._forget_formulas(sheet, rect)
         given = self._given_formulas.setdefault(sheet, set())
-        for number, row in enumerate(grid, rect.top):
-            for column, value in enumerate(row, rect.left):
-                if type(value) is Formula and value.cached is not None:
-                    given.add((number, column))
+        for offset, row in enumerate(grid):
+            if FORMULA_MARK in texts[offset]:
+                for column, value in enumerate(row, rect.left):
+                    if isinstance(value, Formula) and value.cached is not None:
+                        given.add((rect.top + offset, column))
         self.note_changed(sheet, rect)
 
     def forget_written(self, sheet: str, rect: Rect) -> None:

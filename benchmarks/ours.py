@@ -1,0 +1,91 @@
+"""Our calls, as a user of the engine writes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.problems import Chain, Sweep
+from engine.case import Case
+from engine.load import loads_of
+from engine.modal import ModalDamping, Modes, modal_damping, modes_of, natural_modes
+from engine.motor import motors_of
+from engine.startup import StartModel, Trajectory, settings_of, simulate, start_model
+from engine.time_response import TimeResponse, linear, of_time, time_response
+from engine.train import Train, build_train
+
+__all__ = ["PreparedStart", "build_and_solve", "prepare_start", "response", "run_steps"]
+
+Floats = NDArray[np.float64]
+#: Longest time any of the starts is followed. [s]
+LONGEST = 120.0
+
+
+def build_and_solve(chain: Chain) -> Modes:
+    """From the table of stations to frequencies, shapes and energies."""
+    return modes_of(build_train(chain.case()))
+
+
+def response(train: Train, torque: Sweep, station: int, step: float, kind: str) -> TimeResponse:
+    """Modes and response; the torque a function of time, or samples joined by straight lines."""
+    times = np.linspace(0.0, torque.duration, round(torque.duration / step) + 1)
+    if kind == "linear":
+        prescribed = linear(station, times, torque(times))
+    else:
+        prescribed = of_time(station, torque)
+    return time_response(train, modes_of(train), [prescribed], times)
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedStart:
+    """A start ready to be simulated at any step.
+
+    Parameters
+    ----------
+    case : Case
+        The case. [SI]
+    train, modes, damping : Train, Modes, ModalDamping
+        Its train. [SI]
+    model : StartModel
+        Arguments of the compiled loop. [SI]
+    stations : ndarray of int
+        Stations the forces of the model act on. [index]
+    target : float
+        Speed at which it ends. [rad/s]
+    """
+
+    case: Case
+    train: Train
+    modes: Modes
+    damping: ModalDamping
+    model: StartModel
+    stations: NDArray[np.int64]
+    target: float
+
+    def damping_matrix(self) -> Floats:
+        """Damping of the degrees of freedom: the stated modal ratios and the dampers."""
+        stated = 2.0 * self.damping.ratio * self.modes.omega
+        weighted = self.train.inertia[:, None] * self.modes.shape
+        return np.asarray((weighted * stated) @ weighted.T)
+
+
+def prepare_start(case: Case, tolerance: float | None = None) -> PreparedStart:
+    """Modes, curves and kept modes of a start, as `run_start` prepares them."""
+    case = case if tolerance is None else replace(case, tolerance_peak=tolerance)
+    settings = settings_of(case)
+    found = natural_modes(case)
+    train, modes = found.train, found.modes
+    damping = modal_damping(case, train, modes)
+    motors, loads = motors_of(case, train), loads_of(case, train)
+    model = start_model(
+        case, train, modes, damping, motors, loads, settings.tolerance_peak, LONGEST
+    )
+    stations = np.array(sorted({m.station for m in motors} | {d.station for d in loads}))
+    return PreparedStart(case, train, modes, damping, model, stations, settings.end_speed)
+
+
+def run_steps(start: PreparedStart, step: float, method: str) -> Trajectory:
+    """One simulation at one step."""
+    return simulate(start.model, step, method, start.target, LONGEST)
