@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
+from benchmarks.peers import PeerFailed
 from benchmarks.peers.protocol import Laps, timed
 
 __all__ = [
@@ -77,7 +78,7 @@ def interleave(turns: Mapping[str, Turn], rounds: int) -> dict[str, Measured]:
                 continue
             try:
                 results[name], times = turn()
-            except RuntimeError as wrong:
+            except PeerFailed as wrong:
                 failures[name] = str(wrong)
                 continue
             if lap > 0 or rounds == 0:

@@ -65,10 +65,9 @@ class PreparedStart:
     target: float
 
     def damping_matrix(self) -> Floats:
-        """Damping of the degrees of freedom: the stated modal ratios and the dampers."""
-        stated = 2.0 * self.damping.ratio * self.modes.omega
+        """Damping of the degrees of freedom that gives every mode its damping."""
         weighted = self.train.inertia[:, None] * self.modes.shape
-        return np.asarray((weighted * stated) @ weighted.T)
+        return np.asarray((weighted * self.damping.rate) @ weighted.T)
 
 
 def prepare_start(case: Case, tolerance: float | None = None) -> PreparedStart:

@@ -11,7 +11,10 @@ from addin.recalc import read_checked
 from addin.template_files import template_path
 from engine.case import Case, CaseData, ElementRow, StationRow
 
-__all__ = ["RESPONSE", "Chain", "Sweep", "chain", "long_start", "random_chain", "start_of_size"]
+__all__ = [
+    "MOTOR", "RESPONSE", "RIGID", "Chain", "Sweep", "long_start", "random_chain", "start_of_size",
+    "ten",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 

@@ -71,6 +71,8 @@ FADED = 0.05
 #: A mode far above the pulsation that would need more steps than this is not integrated; it
 #: follows statically, and its ringing after breaker closing is reported as an error.
 MAX_RINGING_STEPS = 500_000
+#: Steps in the time a load's station takes through the standstill zone, and how many such times.
+BREAKAWAY_POINTS, BREAKAWAY_LENGTH = 6.0, 3.0
 #: "Far above the pulsation": this many times its highest frequency.
 FAR_ABOVE = 10.0
 #: Most values (steps × outputs) of one simulation that is only meant to refine another.
@@ -430,7 +432,7 @@ def start_model(
         dampers=(np.arange(len(index), len(index) + len(dampers)), viscous),
         phase=np.array([m.phase for m in motors]),
         pulsation_omega=fastest,
-        windows=tuple((until + jump, omega) for until, omega in windows),
+        windows=_with_breakaway(windows, train, motors, loads, jump),
         truncation=truncation,
         largest_step=DAMPER_STEP / max(float(np.max(speed_gain, initial=0.0)), 1e-300),
     )
@@ -549,6 +551,34 @@ def _windows(
         elif not windows or until > windows[-1][0]:
             windows.append((until, float(modes.omega[r])))
     return tuple(windows)
+
+
+def _with_breakaway(
+    windows: tuple[tuple[float, float], ...],
+    train: Train,
+    motors: tuple[Motor, ...],
+    loads: tuple[Load, ...],
+    jump: float,
+) -> tuple[tuple[float, float], ...]:
+    """The windows, with one in which the loads come into play as their stations begin to turn."""
+    inertia = float(train.inertia @ train.dof_ratio**2)
+    torque = sum(float(m.average(0.0)) * float(train.speed_ratio[m.station]) for m in motors)
+    shifted = [(until + jump, omega) for until, omega in windows]
+    for d in loads:
+        if torque <= 0.0 or float(d.torque(0.0)) == 0.0:
+            continue
+        passing = d.soft_speed / float(train.speed_ratio[d.station]) * inertia / torque
+        shifted.append((BREAKAWAY_LENGTH * passing, BREAKAWAY_POINTS * COARSEST_ANGLE / passing))
+    return _merged(shifted)
+
+
+def _merged(windows: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """In falling frequency and rising time, without those that others cover."""
+    kept: list[tuple[float, float]] = []
+    for until, omega in sorted(windows, key=lambda w: -w[1]):
+        if not kept or until > kept[-1][0]:
+            kept.append((until, omega))
+    return tuple(kept)
 
 
 def _curve_arrays(curves: list[TorqueCurve]) -> tuple[Any, ...]:
@@ -715,7 +745,7 @@ def _step_plan(model: StartModel, step: float, maximum_time: float) -> list[tupl
     at = 0.0
     # a ringing mode is sampled as finely as the pulsation is
     stretches = [
-        (until, step / 2 ** math.ceil(math.log2(omega / model.pulsation_omega)))
+        (until, step / 2 ** max(math.ceil(math.log2(omega / model.pulsation_omega)), 0))
         for until, omega in model.windows
     ]
     for until, h in [*stretches, (maximum_time, step)]:

@@ -27,7 +27,7 @@ RADIUS_TOLERANCE = 1e-3
 #: Line frequency, speed and poles, or power, speed and torque, must agree to this share.
 RATING_TOLERANCE = 5e-3
 #: A torque curve reaches at most this multiple of synchronous speed.
-LARGEST_SPEED_FRACTION = 3.0
+TOP_SPEED = 3.0
 
 CHOICES = {
     "margin_basis": ("MarginBasis", ("calculated", "measured")),
@@ -105,7 +105,9 @@ def _check(
     action: str = "Correct the cell.",
 ) -> Iterator[Problem]:
     """A problem if a number is given and is not finite or does not hold."""
-    if value is not None and not (math.isfinite(value) and holds(value)):
+    if value is not None and not math.isfinite(value):
+        yield _wrong(table, row, column, value, "a finite number", "Correct the cell.", unit)
+    elif value is not None and not holds(value):
         yield _wrong(table, row, column, value, allowed, action, unit)
 
 
@@ -254,8 +256,9 @@ def _speed_range(case: CaseData) -> Iterator[Problem]:
             None,
             name,
             found,
-            "such that MinimumSpeed is not above MaximumSpeed",
-            "A blank one of them stands for the synchronous speed.",
+            "at most MaximumSpeed" if name == "MinimumSpeed" else "at least MinimumSpeed",
+            f"The range is {low:.6g} to {high:.6g} rad/s; where one of them is blank it is the "
+            "synchronous speed.",
             "rad/s",
         )
     if case.end_speed and synchronous and case.end_speed > synchronous * (1 + 1e-12):
@@ -279,7 +282,7 @@ def _names(table: str, column: str, names: Sequence[str | None], what: str) -> I
     first: dict[str, int] = {}
     for row, name in enumerate(names, start=1):
         if not name:
-            yield _missing(table, row, column, f"the name of a {what}", "Name it.")
+            yield _missing(table, row, column, f"the name of {what}", "Name it.")
         elif counts[name] > 1 and name in first:
             yield _wrong(
                 table,
@@ -287,7 +290,7 @@ def _names(table: str, column: str, names: Sequence[str | None], what: str) -> I
                 column,
                 name,
                 f"a name used once (row {first[name]} has it already)",
-                f"Rename one of the two {what}s.",
+                "Rename one of the two.",
             )
         else:
             first[name] = row
@@ -304,7 +307,7 @@ def _stations(case: CaseData) -> Iterator[Problem]:
             "at least one station",
             "the table is empty; a train needs at least one station with its inertia.",
         )
-    yield from _names(table, "Station", [s.station for s in case.stations], "station")
+    yield from _names(table, "Station", [s.station for s in case.stations], "a station")
     shafted = {name for e in case.elements if e.density for name in (e.from_, e.to)}
     for row, s in enumerate(case.stations, start=1):
         if s.station and s.station.lower() == GROUND:
@@ -487,7 +490,7 @@ def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
 
 def _elements(case: CaseData) -> Iterator[Problem]:
     table = "Elements"
-    yield from _names(table, "Element", [e.element for e in case.elements], "element")
+    yield from _names(table, "Element", [e.element for e in case.elements], "an element")
     ratios = {s.station: (1.0 if s.speed_ratio is None else s.speed_ratio) for s in case.stations}
     materials = {m.material for m in case.materials if m.material}
     for row, e in enumerate(case.elements, start=1):
@@ -638,7 +641,7 @@ MESH_LENGTHS = (
 def _meshes(case: CaseData) -> Iterator[Problem]:
     table = "Meshes"
     elements = {e.element: (row, e) for row, e in enumerate(case.elements, start=1) if e.element}
-    yield from _names(table, "Element", [m.element for m in case.meshes], "mesh")
+    yield from _names(table, "Element", [m.element for m in case.meshes], "a mesh")
     for row, m in enumerate(case.meshes, start=1):
         yield from _mesh_numbers(row, m)
         if m.element is None:
@@ -933,8 +936,8 @@ def _torques(case: CaseData) -> Iterator[Problem]:
                 row,
                 "Speed",
                 speed,
-                lambda v: v <= LARGEST_SPEED_FRACTION,
-                f"at most {LARGEST_SPEED_FRACTION:.0%} of synchronous speed",
+                lambda v: v <= TOP_SPEED,
+                f"at most {TOP_SPEED:g} ({100 * TOP_SPEED:g} %) of synchronous speed",
                 "",
                 "Write 50 % or 900 rpm; a plain number in JSON is a fraction of synchronous speed.",
             )
@@ -1023,7 +1026,7 @@ def _motor_place(case: CaseData) -> Iterator[Problem]:
 
 def _materials(case: CaseData) -> Iterator[Problem]:
     table = "Materials"
-    yield from _names(table, "Material", [m.material for m in case.materials], "material")
+    yield from _names(table, "Material", [m.material for m in case.materials], "a material")
     for row, m in enumerate(case.materials, start=1):
         for column, value in (("UTS", m.uts), ("Yield", m.yield_), ("Endurance", m.endurance)):
             yield from _check(table, row, column, value, _positive, "positive", "Pa")
@@ -1149,7 +1152,7 @@ def _mode_damping(case: CaseData) -> Iterator[Problem]:
 
 def _excitations(case: CaseData) -> Iterator[Problem]:
     table = "Excitations"
-    yield from _names(table, "Name", [x.name for x in case.excitations], "excitation")
+    yield from _names(table, "Name", [x.name for x in case.excitations], "an excitation")
     for row, x in enumerate(case.excitations, start=1):
         if (x.order is None) == (x.frequency is None):
             found = "both" if x.order is not None else None

@@ -51,7 +51,7 @@ class Absent:
     reason: str
 
 
-class PeerFailed(Exception):
+class PeerFailed(RuntimeError):
     """What a peer's call raised, or that it did not answer."""
 
 
