@@ -274,14 +274,25 @@ def _recalculate(
 
 @contextmanager
 def _progress() -> Iterator[Callable[[str], None]]:
-    """A line that says what is being done; only where somebody watches."""
+    """A line that says what is being done, where somebody watches; a rare long wait is always told."""
+    from addin.recalc import COMPILING
+
+    def rare(text: str) -> None:
+        if COMPILING in text:
+            typer.echo(f"{text} …", err=True)
+
     if not sys.stderr.isatty():
-        yield lambda text: None
+        yield rare
         return
     from rich.console import Console
 
     with Console(stderr=True).status("starting") as status:
-        yield lambda text: status.update(text)
+
+        def tell(text: str) -> None:
+            rare(text)
+            status.update(text)
+
+        yield tell
 
 
 def _list_problems(file: Path, problems: Sequence[CellProblem]) -> None:

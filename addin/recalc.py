@@ -30,6 +30,8 @@ __all__ = [
 ]
 
 WORKBOOK_ENDINGS = (".xlsx", ".xlsm")
+#: The stage told when the compiled loops are not on this machine yet.
+COMPILING = "compiling the numerical routines, once on this machine (some ten seconds)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,9 +203,13 @@ def _calculate(
     from addin.calculation import calculate
     from engine.case import case_digest
     from engine.errors import CaseError, ModelError
+    from engine.stepping.compiling import is_compiled
+    from engine.stepping.kernels import advance_start
 
     try:
         case = replace(read.case(), **overrides)
+        if case.motor_torque and not is_compiled(advance_start):
+            tell(COMPILING)
         done = calculate(
             case,
             input_warnings=read.warnings,

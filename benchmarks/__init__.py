@@ -13,6 +13,7 @@ module             responsibility
 `whole_run`        a workbook recalculated, warm and cold, by stage
 `measure`          interleaved medians, errors on a common grid, equal-error times, the machine
 `goals`            what was aimed at and what was reached
+`pages`            what is said about them
 `report`, `plots`  tables on the terminal, docs/benchmarks.md, docs/images/bench_*.png
 =================  =============================================================================
 

@@ -93,8 +93,14 @@ def compare_modes(
             lowest, worst = (float(error[0]), float(error.max())) if n else (np.nan, np.nan)
             rows.append(
                 ModesRow(
-                    chain.name, _shown(program, method), program, measured.timing,
-                    lowest, worst, len(found), len(exact),
+                    chain.name,
+                    _shown(program, method),
+                    program,
+                    measured.timing,
+                    lowest,
+                    worst,
+                    len(found),
+                    len(exact),
                 )  # fmt: skip
             )
         yield rows

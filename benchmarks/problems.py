@@ -166,9 +166,7 @@ def start_of_size(n: int, voltage: float = 1.0) -> Case:
     names = [str(last.station), *(f"Disc {i + 1}" for i in range(extra))]
     share = (last.inertia or 0.0) / len(names)
     stations = [replace(last, inertia=share)]
-    stations += [
-        StationRow(name, None, share, last.speed_ratio) for name in names[1:]
-    ]
+    stations += [StationRow(name, None, share, last.speed_ratio) for name in names[1:]]
     spring = share * (2.0 * np.pi * 120.0) ** 2 / 2.0
     elements = [
         replace(shaft, element=f"Disc shaft {i + 1}", from_=a, to=b, stiffness=spring)

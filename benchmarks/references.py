@@ -160,7 +160,11 @@ def exact_start(
     law = (model.curves, model.motors, model.loads, model.timed, model.dampers)
     start = np.concatenate([np.zeros(len(A)), model.phase])
     largest = np.concatenate(
-        [np.full(n_rows, 1e5) / train.stiffness, np.full(train.n_dof, 1.0), np.ones(len(model.phase))]
+        [
+            np.full(n_rows, 1e5) / train.stiffness,
+            np.full(train.n_dof, 1.0),
+            np.ones(len(model.phase)),
+        ]
     )
     solved = solve_ivp(
         lambda t, y: _start_slope(t, y, A, G, pick, n_rows, *law),

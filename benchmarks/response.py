@@ -34,9 +34,9 @@ __all__ = ["ResponseRow", "compare_responses", "points_of", "response_reference"
 
 GRID = 1e-4
 #: Steps of each method, and the share of a step at which the torque is sampled. [s, 1]
-OURS_STEPS = (2e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)
+OURS_STEPS = (5e-3, 3e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)
 PEER_STEPS = (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5)
-QUICK_STEPS = (1e-3, 5e-4, 2e-4)
+QUICK_STEPS = (5e-3, 3e-3, 2e-3, 1e-3, 5e-4, 2e-4)
 
 
 @dataclass(frozen=True)

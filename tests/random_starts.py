@@ -97,6 +97,4 @@ def _tuned(case: Case, frequency: float) -> Case:
         ElementRow(e.element, e.kind, e.from_, e.to, scale * e.stiffness if e.stiffness else None)
         for e in case.elements
     )
-    return Case(
-        **{f: getattr(case, f) for f in case.__dataclass_fields__} | {"elements": elements}
-    )
+    return Case(**{f: getattr(case, f) for f in case.__dataclass_fields__} | {"elements": elements})

@@ -58,7 +58,7 @@ class PeerFailed(RuntimeError):
 def single_threaded() -> dict[str, str]:
     """Environment in which linear algebra uses one core, here and in the peers."""
     names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-    return {name: "1" for name in names}
+    return dict.fromkeys(names, "1")
 
 
 @dataclass(eq=False)
@@ -81,7 +81,10 @@ class Worker:
         watchdog.cancel()
         if not line:
             raise PeerFailed("stopped without an answer (out of time or memory)")
-        answer = json.loads(line)
+        try:
+            answer = json.loads(line)
+        except json.JSONDecodeError:
+            raise PeerFailed(f"said {line.strip()[:80]!r} where an answer was due") from None
         if "failed" in answer:
             raise PeerFailed(answer["failed"])
         return dict(answer)

@@ -11,7 +11,7 @@ import os
 import sys
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TextIO
 
 Laps = list[list[float]]
 """Wall and processor seconds of each call."""
@@ -31,19 +31,26 @@ def timed(call: Callable[[], Any], budget: float, at_most: int) -> tuple[Any, La
             return result, laps
 
 
-def serve(hello: Callable[[], dict[str, Any]], handlers: dict[str, Callable[..., Any]]) -> None:
-    """Answer requests from standard input until it closes.
+def claim_output() -> TextIO:
+    """Standard output for answers alone; what a peer prints goes to standard error from now on.
 
-    Peers print while they are imported and called; what they print goes to standard error.
+    To be called before the peer is imported: it may print while it is.
     """
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
+    return answers
+
+
+def serve(
+    answers: TextIO, hello: dict[str, Any], handlers: dict[str, Callable[..., dict[str, Any]]]
+) -> None:
+    """Answer requests from standard input until it closes."""
 
     def answer(content: dict[str, Any]) -> None:
         answers.write(json.dumps(content) + "\n")
         answers.flush()
 
-    answer(hello())
+    answer(hello)
     for line in sys.stdin:
         request = json.loads(line)
         try:

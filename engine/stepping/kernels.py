@@ -10,8 +10,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from engine.stepping.compiling import kernel
 
 __all__ = [
     "PENDING",
@@ -29,9 +30,26 @@ Floats = NDArray[np.float64]
 PENDING, REACHED = 0, 1
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def evaluate_curve(x: float, knots: Floats, cubic: Floats, count: int) -> tuple[float, float]:
-    """Value and slope of a piecewise cubic, held constant outside its knots."""
+    """Value and slope of a piecewise cubic, held constant outside its knots.
+
+    Parameters
+    ----------
+    x : float
+        Where, a fraction of synchronous speed. [1]
+    knots : ndarray, shape (longest,)
+        Knots. [1]
+    cubic : ndarray, shape (longest, 4)
+        Coefficients from each knot on. [N m]
+    count : int
+        Knots in use. [count]
+
+    Returns
+    -------
+    value, slope : float
+        Torque and its slope. [N m]
+    """
     if x <= knots[0]:
         return cubic[0, 0], 0.0
     if x >= knots[count - 1]:
@@ -48,7 +66,7 @@ def evaluate_curve(x: float, knots: Floats, cubic: Floats, count: int) -> tuple[
     return c[0] + s * (c[1] + s * (c[2] + s * c[3])), c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])
 
 
-@njit(cache=True, inline="always")
+@kernel(inline="always")
 def start_forces(
     t: float,
     inside: float,
@@ -67,6 +85,27 @@ def start_forces(
 
     A table against time is read on the segment that holds the time `inside`, a point within the
     step, so that a jump at the end of a step is not seen before it happens.
+
+    Parameters
+    ----------
+    t, inside : float
+        Time, and a time within the step. [s]
+    phase : ndarray, shape (n_motors,)
+        Phase of each pulsation at that time. [rad]
+    speed, acceleration : ndarray, shape (n_forces,)
+        Of the station (or across the damper) of each force. [rad/s, rad/s²]
+    curves : tuple
+        Knots, cubics and counts of all torque curves. [1, N m]
+    motors : tuple
+        Force, two curves, synchronous speed and pole pairs of each; line frequency. [SI]
+    loads : tuple
+        Force, curve, synchronous and standstill speed of each. [SI]
+    timed : tuple
+        Force, times, torques and counts of each table against time. [s, N m]
+    dampers : tuple
+        Force and coefficient of each damper between parts. [N m s/rad]
+    force, force_rate : ndarray, shape (n_forces,)
+        The results. [N m, N m/s]
     """
     knots, cubics, counts = curves
     motor_force, average_curve, pulsating_curve, motor_speed, pole_pairs, line_omega = motors
@@ -128,7 +167,7 @@ def start_forces(
         force_rate[f] -= viscous[k] * acceleration[f]
 
 
-@njit(cache=True, fastmath={"reassoc", "contract", "nsz"})
+@kernel(fastmath={"reassoc", "contract", "nsz"})
 def advance_start(
     n_steps: int,
     h: float,
@@ -160,7 +199,49 @@ def advance_start(
     free, forced and reach are (2, 2, n_modes), (2, 4, n_modes) and (n_forces, n_modes): the modes
     run along the last axis so that the compiler can take several at once. q, v, phase, force and
     force_rate are the state and are updated in place; the out_ arrays receive the state after
-    each step. Returns the number of steps done and PENDING or REACHED.
+    each step.
+
+    Parameters
+    ----------
+    n_steps : int
+        Most steps. [count]
+    h, t : float
+        Step, and time at its start. [s]
+    target_speed : float
+        Mean speed at which to stop. [rad/s]
+    free, forced : ndarray
+        Coefficients of the step. [SI]
+    stiffness, rate : ndarray, shape (n_modes,)
+        λ and d of each mode. [1/s², 1/s]
+    reach : ndarray, shape (n_forces, n_modes)
+        Forces to modes. [rad/√(kg m²)]
+    mean_speed : ndarray, shape (n_modes,)
+        Mean speed from modal velocities. [√(1/(kg m²))]
+    curves : tuple
+        Knots, cubics and counts of all torque curves. [1, N m]
+    motors : tuple
+        Force, two curves, synchronous speed and pole pairs of each; line frequency. [SI]
+    loads : tuple
+        Force, curve, synchronous and standstill speed of each. [SI]
+    timed : tuple
+        Force, times, torques and counts of each table against time. [s, N m]
+    dampers : tuple
+        Force and coefficient of each damper between parts. [N m s/rad]
+    q, v : ndarray, shape (n_modes,)
+        Modal positions and velocities. [SI]
+    phase : ndarray, shape (n_motors,)
+        Phase of each pulsation. [rad]
+    force, force_rate : ndarray, shape (n_forces,)
+        Forces and their rates. [N m, N m/s]
+    out_q, out_v : ndarray, shape (n_steps, n_modes)
+        State after each step. [SI]
+    out_f, out_fr : ndarray, shape (n_steps, n_forces)
+        Forces and rates after each step. [N m, N m/s]
+
+    Returns
+    -------
+    done, flag : int
+        Steps taken; PENDING or REACHED. [count]
     """
     nf, n = reach.shape
     base_q, base_v = np.empty(n), np.empty(n)
@@ -233,11 +314,23 @@ def advance_start(
     return n_steps, PENDING
 
 
-@njit(cache=True)
+@kernel()
 def drive_modes(
     free: Floats, forced: Floats, cubic: Floats, q: Floats, v: Floats, out_q: Floats, out_v: Floats
 ) -> None:
-    """Uncoupled modes under prescribed modal forces, cubic[k, i, :] in s over step k."""
+    """Uncoupled modes under prescribed modal forces.
+
+    Parameters
+    ----------
+    free, forced : ndarray, shape (n_modes, 2, 2) and (n_modes, 2, 4)
+        Coefficients of the step. [SI]
+    cubic : ndarray, shape (n_steps, n_modes, 4)
+        Coefficients of the modal force over each step. [SI]
+    q, v : ndarray, shape (n_modes,)
+        State, updated. [SI]
+    out_q, out_v : ndarray, shape (n_steps, n_modes)
+        State after each step. [SI]
+    """
     for k in range(cubic.shape[0]):
         for i in range(len(q)):
             c = cubic[k, i]
@@ -250,9 +343,21 @@ def drive_modes(
             out_q[k, i], out_v[k, i] = x, y
 
 
-@njit(cache=True)
+@kernel()
 def drive_coupled(free: Floats, forced: Floats, cubic: Floats, state: Floats, out: Floats) -> None:
-    """A coupled linear system under prescribed forces; forced has shape (n_state, n_modes, 4)."""
+    """A coupled linear system under prescribed forces.
+
+    Parameters
+    ----------
+    free, forced : ndarray, shape (n_state, n_state) and (n_state, n_modes, 4)
+        Coefficients of the step. [SI]
+    cubic : ndarray, shape (n_steps, n_modes, 4)
+        Coefficients of the modal force over each step. [SI]
+    state : ndarray, shape (n_state,)
+        State, updated. [SI]
+    out : ndarray, shape (n_steps, n_state)
+        State after each step. [SI]
+    """
     n_state, n_modes = forced.shape[0], forced.shape[1]
     new = np.empty(n_state)
     for k in range(cubic.shape[0]):
@@ -269,11 +374,23 @@ def drive_coupled(free: Floats, forced: Floats, cubic: Floats, state: Floats, ou
             out[k, i] = new[i]
 
 
-@njit(cache=True)
+@kernel()
 def turning_points(t: Floats, y: Floats, slope: Floats) -> tuple[Floats, Floats]:
     """Times and values of all turning points of a piecewise cubic Hermite curve.
 
     A turning point within rounding of a sample may come twice, but is never missed.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Rising times. [s]
+    y, slope : ndarray, shape (n,)
+        Values, of any unit, and their rates. [N m, N m/s]
+
+    Returns
+    -------
+    when, value : ndarray
+        Times and values. [s, N m]
     """
     n = len(t)
     when, value = np.empty(2 * n), np.empty(2 * n)

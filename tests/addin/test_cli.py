@@ -232,3 +232,14 @@ def test_two_runs_with_a_fixed_date_are_byte_identical_but_for_the_times_spent(e
         ]
         results.append(content)
     assert results[0] == results[1]
+
+
+def test_the_first_compilation_says_what_it_is_doing(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kernels"))
+    (tmp_path / "train.xlsx").write_bytes(template_path("example_modified.xlsx").read_bytes())
+    first = torsionbook("recalc", "train.xlsx", cwd=tmp_path)
+    assert first.returncode == 0, first.stderr
+    assert "compiling the numerical routines, once on this machine" in first.stderr
+    second = torsionbook("recalc", "train.xlsx", cwd=tmp_path)
+    assert second.returncode == 0, second.stderr
+    assert "compiling" not in second.stderr

@@ -88,6 +88,34 @@ def test_time_out() -> None:
     assert "after 1.00" in start.outcome.sentence
 
 
+def test_maximum_time_is_no_reason_to_watch_a_stalled_train_for_an_hour() -> None:
+    flat = ((0.0, 0.6, 0.05), (1.0, 0.6, 0.05))
+    crossing = ((0.0, 0.0), (0.5, 0.6), (1.0, 2.0))
+    case = geared(
+        motor_torque=motor(curve=flat),
+        load_torque=load(rated=RATED / 3.0, curve=crossing),
+        maximum_time=3600.0,
+    )
+    start = started(case)
+    assert start.outcome.outcome == "stalled"
+    assert start.outcome.time < 60.0
+
+
+def test_torque_from_a_table_may_start_what_the_motor_cannot() -> None:
+    """A barring gear pushes at 2.5 s, after the motor alone would have been given up."""
+    sticking = ((0.0, 0.95), (0.1, 0.02), (1.0, 0.25))
+    case = geared(
+        load_torque=load(rated=RATED / 3.0, curve=sticking),
+        torque_time=(
+            TorqueTimeRow("Motor", 2.5, 0.0),
+            TorqueTimeRow("Motor", 2.6, 5000.0),
+            TorqueTimeRow("Motor", 3.1, 0.0),
+        ),
+    )
+    assert started(replace(case, torque_time=())).outcome.outcome == "no breakaway"
+    assert started(case).outcome.outcome == "reached"
+
+
 def test_a_slow_start_without_maximum_time_is_not_cut() -> None:
     """The load leaves 3 % of rated torque to accelerate with: slow, but it arrives."""
     case = geared(
