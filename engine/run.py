@@ -24,6 +24,7 @@ from engine.fatigue import (
 )
 from engine.margins import interference, judge, separation_margins
 from engine.modal import ModalDamping, Modes, modal_damping, natural_modes, nodes_of
+from engine.motor import motors_of
 from engine.prescribed import run_prescribed
 from engine.results import Results
 from engine.startup import Start, has_start, run_start
@@ -118,7 +119,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
                 [
                     *margins.warnings,
                     *steady.warnings,
-                    *_warnings(case, modes, damping, start, starts),
+                    *_warnings(case, train, modes, damping, start, starts),
                 ]
             )
         ),
@@ -220,8 +221,28 @@ def _crossings(
     )
 
 
+def _unstable_feedback(
+    case: CaseData, train: Train, modes: Modes, damping: ModalDamping
+) -> Iterator[str]:
+    """A torque that rises with speed feeds a mode faster than its damping takes energy away."""
+    for motor in motors_of(case, train):
+        rise = float(np.max(motor.average.cubic[:, 1])) / motor.synchronous_speed
+        dof, scale = train.node_dof[motor.station], train.node_scale[motor.station]
+        fed = rise * (modes.shape[dof] * scale) ** 2
+        grown = np.flatnonzero((fed > damping.rate) & (modes.omega > 0.0))
+        if len(grown):
+            mode = int(grown[0])
+            yield (
+                f"The average torque of '{train.stations[motor.station]}' rises with speed faster "
+                f"than the damping of mode {mode - modes.n_rigid + 1} "
+                f"({modes.frequency[mode]:.4g} Hz) takes out: with torque following every "
+                "oscillation of the rotor that mode may grow by itself. Check its damping ratio."
+            )
+
+
 def _warnings(
     case: CaseData,
+    train: Train,
     modes: Modes,
     damping: ModalDamping,
     start: Start | None,
@@ -242,6 +263,7 @@ def _warnings(
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
+    yield from _unstable_feedback(case, train, modes, damping)
     counted = {e.element for _, e in _judged_shafts(case)}
     for e in case.elements:
         if e.stress_diameter and e.material and e.element not in counted:

@@ -448,3 +448,14 @@ def test_a_mode_well_above_twice_line_has_no_row() -> None:
 def test_curves_used_here_are_the_tables() -> None:
     assert motor()[0] == MotorTorqueRow("Motor", 0.0, 6000.0, 2500.0)
     assert load()[-1] == LoadTorqueRow("Load", LOAD[-1][0], 2500.0)
+
+
+def test_torque_that_rises_faster_than_a_mode_is_damped_is_warned_about():
+    from sample_case import sample_case
+
+    from engine.run import run
+
+    said = "rises with speed faster than the damping of mode 1"
+    assert not any(said in w for w in run(sample_case("modified")).warnings)
+    undamped = run(sample_case("modified", damping_ratio=0.0)).warnings
+    assert any(said in w for w in undamped)
