@@ -217,7 +217,7 @@ def _shown(spec: TableSpec, field: Field, row: Mapping[str, Any], units: ShownUn
         return str(value)
     if not math.isfinite(value):
         return "unlimited" if field.name in _STARTS else "unbounded"
-    name = spec.repeated.name if field.name not in _names(spec) and spec.repeated else field.name
+    name = spec.repeated.name if spec.repeated and field.name not in _names(spec) else field.name
     factor = units.factors.get((spec.name, field.name), units.factor(spec.name, name))
     return int(value) if field.kind == "integer" else float(value) / factor
 

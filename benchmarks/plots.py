@@ -73,12 +73,13 @@ def draw_error_against_time(
             linewidth=1.6,
             label=label + (notes or {}).get(label, ""),
         )
-        for p in (ordered[0], ordered[-1]):
+        for p, side in ((ordered[0], -1), (ordered[-1], 1)):
             axes.annotate(
                 f"{1e3 * p.step:g} ms",
                 (p.seconds, p.error),
                 textcoords="offset points",
-                xytext=(6, 5),
+                xytext=(7 * side, -3),
+                ha="left" if side > 0 else "right",
                 fontsize=7.5,
                 color=colour,
             )
@@ -102,7 +103,7 @@ def draw_error_against_time(
 
 def draw_modes(path: Path, rows: Sequence[ModesRow], calls: Sequence[str]) -> None:
     """Left: time against stations. Right: error of the first frequency, plain and hard train."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10.4, 4.6), dpi=150, width_ratios=(1, 1))
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.8, 4.8), dpi=150, layout="constrained")
     seen: dict[str, int] = {}
     problems = list(dict.fromkeys(r.problem for r in rows))
     ordinary = [p for p in problems if p.endswith("stations")]
@@ -137,18 +138,20 @@ def draw_modes(path: Path, rows: Sequence[ModesRow], calls: Sequence[str]) -> No
     right.set_yticks(range(len(shown)), shown, fontsize=8.5)
     right.invert_yaxis()
     right.set_xlim(3e-18, 30.0)
-    right.set_title(
-        "Error of the first frequency presented, 10 stations\n"
-        "open: plain train   filled: one link of 5e16 N·m/rad",
-        loc="left",
-        fontsize=11,
+    right.set_xlabel(
+        "relative error    open: plain train    filled: one link of 5e16 N·m/rad",
         color=INK,
+        fontsize=8.5,
     )
+    right.set_title("First frequency presented, 10 stations", loc="left", fontsize=11, color=INK)
     for axes in (left, right):
         _plain(axes)
-    left.legend(frameon=False, fontsize=7.5, loc="upper left")
-    low, high = left.get_ylim()
-    left.set_ylim(low, high * 30.0)
-    figure.tight_layout()
+    figure.legend(
+        *left.get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=3,
+        frameon=False,
+        fontsize=8.5,
+    )
     figure.savefig(path)
     plt.close(figure)

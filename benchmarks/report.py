@@ -217,7 +217,8 @@ def machine_line(facts: Mapping[str, str], busy: float) -> str:
     return (
         f"{facts['cores']} cores, {facts['system']}, Python {facts['python']}, numpy "
         f"{facts['numpy']}, scipy {facts['scipy']}, numba {facts['numba']}; linear algebra on one "
-        f"thread; wall over processor time of a call {busy:.2f} in the median (1: nothing else ran)."
+        f"thread. Nine tenths of the medians have at most {busy:.2f} s of wall time a second of "
+        "processor time; where nothing else runs it is 1."
     )
 
 

@@ -56,10 +56,12 @@ ASYNCHRONOUS_ABOVE = 0.95
 #: Time simulated where the motor cannot break the train away. [s]
 STANDSTILL_TIME = 2.0
 #: Largest and smallest phase of the pulsation per step tried first. [rad]
-COARSEST_ANGLE, FINEST_ANGLE = 1.2, 0.02
-#: Peak error of the exponential start at 1 rad of pulsation phase per step, from the order-4
-#: study in docs/accuracy.md: error ≈ this × (phase per step)⁴. [1]
-ERROR_AT_ONE_RADIAN = 3e-4
+COARSEST_FIRST, FINEST_FIRST = 2.0, 0.02
+#: A ringing mode is followed by steps of at most this phase. [rad]
+COARSEST_ANGLE = 1.2
+#: Peak error of the exponential start at 1 rad of pulsation phase per step: measured 1e-5 × (phase
+#: per step)⁴ (docs/benchmarks.md, the start), taken four times as large. [1]
+ERROR_AT_ONE_RADIAN = 4e-5
 #: The same for Newmark: error ≈ this × (phase per step)², second order and far larger.
 NEWMARK_ERROR_AT_ONE_RADIAN = 0.4
 #: Steps are halved at most so often before the best result is reported with its error.
@@ -885,7 +887,7 @@ def _first_step(settings: StartSettings, fastest: float) -> float:
         angle = math.sqrt(0.5 * settings.tolerance_peak / NEWMARK_ERROR_AT_ONE_RADIAN)
     else:
         angle = (0.5 * settings.tolerance_peak / ERROR_AT_ONE_RADIAN) ** 0.25
-    return min(max(angle, FINEST_ANGLE), COARSEST_ANGLE) / fastest
+    return min(max(angle, FINEST_FIRST), COARSEST_FIRST) / fastest
 
 
 def _run_length(runup: RigidRunup) -> float:

@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 _FOUR_POINT = np.linalg.inv(np.vander(np.array([0.0, 1.0, 2.0, 3.0]) / 3.0, 4, increasing=True))
 #: Off-diagonal modal damping below this share of the diagonal is rounding.
 _COUPLED = 1e-11
+#: Steps whose modal forces are calculated at a time.
+CHUNK = 2048
 #: Times this close to equally spaced, over the whole span, are equally spaced.
 _SPACING = 1e-12
 
@@ -211,9 +213,12 @@ def time_response(
     matrix = matrix[np.ix_(keep, keep)]
     off = np.abs(matrix - np.diag(np.diag(matrix)))
     coupled = bool(np.max(off, initial=0.0) > _COUPLED * np.max(np.abs(matrix), initial=0.0))
-    cubic = _modal_cubics(torques, stations, reach, grid)
     omega = modes.omega[keep]
-    out_q, out_v = _integrate(omega, matrix, coupled, grid, cubic, q, v)
+
+    def forces(part: Floats) -> Floats:
+        return _modal_cubics(torques, stations, reach, part)
+
+    out_q, out_v = _integrate(omega, matrix, coupled, grid, forces, q, v)
     if len(grid) != len(t):
         pick = np.searchsorted(grid, t)
         out_q, out_v = out_q[:, pick], out_v[:, pick]
@@ -275,6 +280,8 @@ def _fill_inner(train: Train, value: Floats, inner: NDArray[np.bool_]) -> Floats
 def _step_grid(t: Floats, torques: Sequence[PrescribedTorque]) -> Floats:
     """Output times and the knots of the torques between them."""
     knots = [p.knots[(p.knots > t[0]) & (p.knots < t[-1])] for p in torques]
+    if all(len(k) == 0 or np.array_equal(k, t[1:-1]) for k in knots):
+        return t
     merged = np.unique(np.concatenate([t, *knots]))
     close = np.diff(merged) < 1e-12 * max(abs(t[-1]), t[-1] - t[0], 1e-300)
     # of two times that rounding has split keep the one that was asked for
@@ -289,20 +296,36 @@ def _modal_cubics(
 ) -> Floats:
     """Coefficients of the modal forces over every step, shape (n_steps, n_modes, 4)."""
     start, h = grid[:-1], np.diff(grid)
-    coefficients = np.zeros((len(h), len(stations), 4))
+    values = np.zeros((len(h), len(stations), 4))  # at 0, 1/3, 2/3 and 1 of each step
     for p in torques:
         column = int(np.searchsorted(stations, p.station))
-        first, last = p.value(start, "right"), p.value(grid[1:], "left")
+        if len(p.knots):
+            first, last = p.value(start, "right"), p.value(grid[1:], "left")
+        else:
+            ends = p.value(grid, "right")
+            first, last = ends[:-1], ends[1:]
         inner = [p.value(start + share * h, "right") for share in (1.0 / 3.0, 2.0 / 3.0)]
-        values = np.stack([first, *inner, last], axis=-1)
-        coefficients[:, column] += values @ _FOUR_POINT.T
-    return np.ascontiguousarray(np.einsum("ms,ksp->kmp", reach, coefficients))
+        for i, part in enumerate((first, *inner, last)):
+            values[:, column, i] += part
+    n = len(reach)
+    to_modes = np.einsum("ms,pi->simp", reach, _FOUR_POINT).reshape(4 * len(stations), 4 * n)
+    return np.asarray((values.reshape(len(h), -1) @ to_modes).reshape(len(h), n, 4))
 
 
 def _integrate(
-    omega: Floats, matrix: Floats, coupled: bool, grid: Floats, cubic: Floats, q: Floats, v: Floats
+    omega: Floats,
+    matrix: Floats,
+    coupled: bool,
+    grid: Floats,
+    forces: Callable[[Floats], Floats],
+    q: Floats,
+    v: Floats,
 ) -> tuple[Floats, Floats]:
-    """Modal positions and velocities on the grid, shape (n_modes, n_grid)."""
+    """Modal positions and velocities on the grid, shape (n_modes, n_grid).
+
+    `forces` gives the modal cubics between some grid points; it is asked for a few thousand steps
+    at a time, which stay in the processor's cache.
+    """
     n = len(omega)
     out_q, out_v = np.empty((len(grid), n)), np.empty((len(grid), n))
     out_q[0], out_v[0] = q, v
@@ -313,14 +336,17 @@ def _integrate(
         h = float(grid[j] - grid[i]) / (j - i)
         if coupled:
             free, forced = _coupled_step(omega, matrix, h)
-            out = np.empty((j - i, 2 * n))
-            kernels.drive_coupled(free, forced, cubic[i:j], state, out)
-            out_q[i + 1 : j + 1], out_v[i + 1 : j + 1] = out[:, :n], out[:, n:]
         else:
             free, forced = polynomial_step(omega**2, np.diag(matrix).copy(), h)
-            kernels.drive_modes(
-                free, forced, cubic[i:j], q, v, out_q[i + 1 : j + 1], out_v[i + 1 : j + 1]
-            )
+        for a in range(i, j, CHUNK):
+            b = min(a + CHUNK, j)
+            cubic, new = forces(grid[a : b + 1]), slice(a + 1, b + 1)
+            if coupled:
+                out = np.empty((b - a, 2 * n))
+                kernels.drive_coupled(free, forced, cubic, state, out)
+                out_q[new], out_v[new] = out[:, :n], out[:, n:]
+            else:
+                kernels.drive_modes(free, forced, cubic, q, v, out_q[new], out_v[new])
         i = j
     return out_q.T, out_v.T
 

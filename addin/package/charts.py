@@ -7,16 +7,19 @@ rewritten, and of these only the ``c:f`` texts and the caches.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 from xml.sax.saxutils import escape
 
 from lxml import etree
 
-from .references import Rect, retargeted, split_areas
+from .references import Rect, parse_range, retargeted, split_areas, split_sheet
 from .values import Constant, ErrorValue, number_text
 from .xml_part import CHART, Element, parse_part, serialise
 
 Area = tuple[str, Rect]
+Shown = Callable[[str, Rect], Sequence[Constant]]
 
 _F, _PT_COUNT, _PT, _LEVEL = (f"{{{CHART}}}{tag}" for tag in ("f", "ptCount", "pt", "lvl"))
 _EXTENSIONS = f"{{{CHART}}}extLst"
@@ -60,13 +63,14 @@ class ChartPart:
             Number of ranges changed.
         """
         count = 0
-        for formula in self._root.iter(_F):
-            text = formula.text or ""
-            areas = split_areas(text)
+        for formula in self._by_rows.pop((sheet, old.top, old.bottom), {}):
+            areas = split_areas(formula.text)
             moved = [retargeted(area, sheet, old, new) for area in areas]
             if moved != areas:
                 formula.text = f"({','.join(moved)})" if len(moved) > 1 else moved[0]
                 count += 1
+            for place in _rows_of_areas(formula.text):
+                self._by_rows[place][formula] = None
         self.changed = self.changed or count > 0
         return count
 
@@ -74,7 +78,7 @@ class ChartPart:
         self,
         resolve: Callable[[str], list[Area] | None],
         touched: Callable[[str, Rect], bool],
-        value: Callable[[str, int, int], Constant],
+        shown: Shown,
     ) -> int:
         """Renew the caches of all ranges that reach changed cells.
 
@@ -84,8 +88,8 @@ class ChartPart:
             Areas of a reference text; None when it cannot be followed.
         touched : callable
             Whether a rectangle of a sheet holds a changed cell.
-        value : callable
-            Value that a cell shows, by sheet, row and column.
+        shown : callable
+            Values that the cells of a rectangle of a sheet show, row by row.
 
         Returns
         -------
@@ -98,7 +102,7 @@ class ChartPart:
             areas = resolve(reference.findtext(_F) or "") if cache is not None else None
             if areas is None or not any(touched(*area) for area in areas):
                 continue
-            _fill_cache(reference.tag, cache, areas, value)
+            _fill_cache(reference.tag, cache, areas, shown)
             count += 1
         self.changed = self.changed or count > 0
         return count
@@ -107,24 +111,35 @@ class ChartPart:
         """The part as it shall be stored."""
         return serialise(self._root, self._original)
 
+    @cached_property
+    def _by_rows(self) -> dict[tuple[str, int, int], dict[Element, None]]:
+        """Range texts by the sheet, first and last row of their areas, as every resized table asks for some."""
+        index: dict[tuple[str, int, int], dict[Element, None]] = defaultdict(dict)
+        for formula in self._root.iter(_F):
+            for place in _rows_of_areas(formula.text or ""):
+                index[place][formula] = None
+        return index
 
-def _cells(areas: Iterable[Area]) -> Iterator[tuple[str, int, int]]:
-    for sheet, rect in areas:
-        for row in range(rect.top, rect.bottom + 1):
-            for column in range(rect.left, rect.right + 1):
-                yield sheet, row, column
+
+def _rows_of_areas(reference: str) -> Iterator[tuple[str, int, int]]:
+    for area in split_areas(reference):
+        sheet, text = split_sheet(area)
+        try:
+            rect = parse_range(text)
+        except ValueError:
+            continue
+        yield sheet, rect.top, rect.bottom
 
 
-def _fill_cache(
-    kind: str, cache: Element, areas: list[Area], value: Callable[[str, int, int], Constant]
-) -> None:
+def _fill_cache(kind: str, cache: Element, areas: list[Area], shown: Shown) -> None:
     for old in cache.findall(_PT_COUNT) + cache.findall(_PT) + cache.findall(_LEVEL):
         cache.remove(old)
     if kind == _MULTI_LEVEL:
-        xml = _levels_xml(areas, value)
+        xml = _levels_xml(areas, shown)
     else:
         text = _number_point if kind == _NUMBERS else _text_point
-        xml = _points_xml([text(value(*cell)) for cell in _cells(areas)], with_count=True)
+        points = [text(value) for sheet, rect in areas for value in shown(sheet, rect)]
+        xml = _points_xml(points, with_count=True)
     new = list(etree.fromstring(f'<d xmlns="{CHART}">{xml}</d>'))
     # The schema wants format code, count and points in this order, extensions last.
     extensions = cache.find(_EXTENSIONS)
@@ -132,7 +147,7 @@ def _fill_cache(
     cache[at:at] = new
 
 
-def _levels_xml(areas: list[Area], value: Callable[[str, int, int], Constant]) -> str:
+def _levels_xml(areas: list[Area], shown: Shown) -> str:
     """Levels of a category axis with several label columns, the innermost (last column) first."""
     sheet, rect = areas[0]
     by_columns = rect.height >= rect.width
@@ -147,7 +162,7 @@ def _levels_xml(areas: list[Area], value: Callable[[str, int, int], Constant]) -
             if by_columns
             else Rect(line, rect.left, line, rect.right)
         )
-        points = [_text_point(value(*cell)) for cell in _cells([(sheet, area)])]
+        points = [_text_point(value) for value in shown(sheet, area)]
         levels.append(f"<lvl>{_points_xml(points, with_count=False)}</lvl>")
     return f'<ptCount val="{count}"/>' + "".join(levels)
 
@@ -163,9 +178,11 @@ def _points_xml(points: list[str | None], *, with_count: bool) -> str:
 
 def _number_point(value: Constant) -> str | None:
     """Number of a point; text and errors have none, as a spreadsheet program leaves them out too."""
+    if type(value) is float:
+        return number_text(value)
     if isinstance(value, bool):
         return "1" if value else "0"
-    return number_text(value) if isinstance(value, float) else None
+    return None
 
 
 def _text_point(value: Constant) -> str | None:

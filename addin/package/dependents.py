@@ -92,12 +92,17 @@ class ReferenceResolver:
         self._sheets = {sheet.lower(): sheet for sheet in sheets}
         self._names = {(name.local_sheet.lower(), name.name.lower()): name for name in names}
         self._tables = {table.name.lower(): table for table in tables}
+        self._known: dict[FormulaCell, list[tuple[str, Rect]] | None] = {}
 
     def reads(self, formula: FormulaCell) -> list[tuple[str, Rect]] | None:
         """Rectangles that the formula reads; None = possibly everything."""
         if not formula.text:
             return None
-        return self._reads(formula.text, formula.sheet, formula.rect, formula.shift, depth=0)
+        if formula not in self._known:
+            self._known[formula] = self._reads(
+                formula.text, formula.sheet, formula.rect, formula.shift, depth=0
+            )
+        return self._known[formula]
 
     def _reads(
         self, text: str, sheet: str, at: Rect, shift: tuple[int, int], depth: int

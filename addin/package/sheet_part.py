@@ -9,6 +9,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from lxml import etree
 
@@ -53,6 +54,13 @@ class Row:
     columns: list[int] = field(default_factory=list)
 
 
+class _Block(NamedTuple):
+    """A written rectangle with the values given for its first rows; those below are blank."""
+
+    rect: Rect
+    rows: Sequence[Sequence[CellValue]]
+
+
 class SheetPart:
     """Cells, styles and row order of one worksheet.
 
@@ -90,6 +98,8 @@ class SheetPart:
         self._formula_before: dict[tuple[int, int], bool] = {}
         self._merges: list[Rect] | None = None
         self._extent: Rect | None = None
+        # Long blocks that still stand as they were written; they do not overlap.
+        self._blocks: list[_Block] = []
 
     @property
     def changed(self) -> bool:
@@ -111,6 +121,22 @@ class SheetPart:
         """The value that a cell shows; of a formula its cached value."""
         cell = self._cell(row, column)
         return None if cell is None else read_constant(cell, self.shared_strings)
+
+    def constants(self, rect: Rect) -> list[Constant]:
+        """The values that the cells of a rectangle show, row by row."""
+        block = next((one for one in self._blocks if one.rect.covers(rect)), None)
+        if block is None:
+            columns = range(rect.left, rect.right + 1)
+            return [
+                self.constant(row, column)
+                for row in range(rect.top, rect.bottom + 1)
+                for column in columns
+            ]
+        # The values are in hand: taking them from the cells again would parse each number.
+        start, left = rect.top - block.rect.top, rect.left - block.rect.left
+        rows = block.rows[start : start + rect.height]
+        held = [value for row in rows for value in row[left : left + rect.width]]
+        return held + [None] * (rect.height * rect.width - len(held))
 
     def style(self, row: int, column: int) -> str | None:
         """Style index that a cell has, or would have if it were written now."""
@@ -242,11 +268,14 @@ class SheetPart:
                 row_xml(number, starts, row_styles, rows[offset] if offset < len(rows) else blank)
             )
         self._graft(rect, texts)
-        for offset, row in enumerate(rows):
-            if FORMULA_MARK in texts[offset]:
-                for shift, value in enumerate(row):
-                    if isinstance(value, Formula):
-                        self._note_formula(rect.top + offset, rect.left + shift)
+        with_formulas = [offset for offset, text in enumerate(texts) if FORMULA_MARK in text]
+        for offset in with_formulas:
+            for shift, value in enumerate(rows[offset]):
+                if isinstance(value, Formula):
+                    self._note_formula(rect.top + offset, rect.left + shift)
+        self._forget_blocks(rect)
+        if len(rows) > 1 and not with_formulas:
+            self._blocks.append(_Block(rect, rows))
         self._note_extent(rect)
         self._touch()
         return texts
@@ -254,6 +283,7 @@ class SheetPart:
     def remove_cells(self, rect: Rect) -> None:
         """Take cells out of the sheet, values and styles."""
         self._forget_formulas(rect)
+        self._forget_blocks(rect)
         for number in self._rows_between(rect.top, rect.bottom):
             self._take_out(self._row(number), rect)
         self._touch()
@@ -276,6 +306,8 @@ class SheetPart:
             _, column = parse_cell(cell.get("r"))
             cell.set("r", cell_name(row, column))
         self._put_in(target, cells)
+        self._forget_blocks(source)
+        self._forget_blocks(Rect(row, source.left, row, source.right))
         for column in range(source.left, source.right + 1):
             if (number, column) in self.formulas:
                 self._drop_formula(number, column)
@@ -288,6 +320,7 @@ class SheetPart:
         cell = self._cell(row, column)
         if cell is None:
             return
+        self._forget_blocks(Rect(row, column, row, column))
         for old in cell.findall(_V):
             cell.remove(old)
         kind, text = constant_text(value)
@@ -508,6 +541,10 @@ class SheetPart:
         self._data.replace(old, new_row)
         self._rows[number] = new_row
         self._indexed.pop(number, None)
+
+    def _forget_blocks(self, rect: Rect) -> None:
+        """Values of blocks that are changed in part are asked of the cells from now on."""
+        self._blocks = [block for block in self._blocks if not block.rect.meets(rect)]
 
     def _take_out(self, row: Row, rect: Rect) -> list[Element]:
         """Remove the cells of a row that lie in the columns of the rectangle."""

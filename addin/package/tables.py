@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 from .errors import WorkbookMismatch
@@ -98,28 +99,31 @@ class Table:
         at : Rect
             Cells of the formula.
         """
-        columns = self._named_columns(inside)
+        columns = _named_columns(inside, self.columns)
         left = self.ref.left + min(columns, default=0)
         right = self.ref.left + max(columns, default=len(self.columns) - 1)
         if _names_this_row(inside) and self.ref.top <= at.top and at.bottom <= self.ref.bottom:
             return Rect(at.top, left, at.bottom, right)
         return Rect(self.ref.top, left, self.ref.bottom, right)
 
-    def _named_columns(self, inside: str) -> list[int]:
-        """Positions of the columns named; empty when any word is not understood, which means all."""
-        words = _INNER.findall(inside) or [inside.lstrip("@")]
-        positions: list[int] = []
-        known = {column.casefold(): index for index, column in enumerate(self.columns)}
-        for word in words:
-            name = unescape(_QUOTED.sub(r"\1", word)).strip().casefold()
-            if name.startswith("#") and word.startswith("#"):
-                continue
-            if name not in known:
-                return []
-            positions.append(known[name])
-        return positions
+
+@lru_cache(maxsize=4096)
+def _named_columns(inside: str, columns: tuple[str, ...]) -> tuple[int, ...]:
+    """Positions of the columns named; empty when any word is not understood, which means all."""
+    words = _INNER.findall(inside) or [inside.lstrip("@")]
+    positions: list[int] = []
+    known = {column.casefold(): index for index, column in enumerate(columns)}
+    for word in words:
+        name = unescape(_QUOTED.sub(r"\1", word)).strip().casefold()
+        if name.startswith("#") and word.startswith("#"):
+            continue
+        if name not in known:
+            return ()
+        positions.append(known[name])
+    return tuple(positions)
 
 
+@lru_cache(maxsize=4096)
 def _names_this_row(inside: str) -> bool:
     words = _INNER.findall(inside) or [inside]
     return inside.startswith("@") or any(word.strip().lower() == "#this row" for word in words)

@@ -390,9 +390,8 @@ class Workbook:
         self._charts_current = False
         before, after = parse_range(old), parse_range(new)
         count = sum(chart.retarget(sheet, before, after) for chart in self._charts)
-        for name in self.sheet_names:
-            if b"sparkline>" in self.sheet_bytes(name):
-                count += self._sheet(name).retarget_sparklines(sheet, before, after)
+        for name in self._sheets_with_sparklines:
+            count += self._sheet(name).retarget_sparklines(sheet, before, after)
         return count
 
     def refresh_chart_caches(self) -> int:
@@ -582,6 +581,10 @@ class Workbook:
             ChartPart(part, self._container.read(part)) for part in self._structure.chart_parts()
         ]
 
+    @cached_property
+    def _sheets_with_sparklines(self) -> list[str]:
+        return [name for name in self.sheet_names if b"sparkline>" in self.sheet_bytes(name)]
+
     def _areas(self, text: str) -> list[Area] | None:
         """Areas of a chart's reference; names of the workbook are followed."""
         areas: list[Area] = []
@@ -599,8 +602,8 @@ class Workbook:
             areas.append(area)
         return areas or None
 
-    def _shown(self, sheet: str, row: int, column: int) -> Constant:
-        return self._sheet(sheet).constant(row, column)
+    def _shown(self, sheet: str, rect: Rect) -> list[Constant]:
+        return self._sheet(sheet).constants(rect)
 
     def _forget_formulas(self, sheet: str, rect: Rect) -> None:
         given = self._given_formulas.get(sheet, set())

@@ -82,6 +82,7 @@ class WorkbookPart:
 
     def __init__(self, container: Container) -> None:
         self._container = container
+        self._related: dict[str, list[Relationship]] = {}
         if container.find(CONTENT_TYPES_PART) is None:
             raise self._refused(
                 "not a workbook", "is a zip file but not an Excel workbook (.xlsx or .xlsm)"
@@ -122,6 +123,11 @@ class WorkbookPart:
 
     def relationships(self, part: str) -> list[Relationship]:
         """Relationships of a part that stay inside the package."""
+        if part not in self._related:
+            self._related[part] = self._read_relationships(part)
+        return self._related[part]
+
+    def _read_relationships(self, part: str) -> list[Relationship]:
         holder = relationships_part(part)
         stored = self._container.find(holder)
         if stored is None:
