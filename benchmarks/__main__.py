@@ -39,7 +39,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument(
         "--write-docs", action="store_true", help="write docs/benchmarks.md and its pictures"
     )
-    parser.add_argument("--rounds", type=int, help="turns of every method (default 7; quick 3)")
+    parser.add_argument("--rounds", type=int, help="turns of every method (default 7; quick 2)")
     parser.add_argument(
         "--ross-python", metavar="PYTHON", help="the Python (3.13 or later) to install ROSS with"
     )
@@ -71,7 +71,7 @@ def _peers(args: argparse.Namespace) -> tuple[list[Worker], list[Absent]]:
 def _measure(args: argparse.Namespace, workers: list[Worker], absent: list[Absent]) -> None:
     from benchmarks import measure, modes, pages, problems, response, start, whole_run
 
-    rounds = args.rounds or (3 if args.quick else 7)
+    rounds = args.rounds or (2 if args.quick else 7)
     found: dict[str, Any] = {"machine": measure.machine()}
     _tell("natural frequencies")
     found["modes"] = [
@@ -92,13 +92,13 @@ def _measure(args: argparse.Namespace, workers: list[Worker], absent: list[Absen
     found["whole_start"] = start.whole_start(exact, rounds)
     found["growth"] = list(start.growth(rounds, args.quick))
     _tell("whole recalculation")
-    repeats = 5 if args.quick else 15
+    repeats = 3 if args.quick else 15
     found["stages"] = {
         "threads as found": whole_run.running_process(repeats, one_thread=False),
         "one thread": whole_run.running_process(repeats, one_thread=True),
     }
     found["programs"] = list(
-        whole_run.program_runs(2 if args.quick else 5, first_ever=not args.quick)
+        whole_run.program_runs(1 if args.quick else 5, first_ever=not args.quick)
     )
     timings = [r.timing for r in (*found["modes"], *found["responses"], *found["starts"])]
     busy = sorted(t.busy for t in timings if t is not None)

@@ -139,11 +139,11 @@ def draw_modes(path: Path, rows: Sequence[ModesRow], calls: Sequence[str]) -> No
     right.invert_yaxis()
     right.set_xlim(3e-18, 30.0)
     right.set_xlabel(
-        "relative error    open: plain train    filled: one link of 5e16 N·m/rad",
+        "open: plain train   filled: one link of 5e16 N·m/rad",
         color=INK,
         fontsize=8.5,
     )
-    right.set_title("First frequency presented, 10 stations", loc="left", fontsize=11, color=INK)
+    right.set_title("Error of the first frequency presented", loc="left", fontsize=11, color=INK)
     for axes in (left, right):
         _plain(axes)
     figure.legend(

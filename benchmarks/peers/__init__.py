@@ -110,7 +110,7 @@ class Worker:
 
 def start_peer(peer: Peer, home: Path, *, install: bool) -> Worker | Absent:
     """Install a peer into `home` if it is not there, and start its worker."""
-    folder = home / peer.requirement
+    folder = home.resolve() / peer.requirement
     python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     if not (folder / ".ready").exists():
         if not install:
@@ -118,16 +118,19 @@ def start_peer(peer: Peer, home: Path, *, install: bool) -> Worker | Absent:
         wrong = _install(peer, folder, python)
         if wrong:
             return Absent(peer.name, wrong)
-    process = subprocess.Popen(
-        [str(python), str(HERE / peer.worker)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-        encoding="utf-8",
-        cwd=folder,
-        env=os.environ | single_threaded(),
-    )
+    try:
+        process = subprocess.Popen(
+            [str(python), str(HERE / peer.worker)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            encoding="utf-8",
+            cwd=folder,
+            env=os.environ | single_threaded(),
+        )
+    except OSError as wrong:
+        return Absent(peer.name, f"its environment {folder.name} does not start: {wrong.strerror}")
     worker = Worker(peer, process)
     try:
         worker.hello = worker.read()
