@@ -5,6 +5,7 @@ Nothing heavy is imported before a command needs it, so that --help and version 
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -52,6 +53,24 @@ class _Wrong(Exception):
     """An input or a file that cannot be used; the sentence is all there is to say."""
 
 
+def _version_asked(asked: bool) -> None:
+    if asked:
+        version()
+        raise typer.Exit()
+
+
+@app.callback()
+def _program(
+    version_asked: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version.", callback=_version_asked, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    """See the help of `app`; only --version is added here."""
+
+
 @app.command()
 def new(
     file: Annotated[Path, typer.Argument(help="The workbook to make.", show_default=False)],
@@ -87,12 +106,14 @@ def check(files: Files) -> None:
 
     Example: `torsionbook check train.xlsx`
     """
-    from addin.recalc import read_checked
+    from addin.recalc import Unreadable, read_checked
+    from engine.plausibility import implausible
 
     wrong = 0
     for file in files:
         read = read_checked(file)
-        for sentence in read.warnings:
+        plausible = () if isinstance(read, Unreadable) or read.problems else implausible(read.data)
+        for sentence in (*read.warnings, *plausible):
             typer.echo(f"{file}: note: {sentence}")
         if read.problems:
             wrong += 1
@@ -312,21 +333,32 @@ def _overall(one: Recalculated) -> str:
     return next(v.verdict for v in one.calculation.results.verdicts)
 
 
+#: A terminal narrower than this gets the summary as lines instead of a table.
+TABLE_WIDTH = 110
+
+
 def _summary(done: Sequence[Recalculated]) -> None:
-    """The table at the end: file, first modes, worst margin, peak, starts, verdict."""
+    """The end of a run: file, first modes, worst margin, peak, start, starts, verdict."""
     shown = [one for one in done if one.calculation is not None]
     if not shown:
         return
-    from rich.console import Console
-    from rich.table import Table
+    import shutil
 
-    table = Table(show_edge=False, pad_edge=False)
-    for header in ("File", "First modes [Hz]", "Worst margin", "Largest peak", "Starts", "Verdict"):
-        table.add_column(header, overflow="fold")
-    for one in shown:
-        table.add_row(one.source.name, *_summary_cells(one), _overall(one))
-    console = Console()
-    Console(width=max(console.width, 100)).print(table)
+    headers = ("First modes [Hz]", "Worst margin", "Largest peak", "Start", "Starts", "Verdict")
+    rows = [(one.source.name, [*_summary_cells(one), _overall(one)]) for one in shown]
+    if shutil.get_terminal_size().columns >= TABLE_WIDTH:
+        from rich.console import Console
+        from rich.table import Table
+
+        table = Table("File", *headers, show_edge=False, pad_edge=False)
+        for name, cells in rows:
+            table.add_row(name, *cells)
+        Console(width=max(Console().width, TABLE_WIDTH)).print(table)
+    else:
+        for name, cells in rows:
+            typer.echo(name)
+            for header, cell in zip(headers, cells, strict=True):
+                typer.echo(f"  {header:<17} {cell}")
     for one in shown:
         for path in one.written:
             typer.echo(f"written: {path}")
@@ -338,7 +370,9 @@ def _summary_cells(one: Recalculated) -> list[str]:
     modes = ", ".join(f"{f:.4g}" for f in results.modes.elastic_frequency[:3])
     worst = results.margins.worst
     margin = "–" if worst is None else f"{100 * worst.margin:.1f} % (mode {worst.mode})"
-    peak, starts = "–", "–"
+    peak, starts, outcome = "–", "–", "–"
+    if results.start is not None:
+        outcome = results.start.outcome.outcome
     if results.start is not None and results.start.peaks:
         rated = results.case.ratings.rated_torque
         ratio = {e.element: s for e, s in zip(results.case.elements, _ratios(results), strict=True)}
@@ -352,8 +386,8 @@ def _summary_cells(one: Recalculated) -> list[str]:
             peak = f"{size * ratio[top.element] / rated:.2f} × rated, {top.element}"
     if results.starts is not None and results.starts.shafts:
         allowed = results.starts.judged_starts
-        starts = "unlimited" if allowed is None else f"{allowed:,.0f}"
-    return [modes, margin, peak, starts]
+        starts = "unlimited" if allowed is None else f"{math.floor(allowed):,}"
+    return [modes, margin, peak, outcome, starts]
 
 
 def _ratios(results: Any) -> list[float]:

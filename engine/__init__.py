@@ -9,6 +9,7 @@ module              responsibility
 `errors`            the error tree
 `case`              what the engineer states, frozen
 `validation`        every check of a case, all problems at once
+`plausibility`      possible numbers that look like a slip
 `train`             shaft line, gears and branches as masses, stiffnesses and incidence
 `modal`             natural frequencies, mode shapes, energies, modal damping
 `torque_curve`      a smooth curve through torque-speed points

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from engine.margins import percent_speed
 from engine.modal import ModalDamping, Modes
-from engine.startup import Start
+from engine.startup import NOTABLE_REVERSAL, Start
 from engine.train import Train
 
 __all__ = ["Crossing", "start_crossings"]
@@ -45,11 +45,11 @@ class Crossing:
         because the initial shock excites it. [%]
     time : float or None
         When the mean speed passes there; None if the start ends before. [s]
-    average_torque, pulsating_torque, load_torque : float
-        At that speed, referred to the motor. [N m]
-    acceleration : float
+    average_torque, pulsating_torque, load_torque : float or None
+        At that speed, referred to the motor; None, like the next two, if it is not reached. [N m]
+    acceleration : float or None
         Of the reference shaft as a rigid train. [rad/s²]
-    sweep_rate : float
+    sweep_rate : float or None
         Rate at which the pulsation frequency falls. [Hz/s]
     governing_element : str or None
         Element most stressed while the mode is excited. [name]
@@ -67,11 +67,11 @@ class Crossing:
     frequency: float
     percent_speed: float | None
     time: float | None
-    average_torque: float
-    pulsating_torque: float
-    load_torque: float
-    acceleration: float
-    sweep_rate: float
+    average_torque: float | None
+    pulsating_torque: float | None
+    load_torque: float | None
+    acceleration: float | None
+    sweep_rate: float | None
     governing_element: str | None
     peak_to_peak_torque: float | None
     peak_to_peak_stress: float | None
@@ -137,14 +137,27 @@ def start_crossings(
         )
         window = _window(start, frequencies, i, line_frequency, synchronous_speed)
         governing, span, stress, lowest = _response(train, start, window, stress_per_torque, meshes)
-        note = _note(crossing, float(damping.ratio[r]), line_frequency, lowest)
+        reverses = None if lowest is None else lowest < -NOTABLE_REVERSAL * _largest(start)
+        note = _note(crossing, float(damping.ratio[r]), line_frequency, reverses)
+        passed = crossing.time is not None
         found.append(
             Crossing(
-                r - modes.n_rigid + 1, f, percent, crossing.time,
-                crossing.average, crossing.pulsating, crossing.load, acceleration, crossing.sweep_rate,
-                governing, span, stress, lowest, note,
+                mode=r - modes.n_rigid + 1,
+                frequency=f,
+                percent_speed=percent,
+                time=crossing.time,
+                average_torque=crossing.average if passed else None,
+                pulsating_torque=crossing.pulsating if passed else None,
+                load_torque=crossing.load if passed else None,
+                acceleration=acceleration if passed else None,
+                sweep_rate=crossing.sweep_rate if passed else None,
+                governing_element=governing,
+                peak_to_peak_torque=span,
+                peak_to_peak_stress=stress,
+                mesh_minimum_torque=lowest,
+                note=note,
             )
-        )  # fmt: skip
+        )
     return tuple(found)
 
 
@@ -234,7 +247,12 @@ def _power_ratio(train: Train, element: int) -> float:
     return float(train.speed_ratio[node])
 
 
-def _note(p: _Point, ratio: float, line_frequency: float, lowest: float | None) -> str:
+def _largest(start: Start) -> float:
+    """Largest torque of the whole start."""
+    return max((max(abs(p.maximum), abs(p.minimum)) for p in start.peaks), default=0.0)
+
+
+def _note(p: _Point, ratio: float, line_frequency: float, reverses: bool | None) -> str:
     """The paper's reasons in words."""
     said = []
     if p.frequency >= 2.0 * line_frequency * (1.0 - INITIAL_SHOCK_ZONE):
@@ -248,7 +266,7 @@ def _note(p: _Point, ratio: float, line_frequency: float, lowest: float | None) 
         return " ".join([*said, "Not reached: the start ends before this speed."])
     steady = 1.0 / (2.0 * ratio) if ratio > 0.0 else math.inf
     swept = LEWIS_FACTOR * p.frequency / math.sqrt(p.sweep_rate) if p.sweep_rate > 0.0 else math.inf
-    if swept < steady:
+    if swept < 0.8 * steady:
         said.append(
             f"Sweep of {p.sweep_rate:.1f} Hz/s limits the build-up to about {swept:.0f} × static "
             f"(steady resonance {steady:.0f} ×): acceleration helps here."
@@ -265,6 +283,6 @@ def _note(p: _Point, ratio: float, line_frequency: float, lowest: float | None) 
         if p.average > 0.0
         else "The average torque is not positive there."
     )
-    if lowest is not None:
-        said.append("Mesh torque reverses." if lowest < 0.0 else "Mesh torque stays positive.")
+    if reverses is not None:
+        said.append("Mesh torque reverses." if reverses else "Mesh torque stays positive.")
     return " ".join(said)

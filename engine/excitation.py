@@ -272,7 +272,8 @@ def _referred_loads(case: CaseData, train: Train, warnings: list[str]) -> Floats
     if total <= 0.0:
         warnings.append(
             "The transmitted torque is unknown: Running load is blank at every station and there "
-            "is no LoadTorque. Fill one of them."
+            "is no LoadTorque. The start runs without load, and the forced response at the motor "
+            "alone accepts no margin. Fill one of them."
         )
         return np.zeros(n)
     if rated is None:

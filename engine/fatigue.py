@@ -849,7 +849,8 @@ def _read_only(values: ArrayLike) -> Floats:
 
 
 def _mpa(stress: float) -> str:
-    return f"{stress / 1e6:.4g} MPa"
+    """A stress for readers of either system; sentences cannot follow a sheet's units. [Pa]"""
+    return f"{stress / 1e6:.4g} MPa ({stress / 6894757.293168361:.4g} ksi)"
 
 
 def _or_inf(starts: float | None) -> float:

@@ -25,6 +25,7 @@ from engine.fatigue import (
 from engine.margins import interference, judge, separation_margins
 from engine.modal import ModalDamping, Modes, modal_damping, natural_modes, nodes_of
 from engine.motor import motors_of
+from engine.plausibility import implausible
 from engine.prescribed import run_prescribed
 from engine.results import Results
 from engine.startup import Start, has_start, run_start
@@ -37,6 +38,8 @@ __all__ = ["run"]
 
 #: Coupling of modes by dampers above which a warning is due. [1]
 NOTABLE_COUPLING = 0.02
+#: A first mode below this frequency, and a start longer than this, look like a wrong unit. [Hz, s]
+LOW_FREQUENCY, LONG_START = 1.0, 60.0
 #: How often the start is repeated at half the step where the starts are not accurate enough.
 MAX_STARTS_REFINEMENTS = 3
 #: Accuracy of allowable starts where the case leaves it blank. [1]
@@ -117,6 +120,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         warnings=tuple(
             dict.fromkeys(
                 [
+                    *implausible(case),
                     *margins.warnings,
                     *steady.warnings,
                     *_warnings(case, train, modes, damping, start, starts),
@@ -249,6 +253,12 @@ def _warnings(
     starts: AllowableStarts | None,
 ) -> Iterator[str]:
     """What a reader must know beside the numbers."""
+    first = modes.elastic_frequency[:1]
+    if len(first) and first[0] < LOW_FREQUENCY:
+        yield (
+            f"The first torsional mode at {first[0]:.3g} Hz is unusually low. Check the units of "
+            "stiffnesses and inertias."
+        )
     n_elastic = modes.n_modes - modes.n_rigid
     for row in case.mode_damping:
         if row.mode is not None and row.mode > n_elastic:
@@ -263,6 +273,11 @@ def _warnings(
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
+    if start.outcome.time > LONG_START and start.runup is not None:
+        yield (
+            f"The start takes {start.outcome.time:.0f} s; most take less than {LONG_START:.0f} s. "
+            "Check inertias and torques."
+        )
     yield from _unstable_feedback(case, train, modes, damping)
     counted = {e.element for _, e in _judged_shafts(case)}
     for e in case.elements:
@@ -276,8 +291,6 @@ def _warnings(
             f"The wanted accuracy of peak torques was not met: estimated error "
             f"{start.estimated_error:.2g} at a step of {start.step:.3g} s."
         )
-    if modes.n_rigid and np.all(damping.ratio[modes.n_rigid :] == 0.0) and start.runup is not None:
-        yield "No damping is stated: resonances in the start are limited by the sweep alone."
     if starts is None:
         yield "No shaft has stress diameter, material and S-N points: no starts were counted."
         return

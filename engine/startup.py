@@ -32,6 +32,7 @@ from engine.train import Train
 __all__ = [
     "DEFAULT_END_SPEED",
     "ElementPeak",
+    "NOTABLE_REVERSAL",
     "Start",
     "StartOutcome",
     "StartSettings",
@@ -53,6 +54,8 @@ Floats = NDArray[np.float64]
 DEFAULT_END_SPEED = 0.97
 #: An equilibrium at or above this share of synchronous speed is `asynchronous`, below `stalled`.
 ASYNCHRONOUS_ABOVE = 0.95
+#: A torque below zero by less than this share of the largest torque is not called a reversal.
+NOTABLE_REVERSAL = 1e-3
 #: Time simulated where the motor cannot break the train away. [s]
 STANDSTILL_TIME = 2.0
 #: Largest and smallest phase of the pulsation per step tried first. [rad]

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -406,8 +406,9 @@ class SteadyState:
     Parameters
     ----------
     rows : tuple of SteadyStateRow
-        For each excitation a row an element, swept over the operating range; then for each
-        margin that is not kept a row an element at the resonance. [rows]
+        For each margin that is not kept a row an element at the resonance; then for each
+        excitation a row an element, swept over the operating range. Where no load is known, the
+        default excitation acts at the motor alone and nothing passes on it. [rows]
     stress_basis : str
         ``peak-to-peak`` or ``zero-to-peak``: what is compared with UTS/25. [word]
     warnings : tuple of str
@@ -484,15 +485,15 @@ def steady_state(
         warnings.append(f"No forced response to {', '.join(silent)}: its torque is unknown.")
     poles = _pole_frequencies(train, modes, damping)
     tasks: list[tuple[Excitation, int | None, Floats]] = []
+    by_name = {x.name: x for x in excitations}
+    for row in margins.not_kept:  # what decides stands first
+        if places[row.excitation]:
+            resonance = np.array([row.mode_frequency])
+            tasks.append((by_name[row.excitation], row.mode, resonance))
     for x in excitations:
         frequencies = _swept_frequencies(x, margins.speed_range, poles)
         if places[x.name] and len(frequencies):
             tasks.append((x, None, frequencies))
-    by_name = {x.name: x for x in excitations}
-    for row in margins.not_kept:
-        if places[row.excitation]:
-            resonance = np.array([row.mode_frequency])
-            tasks.append((by_name[row.excitation], row.mode, resonance))
     stations = sorted({p.station for some in places.values() for p in some})
     basis = case.stress_basis or "peak-to-peak"
     if not tasks:
@@ -516,6 +517,12 @@ def steady_state(
         start += len(swept)
         rows += _rows(case, train, (x, mode), frequency[where], places[x.name], stations,
                       magnitude[:, :, where], limits)  # fmt: skip
+    if not np.any(transmitted.load):  # gears and driven machines could not be excited
+        partly = {x.name for x in excitations if x.station is None and x.torque is None}
+        rows = [
+            replace(r, verdict=NOT_JUDGED) if r.verdict == PASS and r.excitation in partly else r
+            for r in rows
+        ]
     return SteadyState(tuple(rows), basis, tuple(warnings))
 
 

@@ -13,7 +13,7 @@ from engine.case import CaseData
 from engine.excitation import Excitation
 from engine.fatigue import AllowableStarts
 from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
-from engine.startup import Start
+from engine.startup import NOTABLE_REVERSAL, Start
 from engine.steady_state import SteadyState
 from engine.validation import GEAR_MESH
 
@@ -79,7 +79,7 @@ def verdicts_of(
     checks = [_margin(margins), *_steady(steady)]
     if start is not None:
         checks += [_outcome(start), *_peak_limits(case, start), *_reversal(case, start)]
-    checks += [*_yield(case, starts), *_starts(case, starts)]
+    checks += [*_yield(case, starts), *_starts(case, start, starts)]
     found = {c.verdict for c in checks}
     worst = next((v for v in (FAIL, ACCEPTED, PASS) if v in found), NOT_JUDGED)
     failing = ", ".join(c.check for c in checks if c.verdict == FAIL)
@@ -110,7 +110,9 @@ def _steady(steady: SteadyState) -> Iterator[Verdict]:
         if steady.stress_basis == "zero-to-peak":
             peak = row.zero_to_peak_stress
         where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
-        name = f"Steady-state stress, {steady.stress_basis}"
+        where += f" ({len({r.element for r in judged})} of {len({r.element for r in steady.rows})} "
+        where += "elements have a stress diameter and UTS)"
+        name = f"Steady-state stress ({steady.stress_basis})"
         yield Verdict(name, peak, row.allowable, "pressure", row.verdict, where)
     limited = [r for r in steady.rows if r.torque_limit is not None and r.torque is not None]
     if limited:
@@ -156,13 +158,13 @@ def _reversal(case: CaseData, start: Start) -> Iterator[Verdict]:
             continue
         limit = limits[p.element]
         lowest = None if limit is None else -limit
-        verdict = NOT_JUDGED
+        reverses = p.minimum < -NOTABLE_REVERSAL * max(abs(p.maximum), abs(p.minimum))
+        verdict = NOT_JUDGED if reverses else PASS
         if limit is not None:
             verdict = PASS if p.minimum >= -limit else FAIL
-        elif p.minimum >= 0.0:
-            verdict = PASS
-        said = "stays positive" if p.minimum >= 0.0 else "reverses"
-        where = f"{p.element}: torque {said}"
+        where = f"{p.element}: torque {'reverses' if reverses else 'stays positive'}"
+        if reverses and limit is None:
+            where += "; no Reversal limit entered"
         yield Verdict("Torque reversal", p.minimum, lowest, "torque", verdict, where)
 
 
@@ -180,11 +182,17 @@ def _yield(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:
         yield Verdict("Shear yield in the start", stress, limit, "pressure", verdict, element)
 
 
-def _starts(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:
-    if starts is None or not starts.shafts:
-        yield Verdict("Allowable starts", None, case.starts_required, "count", NOT_JUDGED, "")
-        return
+def _starts(
+    case: CaseData, start: Start | None, starts: AllowableStarts | None
+) -> Iterator[Verdict]:
     required = case.starts_required
+    if start is None or starts is None or not starts.shafts:
+        yield Verdict("Allowable starts", None, required, "count", NOT_JUDGED, "")
+        return
+    if OUTCOME_VERDICTS.get(start.outcome.outcome) is None:
+        where = f"not a whole start: {start.outcome.outcome}"
+        yield Verdict("Allowable starts", None, required, "count", NOT_JUDGED, where)
+        return
     if starts.judged_starts is None:
         verdict = PASS if required is not None else NOT_JUDGED
         yield Verdict("Allowable starts", "unlimited", required, "count", verdict, "")

@@ -1,0 +1,97 @@
+"""Numbers that are possible but look like a slip: a unit, a percent sign, a forgotten row.
+
+Nothing here stops a calculation. Each note says what was found, what is usual and what the usual
+slip is, because a wrong unit changes a verdict without any error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from engine.case import CaseData
+
+__all__ = ["implausible"]
+
+#: Usual ranges of properties, in SI, with the words for them.
+SHEAR_MODULUS = (20e9, 130e9)
+DENSITY = (1000.0, 20000.0)
+ULTIMATE_STRENGTH = (100e6, 2500e6)
+DAMPING_RATIO = (0.001, 0.10)
+#: A motor curve should reach this share of synchronous speed.
+CURVE_REACH = 0.9
+
+
+def implausible(case: CaseData) -> tuple[str, ...]:
+    """Notes on inputs outside usual ranges.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    tuple of str
+        A sentence a slip; empty if everything looks usual.
+    """
+    return (*_materials(case), *_damping(case), *_curves(case))
+
+
+def _outside(value: float | None, usual: tuple[float, float]) -> bool:
+    return value is not None and not usual[0] <= value <= usual[1]
+
+
+def _materials(case: CaseData) -> Iterator[str]:
+    for e in case.elements:
+        if _outside(e.shear_modulus, SHEAR_MODULUS):
+            yield (
+                f"'{e.element}': a shear modulus of {(e.shear_modulus or 0.0) / 1e9:.4g} GPa is "
+                "unusual (steel: 79 to 83 GPa, 11.5 to 12 Mpsi). Check its unit."
+            )
+        if _outside(e.density, DENSITY):
+            yield (
+                f"'{e.element}': a density of {e.density:.4g} kg/m³ is unusual "
+                "(steel: 7850 kg/m³, 0.284 lb/in³). Check its unit."
+            )
+    for m in case.materials:
+        if _outside(m.uts, ULTIMATE_STRENGTH):
+            yield (
+                f"'{m.material}': a UTS of {(m.uts or 0.0) / 1e6:.4g} MPa is unusual "
+                "(shaft steels: 500 to 1200 MPa, 70 to 170 ksi). Check its unit."
+            )
+
+
+def _damping(case: CaseData) -> Iterator[str]:
+    has_motor = bool(case.motor_torque)
+    zeta = case.damping_ratio
+    source = bool(case.mode_damping) or any(e.damping or e.loss_factor for e in case.elements)
+    if not zeta and not source and has_motor:
+        yield (
+            "No damping is stated: resonances in the start are limited by the sweep alone. Geared "
+            "trains usually have a DampingRatio of 1 % to 3 %."
+        )
+    if zeta and _outside(zeta, DAMPING_RATIO):
+        yield (
+            f"DampingRatio of {100 * zeta:.3g} % of critical is unusual (0.5 % to 3 % for a train, "
+            "more only with elastomer couplings). Check the percent sign."
+        )
+
+
+def _curves(case: CaseData) -> Iterator[str]:
+    tops: dict[str | None, float] = {}
+    for p in case.motor_torque:
+        tops[p.station] = max(tops.get(p.station, 0.0), p.speed or 0.0)
+    for station, top in tops.items():
+        if top < CURVE_REACH:
+            yield (
+                f"The torque curve of '{station}' ends at {top:.3g} of synchronous speed "
+                f"({100 * top:.3g} %) and is held constant above. Check the unit of its speeds."
+            )
+    driven = {p.station for p in case.load_torque}
+    if case.motor_torque and not driven:
+        yield "There is no LoadTorque: the start runs without load."
+    for s in case.stations:
+        if s.running_load and driven and s.station not in driven:
+            yield (
+                f"'{s.station}' has a Running load but no LoadTorque curve: it starts without load."
+            )

@@ -1,0 +1,84 @@
+"""Slips that are possible numbers are told; usual numbers are not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from sample_case import sample_case
+
+from engine.plausibility import implausible
+from engine.run import run
+
+
+def test_the_examples_are_plausible():
+    assert implausible(sample_case("proposed")) == ()
+    assert implausible(sample_case("modified")) == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"damping_ratio": 0.20}, "DampingRatio of 20 %"),
+        ({"damping_ratio": 0.0002}, "DampingRatio of 0.02 %"),
+        ({"damping_ratio": None}, "No damping is stated"),
+        ({"load_torque": ()}, "the start runs without load"),
+    ],
+)
+def test_a_slip_of_the_case_is_told(change, said):
+    assert any(said in note for note in implausible(sample_case("proposed", **change)))
+
+
+def test_slips_of_units_are_told():
+    case = sample_case("proposed")
+    shaft = replace(case.elements[0], stiffness=None, od=0.3, length=1.0, shear_modulus=80e6)
+    heavy = replace(case.elements[2], density=7.85)
+    steel = replace(case.materials[0], uts=1000.0 * (case.materials[0].uts or 0.0))
+    curve = tuple(replace(p, speed=0.01 * (p.speed or 0.0)) for p in case.motor_torque)
+    wrong = replace(
+        case,
+        elements=(shaft, case.elements[1], replace(heavy, od=0.3, length=1.0), *case.elements[3:]),
+        materials=(steel,),
+        motor_torque=curve,
+    )
+    notes = "\n".join(implausible(wrong))
+    for said in ("0.08 GPa", "7.85 kg/m³", "UTS of", "ends at 0.01"):
+        assert said in notes
+
+
+def test_a_margin_is_not_accepted_where_no_load_is_known():
+    case = sample_case("modified")
+    assert {r.verdict for r in run(case).margins.rows} == {"pass", "accepted by forced response"}
+    unloaded = run(replace(case, load_torque=()))
+    assert "accepted by forced response" not in {r.verdict for r in unloaded.margins.rows}
+    assert next(v.verdict for v in unloaded.verdicts) == "fail"
+    assert any("accepts no margin" in w for w in unloaded.warnings)
+
+
+def test_a_start_that_does_not_end_has_no_verdict_on_starts():
+    case = sample_case("modified", starts_required=10.0)
+    stuck = replace(
+        case, load_torque=tuple(replace(p, torque=9.0 * p.torque) for p in case.load_torque)
+    )
+    results = run(stuck)
+    assert results.outcome in ("stalled", "no breakaway")
+    starts = next(v for v in results.verdicts if v.check == "Allowable starts")
+    assert starts.verdict == "not judged"
+    assert results.outcome in starts.where
+    for crossing in results.crossings:
+        if crossing.time is None:
+            assert crossing.acceleration is None
+            assert crossing.load_torque is None
+
+
+def test_round_off_is_not_a_reversal():
+    case = sample_case("modified")
+    smooth = replace(case, motor_torque=tuple(replace(p, pulsating=0.0) for p in case.motor_torque))
+    results = run(smooth)
+    lowest = next(p.minimum for p in results.start.peaks if p.element == "Mesh")
+    assert -1.0 < lowest < 0.0  # N m, of 37 kN m: the load's breath at breaker closing
+    verdict = next(v for v in results.verdicts if v.check == "Torque reversal")
+    assert verdict.verdict == "pass"
+    assert "stays positive" in verdict.where
+    reversing = next(v for v in run(case).verdicts if v.check == "Torque reversal")
+    assert "reverses; no Reversal limit entered" in reversing.where
