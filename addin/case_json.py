@@ -120,6 +120,8 @@ class _Reading:
                 f"{path.name} is not JSON: {error.msg} in line {error.lineno}, column "
                 f"{error.colno}. Correct it there."
             )
+        except ValueError as error:  # an integer of more digits than Python reads
+            return self._no_case(f"{path.name} holds a number that cannot be read: {error}.")
         except RecursionError:
             return self._no_case(f"{path.name} is nested too deeply for a case.")
 

@@ -32,6 +32,7 @@ __all__ = [
     "ShownUnits",
     "chart_blocks",
     "decimate",
+    "governing_shaft",
 ]
 
 Cell = float | int | str | None
@@ -40,11 +41,13 @@ Floats = NDArray[np.float64]
 
 #: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
 GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
-#: Most rows of a drawn history; the smallest cycles are left out.
-HISTORY_POINTS = 801
+#: Most rows of a drawn history: the least and the largest value of each of half as many intervals.
+HISTORY_POINTS = 1601
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 201
 _SN_POINTS = 200
+#: Title of a history chart without an element.
+_UNUSED = "unused: the train has no further element"
 #: A series whose name is a blank cell is called Series1 by Excel; a space is not.
 _BLANK_LABEL = " "
 #: Amplitudes below this share of the largest are not drawn. [1]
@@ -84,6 +87,9 @@ LABELS: tuple[str, ...] = (
     "S-N title",
     "S-N axis",
     "Starts required",
+    *_numbered(("History caption",), HISTORIES),
+    "One start",
+    "S-N line",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -128,7 +134,7 @@ CHART_TABLES: tuple[ChartTable, ...] = (
     ChartTable(
         "ChartHistory",
         _numbered(("Time", "Value"), HISTORIES),
-        "Histories of the start: turning points, the smallest cycles left out.",
+        "Histories of the start: least and largest value of equal intervals of time.",
     ),
 )
 
@@ -199,6 +205,7 @@ def _waiting_labels() -> dict[str, Cell]:
     for k in range(1, HISTORIES + 1):
         labels[f"History title {k}"] = f"History {k} (not calculated yet)"
         labels[f"History axis {k}"] = "Torque"
+        labels[f"History caption {k}"] = "not calculated yet"
     return labels | {f"Shape {k}": f"Mode {k}" for k in range(1, SHAPES + 1)}
 
 
@@ -214,6 +221,8 @@ def _side_by_side(columns: Iterable[Sequence[Cell]]) -> Rows:
 
 def _plain(values: Iterable[float]) -> list[Cell]:
     """Numbers of a chart: six digits are more than a chart shows, and keep the file small."""
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
     return [float(f"{value:.6g}") if math.isfinite(value) else None for value in values]
 
 
@@ -231,10 +240,10 @@ def _segments(pieces: Iterable[Sequence[tuple[float, float]]]) -> tuple[list[Cel
 
 
 def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArray[np.int64]:
-    """Indices that keep the picture of a history: its turning points, the smallest cycles left out.
+    """Indices that keep the picture of a history: extremes of equal intervals of time.
 
-    A cycle whose range is smaller than its neighbours goes as a pair, so that larger swings and
-    the global extremes stay as they are; samples at equal times keep slow changes curved.
+    With intervals no wider than a pixel or two the drawn band is that of all points: bursts keep
+    their envelope, no peak is lost, and every point drawn is calculated.
 
     Parameters
     ----------
@@ -253,34 +262,11 @@ def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArra
     n = time.size
     if n <= limit:
         return np.arange(n)
-    even = np.searchsorted(time, np.linspace(time[0], time[-1], limit // 5))
-    turning = _largest_swings(value, limit - even.size)
-    return np.union1d(np.minimum(even, n - 1), turning)
-
-
-def _largest_swings(value: Floats, limit: int) -> NDArray[np.int64]:
-    """Turning points, at most `limit`, those of the smallest cycles left out."""
-    slope = np.sign(np.diff(value))
-    moving = np.flatnonzero(slope)
-    turns = moving[1:][np.diff(slope[moving]) != 0.0]
-    index = np.unique(np.concatenate([[0], turns, [value.size - 1]]))
-    while index.size > limit:
-        swing = np.abs(np.diff(value[index]))
-        small = (swing[1:-1] <= swing[:-2]) & (swing[1:-1] < swing[2:])
-        pairs = np.flatnonzero(small) + 1
-        if not pairs.size:
-            return _extremes_of_parts(value, limit)
-        excess = (index.size - limit + 1) // 2
-        pairs = pairs[np.argsort(swing[pairs], kind="stable")[:excess]]
-        index = np.delete(index, np.concatenate([pairs, pairs + 1]))
-    return index
-
-
-def _extremes_of_parts(value: Floats, limit: int) -> NDArray[np.int64]:
-    """Smallest and largest value of equal parts: for a history of cycles all alike."""
-    edges = np.linspace(0, value.size, max(1, limit // 2 - 1) + 1).astype(int)
-    keep = {0, value.size - 1}
-    for begin, end in zip(edges[:-1], edges[1:], strict=True):
+    intervals = max(1, limit // 2 - 1)
+    edges = np.searchsorted(time, np.linspace(time[0], time[-1], intervals + 1))
+    edges[-1] = n
+    keep = {0, n - 1}
+    for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
         if end > begin:
             piece = value[begin:end]
             keep.update((begin + int(piece.argmin()), begin + int(piece.argmax())))
@@ -444,6 +430,10 @@ def _history_rows(
     columns: list[Sequence[Cell]] = [[] for _ in range(2 * HISTORIES)]
     for k, name in enumerate(_drawn_elements(case, list(histories), chosen)):
         if name is None:
+            if run is not None:
+                labels[f"History title {k + 1}"] = _UNUSED
+                labels[f"History axis {k + 1}"] = "Torque"
+                labels[f"History caption {k + 1}"] = _UNUSED
             continue
         time, torque = histories[name]
         value, words, axis = _drawn_quantity(case, name, torque, units)
@@ -451,6 +441,7 @@ def _history_rows(
         columns[2 * k], columns[2 * k + 1] = _plain(time[keep]), _plain(value[keep])
         labels[f"History title {k + 1}"] = f"{name}: {words}"
         labels[f"History axis {k + 1}"] = axis
+        labels[f"History caption {k + 1}"] = f"{name}: {words} {axis[axis.find('[') :]}"
     return _side_by_side(columns)
 
 
@@ -554,35 +545,45 @@ def _clipped(right: float, frequency: float, top: float) -> list[tuple[float, fl
 def _sn_rows(
     case: CaseData, run: RunView | None, units: ShownUnits, labels: dict[str, Cell]
 ) -> Rows:
-    """S-N lines in torsion and, of the governing shaft, how often a start exceeds a stress."""
+    """S-N line in torsion of the governing shaft, and how often a start exceeds a stress."""
     unit = units.factor("SNPoints", "Stress")
     labels["S-N axis"] = f"Stress amplitude with SCF [{units.name('SNPoints', 'Stress')}]"
-    lines = _segments([(n, s / unit) for n, s in line] for line in _sn_lines(case))
-    shaft = _governing_cycles(run)
-    columns: list[Sequence[Cell]] = [*lines, [], [], [], []]
-    if shaft is not None:
-        name, amplitude, count = shaft
-        exceeded, stress = _exceedance(amplitude, count)
+    labels["S-N title"] = "S-N lines (torsion)"
+    labels["One start"], labels["Starts required"] = "One start", "Starts required"
+    shaft = governing_shaft(run)
+    material = _material_of(case, shaft)
+    lines = _sn_lines(case, material)
+    labels["S-N line"] = f"S-N line, torsion: {material}" if material else "S-N lines, torsion"
+    columns: list[Sequence[Cell]] = [
+        *_segments([(n, s / unit) for n, s in line] for line in lines), [], [], [], []
+    ]  # fmt: skip
+    if run is not None and shaft is not None:
+        labels["S-N title"] = f"S-N line and the cycles of a start: {shaft}"
+        exceeded, stress, labels["One start"] = _drawn_cycles(run, shaft)
         columns[2], columns[3] = _plain(exceeded), _plain(stress / unit)
-        labels["S-N title"] = f"S-N line and the cycles of a start: {name}"
         if case.starts_required:
             columns[4], columns[5] = _plain(exceeded * case.starts_required), columns[3]
             labels["Starts required"] = f"{case.starts_required:,.0f} starts"
-    else:
-        labels["S-N title"] = "S-N line (torsion)"
-        labels["Starts required"] = "Starts required"
     return _side_by_side(columns)
 
 
-def _sn_lines(case: CaseData) -> list[list[tuple[float, float]]]:
-    """Each material's line with its endurance limit drawn on to 1e9 cycles."""
+def _material_of(case: CaseData, shaft: str | None) -> str | None:
+    """Material of a shaft; without a shaft the only material there is."""
+    if shaft is not None:
+        return next((e.material for e in case.elements if e.element == shaft), None)
+    names = [m.material for m in case.materials if m.material]
+    return names[0] if len(names) == 1 else None
+
+
+def _sn_lines(case: CaseData, only: str | None) -> list[list[tuple[float, float]]]:
+    """Each material's line, or that of one, its endurance limit drawn on to 1e9 cycles."""
     from engine.errors import TorsionError
     from engine.fatigue import sn_curve_for
 
     lines = []
     for material in case.materials:
         points = [p for p in case.sn_points if p.material == material.material]
-        if len(points) < 2:
+        if len(points) < 2 or only not in (None, material.material):
             continue
         try:
             curve = sn_curve_for(material, points)
@@ -595,10 +596,43 @@ def _sn_lines(case: CaseData) -> list[list[tuple[float, float]]]:
     return lines
 
 
-def _governing_cycles(run: RunView | None) -> tuple[str, Floats, Floats] | None:
-    """Name, amplitudes and counts of the shaft with the largest cycle."""
-    counted = [cycles for cycles in (run.cycles if run else ()) if cycles[1].size]
-    return max(counted, key=lambda cycles: float(cycles[1].max()), default=None)
+def governing_shaft(run: RunView | None) -> str | None:
+    """The judged shaft that allows the fewest starts; without damage the one nearest to damage.
+
+    Parameters
+    ----------
+    run : RunView or None
+        The results. [SI]
+
+    Returns
+    -------
+    str or None
+        Its element; None when no shaft is judged. [name]
+    """
+    if run is None:
+        return None
+    damage = {
+        row.get("element"): row.get("damage") or 0.0 for row in _table(run, "AllowableStarts")
+    }
+    names = [name for name, _, _ in run.cycles]
+
+    def rank(name: str) -> tuple[float, float]:
+        largest, endurance = run.amplitudes.get(name, (0.0, 1.0))
+        return damage.get(name, 0.0), largest / endurance
+
+    return max(names, key=rank, default=None)
+
+
+def _drawn_cycles(run: RunView, shaft: str) -> tuple[Floats, Floats, str]:
+    """Cycles of a start that reach each stress, and their name; without damage the largest alone."""
+    amplitude, count = next((a, c) for name, a, c in run.cycles if name == shaft)
+    if amplitude.size:
+        return (*_exceedance(amplitude, count), "One start")
+    largest, endurance = run.amplitudes.get(shaft, (0.0, 0.0))
+    if not largest:
+        return np.empty(0), np.empty(0), "One start"
+    words = f"One start: largest amplitude, {100.0 * largest / endurance:.0f} % of endurance"
+    return np.array([0.1, 1.0]), np.array([largest, largest]), words
 
 
 def _exceedance(amplitude: Floats, count: Floats) -> tuple[Floats, Floats]:

@@ -265,13 +265,12 @@ def _typed(
 def _sn(workbook: Any, places: Places, _: int) -> Any:
     """Stress against life, and how often a start (and all starts) reaches a stress."""
     chart = workbook.add_chart({"type": "scatter", "subtype": "straight"})
-    chart.add_series(
-        _xy(places, "ChartSN", "Line cycles", "Line", "S-N line", line=_line("navy", 2.25))
-    )
-    start = _xy(places, "ChartSN", "Start cycles", "One start", "One start", line=_line("teal"))
-    chart.add_series(start)
-    required = _xy(places, "ChartSN", "Starts cycles", "Starts required", "", line=_line("rust"))
-    chart.add_series(required | {"name": places.label("Starts required")})
+    for x, y, label, line in (
+        ("Line cycles", "Line", "S-N line", _line("navy", 2.25)),
+        ("Start cycles", "One start", "One start", _line("teal")),
+        ("Starts cycles", "Starts required", "Starts required", _line("rust")),
+    ):
+        chart.add_series(_xy(places, "ChartSN", x, y, places.label(label), line=line))
     _title(chart, places.label("S-N title"))
     life = {"log_base": 10, "min": 0.1, "max": 1e9, "num_format": "0E+0"}
     chart.set_x_axis(_axis("Cycles", crossing=0.1, **life))

@@ -84,6 +84,7 @@ def new(
     """Make a workbook to fill in, or one of the two filled examples."""
     import shutil
 
+    from addin.recalc import of_file
     from addin.template_files import template_path
 
     if example is not None:
@@ -96,7 +97,10 @@ def new(
         raise _Wrong(f"{file} is there already. Choose another name, or say --force to replace it.")
     if not file.parent.is_dir():
         raise _Wrong(f"The folder {file.parent} does not exist. Make it first.")
-    shutil.copyfile(template_path(name), file)
+    try:
+        shutil.copyfile(template_path(name), file)
+    except OSError as wrong:
+        raise _Wrong(of_file(file, wrong).message) from wrong
     typer.echo(f"{file} is ready. Fill in the yellow cells, then: torsionbook recalc {file}")
 
 
@@ -187,13 +191,16 @@ def export(
     Example: `torsionbook export train.xlsx case.json`
     """
     from addin.case_json import case_to_json
-    from addin.recalc import Unreadable, read_checked, write_json
+    from addin.recalc import Unreadable, of_file, read_checked, write_json
 
     read = read_checked(file)
     if isinstance(read, Unreadable) or read.problems:
         _list_problems(file, read.problems)
         raise typer.Exit(WRONG_INPUT)
-    write_json(case, case_to_json(read.data))
+    try:
+        write_json(case, case_to_json(read.data))
+    except OSError as wrong:
+        raise _Wrong(of_file(case, wrong).message) from wrong
     typer.echo(f"{case} is written.")
 
 
@@ -280,8 +287,6 @@ def _recalculate(
 ) -> Recalculated:
     from addin.recalc import recalculate
 
-    if destination is not None:
-        destination.parent.mkdir(parents=True, exist_ok=True)
     return recalculate(
         file,
         destination=destination,

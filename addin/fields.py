@@ -668,13 +668,13 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             "Mesh stiffness",
             "linear stiffness",
             "Mesh stiffness along the line of action.",
-            used=False,
+            blank="Stiffness of table Elements",
         ),
         _number(
             "Mesh damping",
             "linear damping",
             "Mesh damping along the line of action.",
-            used=False,
+            blank="Damping of table Elements",
         ),
         _number("Backlash", "length", "Normal backlash, the total gap.", used=False),
         _number(
@@ -959,7 +959,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         _text("Governing", "yes for the element that allows the fewest starts.", kind="flag"),
         extra_columns=(
             _number("Starts check", "count", "Live formula: 1 / damage."),
-            _number("Starts to judge", "count", "Live formula: 1 / damage / StartsFactor."),
+            _number("Starts to judge", "count", "Live formula: 1 / damage / StartsFactor, whole starts."),
         ),
         json_only=("unlimited", "starts_low", "starts_high"),
     ),

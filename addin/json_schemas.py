@@ -148,7 +148,7 @@ _JSON_ONLY: dict[str, dict[str, Any]] = {
 
 
 def _startup() -> dict[str, Any]:
-    outcomes = ["reached", "asynchronous", "stalled", "no breakaway", "time out"]
+    outcomes = ["reached", "asynchronous", "stalled", "no breakaway", "time out", "completed"]
     return _object(
         {
             "outcome": {"description": "How the start ended.", "enum": outcomes},

@@ -13,6 +13,7 @@ __all__ = [
     "NOTES_WIDTH",
     "RUN_FACTS",
     "SHAPE_COLUMNS",
+    "WHOLE_STARTS",
     "WRAPPED",
     "plot_name",
     "text_height",
@@ -27,6 +28,9 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("StartupCrossings", "Note"): 52.0,
     ("Audit", "Value"): 110.0,
 }
+
+#: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
+WHOLE_STARTS = 1e-9
 
 #: Rows kept free for the crossings of the start; what stands below them begins there.
 CROSSING_ROWS = 8
@@ -82,7 +86,8 @@ def _check_formulas() -> dict[tuple[str, str], str]:
         ),
         ("AllowableStarts", "Starts check"): f'=IF({damage}>0,1/{damage},"")',
         ("AllowableStarts", "Starts to judge"): (
-            f'=IF(AND({damage}>0,N(run_StartsFactor)>0),1/{damage}/run_StartsFactor,"")'
+            f"=IF(AND({damage}>0,N(run_StartsFactor)>0),"
+            f'ROUNDDOWN({1 + WHOLE_STARTS!r}/{damage}/run_StartsFactor,0),"")'
         ),
     }
 

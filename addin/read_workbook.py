@@ -143,12 +143,15 @@ class WorkbookInput(CaseInput):
         As written in the workbook; empty when missing. [text]
     locations : Locations
         Where everything stands. [cells]
+    workbook : Workbook
+        The open workbook; results are written into what the inputs were read from. [file]
     """
 
     path: Path
     sha256: str
     template_version: str
     locations: Locations
+    workbook: Workbook = field(repr=False, compare=False)
 
     def locate(self, problem: Problem) -> CellProblem:
         """A problem of the engine with its sheet and cell.
@@ -221,6 +224,7 @@ class _Reading:
             template_version=version,
             typed=self.typed,
             locations=self.locations,
+            workbook=self.workbook,
         )
 
     # ---- scalars -------------------------------------------------------------------------------

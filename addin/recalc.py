@@ -6,6 +6,7 @@ back as a list of problems and nothing is written; numbers never pass through he
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import tempfile
@@ -18,6 +19,7 @@ from addin.problems import CellProblem
 
 if TYPE_CHECKING:
     from addin.calculation import Calculation
+    from addin.package import Workbook
     from addin.typed_case import CaseInput
 
 __all__ = [
@@ -99,11 +101,24 @@ def read_checked(source: Path) -> CaseInput | Unreadable:
 
         return read_workbook(source)
     except (PackageError, OSError) as wrong:
-        return Unreadable((_of_file(source, wrong),))
+        return Unreadable((of_file(source, wrong),))
 
 
-def _of_file(source: Path, wrong: Exception) -> CellProblem:
-    """A file that cannot be opened or written, as a problem."""
+def of_file(source: Path, wrong: Exception) -> CellProblem:
+    """A file that cannot be opened or written, as a problem.
+
+    Parameters
+    ----------
+    source : Path
+        The file. [path]
+    wrong : Exception
+        What was raised.
+
+    Returns
+    -------
+    CellProblem
+        With a sentence and no cell.
+    """
     sentence = str(wrong)
     if isinstance(wrong, FileNotFoundError):
         sentence = f"there is no file {wrong.filename or source}."
@@ -111,6 +126,10 @@ def _of_file(source: Path, wrong: Exception) -> CellProblem:
         sentence = f"{source} is a folder; name the workbooks in it."
     elif isinstance(wrong, PermissionError):
         sentence = f"{wrong.filename or source} may not be read or written; is it open elsewhere?"
+    elif isinstance(wrong, (NotADirectoryError, FileExistsError)):
+        sentence = f"{wrong.filename or source} is a file where a folder is needed."
+    elif isinstance(wrong, OSError) and wrong.strerror:
+        sentence = f"{wrong.filename or source} cannot be used: {wrong.strerror}."
     return CellProblem("", "", None, "", str(source), "a file that can be used", sentence)
 
 
@@ -151,6 +170,7 @@ def recalculate(
     """
     from addin.history_file import HistoryUnavailable
     from addin.package.errors import PackageError
+    from addin.read_workbook import WorkbookInput
     from addin.results_json import errors_to_json, results_to_json
     from addin.version import product_version
 
@@ -167,13 +187,16 @@ def recalculate(
         tell("writing")
         target = source if in_place else destination or _beside(source)
         try:
-            if source.suffix.lower() in WORKBOOK_ENDINGS:
-                place = None if in_place else target
-                notes = _write_workbook(source, place, calculation, ignore_lock)
+            for place in (target, json_file):
+                if place is not None:
+                    place.parent.mkdir(parents=True, exist_ok=True)
+            if isinstance(read, WorkbookInput) and source.suffix.lower() in WORKBOOK_ENDINGS:
+                new = None if in_place else target
+                notes = _write_workbook(read.workbook, new, calculation, ignore_lock)
                 files.append(target)
             files += _write_history(calculation, target)
         except (PackageError, HistoryUnavailable, OSError) as wrong:
-            calculation, problems = None, (_of_file(source, wrong),)
+            calculation, problems = None, (of_file(source, wrong),)
     if json_file is None and source.suffix.lower() not in WORKBOOK_ENDINGS:
         json_file = destination or _beside(source)
     if json_file is not None:
@@ -183,8 +206,11 @@ def recalculate(
             if calculation is None
             else results_to_json(calculation, version)
         )
-        write_json(json_file, content)
-        files.append(json_file)
+        try:
+            write_json(json_file, content)
+            files.append(json_file)
+        except OSError as wrong:
+            problems = (*problems, of_file(json_file, wrong))
     warnings = read.warnings if calculation is None else (*calculation.warnings, *notes)
     return Recalculated(source, calculation, problems, warnings, tuple(files))
 
@@ -230,7 +256,7 @@ def _whole(message: str, table: str) -> CellProblem:
 
 
 def _write_workbook(
-    source: Path, destination: Path | None, calculation: Calculation, ignore_lock: bool
+    source: Workbook, destination: Path | None, calculation: Calculation, ignore_lock: bool
 ) -> tuple[str, ...]:
     from addin.write_workbook import RunStamp, write_results
 
@@ -243,6 +269,12 @@ def _write_workbook(
         in_place=destination is None,
         ignore_lock=ignore_lock,
     )
+    if report.caches.method == "removed":
+        left = (
+            f"{report.caches.removed} formulas were left without a value, to be calculated when the "
+            f"workbook is opened: {report.caches.reason}"
+        )
+        return (*report.notes, left)
     return report.notes
 
 
@@ -265,7 +297,14 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
         The file. [path]
     content : mapping
         What it holds.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; one that was there is as before.
     """
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "is a folder", str(path))
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,7 +39,10 @@ class RunView:
     interference : engine.margins.Interference or None
         Lines of the interference diagram. [rad/s, Hz]
     cycles : tuple of (str, ndarray, ndarray)
-        Judged shaft, stress amplitudes with SCF and counts of one start. [Pa, 1]
+        Judged shaft, stress amplitudes with SCF and counts of one start; empty arrays when the
+        largest amplitude alone shows that nothing is damaged. [Pa, 1]
+    amplitudes : mapping of str to (float, float)
+        Largest amplitude with SCF of a start and endurance limit of each judged shaft. [Pa]
     """
 
     case: CaseData
@@ -49,6 +52,7 @@ class RunView:
     histories: Mapping[str, tuple[Floats, Floats]] | None = None
     interference: Any = None
     cycles: tuple[tuple[str, Floats, Floats], ...] = ()
+    amplitudes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def view_of(results: Results, audit: Rows = ()) -> RunView:
@@ -78,6 +82,7 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
         histories=_histories(results),
         interference=results.interference,
         cycles=tuple((s.element, s.cycles.amplitude, s.cycles.count) for s in shafts),
+        amplitudes={s.element: (s.largest_amplitude, s.endurance) for s in shafts},
     )
 
 

@@ -55,6 +55,8 @@ __all__ = ["TEMPLATES", "build_all", "build_template", "main"]
 _LISTED = 60
 _CREATED = dt.datetime(2026, 1, 1)
 _LETTER, _A4 = 1, 9
+#: Room of the overall verdict at the right end of the strip. [characters]
+_VERDICT_WIDTH = 54.0
 _NOT_YET = "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
 
 #: File name → unit system and example.
@@ -217,13 +219,14 @@ class _Builder:
         page.write_formula(1, 1, "=DocumentStrip", self.style("strip"), self._strip())
         if last < 3:  # a wide last column would cut the strip short
             return
-        verdict = self.style("strip_right")
-        page.write_formula(1, last, "=OverallVerdict", verdict, "NOT CALCULATED")
-        cell = xl_rowcol_to_cell(1, last, True, True)
+        verdict, first = self.style("strip_right"), _begin_of(sheet, _VERDICT_WIDTH)
+        page.merge_range(1, first, 1, last, "", verdict)
+        page.write_formula(1, first, "=OverallVerdict", verdict, "NOT CALCULATED")
+        cell = xl_rowcol_to_cell(1, first, True, True)
         for word, style in (("PASS", "cf_pass"), ("ACCEPTED", "cf_accepted"), ("FAIL", "cf_fail")):
             rule = f'=LEFT({cell},{len(word)})="{word}"'
             page.conditional_format(
-                1, last - 2, 1, last,
+                1, first, 1, last,
                 {"type": "formula", "criteria": rule, "format": self.style(style)},
             )  # fmt: skip
 
@@ -490,11 +493,15 @@ class _Builder:
                     "validate": "list", "source": "=ElementNames", "show_error": False,
                     "input_title": "Element of this chart",
                     "input_message": "Blank = chosen by torsionbook. It is drawn at the next "
-                    "recalculation.",
+                    "recalculation; what is drawn now stands at the right.",
                 },
             )  # fmt: skip
-            hint = "   blank = torsionbook chooses; drawn at recalculation"
-            page.write_string(row, column + 3, hint, self.style("note"))
+            key = f"History caption {number}"
+            words = self.style("drawn")
+            page.merge_range(row, column + 3, row, column + 5, "", words)
+            text = dict(self.blocks["ChartLabels"]).get(key) or ""
+            drawn = f"=ChartData!$B${self._label_row(key)}"
+            page.write_formula(row, column + 3, drawn, words, text)
             cell = xl_rowcol_to_cell(row, column + 1, True, True)
             self.workbook.define_name(plot_name(number), f"=Histories!{cell}")
 
@@ -659,6 +666,18 @@ def _spec(name: str) -> TableSpec:
 
 def _column(letters: str) -> int:
     return int(xl_cell_to_rowcol(f"{letters}1")[1])
+
+
+def _begin_of(sheet: Sheet, width: float) -> int:
+    """First of the last columns of a sheet that together are at least so wide. [characters]"""
+    widths: dict[int, float] = {}
+    for columns, each in sheet.widths.items():
+        begin, _, end = columns.partition(":")
+        widths |= dict.fromkeys(range(_column(begin), _column(end or begin) + 1), each)
+    column = last = _column(sheet.last)
+    while column > 2 and (column == last or sum(widths[k] for k in range(column, last + 1)) < width):
+        column -= 1
+    return column
 
 
 def _in_words(name: str) -> str:

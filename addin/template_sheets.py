@@ -31,14 +31,18 @@ def _count(words: str) -> str:
     return f'COUNTIFS(Verdicts[Verdict],"{words}",Verdicts[Check],"<>Overall")'
 
 
-_JUDGED = f"{_count('?*')}-{_count('not judged*')}"
+_ALL = _count("?*")
 _FAILED = f"{_count('fail*')}+{_count('unbounded*')}"
+_OPEN = _count("not judged*")
+_NOT_JUDGED = f'IF({_OPEN}>0,", "&{_OPEN}&" not judged","")'
 OVERALL = (
-    f'=IF({_count("?*")}=0,"NOT CALCULATED",'
-    f'IF({_FAILED}>0,"FAIL: "&({_FAILED})&" of "&({_JUDGED})&" checks",'
+    f'=IF({_ALL}=0,"NOT CALCULATED",'
+    f'IF({_FAILED}>0,"FAIL: "&({_FAILED})&" of "&{_ALL}&" checks",'
     f"IF({_count('accepted*')}>0,"
-    f'"ACCEPTED BY FORCED RESPONSE: "&{_count("accepted*")}&" of "&({_JUDGED})&" checks",'
-    f'"PASS: all "&({_JUDGED})&" checks")))'
+    f'"ACCEPTED (margin by forced response); "&{_count("pass*")}&" passed"&{_NOT_JUDGED},'
+    f'IF({_OPEN}=0,"PASS: all "&{_ALL}&" checks",'
+    f'IF({_count("pass*")}=0,"NOT JUDGED: "&{_ALL}&" checks",'
+    f'"PASS: "&{_count("pass*")}&" of "&{_ALL}&" checks"&{_NOT_JUDGED})))))'
 )
 STRIP = (
     '="Document "&IF(Document="","-",Document)&"   Rev. "&IF(Revision="","-",Revision)'
@@ -309,11 +313,11 @@ KEY_NUMBERS: tuple[tuple[str, str, str, str, str], ...] = (
         "[>=1000]#,##0;0.000",
     ),
     (
-        "Least allowable starts",
-        '=IF(COUNT(AllowableStarts[Allowable starts])>0,MIN(AllowableStarts[Allowable starts]),'
+        "Least allowable starts, whole",
+        '=IF(COUNT(AllowableStarts[Starts to judge])>0,MIN(AllowableStarts[Starts to judge]),'
         'IF(COUNTIF(AllowableStarts[Allowable starts],"?*")>0,"unlimited",""))',
         "",
-        _element_at("AllowableStarts[Allowable starts]", "MIN"),
+        _element_at("AllowableStarts[Starts to judge]", "MIN"),
         "#,##0",
     ),
 )  # fmt: skip

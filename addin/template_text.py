@@ -82,7 +82,8 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "What is rewritten",
-            "Only the result tables and the hidden sheets ChartData and Lists (RunFacts). "
+            "Only the result tables, the hidden sheets ChartData and Lists (RunFacts), and titles "
+            "of charts that a spreadsheet program cut off from ChartData. "
             "Everything else may be moved, restyled and extended: tables are found by their "
             "names, columns by their headers, scalars by their defined names.",
         ),
@@ -153,8 +154,8 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "Drawn histories",
-            "Charts show at most 801 points a history: its turning points, the smallest cycles "
-            "left out, so that no peak is lost. Results never come from them; KeepHistory "
+            "Charts show the least and the largest calculated value of 800 equal intervals of "
+            "the start, so that no peak is lost. Results never come from them; KeepHistory "
             "writes the full history to a file.",
         ),
         (

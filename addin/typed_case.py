@@ -60,7 +60,7 @@ class Typed:
     unit: str
 
     def __str__(self) -> str:
-        return f"{self.number:.10g} {self.unit}".rstrip()
+        return f"{self.number:.10g} {'' if self.unit == '1' else self.unit}".rstrip()
 
 
 Entry = Typed | str

@@ -15,19 +15,28 @@ from pathlib import Path
 from typing import Any
 
 from addin import fields
-from addin.chart_data import CHART_TABLES, HISTORIES, ShownUnits, chart_blocks
+from addin.chart_data import CHART_TABLES, HISTORIES, LABELS, ShownUnits, chart_blocks
 from addin.fields import Field, TableSpec
 from addin.layout import (
     CHECK_FORMULAS,
     CROSSING_ROWS,
     RUN_FACTS,
+    WHOLE_STARTS,
     WRAPPED,
     plot_name,
     text_height,
     workbook_columns,
 )
-from addin.package import PackageError, SaveReport, TableData, Workbook, open_workbook
-from addin.package.references import cell_name
+from addin.package import (
+    PackageError,
+    SaveReport,
+    Table,
+    TableData,
+    TitleLink,
+    Workbook,
+    open_workbook,
+)
+from addin.package.references import Rect, cell_name
 from addin.run_view import RunView
 from addin.shown_units import shown_units
 
@@ -77,7 +86,7 @@ class RunStamp:
 
 
 def write_results(
-    source: Path,
+    source: Path | Workbook,
     destination: Path | None,
     run: RunView,
     stamp: RunStamp,
@@ -89,8 +98,8 @@ def write_results(
 
     Parameters
     ----------
-    source : Path
-        The workbook the case was read from.
+    source : Path or Workbook
+        The workbook the case was read from; if it is open already, as it was then.
     destination : Path or None
         The new workbook; None with `in_place`.
     run : RunView
@@ -113,13 +122,18 @@ def write_results(
         When the workbook cannot be opened, has no room for a table, or cannot be saved; nothing
         has been written then.
     """
-    workbook = open_workbook(source, ignore_lock=ignore_lock)
+    if isinstance(source, Workbook):
+        workbook = source
+        workbook.allow_saving(ignore_lock=ignore_lock)
+    else:
+        workbook = open_workbook(source, ignore_lock=ignore_lock)
     units, problems = read_shown_units(workbook, run.case.ratings.rated_torque)
     wanted = [*result_blocks(run, units), _run_facts(run, stamp, units)]
     wanted += chart_tables(run, units, _chosen_elements(workbook))
     workbook.notes += problems
     present = _present(workbook, wanted)
     workbook.write_tables(present)
+    workbook.link_chart_titles(_title_links(workbook))
     _fit_rows(workbook, present)
     return workbook.save(destination, in_place=in_place)
 
@@ -230,6 +244,8 @@ def _mixed(value: Any, dimension: str | None, units: ShownUnits) -> Any:
     """A judged number with its unit, or words as they are."""
     if isinstance(value, str):
         return value
+    if dimension == "count":  # whole starts, never rounded up
+        return float(math.floor(value * (1.0 + WHOLE_STARTS)))
     if dimension is None or dimension not in _VERDICT_UNITS:
         return float(f"{value:.4g}") if abs(value) < 1000.0 else float(round(value))
     place = _VERDICT_UNITS[dimension]
@@ -279,6 +295,47 @@ def _chosen_elements(workbook: Workbook) -> list[str | None]:
         text = workbook.shown_value(target.sheet, cell)
         chosen.append(text.strip() or None if isinstance(text, str) else None)
     return chosen
+
+
+#: Words that a calculation gives titles; other words in their place are the engineer's own.
+_HISTORY_TITLE = r".*: (tangential tooth load|nominal shear stress|torque)|History \d .*|unused.*"
+_HISTORY_AXIS = r"(Tooth load|Nominal shear stress|Torque)( \[.*\])?"
+_SN_TITLE, _SN_AXIS = r"S-N line.*", r"Stress amplitude with SCF.*"
+
+
+def _title_links(workbook: Workbook) -> list[TitleLink]:
+    """Cells of the titles of our charts: a spreadsheet program may have made fixed words of them."""
+    labels = workbook.tables.get("ChartLabels")
+    if labels is None:
+        return []
+    of_histories = [
+        ("ChartHistory", (f"Value {k}",), f"History title {k}", f"History axis {k}")
+        for k in range(1, HISTORIES + 1)
+    ]
+    links = []
+    for name, columns, title, axis in (
+        *of_histories,
+        ("ChartSN", ("Line", "One start", "Starts required"), "S-N title", "S-N axis"),
+    ):
+        table = workbook.tables.get(name)
+        if table is None or not set(columns) <= set(table.columns) or table.sheet != labels.sheet:
+            continue
+        lefts = [table.ref.left + table.column_index(column) for column in columns]
+        words = (_SN_TITLE, _SN_AXIS) if name == "ChartSN" else (_HISTORY_TITLE, _HISTORY_AXIS)
+        links.append(
+            TitleLink(
+                table.sheet,
+                tuple(Rect(table.data.top, at, table.data.bottom, at) for at in lefts),
+                _label_cell(labels, title),
+                _label_cell(labels, axis),
+                *words,
+            )
+        )
+    return links
+
+
+def _label_cell(labels: Table, key: str) -> str:
+    return cell_name(labels.data.top + LABELS.index(key), labels.ref.left + 1)
 
 
 def _present(workbook: Workbook, wanted: Sequence[TableData]) -> list[TableData]:

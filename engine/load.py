@@ -25,6 +25,9 @@ STANDSTILL_ZONE = 1e-3
 NEAR_STANDSTILL = 0.05
 #: A load must not change its station's speed by more than the zone within this time. [s]
 STANDSTILL_TIME = 2e-3
+#: However light its station, a load has its full torque above this share of its speed: a station
+#: of a few grams is carried by its shaft and need not be slowed by itself.
+WIDEST_ZONE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,5 +89,6 @@ def loads_of(case: CaseData, train: Train) -> tuple[Load, ...]:
         curve = torque_curve(x, y)
         sticking = float(np.max(curve(np.linspace(0.0, NEAR_STANDSTILL, 11))))
         soft = max(STANDSTILL_ZONE * speed, STANDSTILL_TIME * sticking / inertia)
+        soft = min(soft, WIDEST_ZONE * speed)
         loads.append(Load(station, curve, speed, soft))
     return tuple(loads)

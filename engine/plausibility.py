@@ -17,8 +17,8 @@ SHEAR_MODULUS = (20e9, 130e9)
 DENSITY = (1000.0, 20000.0)
 ULTIMATE_STRENGTH = (100e6, 2500e6)
 DAMPING_RATIO = (0.001, 0.10)
-#: A motor curve should reach this share of synchronous speed.
-CURVE_REACH = 0.9
+#: A curve should reach this share of synchronous speed where EndSpeed is blank.
+CURVE_REACH = 0.97
 
 
 def implausible(case: CaseData) -> tuple[str, ...]:
@@ -78,14 +78,22 @@ def _damping(case: CaseData) -> Iterator[str]:
 
 
 def _curves(case: CaseData) -> Iterator[str]:
-    tops: dict[str | None, float] = {}
-    for p in case.motor_torque:
-        tops[p.station] = max(tops.get(p.station, 0.0), p.speed or 0.0)
-    for station, top in tops.items():
-        if top < CURVE_REACH:
+    ends: dict[tuple[str, str | None], list[float]] = {}
+    for table, points in (("MotorTorque", case.motor_torque), ("LoadTorque", case.load_torque)):
+        for p in points:
+            ends.setdefault((table, p.station), []).append(p.speed or 0.0)
+    synchronous = case.ratings.synchronous_speed
+    reach = case.end_speed / synchronous if case.end_speed and synchronous else CURVE_REACH
+    for (table, station), speeds in ends.items():
+        held = []
+        if min(speeds) > 0.0:
+            held.append(f"begins at {100 * min(speeds):.3g} % of synchronous speed")
+        if max(speeds) < reach:
+            held.append(f"ends at {100 * max(speeds):.3g} % of synchronous speed")
+        if held and len(speeds) > 1:
             yield (
-                f"The torque curve of '{station}' ends at {top:.3g} of synchronous speed "
-                f"({100 * top:.3g} %) and is held constant above. Check the unit of its speeds."
+                f"{table} of '{station}' {' and '.join(held)}; beyond that it is held constant. "
+                "Check the unit of its speeds, or add points."
             )
     driven = {p.station for p in case.load_torque}
     if case.motor_torque and not driven:

@@ -56,6 +56,8 @@ DEFAULT_END_SPEED = 0.97
 ASYNCHRONOUS_ABOVE = 0.95
 #: A torque below zero by less than this share of the largest torque is not called a reversal.
 NOTABLE_REVERSAL = 1e-3
+#: Longest start simulated where MaximumTime is blank. [s]
+LONGEST_START = 600.0
 #: Time simulated where the motor cannot break the train away. [s]
 STANDSTILL_TIME = 2.0
 #: Largest and smallest phase of the pulsation per step tried first. [rad]
@@ -922,8 +924,8 @@ def _settled(runup: RigidRunup, trajectory: Trajectory, end: float, synchronous:
 
 
 def _cut_by_itself(settings: StartSettings, end: float) -> bool:
-    """Whether a run ended before MaximumTime ended it."""
-    return settings.maximum_time is None or end < 0.999 * settings.maximum_time
+    """Whether a run ended before MaximumTime (or the longest start simulated) ended it."""
+    return end < 0.999 * (settings.maximum_time or LONGEST_START)
 
 
 def _without_history(
@@ -972,6 +974,8 @@ def _outcome(
         )
         return StartOutcome(word, end, speed, text)
     text = f"Time out: {rpm:.1f} rpm ({share:.1%} speed) after {end:.3f} s."
+    if math.isfinite(float(runup.time[-1])):
+        text += f" As a rigid body the train would need {float(runup.time[-1]):.4g} s."
     return StartOutcome("time out", end, speed, text)
 
 
@@ -1009,7 +1013,7 @@ def run_start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping)
     assert synchronous is not None
     runup = rigid_runup(train, motors, loads, settings.end_speed)
     target = settings.end_speed
-    longest = math.inf if settings.maximum_time is None else settings.maximum_time
+    longest = LONGEST_START if settings.maximum_time is None else settings.maximum_time
     tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time), default=0.0)
     maximum = min(max(_run_length(runup), tabled), longest)
     model = start_model(

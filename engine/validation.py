@@ -28,6 +28,8 @@ RADIUS_TOLERANCE = 1e-3
 RATING_TOLERANCE = 5e-3
 #: A torque curve reaches at most this multiple of synchronous speed.
 TOP_SPEED = 3.0
+#: Voltage over that of the torque curves; more is a percent sign forgotten.
+LARGEST_VOLTAGE = 2.0
 
 CHOICES = {
     "margin_basis": ("MarginBasis", ("calculated", "measured")),
@@ -47,7 +49,6 @@ POSITIVE_SCALARS = {
     "maximum_time": ("MaximumTime", "s"),
     "starts_required": ("StartsRequired", ""),
     "starts_factor": ("StartsFactor", ""),
-    "voltage": ("Voltage", ""),
     "shock_time_constant": ("ShockTimeConstant", "s"),
     "field_time_constant": ("FieldTimeConstant", "s"),
     "trip_speed": ("TripSpeed", "rad/s"),
@@ -180,6 +181,16 @@ def _scalars(case: CaseData) -> Iterator[Problem]:
         case.margin_required,
         lambda v: 0 <= v < 1,
         "at least 0 and below 1 (100 %)",
+    )
+    yield from _check(
+        "Case",
+        None,
+        "Voltage",
+        case.voltage,
+        lambda v: 0 < v <= LARGEST_VOLTAGE,
+        "positive and at most 2 (200 % of the voltage of the curves)",
+        "",
+        "Write 80 % or 0.8.",
     )
     yield from _check(
         "Case", None, "FieldSlip", case.field_slip, lambda v: 0 < v < 1, "between 0 and 1 (100 %)"
@@ -884,7 +895,8 @@ def _curve(
                 header,
                 x,
                 f"above {previous:.6g} of row {before}",
-                f"The rows of '{point.station}' must be in rising order, no value twice.",
+                f"The rows of '{point.station}' must be in rising order, no value twice"
+                + (" (for a step, two rows a microsecond apart)." if header == "Time" else "."),
             )
         elif point.station is not None:
             last[point.station] = (row, x)

@@ -15,6 +15,7 @@ module                  responsibility
 ``table_writing``       rows into tables, with all that follows them and all that may be in the way
 ``written``             what was written, to be found again before the file is put in place
 ``charts``              chart ranges and the values that charts carry
+``chart_titles``        titles of charts that lost their cell
 ``values``              what a cell may hold, and its XML
 ``formula_text``        references inside a formula
 ``dependents``          which formulas hang on changed cells
@@ -27,6 +28,7 @@ module                  responsibility
 ======================  ====================================================================================
 """
 
+from .chart_titles import TitleLink
 from .container import Limits
 from .errors import (
     CellRefused,
@@ -62,6 +64,7 @@ __all__ = [
     "SourceChanged",
     "Table",
     "TableData",
+    "TitleLink",
     "Workbook",
     "WorkbookLocked",
     "WorkbookMismatch",

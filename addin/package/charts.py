@@ -7,15 +7,15 @@ rewritten, and of these only the ``c:f`` texts and the caches.
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from xml.sax.saxutils import escape
 
-from lxml import etree
-
+from .chart_titles import TitleLink, link_titles
 from .references import Rect, parse_range, retargeted, split_areas, split_sheet
-from .values import Constant, ErrorValue, number_text
+from .values import Constant, ErrorValue
 from .xml_part import CHART, Element, parse_part, serialise
 
 Area = tuple[str, Rect]
@@ -28,6 +28,8 @@ _CACHES = {
 }
 _MULTI_LEVEL = f"{{{CHART}}}multiLvlStrRef"
 _NUMBERS = f"{{{CHART}}}numRef"
+# Where points go that are still text: a point with an index that no chart has.
+_PLACE = re.compile(rb"<[^<>]*pt idx=\"points-([0-9]+)\"/>")
 
 
 class ChartPart:
@@ -46,6 +48,9 @@ class ChartPart:
         self.changed = False
         self._original = data
         self._root = parse_part(data, part)
+        # Points of renewed caches. They stay text until the part is stored: as elements they would cost more than all
+        # the rest of it.
+        self._points: list[bytes] = []
 
     def retarget(self, sheet: str, old: Rect, new: Rect) -> int:
         """Let ranges that covered exactly the old rows of a block cover its new rows.
@@ -102,14 +107,57 @@ class ChartPart:
             areas = resolve(reference.findtext(_F) or "") if cache is not None else None
             if areas is None or not any(touched(*area) for area in areas):
                 continue
-            _fill_cache(reference.tag, cache, areas, shown)
+            self._fill(reference.tag, cache, areas, shown)
             count += 1
+        self.changed = self.changed or count > 0
+        return count
+
+    def link_titles(
+        self,
+        links: Sequence[TitleLink],
+        resolve: Callable[[str], list[Area] | None],
+        text: Callable[[str, str], str],
+    ) -> int:
+        """Link titles that became fixed words to their cells again.
+
+        Parameters
+        ----------
+        links : sequence of TitleLink
+            Cells of the titles, by the cells a chart draws.
+        resolve : callable
+            Areas of a reference text; None when it cannot be followed.
+        text : callable
+            Text that a cell of a sheet shows.
+
+        Returns
+        -------
+        int
+            Number of titles changed.
+        """
+        count = link_titles(self._root, links, resolve, text)
         self.changed = self.changed or count > 0
         return count
 
     def to_bytes(self) -> bytes:
         """The part as it shall be stored."""
-        return serialise(self._root, self._original)
+        data = serialise(self._root, self._original)
+        return _PLACE.sub(lambda found: self._points[int(found[1])], data)
+
+    def _fill(self, kind: str, cache: Element, areas: list[Area], shown: Shown) -> None:
+        for old in cache.findall(_PT_COUNT) + cache.findall(_PT) + cache.findall(_LEVEL):
+            cache.remove(old)
+        prefix = f"{cache.prefix}:" if cache.prefix else ""
+        if kind == _MULTI_LEVEL:
+            xml = _levels_xml(areas, shown, prefix)
+        else:
+            values = [value for sheet, rect in areas for value in shown(sheet, rect)]
+            points = [*map(_number_point if kind == _NUMBERS else _text_point, values)]
+            xml = f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
+        # The schema wants format code, count and points in this order, extensions last.
+        extensions = cache.find(_EXTENSIONS)
+        at = len(cache) if extensions is None else cache.index(extensions)
+        cache.insert(at, cache.makeelement(_PT, idx=f"points-{len(self._points)}"))
+        self._points.append(xml.encode())
 
     @cached_property
     def _by_rows(self) -> dict[tuple[str, int, int], dict[Element, None]]:
@@ -131,23 +179,7 @@ def _rows_of_areas(reference: str) -> Iterator[tuple[str, int, int]]:
         yield sheet, rect.top, rect.bottom
 
 
-def _fill_cache(kind: str, cache: Element, areas: list[Area], shown: Shown) -> None:
-    for old in cache.findall(_PT_COUNT) + cache.findall(_PT) + cache.findall(_LEVEL):
-        cache.remove(old)
-    if kind == _MULTI_LEVEL:
-        xml = _levels_xml(areas, shown)
-    else:
-        text = _number_point if kind == _NUMBERS else _text_point
-        points = [text(value) for sheet, rect in areas for value in shown(sheet, rect)]
-        xml = _points_xml(points, with_count=True)
-    new = list(etree.fromstring(f'<d xmlns="{CHART}">{xml}</d>'))
-    # The schema wants format code, count and points in this order, extensions last.
-    extensions = cache.find(_EXTENSIONS)
-    at = len(cache) if extensions is None else cache.index(extensions)
-    cache[at:at] = new
-
-
-def _levels_xml(areas: list[Area], shown: Shown) -> str:
+def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:
     """Levels of a category axis with several label columns, the innermost (last column) first."""
     sheet, rect = areas[0]
     by_columns = rect.height >= rect.width
@@ -163,23 +195,24 @@ def _levels_xml(areas: list[Area], shown: Shown) -> str:
             else Rect(line, rect.left, line, rect.right)
         )
         points = [_text_point(value) for value in shown(sheet, area)]
-        levels.append(f"<lvl>{_points_xml(points, with_count=False)}</lvl>")
-    return f'<ptCount val="{count}"/>' + "".join(levels)
+        levels.append(f"<{prefix}lvl>{_points_xml(points, prefix)}</{prefix}lvl>")
+    return f'<{prefix}ptCount val="{count}"/>' + "".join(levels)
 
 
-def _points_xml(points: list[str | None], *, with_count: bool) -> str:
-    written = "".join(
-        f'<pt idx="{index}"><v>{point}</v></pt>'
+def _points_xml(points: list[str | None], prefix: str) -> str:
+    point_tag, value_tag = f"{prefix}pt", f"{prefix}v"
+    return "".join(
+        f'<{point_tag} idx="{index}"><{value_tag}>{point}</{value_tag}></{point_tag}>'
         for index, point in enumerate(points)
         if point is not None
     )
-    return (f'<ptCount val="{len(points)}"/>' if with_count else "") + written
 
 
 def _number_point(value: Constant) -> str | None:
     """Number of a point; text and errors have none, as a spreadsheet program leaves them out too."""
     if type(value) is float:
-        return number_text(value)
+        # As `number_text`, written out: all points of all charts come through here.
+        return repr(value).removesuffix(".0")
     if isinstance(value, bool):
         return "1" if value else "0"
     return None

@@ -15,7 +15,7 @@ import io
 import math
 import re
 import zipfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 _F = main("f")
 _HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
 _SHEET_DATA = re.compile(rb"<((?:\w+:)?)sheetData\b[^>]*>.*</\1sheetData>", re.DOTALL)
+_ROW_NUMBER = re.compile(rb'<row r="([0-9]+)"')
+_NUMBER_CELL = re.compile(rb'<c r="[A-Z]+[0-9]+"(?: s="[0-9]+")?><v>[^<]*</v></c>')
 _DIMENSION = re.compile(rb"<(?:\w+:)?dimension\b[^>]*/>")
 _TABLE_FORMULA = re.compile(
     rb"<((?:\w+:)?(?:calculatedColumnFormula|totalsRowFormula))\b[^>]*(?:/>|>.*?</\1>)", re.DOTALL
@@ -172,7 +174,8 @@ class _Refresh:
         self.removed = 0
 
     def run(self) -> CacheReport:
-        recalculated, reason = _recalculate(self.workbook, self._sheets_read())
+        with_formulas = {cell.sheet for cell in self.everything}
+        recalculated, reason = _recalculate(self.workbook, with_formulas, self._rows_read())
         if recalculated is None:
             for cell in self.affected:
                 self._remove(cell)
@@ -187,14 +190,15 @@ class _Refresh:
         reason = "Some formulas cannot be recalculated for certain." if self.removed else ""
         return self._report("recalculated", reason, disagreements)
 
-    def _sheets_read(self) -> set[str] | None:
-        """Sheets that formulas read; None when some formula may read any."""
-        found: set[str] = set()
-        for cell in {(one.sheet, one.text): one for one in self.everything}.values():
+    def _rows_read(self) -> dict[str, int] | None:
+        """Last row that formulas read of each sheet; None when some formula may read any."""
+        found: dict[str, int] = {}
+        for cell in self.everything:
             areas = self.reads(cell)
             if areas is None:
                 return None
-            found.update(sheet for sheet, _ in areas)
+            for sheet, rect in areas:
+                found[sheet] = max(rect.bottom, found.get(sheet, 0))
         return found
 
     def _report(self, method: str, reason: str, disagreements: tuple[str, ...] = ()) -> CacheReport:
@@ -324,15 +328,19 @@ def _spellings(name: str) -> Iterator[str]:
 
 
 def _recalculate(
-    workbook: Workbook, read_sheets: set[str] | None
+    workbook: Workbook, with_formulas: Collection[str], rows_read: Mapping[str, int] | None
 ) -> tuple[_Recalculated | None, str]:
-    """A recalculated copy, or None and the reason; ``read_sheets`` are those that formulas read, None = any."""
+    """A recalculated copy, or None and the reason.
+
+    ``with_formulas`` are the sheets that hold formulas, ``rows_read`` the last rows that formulas read; None = any.
+    """
     try:
         import formualizer
     except ImportError:
         return None, "The package formualizer is not installed, so formulas were not recalculated."
     fed = workbook.changed_parts()
-    fed |= _without_table_formulas(workbook, fed) | _lightened_sheets(workbook, fed, read_sheets)
+    fed |= _without_table_formulas(workbook, fed)
+    fed |= _lightened_sheets(workbook, fed, with_formulas, rows_read)
     fed |= workbook.structure.as_plain_workbook()
     package = io.BytesIO()
     # Not compressed, as it lives for milliseconds.
@@ -359,12 +367,16 @@ def _without_table_formulas(workbook: Workbook, fed: Mapping[str, bytes]) -> dic
 
 
 def _lightened_sheets(
-    workbook: Workbook, fed: Mapping[str, bytes], read_sheets: set[str] | None
+    workbook: Workbook,
+    fed: Mapping[str, bytes],
+    with_formulas: Collection[str],
+    rows_read: Mapping[str, int] | None,
 ) -> dict[str, bytes]:
     """Sheets without their stated extent, and without cells where no formula reads them.
 
     Some programs state an extent that is too small, which formualizer refuses. Histories take long to load; they are
-    left out where they have no formulas or tables and nothing refers to them.
+    left out where they have no formulas and nothing refers to them; of a sheet with tables, whose headers have to
+    stay, the numbers.
     """
     with_tables = {table.sheet for table in workbook.tables.values()}
     parts = {}
@@ -373,11 +385,22 @@ def _lightened_sheets(
         if part is None:
             continue
         data = fed.get(part) or workbook.container.read(part)
-        is_read = read_sheets is None or sheet in read_sheets or sheet in with_tables
-        if not is_read and _HAS_FORMULA.search(data) is None:
-            data = _SHEET_DATA.sub(rb"<\1sheetData/>", data)
-        parts[part] = _DIMENSION.sub(b"", data, count=1)
+        if rows_read is not None and sheet not in with_formulas:
+            if sheet in rows_read or sheet in with_tables:
+                data = _without_numbers_below(data, rows_read.get(sheet, 0))
+            else:
+                data = _SHEET_DATA.sub(rb"<\1sheetData/>", data)
+        found = _DIMENSION.search(data, 0, data.find(b"sheetData"))
+        parts[part] = data[: found.start()] + data[found.end() :] if found else data
     return parts
+
+
+def _without_numbers_below(data: bytes, last: int) -> bytes:
+    """A sheet without the numbers below a row; a cell of a number has no type and nothing but its value."""
+    for row in _ROW_NUMBER.finditer(data):
+        if int(row[1]) > last:
+            return data[: row.start()] + _NUMBER_CELL.sub(b"", data[row.start() :])
+    return data
 
 
 def _alike(old: Constant, new: Constant, tolerance: float) -> bool:

@@ -6,7 +6,7 @@ Rows and columns count from 1 as on the sheet; all bounds are inclusive.
 from __future__ import annotations
 
 import re
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 MAX_ROW = 1_048_576
@@ -113,6 +113,8 @@ def cell_name(row: int, column: int) -> str:
     return f"{column_letters(column)}{row}"
 
 
+# Names of charts, formulas and tables are asked for again and again, in one workbook as in the next.
+@lru_cache(maxsize=16_384)
 def parse_cell(name: str) -> tuple[int, int]:
     """Row and column of a cell name; dollar signs are ignored.
 
@@ -130,6 +132,7 @@ def parse_cell(name: str) -> tuple[int, int]:
     return row, column
 
 
+@lru_cache(maxsize=16_384)
 def parse_range(name: str) -> Rect:
     """Rectangle of ``"B4"``, ``"$B$4:$D$9"``, ``"B:D"`` or ``"4:9"``.
 

@@ -503,11 +503,11 @@ class SheetPart:
     ) -> list[str | None]:
         if not keep_styles or number not in self._rows:
             return new_styles
-        cells = self._row(number).cells
-        for column in range(rect.left, rect.right + 1) if cells else ():
-            cell = cells.get(column)
-            if cell is not None:
-                new_styles[column - rect.left] = cell.get("s")
+        row = self._row(number)
+        start = bisect_left(row.columns, rect.left)
+        stop = bisect_left(row.columns, rect.right + 1)
+        for column in row.columns[start:stop]:
+            new_styles[column - rect.left] = row.cells[column].get("s")
         return new_styles
 
     def _graft(self, rect: Rect, texts: Sequence[str]) -> None:

@@ -109,20 +109,20 @@ def plan_table(workbook: Workbook, data: TableData) -> TablePlan:
     positions = sorted(sources)
     order = [sources[position] for position in positions]
     texts = {table.column_index(name): text for name, text in data.formulas.items()}
-    formulas = [(index, texts[one]) for index, one in enumerate(positions) if one in texts]
+    formulas = [(index, Formula(texts[one])) for index, one in enumerate(positions) if one in texts]
     grid = [_in_table_order(row, order, formulas) for row in rows]
     return TablePlan(table, new, positions, grid, dict(data.formulas))
 
 
 def _in_table_order(
-    row: Sequence[CellValue], order: Sequence[int], formulas: Sequence[tuple[int, str]]
+    row: Sequence[CellValue], order: Sequence[int], formulas: Sequence[tuple[int, Formula]]
 ) -> list[CellValue]:
     """Cells of a row as the table has its columns, values of calculated columns with their formula."""
     cells = [row[source] for source in order]
-    for index, text in formulas:
+    for index, formula in formulas:
         value = cells[index]
         if not isinstance(value, Formula):
-            cells[index] = Formula(text, value)
+            cells[index] = formula if value is None else Formula(formula.text, value)
     return cells
 
 

@@ -159,14 +159,16 @@ def row_xml(
     """
     texts = []
     for start, style, value in zip(starts, styles, row, strict=True):
-        opening = f'{start}{number}" s="{style}"' if style else f'{start}{number}"'
+        if value is None and not style:
+            continue
+        named = f' s="{style}"' if style else ""
         if type(value) is float:
             # As `number_text`, written out: long blocks of numbers come through here.
-            texts.append(f"{opening}><v>{repr(value).removesuffix('.0')}</v></c>")
+            texts.append(f'{start}{number}"{named}><v>{repr(value).removesuffix(".0")}</v></c>')
         elif value is not None:
-            texts.append(opening + _rest_of_cell(value))
-        elif style:
-            texts.append(f"{opening}/>")
+            texts.append(f'{start}{number}"{named}{_rest_of_cell(value)}')
+        else:
+            texts.append(f'{start}{number}"{named}/>')
     return "".join(texts)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from lxml import etree
 
+from .chart_titles import TitleLink
 from .charts import Area, ChartPart
 from .container import DEFAULT_LIMITS, Container, Limits
 from .dependents import ChangedCells
@@ -64,14 +65,10 @@ def open_workbook(
     if not (ignore_lock or read_only):
         check_not_open(file)
     container = Container(file, limits)
-    structure = WorkbookPart(container)
-    if structure.is_signed() and not read_only:
-        raise WorkbookRefused(
-            "signed",
-            f"{file.name} carries a digital signature, which any change would make invalid. "
-            "Save an unsigned copy and run on that.",
-        )
-    return Workbook(container, structure, read_only=read_only, ignore_lock=ignore_lock)
+    workbook = Workbook(container, WorkbookPart(container))
+    if not read_only:
+        workbook.allow_saving(ignore_lock=ignore_lock)
+    return workbook
 
 
 class Workbook:
@@ -89,16 +86,13 @@ class Workbook:
         self,
         container: Container,
         structure: WorkbookPart,
-        *,
-        read_only: bool = False,
-        ignore_lock: bool = False,
     ) -> None:
         self.path = container.path
         self.notes: list[str] = []
         self._container = container
         self._structure = structure
-        self._read_only = read_only
-        self._ignore_lock = ignore_lock
+        self._read_only = True
+        self._ignore_lock = False
         self._sheets: dict[str, SheetPart] = {}
         self._table_roots: dict[str, Element] = {}
         self._changed_tables: dict[str, bytes] = {}
@@ -394,6 +388,25 @@ class Workbook:
             count += self._sheet(name).retarget_sparklines(sheet, before, after)
         return count
 
+    def link_chart_titles(self, links: Sequence[TitleLink]) -> int:
+        """Link titles of charts that became fixed words to their cells again, after the cells were written.
+
+        Parameters
+        ----------
+        links : sequence of TitleLink
+            Cells of the titles, by the cells a chart draws; all other charts stay as they are.
+
+        Returns
+        -------
+        int
+            Number of titles changed.
+        """
+
+        def text(sheet: str, cell: str) -> str:
+            return str(self.shown_value(sheet, cell) or "")
+
+        return sum(chart.link_titles(links, self._areas, text) for chart in self._charts)
+
     def refresh_chart_caches(self) -> int:
         """Renew the values that charts carry of changed cells.
 
@@ -417,6 +430,32 @@ class Workbook:
         if self._cache_report is None:
             self._cache_report = refresh_formula_caches(self)
         return self._cache_report
+
+    def allow_saving(self, *, ignore_lock: bool = False) -> None:
+        """Make the checks that opening for reading only leaves out; from then on it can be saved.
+
+        Parameters
+        ----------
+        ignore_lock : bool
+            Allow it although a lock file says that somebody has the workbook open.
+
+        Raises
+        ------
+        WorkbookRefused
+            When it is signed.
+        WorkbookLocked
+            When Excel or LibreOffice has it open.
+        """
+        if not ignore_lock:
+            check_not_open(self.path)
+        if self._structure.is_signed():
+            raise WorkbookRefused(
+                "signed",
+                f"{self.path.name} carries a digital signature, which any change would make invalid. "
+                "Save an unsigned copy and run on that.",
+            )
+        self._read_only = False
+        self._ignore_lock = ignore_lock
 
     def save(self, destination: str | Path | None = None, *, in_place: bool = False) -> SaveReport:
         """Write the workbook, whole or not at all.

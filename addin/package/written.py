@@ -10,7 +10,11 @@ from typing import Any
 from .errors import CellRefused
 from .references import Rect, cell_name
 from .sheet_part import SheetPart
-from .values import CellValue, Formula, clean
+from .values import FORMULA_MARK, CellValue, Formula, clean
+
+_CELL_START = b"<c "
+# A character that no XML can hold.
+_CUT = "\0"
 
 
 @dataclass(frozen=True)
@@ -22,12 +26,15 @@ class Written:
     texts: Sequence[str]
 
     def stands_in(self, part: bytes) -> bool:
-        """Whether the rows stand in the part as they were built, in their order."""
+        """Whether the rows stand in the part as they were built, in their order; a formula may have got its value."""
         position = 0
         for text in self.texts:
-            position = part.find(text.encode(), position)
-            if position < 0:
-                return False
+            for number, piece in enumerate(map(str.encode, _around_values(text))):
+                found = part.find(piece, position)
+                # Between the pieces of a row only type and value of a formula may have come.
+                if found < 0 or (number and _CELL_START in part[position:found]):
+                    return False
+                position = found + len(piece)
         return True
 
     def values(self) -> Iterator[tuple[tuple[int, int], CellValue]]:
@@ -37,6 +44,14 @@ class Written:
             row = self.grid[offset] if offset < len(self.grid) else blank
             for shift, value in enumerate(row):
                 yield (self.rect.top + offset, self.rect.left + shift), value
+
+
+def _around_values(text: str) -> list[str]:
+    """A row in pieces, cut where the recalculation puts type and value of a formula written without one."""
+    if FORMULA_MARK not in text:
+        return [text]
+    marked = text.replace("><f>", f"{_CUT}><f>").replace("</f></c>", f"</f>{_CUT}</c>")
+    return marked.split(_CUT)
 
 
 def cleaned(sheet: str, row: int, column: int, value: Any) -> CellValue:

@@ -42,7 +42,7 @@ def test_slips_of_units_are_told():
         motor_torque=curve,
     )
     notes = "\n".join(implausible(wrong))
-    for said in ("0.08 GPa", "7.85 kg/m³", "UTS of", "ends at 0.01"):
+    for said in ("0.08 GPa", "7.85 kg/m³", "UTS of", "ends at 1 % of synchronous"):
         assert said in notes
 
 

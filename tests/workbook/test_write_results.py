@@ -114,7 +114,7 @@ def test_the_summary_says_which_inputs_the_results_belong_to(written: Path) -> N
     assert STAMP.sha256 in words
     assert STAMP.sentence in words
     assert "2026-11-21 07:30" in words
-    assert "FAIL: 3 of 6 checks" in words
+    assert "FAIL: 3 of 7 checks" in words
 
 
 def test_fewer_results_leave_nothing_of_the_older_ones(written: Path, tmp_path: Path) -> None:

@@ -1,0 +1,41 @@
+"""Files that cannot be read or written end with a sentence and exit status 1, never 3."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+CASE = '{"format": 1, "stations": [{"station": "a", "inertia": 1}]}'
+
+
+def torsionbook(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Run the command line as a user does."""
+    return subprocess.run(
+        [sys.executable, "-c", "from addin.cli import main; main()", *words],
+        cwd=cwd, capture_output=True, text=True, encoding="utf-8", timeout=120,
+        env={**__import__("os").environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("recalc", "case.json", "--out", "a_file"),
+        ("recalc", "case.json", "--json", "a_file/out.json"),
+        ("export", "case.json", "a_file/out.json"),
+        ("export", "case.json", "a_folder"),
+    ],
+    ids=" ".join,
+)
+def test_target_that_cannot_be_written(tmp_path: Path, words: tuple[str, ...]) -> None:
+    (tmp_path / "case.json").write_text(CASE, encoding="utf-8")
+    (tmp_path / "a_file").write_text("x", encoding="utf-8")
+    (tmp_path / "a_folder").mkdir()
+    done = torsionbook(*words, cwd=tmp_path)
+    assert "Traceback" not in done.stderr
+    assert done.returncode in (1, 2), done.stderr
+    assert "a_file" in done.stderr or "a_folder" in done.stderr
