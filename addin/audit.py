@@ -7,6 +7,7 @@ import os
 import platform
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib import metadata
 from typing import Any
 
@@ -108,7 +109,7 @@ def audit_rows(
         ("Software", stamp.software),
         ("Date (UTC)", f"{stamp.date:%Y-%m-%d %H:%M:%S}"),
         ("Python", f"{platform.python_version()} on {platform.system()}"),
-        ("Libraries", ", ".join(f"{n} {metadata.version(n)}" for n in LIBRARIES)),
+        ("Libraries", _libraries()),
         *((f"Setting of the command line: {k}", str(v)) for k, v in overrides.items()),
         *_settings(results),
         *_accuracy(results),
@@ -117,6 +118,12 @@ def audit_rows(
         *((f"Equation: {name}", text) for name, text in EQUATIONS),
     ]
     return [{"item": item, "value": value} for item, value in pairs]
+
+
+@cache
+def _libraries() -> str:
+    """Their versions; they are looked up on the disk, once in a process."""
+    return ", ".join(f"{name} {metadata.version(name)}" for name in LIBRARIES)
 
 
 def _settings(results: Results) -> Iterator[tuple[str, str]]:

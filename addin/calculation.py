@@ -12,6 +12,7 @@ from typing import Any
 from addin.audit import Stamp, audit_rows
 from addin.run_view import RunView, view_of
 from engine.case import Case
+from engine.report import modal_details
 from engine.results import Results
 from engine.run import run
 
@@ -40,6 +41,8 @@ class Calculation:
         Of the reader and of the engine. [sentences]
     outcome : str
         How the run ended. [word]
+    details : mapping
+        Energy shares, nodes and damped eigenvalues, for the JSON. [SI]
     stamp : Stamp
         Version and date. [text]
     """
@@ -52,6 +55,7 @@ class Calculation:
     view: RunView
     warnings: tuple[str, ...]
     outcome: str
+    details: Mapping[str, Any]
     stamp: Stamp
 
 
@@ -103,5 +107,6 @@ def calculate(
         view=view,
         warnings=warnings,
         outcome=results.outcome,
+        details=modal_details(results),
         stamp=stamp,
     )

@@ -33,6 +33,7 @@ __all__ = [
     "chart_blocks",
     "decimate",
     "governing_shaft",
+    "history_table",
 ]
 
 Cell = float | int | str | None
@@ -43,6 +44,8 @@ Floats = NDArray[np.float64]
 GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
 #: Most rows of a drawn history: the least and the largest value of each of half as many intervals.
 HISTORY_POINTS = 1601
+#: In one table stand three histories: formualizer reads no table of more than some 10 000 cells.
+_HISTORIES_A_TABLE = 3
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 201
 _SN_POINTS = 200
@@ -131,10 +134,16 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         ("Line cycles", "Line", "Start cycles", "One start", "Starts cycles", "Starts required"),
         "S-N line and the cycles of one and of the required starts that exceed a stress.",
     ),
-    ChartTable(
-        "ChartHistory",
-        _numbered(("Time", "Value"), HISTORIES),
-        "Histories of the start: least and largest value of equal intervals of time.",
+    *(
+        ChartTable(
+            name,
+            tuple(f"{word} {k}" for k in numbers for word in ("Time", "Value")),
+            "Histories of the start: least and largest value of equal intervals of time.",
+        )
+        for name, numbers in (
+            ("ChartHistory", range(1, _HISTORIES_A_TABLE + 1)),
+            ("ChartHistory2", range(_HISTORIES_A_TABLE + 1, HISTORIES + 1)),
+        )
     ),
 )
 
@@ -161,6 +170,22 @@ class ShownUnits:
     def factor(self, table: str, column: str) -> float:
         """The SI value of one shown unit; 1 where there is no unit."""
         return self.factors.get((table, column), 1.0)
+
+
+def history_table(number: int) -> str:
+    """Chart table of a history.
+
+    Parameters
+    ----------
+    number : int
+        Counted from 1. [count]
+
+    Returns
+    -------
+    str
+        Its name. [name]
+    """
+    return "ChartHistory" if number <= _HISTORIES_A_TABLE else "ChartHistory2"
 
 
 def chart_blocks(
@@ -192,8 +217,10 @@ def chart_blocks(
         "ChartCrossings": _crossing_rows(case, run, labels),
         "ChartInterference": _interference_rows(case, run, labels),
         "ChartSN": _sn_rows(case, run, units, labels),
-        "ChartHistory": _history_rows(case, run, units, chosen, labels),
     }
+    histories = _history_columns(case, run, units, chosen, labels)
+    blocks["ChartHistory"] = _side_by_side(histories[: 2 * _HISTORIES_A_TABLE])
+    blocks["ChartHistory2"] = _side_by_side(histories[2 * _HISTORIES_A_TABLE :])
     _shape_labels(run, labels)
     blocks["ChartLabels"] = [[key, labels.get(key)] for key in LABELS]
     return {table.name: blocks[table.name] for table in CHART_TABLES}
@@ -419,13 +446,13 @@ def _table(run: RunView | None, name: str) -> Sequence[Mapping[str, Any]]:
     return run.tables.get(name, ()) if run else ()
 
 
-def _history_rows(
+def _history_columns(
     case: CaseData,
     run: RunView | None,
     units: ShownUnits,
     chosen: Sequence[str | None],
     labels: dict[str, Cell],
-) -> Rows:
+) -> list[Sequence[Cell]]:
     histories = (run.histories if run else None) or {}
     columns: list[Sequence[Cell]] = [[] for _ in range(2 * HISTORIES)]
     for k, name in enumerate(_drawn_elements(case, list(histories), chosen)):
@@ -442,7 +469,7 @@ def _history_rows(
         labels[f"History title {k + 1}"] = f"{name}: {words}"
         labels[f"History axis {k + 1}"] = axis
         labels[f"History caption {k + 1}"] = f"{name}: {words} {axis[axis.find('[') :]}"
-    return _side_by_side(columns)
+    return columns
 
 
 def _drawn_elements(

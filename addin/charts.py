@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .chart_data import CROSSINGS, GROUPS, LABELS, LINES, SHAPES
+from .chart_data import CROSSINGS, GROUPS, LABELS, LINES, SHAPES, history_table
 from .template_styles import FONT, PALETTE, SPEED_GROUPS
 
 __all__ = ["CHARTS", "Place", "Places", "make_chart"]
@@ -342,7 +342,7 @@ def _interference(workbook: Any, places: Places, _: int) -> Any:
 def _history(workbook: Any, places: Places, number: int) -> Any:
     """The paper's Figures 1, 7 and 8: torque, tooth load or stress against time."""
     chart = workbook.add_chart({"type": "scatter", "subtype": "straight"})
-    table = "ChartHistory"
+    table = history_table(number)
     chart.add_series(
         _xy(
             places,

@@ -6,6 +6,7 @@ Nothing heavy is imported before a command needs it, so that --help and version 
 from __future__ import annotations
 
 import math
+import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -403,6 +404,10 @@ def _ratios(results: Any) -> list[float]:
 
 def main() -> None:
     """Entry point: run the command line and turn what goes wrong into its exit status."""
+    # Matrices here have at most some hundred rows: more threads of the linear algebra would only wait for each other,
+    # most of all on a busy machine. It is read when numpy is imported, hence before any command.
+    for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
     try:
         app(standalone_mode=True)
     except _Wrong as wrong:

@@ -24,6 +24,7 @@ __all__ = [
     "SCALAR_TABLE",
     "TEMPLATE_VERSION",
     "TableSpec",
+    "WORKBOOK_TABLES",
     "input_table",
     "json_key",
     "result_table",
@@ -959,7 +960,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         _text("Governing", "yes for the element that allows the fewest starts.", kind="flag"),
         extra_columns=(
             _number("Starts check", "count", "Live formula: 1 / damage."),
-            _number("Starts to judge", "count", "Live formula: 1 / damage / StartsFactor, whole starts."),
+            _number(
+                "Starts to judge",
+                "count",
+                "Live formula: 1 / damage / StartsFactor, rounded down to whole starts.",
+            ),
         ),
         json_only=("unlimited", "starts_low", "starts_high"),
     ),
@@ -970,6 +975,21 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         "What was calculated, from which inputs, by which version and method.",
         _text("Item", "What is stated."),
         _mixed("Value", "Its value."),
+    ),
+)
+
+#: Tables of the workbook alone, beside the results of the contract; the JSON has none of them.
+WORKBOOK_TABLES: tuple[TableSpec, ...] = (
+    _table(
+        "StartCycles",
+        "Starts",
+        1,
+        "Largest damage first; a row without amplitude holds all other cycles.",
+        _number("Amplitude", "pressure", "Stress amplitude of a cycle, with SCF."),
+        _number("Cycles", "count", "n: how often in one start; 0.5 is a half cycle."),
+        _number("Cycles to failure", "count", "N at this amplitude on the S-N line."),
+        _number("Damage", "count", "n / N as calculated."),
+        extra_columns=(_number("Damage check", "count", "Live formula: n / N."),),
     ),
 )
 

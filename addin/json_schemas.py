@@ -60,7 +60,7 @@ def results_schema() -> dict[str, Any]:
         "errors": {"type": "array", "items": _problem()},
         "startup": _startup(),
     }
-    properties |= {table.key: _result_table(table) for table in RESULT_TABLES}
+    properties |= {table.key: _result_table(table) for table in RESULT_TABLES} | _details()
     return {
         "$schema": _DIALECT,
         "title": "torsionbook results",
@@ -156,6 +156,35 @@ def _startup() -> dict[str, Any]:
             "end_speed": {"description": "Speed at the end. [rad/s]", "type": "number"},
         }
     )
+
+
+def _details() -> dict[str, Any]:
+    """Energy shares, nodes and damped eigenvalues."""
+    number = {"type": "number"}
+    shares = {"type": "object", "additionalProperties": number}
+    node = _object({"element": {"type": "string"}, "position": number})
+    mode = _object(
+        {
+            "mode": {"description": "Elastic mode, counted from 1.", "type": "integer"},
+            "frequency": {"description": "Natural frequency. [Hz]", "type": "number"},
+            "strain_energy": {"description": "Share of each element. [1]", **shares},
+            "kinetic_energy": {"description": "Share of each station. [1]", **shares},
+            "nodes": {
+                "description": "Where the mode stands still; position from the From end. [1]",
+                "type": "array",
+                "items": node,
+            },
+        }
+    )
+    value = _object({"real": number, "imaginary": number})
+    return {
+        "modes": {"description": "Elastic modes in detail.", "type": "array", "items": mode},
+        "damped_eigenvalues": {
+            "description": "Where dampers couple the modes. [1/s]",
+            "type": "array",
+            "items": value,
+        },
+    }
 
 
 def _problem() -> dict[str, Any]:

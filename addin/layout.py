@@ -53,6 +53,9 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_HzPerExcitation", "Hz per unit of SeparationMargins[Excitation frequency]"),
     ("run_PaPerUTS", "Pa per unit of Materials[UTS]"),
     ("run_PaPerAllowable", "Pa per unit of SteadyState[Allowable]"),
+    ("run_GoverningShaft", "Shaft that table StartCycles belongs to"),
+    ("run_SNExponent", "Its S-N exponent k at the endurance limit"),
+    ("run_Endurance", "Its endurance limit in torsion, unit of StartCycles[Amplitude]"),
 )
 
 
@@ -83,6 +86,10 @@ def _check_formulas() -> dict[tuple[str, str], str]:
             f"=IFERROR(IF(INDEX(Materials[UTS],MATCH({material},Materials[Material],0))>0,"
             f"INDEX(Materials[UTS],MATCH({material},Materials[Material],0))"
             '*run_PaPerUTS/25/run_PaPerAllowable,""),"")'
+        ),
+        ("StartCycles", "Damage check"): (
+            f"=IF(N({_row('StartCycles', 'Cycles to failure')})>0,"
+            f"{_row('StartCycles', 'Cycles')}/{_row('StartCycles', 'Cycles to failure')},0)"
         ),
         ("AllowableStarts", "Starts check"): f'=IF({damage}>0,1/{damage},"")',
         ("AllowableStarts", "Starts to judge"): (

@@ -204,7 +204,7 @@ def recalculate(
         content = (
             errors_to_json(problems, version, read.warnings)
             if calculation is None
-            else results_to_json(calculation, version)
+            else results_to_json(calculation, version, calculation.details)
         )
         try:
             write_json(json_file, content)

@@ -52,7 +52,9 @@ class RunResults(Protocol):
     def warnings(self) -> tuple[str, ...]: ...
 
 
-def results_to_json(run: RunResults, version: str) -> dict[str, Any]:
+def results_to_json(
+    run: RunResults, version: str, details: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
     """Results as JSON object of the contract.
 
     Parameters
@@ -61,6 +63,8 @@ def results_to_json(run: RunResults, version: str) -> dict[str, Any]:
         What was calculated. [SI]
     version : str
         Version of this program. [text]
+    details : mapping, optional
+        ``modes`` and ``damped_eigenvalues``, which no sheet has a table for. [SI]
 
     Returns
     -------
@@ -94,7 +98,7 @@ def results_to_json(run: RunResults, version: str) -> dict[str, Any]:
             for key in _STARTUP
             if run.startup.get(key) is not None
         }
-    return content
+    return {**content, **(details or {})}
 
 
 def errors_to_json(

@@ -36,6 +36,8 @@ from .shown_units import shown_units
 from .template_sheets import (
     BLANK_TEXT,
     CASE_HALVES,
+    CYCLE_FACTS,
+    CYCLE_FACTS_AT,
     HISTORY_CHARTS,
     KEY_NUMBERS,
     KIND_WORDS,
@@ -128,7 +130,7 @@ def _chart_rows(filled: Example, system: str) -> dict[str, Rows]:
         (table.name, field.name): filled.units.get(
             (table.name, field.name), getattr(field, f"unit_{system}")
         )
-        for table in (*fields.INPUT_TABLES, *fields.RESULT_TABLES)
+        for table in (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
         for field in table.columns
     }
     units, _ = shown_units(names, example_torque(filled))
@@ -173,6 +175,7 @@ class _Builder:
         self._chart_data()
         self._chosen_elements()
         self._frequencies_note()
+        self._cycle_facts()
         self._summary()
         self._verdict_colours()
         places = Places(self.places)
@@ -514,6 +517,26 @@ class _Builder:
             self.style("note"),
         )
 
+    def _cycle_facts(self) -> None:
+        """Data of the governing shaft and the sum over its cycles, above table `StartCycles`."""
+        page = self.sheets["Starts"]
+        row, left = xl_cell_to_rowcol(CYCLE_FACTS_AT)
+        page.write_string(row, left, "From the cycles to 1 / q", self.style("caption"))
+        for k, (label, formula, unit, number) in enumerate(CYCLE_FACTS, row + 1):
+            page.merge_range(k, left, k, left + 2, label, self.style("key_label"))
+            value = self.style("check_value", number)
+            page.merge_range(k, left + 3, k, left + 4, "", value)
+            page.write_formula(k, left + 3, formula, value, "")
+            if not unit:
+                page.write_blank(k, left + 5, None, self.style("key_unit"))
+                continue
+            table, column = unit.rstrip("]").split("[")
+            cell = self.unit_cells[table, column]
+            text = self.example.units.get((table, column), self._unit(_spec(table).column(column)))
+            page.write_formula(
+                k, left + 5, f'=IF({cell}="","",{cell})', self.style("key_unit"), text
+            )
+
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""
         for table in ("Verdicts", "SeparationMargins", "SteadyState"):
@@ -660,7 +683,9 @@ class _Builder:
 
 
 def _spec(name: str) -> TableSpec:
-    every: Iterator[TableSpec] = iter((*fields.INPUT_TABLES, *fields.RESULT_TABLES))
+    every: Iterator[TableSpec] = iter(
+        (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
+    )
     return next(table for table in every if table.name == name)
 
 
@@ -675,7 +700,9 @@ def _begin_of(sheet: Sheet, width: float) -> int:
         begin, _, end = columns.partition(":")
         widths |= dict.fromkeys(range(_column(begin), _column(end or begin) + 1), each)
     column = last = _column(sheet.last)
-    while column > 2 and (column == last or sum(widths[k] for k in range(column, last + 1)) < width):
+    while column > 2 and (
+        column == last or sum(widths[k] for k in range(column, last + 1)) < width
+    ):
         column -= 1
     return column
 

@@ -11,6 +11,8 @@ from .layout import CROSSING_ROWS
 __all__ = [
     "BLANK_TEXT",
     "CASE_HALVES",
+    "CYCLE_FACTS",
+    "CYCLE_FACTS_AT",
     "ChartAt",
     "HISTORY_CHARTS",
     "KEY_NUMBERS",
@@ -228,7 +230,7 @@ SHEETS: tuple[Sheet, ...] = (
         "result",
         {"A": 1.5, "B": 24, "C:F": 13, "G": 11, "H:I": 12, "J": 2, "K:R": 9.5},
         "R",
-        {"AllowableStarts": "B5"},
+        {"AllowableStarts": "B5", "StartCycles": "K44"},
         (ChartAt("sn", "K8", 570, 420),),
         freeze="A8",
         header_rows=7,
@@ -265,6 +267,46 @@ TITLE_BLOCK: tuple[tuple[str, str, str, str, str], ...] = (
     ("K6", "L6", "L6", "Calculated (UTC)", "run_Date"),
     ("H7", "I7", "L7", "Results", "run_Stamp"),
 )
+
+
+def _of_shaft(column: str) -> str:
+    """An input of the shaft that table `StartCycles` belongs to."""
+    return (
+        '=IF(run_GoverningShaft="","",IFERROR('
+        f'INDEX(Elements[{column}],MATCH(run_GoverningShaft,Elements[Element],0)),""))'
+    )
+
+
+#: Cell of the caption above the facts of the governing shaft on sheet `Starts`.
+CYCLE_FACTS_AT = "K31"
+
+#: What leads from the cycles of one start to 1/q: label, formula, unit (a column), number format.
+CYCLE_FACTS: tuple[tuple[str, str, str, str], ...] = (
+    ("Governing shaft", BLANK_TEXT.format("run_GoverningShaft"), "", "@"),
+    ("Stress diameter", _of_shaft("Stress diameter"), "Elements[Stress diameter]", "General"),
+    ("Stress bore", _of_shaft("Stress bore"), "Elements[Stress bore]", "General"),
+    ("SCF", _of_shaft("SCF"), "", "General"),
+    ("Material", _of_shaft("Material"), "", "General"),
+    ("Endurance limit in torsion", BLANK_TEXT.format("run_Endurance"), "StartCycles[Amplitude]",
+     "[>=1000]#,##0;0.000"),
+    ("S-N exponent k at the limit", BLANK_TEXT.format("run_SNExponent"), "", "0.000"),
+    ("Sum of n / N = damage q", '=IF(run_GoverningShaft="","",SUM(StartCycles[Damage check]))', "",
+     "0.000000E+00"),
+    (
+        "1 / sum = allowable starts",
+        '=IF(run_GoverningShaft="","",'
+        'IF(SUM(StartCycles[Damage check])>0,1/SUM(StartCycles[Damage check]),"unlimited"))',
+        "",
+        "#,##0.0",
+    ),
+    (
+        "Allowable starts of the table",
+        '=IF(run_GoverningShaft="","",IFERROR(INDEX(AllowableStarts[Allowable starts],'
+        'MATCH(run_GoverningShaft,AllowableStarts[Element],0)),""))',
+        "",
+        "#,##0.0",
+    ),
+)  # fmt: skip
 
 
 def _element_at(column: str, extreme: str) -> str:

@@ -200,6 +200,13 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
         "shrink": True,
     },
     "check": {**_THIN, "valign": "vcenter", "font_color": PALETTE["teal"], "bg_color": "#F1F8F7"},
+    "check_value": {
+        **_THIN,
+        "valign": "vcenter",
+        "align": "right",
+        "font_color": PALETTE["teal"],
+        "bg_color": "#F1F8F7",
+    },
     "title_label": {
         "font_size": 8,
         "font_color": PALETTE["grey"],
@@ -256,6 +263,9 @@ _NUMBER_FORMATS: Mapping[str, str] = {
 #: Results whose size says nothing of their dimension.
 _COLUMN_FORMATS: Mapping[str, str] = {
     "Damage": "0.000E+00",
+    "Damage check": "0.000E+00",
+    "Cycles": "#,##0.0",
+    "Cycles to failure": "#,##0",
     "Allowable starts": "#,##0.0",
     "Paper count": "#,##0.0",
     "Starts check": "#,##0.0",

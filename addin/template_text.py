@@ -27,6 +27,7 @@ CAPTIONS: Mapping[str, str] = {
     "StartupPeaks": "Peaks of the start",
     "StartupCrossings": "Crossings of 2 × slip frequency",
     "AllowableStarts": "Allowable starts",
+    "StartCycles": "Cycles of one start",
     "Audit": "Audit",
 }
 

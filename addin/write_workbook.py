@@ -15,7 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from addin import fields
-from addin.chart_data import CHART_TABLES, HISTORIES, LABELS, ShownUnits, chart_blocks
+from addin.chart_data import (
+    CHART_TABLES,
+    HISTORIES,
+    LABELS,
+    ShownUnits,
+    chart_blocks,
+    history_table,
+)
 from addin.fields import Field, TableSpec
 from addin.layout import (
     CHECK_FORMULAS,
@@ -39,6 +46,7 @@ from addin.package import (
 from addin.package.references import Rect, cell_name
 from addin.run_view import RunView
 from addin.shown_units import shown_units
+from addin.start_cycles import start_cycle_facts, start_cycle_rows
 
 __all__ = ["RunStamp", "chart_tables", "result_blocks", "read_shown_units", "write_results"]
 
@@ -52,8 +60,10 @@ _VERDICT_UNITS: Mapping[str, tuple[str, str]] = {
     "speed": ("SeparationMargins", "Speed"),
 }
 _RPM = math.pi / 30.0
+#: Tables that workbooks made by earlier versions lack; nobody misses them there.
+_OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES)
 #: Columns in which no number means that there is no limit.
-_STARTS = frozenset({"Allowable starts", "Paper count"})
+_STARTS = frozenset({"Allowable starts", "Paper count", "Cycles to failure"})
 
 
 @dataclass(frozen=True)
@@ -158,7 +168,7 @@ def read_shown_units(
         A sentence for each unit that cannot be used.
     """
     names: dict[tuple[str, str], str] = {}
-    for spec in (*fields.INPUT_TABLES, *fields.RESULT_TABLES):
+    for spec in (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES):
         table = workbook.tables.get(spec.name)
         if table is None or not table.header_row or table.header_row < 2:
             continue
@@ -185,7 +195,9 @@ def result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
     list of TableData
         One a table; live checks are formulas whose value is calculated when saving.
     """
-    return [_result_block(spec, run, units) for spec in fields.RESULT_TABLES]
+    specs = (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
+    tables = dict(run.tables) | {"StartCycles": start_cycle_rows(run)}
+    return [_result_block(spec, tables.get(spec.name, ()), units) for spec in specs]
 
 
 def chart_tables(
@@ -211,9 +223,11 @@ def chart_tables(
     return [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
 
 
-def _result_block(spec: TableSpec, run: RunView, units: ShownUnits) -> TableData:
+def _result_block(
+    spec: TableSpec, results: Sequence[Mapping[str, Any]], units: ShownUnits
+) -> TableData:
     columns = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
-    rows = [[_shown(spec, f, row, units) for f in columns] for row in run.tables.get(spec.name, ())]
+    rows = [[_shown(spec, f, row, units) for f in columns] for row in results]
     formulas = {f.name: CHECK_FORMULAS[spec.name, f.name] for f in spec.extra_columns if rows}
     return TableData(spec.name, rows, [f.name for f in columns], formulas)
 
@@ -261,6 +275,8 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
     ratings = run.case.ratings
     start = run.startup or {}
     speed = ratings.synchronous_speed
+    governing = start_cycle_facts(run)
+    endurance = governing["endurance"]
     facts: dict[str, Any] = {
         "run_Stamp": stamp.sentence,
         "run_Software": stamp.software,
@@ -275,6 +291,9 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
         "run_HzPerExcitation": units.factor("SeparationMargins", "Excitation frequency"),
         "run_PaPerUTS": units.factor("Materials", "UTS"),
         "run_PaPerAllowable": units.factor("SteadyState", "Allowable"),
+        "run_GoverningShaft": governing["shaft"],
+        "run_SNExponent": governing["exponent"],
+        "run_Endurance": endurance and endurance / units.factor("StartCycles", "Amplitude"),
     }
     rows = [[name, meaning, facts[name]] for name, meaning in RUN_FACTS]
     return TableData("RunFacts", rows, ["Name", "Meaning", "Value"])
@@ -309,7 +328,7 @@ def _title_links(workbook: Workbook) -> list[TitleLink]:
     if labels is None:
         return []
     of_histories = [
-        ("ChartHistory", (f"Value {k}",), f"History title {k}", f"History axis {k}")
+        (history_table(k), (f"Value {k}",), f"History title {k}", f"History axis {k}")
         for k in range(1, HISTORIES + 1)
     ]
     links = []
@@ -344,6 +363,8 @@ def _present(workbook: Workbook, wanted: Sequence[TableData]) -> list[TableData]
     for data in wanted:
         table = workbook.tables.get(data.name)
         if table is None:
+            if data.name in _OPTIONAL:
+                continue
             workbook.notes.append(
                 f"The workbook has no table {data.name}; its results are not shown. They are in "
                 "the JSON, and a new template has the table."

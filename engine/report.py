@@ -16,7 +16,7 @@ from engine.fatigue import shear_stress
 from engine.margins import percent_speed
 from engine.results import Results
 
-__all__ = ["result_tables", "start_summary"]
+__all__ = ["modal_details", "result_tables", "start_summary"]
 
 Row = dict[str, Any]
 
@@ -62,6 +62,51 @@ def start_summary(results: Results) -> Row | None:
         Keys outcome, time [s], end_speed [rad/s] and sentence; None if nothing was started.
     """
     return asdict(results.start.outcome) if results.start is not None else None
+
+
+def modal_details(results: Results) -> Row:
+    """What the sheets have no table for: energy shares, nodes, damped eigenvalues.
+
+    Parameters
+    ----------
+    results : Results
+        A complete run. [SI]
+
+    Returns
+    -------
+    dict
+        Key ``modes``: per elastic mode its frequency [Hz], the share of strain energy of each
+        element and of kinetic energy of each station [1], and its nodes as element and position
+        from the From end [1]. Key ``damped_eigenvalues``, where dampers couple the modes: real
+        and imaginary parts [1/s].
+    """
+    train, modes = results.train, results.modes
+    rows = []
+    for r in range(modes.n_rigid, modes.n_modes):
+        number = r - modes.n_rigid + 1
+        rows.append(
+            {
+                "mode": number,
+                "frequency": float(modes.frequency[r]),
+                "strain_energy": dict(
+                    zip(train.elements, modes.strain_share[:, r].tolist(), strict=True)
+                ),
+                "kinetic_energy": dict(
+                    zip(train.stations, modes.kinetic_share[:, r].tolist(), strict=True)
+                ),
+                "nodes": [
+                    {"element": n.element, "position": n.position}
+                    for n in results.nodes
+                    if n.mode == number
+                ],
+            }
+        )
+    details: Row = {"modes": rows}
+    if results.eigenvalues is not None:
+        details["damped_eigenvalues"] = [
+            {"real": float(v.real), "imaginary": float(v.imag)} for v in results.eigenvalues
+        ]
+    return details
 
 
 def _fraction(percent: float | None) -> float | None:

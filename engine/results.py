@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from engine.case import CaseData
 from engine.crossings import Crossing
 from engine.excitation import Excitation
@@ -44,6 +47,9 @@ class Results:
         Estimated relative error of the frequencies from that subdivision. [1]
     damping : ModalDamping
         Damping of the modes. [SI]
+    eigenvalues : ndarray of complex or None
+        Damped eigenvalues where dampers couple the modes; None where damping is proportional.
+        [1/s]
     excitations : tuple of Excitation
         What was judged. [SI]
     margins : SeparationMargins
@@ -76,6 +82,7 @@ class Results:
     segments: tuple[tuple[str, int], ...]
     frequency_error: float
     damping: ModalDamping
+    eigenvalues: NDArray[np.complex128] | None
     excitations: tuple[Excitation, ...]
     margins: SeparationMargins
     interference: Interference

@@ -23,7 +23,14 @@ from engine.fatigue import (
     sn_curve_for,
 )
 from engine.margins import interference, judge, separation_margins
-from engine.modal import ModalDamping, Modes, modal_damping, natural_modes, nodes_of
+from engine.modal import (
+    ModalDamping,
+    Modes,
+    damped_eigenvalues,
+    modal_damping,
+    natural_modes,
+    nodes_of,
+)
 from engine.motor import motors_of
 from engine.plausibility import implausible
 from engine.prescribed import run_prescribed
@@ -108,6 +115,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         segments=found.segments,
         frequency_error=found.frequency_error,
         damping=damping,
+        eigenvalues=damped_eigenvalues(train, modes) if damping.neglected > 0.0 else None,
         excitations=excitations,
         margins=margins,
         interference=diagram,

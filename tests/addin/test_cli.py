@@ -243,3 +243,18 @@ def test_the_first_compilation_says_what_it_is_doing(tmp_path, monkeypatch):
     second = torsionbook("recalc", "train.xlsx", cwd=tmp_path)
     assert second.returncode == 0, second.stderr
     assert "compiling" not in second.stderr
+
+
+def test_json_holds_energy_shares_and_nodes_of_every_mode(example):
+    results = json.loads((example / "train.json").read_text(encoding="utf-8"))
+    assert [m["mode"] for m in results["modes"]] == list(range(1, 11))
+    for mode in results["modes"]:
+        assert sum(mode["strain_energy"].values()) == pytest.approx(1.0)
+        assert sum(mode["kinetic_energy"].values()) == pytest.approx(1.0)
+    first = results["modes"][0]
+    table = next(r for r in results["natural_frequencies"] if r["mode"] == 1)
+    assert max(first["strain_energy"], key=first["strain_energy"].get) == (
+        table["largest_strain_energy"]
+    )
+    assert len(first["nodes"]) == 1  # the first mode of a free train stands still at one point
+    assert "damped_eigenvalues" not in results  # proportional damping
