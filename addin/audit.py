@@ -17,7 +17,7 @@ from engine.results import Results
 __all__ = ["EQUATIONS", "Stamp", "audit_rows"]
 
 #: Libraries whose numbers or files enter the result.
-LIBRARIES = ("numpy", "scipy", "numba", "rainflow", "pint", "openpyxl", "lxml", "formualizer")
+LIBRARIES = ("numpy", "scipy", "numba", "rainflow", "pint", "lxml", "formualizer")
 
 #: What was calculated by which equation, and where it comes from.
 EQUATIONS: tuple[tuple[str, str], ...] = (

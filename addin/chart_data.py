@@ -43,7 +43,7 @@ Floats = NDArray[np.float64]
 #: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
 GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
 #: Most rows of a drawn history: the least and the largest value of each of half as many intervals.
-HISTORY_POINTS = 1601
+HISTORY_POINTS = 1401
 #: In one table stand three histories: formualizer reads no table of more than some 10 000 cells.
 _HISTORIES_A_TABLE = 3
 #: Most points of a drawn curve that has no spikes.
