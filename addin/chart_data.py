@@ -33,7 +33,6 @@ __all__ = [
     "chart_blocks",
     "decimate",
     "governing_shaft",
-    "history_table",
 ]
 
 Cell = float | int | str | None
@@ -43,9 +42,7 @@ Floats = NDArray[np.float64]
 #: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
 GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
 #: Most rows of a drawn history: the least and the largest value of each of half as many intervals.
-HISTORY_POINTS = 1401
-#: In one table stand three histories: formualizer reads no table of more than some 10 000 cells.
-_HISTORIES_A_TABLE = 3
+HISTORY_POINTS = 1601
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 201
 _SN_POINTS = 200
@@ -125,25 +122,20 @@ CHART_TABLES: tuple[ChartTable, ...] = (
             "2 x slip",
             "Range speed",
             "Range",
-            *_numbered(("Line speed", "Line", "Name speed", "Name at"), LINES),
+            *_numbered(("Line speed", "Line"), LINES),
         ),
         "Interference diagram: motor speed in rpm, frequencies in Hz.",
     ),
+    ChartTable("ChartNames", ("Speed", "Frequency"), "Where the name of each line stands."),
     ChartTable(
         "ChartSN",
         ("Line cycles", "Line", "Start cycles", "One start", "Starts cycles", "Starts required"),
         "S-N line and the cycles of one and of the required starts that exceed a stress.",
     ),
-    *(
-        ChartTable(
-            name,
-            tuple(f"{word} {k}" for k in numbers for word in ("Time", "Value")),
-            "Histories of the start: least and largest value of equal intervals of time.",
-        )
-        for name, numbers in (
-            ("ChartHistory", range(1, _HISTORIES_A_TABLE + 1)),
-            ("ChartHistory2", range(_HISTORIES_A_TABLE + 1, HISTORIES + 1)),
-        )
+    ChartTable(
+        "ChartHistory",
+        _numbered(("Time", "Value"), HISTORIES),
+        "Histories of the start: least and largest value of equal intervals of time.",
     ),
 )
 
@@ -170,22 +162,6 @@ class ShownUnits:
     def factor(self, table: str, column: str) -> float:
         """The SI value of one shown unit; 1 where there is no unit."""
         return self.factors.get((table, column), 1.0)
-
-
-def history_table(number: int) -> str:
-    """Chart table of a history.
-
-    Parameters
-    ----------
-    number : int
-        Counted from 1. [count]
-
-    Returns
-    -------
-    str
-        Its name. [name]
-    """
-    return "ChartHistory" if number <= _HISTORIES_A_TABLE else "ChartHistory2"
 
 
 def chart_blocks(
@@ -215,12 +191,10 @@ def chart_blocks(
         "ChartTorque": _torque_rows(case),
         "ChartSpeedTime": _speed_time_rows(run),
         "ChartCrossings": _crossing_rows(case, run, labels),
-        "ChartInterference": _interference_rows(case, run, labels),
         "ChartSN": _sn_rows(case, run, units, labels),
     }
-    histories = _history_columns(case, run, units, chosen, labels)
-    blocks["ChartHistory"] = _side_by_side(histories[: 2 * _HISTORIES_A_TABLE])
-    blocks["ChartHistory2"] = _side_by_side(histories[2 * _HISTORIES_A_TABLE :])
+    blocks["ChartInterference"], blocks["ChartNames"] = _interference_rows(case, run, labels)
+    blocks["ChartHistory"] = _history_rows(case, run, units, chosen, labels)
     _shape_labels(run, labels)
     blocks["ChartLabels"] = [[key, labels.get(key)] for key in LABELS]
     return {table.name: blocks[table.name] for table in CHART_TABLES}
@@ -446,13 +420,13 @@ def _table(run: RunView | None, name: str) -> Sequence[Mapping[str, Any]]:
     return run.tables.get(name, ()) if run else ()
 
 
-def _history_columns(
+def _history_rows(
     case: CaseData,
     run: RunView | None,
     units: ShownUnits,
     chosen: Sequence[str | None],
     labels: dict[str, Cell],
-) -> list[Sequence[Cell]]:
+) -> Rows:
     histories = (run.histories if run else None) or {}
     columns: list[Sequence[Cell]] = [[] for _ in range(2 * HISTORIES)]
     for k, name in enumerate(_drawn_elements(case, list(histories), chosen)):
@@ -469,7 +443,7 @@ def _history_columns(
         labels[f"History title {k + 1}"] = f"{name}: {words}"
         labels[f"History axis {k + 1}"] = axis
         labels[f"History caption {k + 1}"] = f"{name}: {words} {axis[axis.find('[') :]}"
-    return columns
+    return _side_by_side(columns)
 
 
 def _drawn_elements(
@@ -520,12 +494,18 @@ def _shape_labels(run: RunView | None, labels: dict[str, Cell]) -> None:
         labels[f"Shape {k + 1}"] = f"Mode {row['mode']}: {row['frequency']:.2f} Hz"
 
 
-def _interference_rows(case: CaseData, run: RunView | None, labels: dict[str, Cell]) -> Rows:
-    """Modes, excitation lines, the falling 2 × slip line and the speeds of continuous operation."""
+def _interference_rows(
+    case: CaseData, run: RunView | None, labels: dict[str, Cell]
+) -> tuple[Rows, Rows]:
+    """Modes, excitation lines, the falling 2 × slip line and the speeds of continuous operation.
+
+    The second block holds one row a line, always the same number: where its name stands.
+    """
+    names: Rows = [[None, None] for _ in range(LINES)]
     diagram = run.interference if run else None
     line, sync = case.ratings.line_frequency, case.ratings.synchronous_speed
     if diagram is None or not line or not sync or not diagram.speed.size:
-        return [[None] * (8 + 4 * LINES)]
+        return [[None] * (8 + 2 * LINES)], names
     top, right = 2.5 * line, _rpm(float(diagram.speed[-1]))
     modes = [float(f) for f in diagram.mode_frequency if 0.0 < f <= top]
     running = [_rpm(case.minimum_speed or sync), _rpm(case.maximum_speed or sync)]
@@ -545,14 +525,14 @@ def _interference_rows(case: CaseData, run: RunView | None, labels: dict[str, Ce
         for name, f in zip(diagram.fixed_names, diagram.fixed_frequency, strict=True)
         if f <= top
     ]
-    for k, (name, ends, at) in enumerate(lines[:LINES], 1):
+    for k, (name, ends, at) in enumerate(lines[:LINES]):
         (x0, y0), (x1, y1) = ends
         at = 1.0 if y1 == top else at
-        label = (x0 + at * (x1 - x0), y0 + at * (y1 - y0))
-        columns += [_plain([x0, x1]), _plain([y0, y1]), _plain(label[:1]), _plain(label[1:])]
-        labels[f"Line {k}"] = name
-    columns += [[]] * (8 + 4 * LINES - len(columns))
-    return _side_by_side(columns)
+        names[k] = _plain([x0 + at * (x1 - x0), y0 + at * (y1 - y0)])
+        columns += [_plain([x0, x1]), _plain([y0, y1])]
+        labels[f"Line {k + 1}"] = name
+    columns += [[]] * (8 + 2 * LINES - len(columns))
+    return _side_by_side(columns), names
 
 
 #: Where along its line the name of an excitation stands: orders near the upper end, lines of fixed

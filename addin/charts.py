@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .chart_data import CROSSINGS, GROUPS, LABELS, LINES, SHAPES, history_table
+from .chart_data import CROSSINGS, GROUPS, LABELS, LINES, SHAPES
 from .template_styles import FONT, PALETTE, SPEED_GROUPS
 
 __all__ = ["CHARTS", "Place", "Places", "make_chart"]
@@ -315,13 +315,18 @@ def _interference(workbook: Any, places: Places, _: int) -> Any:
         chart.add_series(
             _xy(places, table, f"Line speed {k}", f"Line {k}", "", line=_line("grey", 0.75))
         )
-        named = _xy(places, table, f"Name speed {k}", f"Name at {k}", "", line={"none": True})
-        named["name"] = places.label(f"Line {k}")
-        named["data_labels"] = {
-            "series_name": True,
-            "value": False,
-            "position": "above",
-            "font": _font(7.5, color=PALETTE["grey"]),
+        named = {
+            "name": places.label(f"Line {k}"),
+            "categories": places.cell("ChartNames", "Speed", k - 1),
+            "values": places.cell("ChartNames", "Frequency", k - 1),
+            "line": {"none": True},
+            "marker": {"type": "none"},
+            "data_labels": {
+                "series_name": True,
+                "value": False,
+                "position": "above",
+                "font": _font(7.5, color=PALETTE["grey"]),
+            },
         }
         chart.add_series(named)
     labels = _xy(places, table, "Label speed", "Label", "Labels", line={"none": True})
@@ -342,7 +347,7 @@ def _interference(workbook: Any, places: Places, _: int) -> Any:
 def _history(workbook: Any, places: Places, number: int) -> Any:
     """The paper's Figures 1, 7 and 8: torque, tooth load or stress against time."""
     chart = workbook.add_chart({"type": "scatter", "subtype": "straight"})
-    table = history_table(number)
+    table = "ChartHistory"
     chart.add_series(
         _xy(
             places,

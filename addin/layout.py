@@ -25,6 +25,7 @@ SHAPE_COLUMNS = 10
 
 #: Result columns with sentences that wrap, and their width as shipped. [characters]
 WRAPPED: Mapping[tuple[str, str], float] = {
+    ("Verdicts", "Where"): 46.0,
     ("StartupCrossings", "Note"): 52.0,
     ("Audit", "Value"): 110.0,
 }
@@ -89,7 +90,7 @@ def _check_formulas() -> dict[tuple[str, str], str]:
         ),
         ("StartCycles", "Damage check"): (
             f"=IF(N({_row('StartCycles', 'Cycles to failure')})>0,"
-            f"{_row('StartCycles', 'Cycles')}/{_row('StartCycles', 'Cycles to failure')},0)"
+            f'{_row("StartCycles", "Cycles")}/{_row("StartCycles", "Cycles to failure")},"")'
         ),
         ("AllowableStarts", "Starts check"): f'=IF({damage}>0,1/{damage},"")',
         ("AllowableStarts", "Starts to judge"): (

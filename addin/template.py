@@ -371,15 +371,21 @@ class _Builder:
         for letter, groups in CASE_HALVES:
             row, left = 4, _column(letter)
             for group in groups:
-                for column in range(left, left + 4):
-                    page.write_blank(row, column, None, self.style("group"))
-                page.write_string(row, left, group, self.style("group"))
-                row += 1
-                for field in fields.SCALARS:
-                    if field.group == group:
-                        self._scalar(page, field, row, left)
-                        row += 1
-                row += 1
+                members = [f for f in fields.SCALARS if f.group == group and f.used]
+                row = self._scalars(page, group, members, row, left)
+        unused = [field for field in fields.SCALARS if not field.used]
+        self._scalars(page, "Later versions", unused, row, left)
+
+    def _scalars(self, page: Any, group: str, members: list[Field], row: int, left: int) -> int:
+        """A group of scalars under its heading; the row where the next one begins."""
+        if not members:
+            return row
+        for column in range(left, left + 4):
+            page.write_blank(row, column, None, self.style("group"))
+        page.write_string(row, left, group, self.style("group"))
+        for k, field in enumerate(members, row + 1):
+            self._scalar(page, field, k, left)
+        return row + len(members) + 2
 
     def _scalar(self, page: Any, field: Field, row: int, left: int) -> None:
         label = self.style("label" if field.used else "label_unused")
@@ -502,7 +508,7 @@ class _Builder:
             key = f"History caption {number}"
             words = self.style("drawn")
             page.merge_range(row, column + 3, row, column + 5, "", words)
-            text = dict(self.blocks["ChartLabels"]).get(key) or ""
+            text = str(self.blocks["ChartLabels"][LABELS.index(key)][1] or "")
             drawn = f"=ChartData!$B${self._label_row(key)}"
             page.write_formula(row, column + 3, drawn, words, text)
             cell = xl_rowcol_to_cell(row, column + 1, True, True)

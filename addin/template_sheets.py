@@ -243,7 +243,7 @@ TAB_COLOURS = {"summary": "#1F3A5F", "input": "#C9971C", "result": "#44719B", "n
 KIND_WORDS = {
     "summary": "",
     "input": "Inputs",
-    "result": "Results: written by torsionbook, do not type here",
+    "result": "Results: written by torsionbook; only units may be changed",
     "notes": "",
 }
 
@@ -283,8 +283,8 @@ CYCLE_FACTS_AT = "K31"
 #: What leads from the cycles of one start to 1/q: label, formula, unit (a column), number format.
 CYCLE_FACTS: tuple[tuple[str, str, str, str], ...] = (
     ("Governing shaft", BLANK_TEXT.format("run_GoverningShaft"), "", "@"),
-    ("Stress diameter", _of_shaft("Stress diameter"), "Elements[Stress diameter]", "General"),
-    ("Stress bore", _of_shaft("Stress bore"), "Elements[Stress bore]", "General"),
+    ("Stress diameter", _of_shaft("Stress diameter"), "Elements[Stress diameter]", "0.000"),
+    ("Stress bore", _of_shaft("Stress bore"), "Elements[Stress bore]", "0.000"),
     ("SCF", _of_shaft("SCF"), "", "General"),
     ("Material", _of_shaft("Material"), "", "General"),
     ("Endurance limit in torsion", BLANK_TEXT.format("run_Endurance"), "StartCycles[Amplitude]",

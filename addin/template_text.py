@@ -135,8 +135,8 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("Shear stress", "τ = 16 T D / (π (D⁴ − d⁴)), nominal; times SCF where it says so."),
         (
             "Steady-state limit",
-            "UTS / 25 (Mil-Std-167 as the paper reads it), compared as StressBasis says; "
-            "stresses with SCF.",
+            "UTS / 25 (Mil-Std-167 as the paper reads it), compared as Stress basis on sheet "
+            "Case says; stresses with SCF.",
         ),
         (
             "Fatigue",

@@ -21,7 +21,6 @@ from addin.chart_data import (
     LABELS,
     ShownUnits,
     chart_blocks,
-    history_table,
 )
 from addin.fields import Field, TableSpec
 from addin.layout import (
@@ -328,7 +327,7 @@ def _title_links(workbook: Workbook) -> list[TitleLink]:
     if labels is None:
         return []
     of_histories = [
-        (history_table(k), (f"Value {k}",), f"History title {k}", f"History axis {k}")
+        ("ChartHistory", (f"Value {k}",), f"History title {k}", f"History axis {k}")
         for k in range(1, HISTORIES + 1)
     ]
     links = []

@@ -19,6 +19,7 @@ module                  responsibility
 ``values``              what a cell may hold, and its XML
 ``formula_text``        references inside a formula
 ``dependents``          which formulas hang on changed cells
+``calculator_copy``     the copy that the calculator of formulas is given
 ``formulas``            cached values of formulas: renewed or removed, never stale
 ``locks``               lock files of spreadsheet programs
 ``save``                writing whole or not at all

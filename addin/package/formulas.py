@@ -15,10 +15,11 @@ import io
 import math
 import re
 import zipfile
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from .calculator_copy import calculator_copy
 from .dependents import DependencyGraph, FormulaCell, ReferenceResolver, spill_rect
 from .formula_text import CHANGES_BY_ITSELF, parse_formula
 from .references import Rect, cell_name
@@ -31,14 +32,6 @@ if TYPE_CHECKING:
 
 _F = main("f")
 _HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
-_SHEET_DATA = re.compile(rb"<((?:\w+:)?)sheetData\b[^>]*>.*</\1sheetData>", re.DOTALL)
-_ROW_NUMBER = re.compile(rb'<row r="([0-9]+)"')
-_NUMBER_CELL = re.compile(rb'<c r="[A-Z]+[0-9]+"(?: s="[0-9]+")?><v>[^<]*</v></c>')
-_DIMENSION = re.compile(rb"<(?:\w+:)?dimension\b[^>]*/>")
-_TABLE_FORMULA = re.compile(
-    rb"<((?:\w+:)?(?:calculatedColumnFormula|totalsRowFormula))\b[^>]*(?:/>|>.*?</\1>)", re.DOTALL
-)
-_TOTALS_FUNCTION = re.compile(rb"""\stotalsRowFunction=(?:"[^"]*"|'[^']*')""")
 
 # Results that tell of the data rather than of a calculator's shortcomings.
 _HONEST_ERRORS = frozenset(["#DIV/0!", "#N/A", "#NUM!"])
@@ -175,7 +168,7 @@ class _Refresh:
 
     def run(self) -> CacheReport:
         with_formulas = {cell.sheet for cell in self.everything}
-        recalculated, reason = _recalculate(self.workbook, with_formulas, self._rows_read())
+        recalculated, reason = _recalculate(self.workbook, with_formulas, self._areas_read())
         if recalculated is None:
             for cell in self.affected:
                 self._remove(cell)
@@ -190,15 +183,14 @@ class _Refresh:
         reason = "Some formulas cannot be recalculated for certain." if self.removed else ""
         return self._report("recalculated", reason, disagreements)
 
-    def _rows_read(self) -> dict[str, int] | None:
-        """Last row that formulas read of each sheet; None when some formula may read any."""
-        found: dict[str, int] = {}
+    def _areas_read(self) -> set[tuple[str, Rect]] | None:
+        """What formulas read; None when some formula may read anything."""
+        found: set[tuple[str, Rect]] = set()
         for cell in self.everything:
             areas = self.reads(cell)
             if areas is None:
                 return None
-            for sheet, rect in areas:
-                found[sheet] = max(rect.bottom, found.get(sheet, 0))
+            found.update(areas)
         return found
 
     def _report(self, method: str, reason: str, disagreements: tuple[str, ...] = ()) -> CacheReport:
@@ -328,23 +320,17 @@ def _spellings(name: str) -> Iterator[str]:
 
 
 def _recalculate(
-    workbook: Workbook, with_formulas: Collection[str], rows_read: Mapping[str, int] | None
+    workbook: Workbook, with_formulas: Collection[str], read: Collection[tuple[str, Rect]] | None
 ) -> tuple[_Recalculated | None, str]:
-    """A recalculated copy, or None and the reason.
-
-    ``with_formulas`` are the sheets that hold formulas, ``rows_read`` the last rows that formulas read; None = any.
-    """
+    """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
     try:
         import formualizer
     except ImportError:
         return None, "The package formualizer is not installed, so formulas were not recalculated."
-    fed = workbook.changed_parts()
-    fed |= _without_table_formulas(workbook, fed)
-    fed |= _lightened_sheets(workbook, fed, with_formulas, rows_read)
-    fed |= workbook.structure.as_plain_workbook()
+    fed, dropped = calculator_copy(workbook, with_formulas, read)
     package = io.BytesIO()
     # Not compressed, as it lives for milliseconds.
-    workbook.container.write(package, fed, compress=False)
+    workbook.container.write(package, fed, dropped, compress=False)
     try:
         result = formualizer.recalculate_xlsx_bytes(package.getvalue())
     except (KeyboardInterrupt, SystemExit):
@@ -352,55 +338,6 @@ def _recalculate(
     except BaseException as problem:  # a panic of the Rust side is a BaseException
         return None, f"The formulas could not be recalculated ({problem})."
     return _Recalculated(workbook, fed, result), ""
-
-
-def _without_table_formulas(workbook: Workbook, fed: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Table parts without column formulas.
-
-    formualizer refuses a workbook in which a cell of a calculated column holds a value; people type over such cells.
-    """
-    parts = {}
-    for table in workbook.tables.values():
-        data = fed.get(table.part) or workbook.container.read(table.part)
-        parts[table.part] = _TOTALS_FUNCTION.sub(b"", _TABLE_FORMULA.sub(b"", data))
-    return parts
-
-
-def _lightened_sheets(
-    workbook: Workbook,
-    fed: Mapping[str, bytes],
-    with_formulas: Collection[str],
-    rows_read: Mapping[str, int] | None,
-) -> dict[str, bytes]:
-    """Sheets without their stated extent, and without cells where no formula reads them.
-
-    Some programs state an extent that is too small, which formualizer refuses. Histories take long to load; they are
-    left out where they have no formulas and nothing refers to them; of a sheet with tables, whose headers have to
-    stay, the numbers.
-    """
-    with_tables = {table.sheet for table in workbook.tables.values()}
-    parts = {}
-    for sheet in workbook.sheet_names:
-        part = workbook.structure.worksheet_part(sheet)
-        if part is None:
-            continue
-        data = fed.get(part) or workbook.container.read(part)
-        if rows_read is not None and sheet not in with_formulas:
-            if sheet in rows_read or sheet in with_tables:
-                data = _without_numbers_below(data, rows_read.get(sheet, 0))
-            else:
-                data = _SHEET_DATA.sub(rb"<\1sheetData/>", data)
-        found = _DIMENSION.search(data, 0, data.find(b"sheetData"))
-        parts[part] = data[: found.start()] + data[found.end() :] if found else data
-    return parts
-
-
-def _without_numbers_below(data: bytes, last: int) -> bytes:
-    """A sheet without the numbers below a row; a cell of a number has no type and nothing but its value."""
-    for row in _ROW_NUMBER.finditer(data):
-        if int(row[1]) > last:
-            return data[: row.start()] + _NUMBER_CELL.sub(b"", data[row.start() :])
-    return data
 
 
 def _alike(old: Constant, new: Constant, tolerance: float) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from lxml import etree
 
@@ -58,7 +58,7 @@ class _Block(NamedTuple):
     """A written rectangle with the values given for its first rows; those below are blank."""
 
     rect: Rect
-    rows: Sequence[Sequence[CellValue]]
+    rows: Sequence[Sequence[Constant]]
 
 
 class SheetPart:
@@ -275,7 +275,7 @@ class SheetPart:
                     self._note_formula(rect.top + offset, rect.left + shift)
         self._forget_blocks(rect)
         if len(rows) > 1 and not with_formulas:
-            self._blocks.append(_Block(rect, rows))
+            self._blocks.append(_Block(rect, cast("Sequence[Sequence[Constant]]", rows)))
         self._note_extent(rect)
         self._touch()
         return texts

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import posixpath
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from urllib.parse import unquote
 
@@ -192,11 +193,30 @@ class WorkbookPart:
         }
         return replaced, {chain}
 
-    def as_plain_workbook(self) -> dict[str, bytes]:
-        """Content types of the same package declared as .xlsx, for readers that know no macros."""
-        if not self.has_macros:
-            return {}
+    def without_relationships(
+        self, part: str, targets: Collection[str]
+    ) -> tuple[set[str], dict[str, bytes]]:
+        """The relationships of a part that do not lead to some other parts.
+
+        Returns
+        -------
+        ids : set of str
+            Those taken out.
+        replaced : dict of str to bytes
+            The relationship part without them.
+        """
+        ids = {one.id for one in self.relationships(part) if one.part in targets}
+        holder = self._container.find(relationships_part(part))
+        if holder is None or not ids:
+            return ids, {}
+        data = self._container.read(holder)
+        return ids, {holder: _without_element(data, rb"Relationship", rb"\bId=" + _quoted(ids))}
+
+    def as_plain_workbook(self, *, without: Collection[str] = ()) -> dict[str, bytes]:
+        """Content types of the package declared as .xlsx, for readers that know no macros, without some parts."""
         data = self._container.read(CONTENT_TYPES_PART)
+        if without:
+            data = _without_element(data, rb"Override", rb"PartName=" + _quoted(without, rb"/?"))
         return {CONTENT_TYPES_PART: data.replace(XLSM_TYPE.encode(), XLSX_TYPE.encode())}
 
     def _main_part(self) -> str:
@@ -275,6 +295,12 @@ def _end_of_element(data: bytes, tag: bytes) -> tuple[int, bytes] | None:
     pattern = rb"</((?:\w+:)?)" + tag + rb"\s*>|<((?:\w+:)?)" + tag + rb"\b[^>]*/>"
     found = list(re.finditer(pattern, data))
     return (found[-1].end(), found[-1][1] or found[-1][2] or b"") if found else None
+
+
+def _quoted(words: Collection[str], before: bytes = b"") -> bytes:
+    """Pattern of an attribute that is one of some words."""
+    either = b"|".join(re.escape(word).encode() for word in sorted(words))
+    return rb"[\"']" + before + b"(?:" + either + rb")[\"']"
 
 
 def _without_element(data: bytes, tag: bytes, mark: bytes) -> bytes:

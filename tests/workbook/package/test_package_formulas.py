@@ -10,7 +10,9 @@ import xlsxwriter
 from rich_workbooks import changed_parts, parts_of, with_parts
 
 from addin.package import CacheReport, Formula, open_workbook
+from addin.package.calculator_copy import calculator_copy
 from addin.package.formula_text import parse_formula, shifted_formula
+from addin.package.references import Rect
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 
@@ -382,3 +384,85 @@ def test_references_of_formulas() -> None:
 )
 def test_filling_moves_relative_references(text: str, shift: tuple[int, int], moved: str) -> None:
     assert shifted_formula(text, *shift) == moved
+
+
+def wide_workbook(path: Path, tables: int, *, named: bool = False) -> Path:
+    """Out!A1 reads the first of some tables of 60 columns and 50 rows on sheet Data."""
+    book = xlsxwriter.Workbook(str(path))
+    source, sheet, data = (book.add_worksheet(name) for name in ("In", "Out", "Data"))
+    source.write_number("A1", 1)
+    for number in range(tables):
+        top = 60 * number
+        headers = [{"header": f"c{column}"} for column in range(60)]
+        rows = [[row + 0.5] * 60 for row in range(50)]
+        data.add_table(
+            top, 0, top + 50, 59, {"name": f"Wide_{number}", "columns": headers, "data": rows}
+        )
+    sheet.write_formula("A1", "=SUM(Wide_0[c2])+In!A1", None, 1251)
+    if named:
+        book.define_name("Last", f"=SUM(Wide_{tables - 1}[c1])")
+    book.close()
+    return path
+
+
+@pytest.mark.parametrize("tables", [1, 4, 5, 9])
+def test_tables_that_no_formula_reads_do_not_limit_the_recalculation(
+    tmp_path: Path, tables: int
+) -> None:
+    # The calculator refuses more than 256 columns in all.
+    path = wide_workbook(tmp_path / "t.xlsx", tables)
+    values, report = refreshed(path, {"A1": 2.0})
+    assert report.method == "recalculated"
+    assert values["A1"] == 1252
+    changed = changed_parts(path, path.with_name("out.xlsx"))
+    assert changed == {"xl/worksheets/sheet1.xml", "xl/worksheets/sheet2.xml"}
+
+
+def test_the_copy_for_the_calculator_holds_what_formulas_read(tmp_path: Path) -> None:
+    book = open_workbook(wide_workbook(tmp_path / "t.xlsx", 3, named=True))
+    table, last = book.table("Wide_0"), book.table("Wide_2")
+    parts, dropped = calculator_copy(
+        book, {"Out"}, {("Data", table.data), ("In", Rect(1, 1, 1, 1))}
+    )
+    assert dropped == {book.table("Wide_1").part}
+    sheet = parts["xl/worksheets/sheet3.xml"]
+    assert b'<tableParts count="2">' in sheet
+    assert b'r="170"' in sheet
+    assert b"table2.xml" not in parts["xl/worksheets/_rels/sheet3.xml.rels"]
+    assert b"table2.xml" not in parts["[Content_Types].xml"]
+    assert b"table3.xml" in parts["[Content_Types].xml"]
+    assert last.part in parts
+    unknown, nothing = calculator_copy(book, {"Out"}, None)
+    assert nothing == set()
+    assert b"table2.xml" in unknown["[Content_Types].xml"]
+
+
+def test_rows_below_those_read_are_left_out_of_the_copy(tmp_path: Path) -> None:
+    book = open_workbook(workbook_of(tmp_path / "t.xlsx", {"A1": ("=SUM(In!A1:A3)", 6)}))
+    parts, _ = calculator_copy(book, {"Out"}, {("In", Rect(1, 1, 3, 1))})
+    sheet = parts["xl/worksheets/sheet1.xml"]
+    assert b'<c r="A3">' in sheet
+    assert b'<c r="A4">' not in sheet
+    assert b"</row></sheetData>" in sheet
+
+
+def test_charts_are_renewed_again_after_further_changes(train: Path) -> None:
+    book = open_workbook(train)
+    for last in (50.0, 60.0):
+        book.write_table("Modes", [[1, 10.0, 1.0, 2.0], [2, last, 1.0, 2.0]])
+        book.refresh_chart_caches()
+    out = book.save(train.with_name("out.xlsx")).path
+    chart = parts_of(out)["xl/charts/chart1.xml"].decode()
+    points = '<c:pt idx="0"><c:v>10</c:v></c:pt><c:pt idx="1"><c:v>60</c:v></c:pt>'
+    assert f'<c:ptCount val="2"/>{points}</c:numCache>' in chart
+    assert "points-" not in chart
+
+
+def test_charts_show_cells_that_were_changed_after_their_block(train: Path) -> None:
+    book = open_workbook(train)
+    book.write_block("Start-up", "A5:B14", [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
+    book.set_cell("Start-up", "B6", 40.0)
+    out = book.save(train.with_name("out.xlsx")).path
+    chart = parts_of(out)["xl/charts/chart3.xml"].decode()
+    shown = "".join(f'<c:pt idx="{i}"><c:v>{v}</c:v></c:pt>' for i, v in enumerate((2, 40, 6)))
+    assert f'<c:ptCount val="10"/>{shown}</c:numCache>' in chart

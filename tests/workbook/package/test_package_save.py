@@ -7,14 +7,25 @@ import subprocess
 import sys
 import time
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from rich_workbooks import changed_parts, parts_of
 
-from addin.package import SaveRefused, SourceChanged, Workbook, WorkbookLocked, open_workbook
+from addin.package import (
+    Formula,
+    SaveRefused,
+    SourceChanged,
+    Workbook,
+    WorkbookLocked,
+    open_workbook,
+)
 from addin.package import save as save_module
+from addin.package.references import Rect
+from addin.package.values import row_xml
+from addin.package.written import Written
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -58,6 +69,47 @@ def test_in_place_twice(train: Path) -> None:
         book.save(in_place=True)
     edited(train).save(in_place=True)
     assert train.with_name("train.xlsx.bak").read_bytes() == first
+
+
+def test_a_workbook_opened_for_reading_is_saved_after_the_checks(train: Path) -> None:
+    book = open_workbook(train, read_only=True)
+    book.set_name("RatedPower", 5000.0)
+    lock = train.with_name(f"~${train.name}")
+    lock.write_bytes(b"\x04Anna" + b" " * 160)
+    with pytest.raises(WorkbookLocked):
+        book.allow_saving()
+    with pytest.raises(SaveRefused, match="reading only"):
+        book.save(train.with_name("out.xlsx"))
+    lock.unlink()
+    book.allow_saving()
+    book.save(train.with_name("out.xlsx"))
+    assert open_workbook(train.with_name("out.xlsx")).value("Case", "B2") == 5000.0
+
+
+@pytest.mark.parametrize(
+    ("change", "stands"),
+    [
+        (lambda sheet: sheet, True),
+        (
+            lambda sheet: sheet.replace(
+                b"><f>A1*2</f></c>", b' t="str"><f>A1*2</f><v>x</v></c>', 1
+            ),
+            True,
+        ),
+        (lambda sheet: sheet.replace(b"<f>A1*2</f>", b"", 1), False),
+        (lambda sheet: sheet.replace(b"<v>7</v>", b"<v>8</v>"), False),
+        (lambda sheet: sheet.replace(b'<c r="C2"><f>A1*2</f></c>', b""), False),
+    ],
+)
+def test_written_rows_are_found_again(change: Callable[[bytes], bytes], stands: bool) -> None:
+    grid = [[7.0, "a", Formula("A1*2")], [8.0, None, Formula("A1*2")]]
+    texts = [
+        row_xml(number, ['<c r="A', '<c r="B', '<c r="C'], [None] * 3, row)
+        for number, row in enumerate(grid, 1)
+    ]
+    sheet = "<sheetData>" + "".join(f"<row>{text}</row>" for text in texts) + "</sheetData>"
+    written = Written(Rect(1, 1, 2, 3), grid, texts)
+    assert written.stands_in(change(sheet.encode())) is stands
 
 
 @pytest.mark.parametrize("when", ["write", "flush", "replace", "permission", "read back", "check"])
