@@ -253,8 +253,9 @@ def test_json_holds_energy_shares_and_nodes_of_every_mode(example):
         assert sum(mode["kinetic_energy"].values()) == pytest.approx(1.0)
     first = results["modes"][0]
     table = next(r for r in results["natural_frequencies"] if r["mode"] == 1)
-    assert max(first["strain_energy"], key=first["strain_energy"].get) == (
-        table["largest_strain_energy"]
+    assert (
+        max(first["strain_energy"], key=first["strain_energy"].get)
+        == (table["largest_strain_energy"])
     )
     assert len(first["nodes"]) == 1  # the first mode of a free train stands still at one point
     assert "damped_eigenvalues" not in results  # proportional damping

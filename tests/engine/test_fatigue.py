@@ -363,7 +363,12 @@ def test_cycles_above_the_first_point_are_counted_and_told():
 @pytest.mark.parametrize(
     ("torque", "scf", "above", "sentence"),
     [
-        (301.0, 1.0, True, "above the shear yield Yield/2 = 300 MPa (43.51 ksi) (maximum shear theory)"),
+        (
+            301.0,
+            1.0,
+            True,
+            "above the shear yield Yield/2 = 300 MPa (43.51 ksi) (maximum shear theory)",
+        ),
         (200.0, 2.0, False, "local yielding at the notch"),
         (100.0, 2.0, False, None),
     ],
