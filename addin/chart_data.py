@@ -42,7 +42,7 @@ Floats = NDArray[np.float64]
 #: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
 GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
 #: Most rows of a drawn history: the least and the largest value of each of half as many intervals.
-HISTORY_POINTS = 1601
+HISTORY_POINTS = 1001
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 201
 _SN_POINTS = 200
@@ -265,13 +265,14 @@ def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArra
         return np.arange(n)
     intervals = max(1, limit // 2 - 1)
     edges = np.searchsorted(time, np.linspace(time[0], time[-1], intervals + 1))
-    edges[-1] = n
-    keep = {0, n - 1}
-    for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
-        if end > begin:
-            piece = value[begin:end]
-            keep.update((begin + int(piece.argmin()), begin + int(piece.argmax())))
-    return np.array(sorted(keep))
+    begins = np.unique(edges[:-1])  # an interval without a point has none of its own
+    least, largest = np.minimum.reduceat(value, begins), np.maximum.reduceat(value, begins)
+    interval = np.searchsorted(begins, np.arange(n), side="right") - 1
+    ends = [np.array([0, n - 1])]
+    for extreme in (least, largest):
+        at = np.flatnonzero(value == extreme[interval])
+        ends.append(at[np.unique(interval[at], return_index=True)[1]])
+    return np.unique(np.concatenate(ends))
 
 
 # --- the train ------------------------------------------------------------------------------------

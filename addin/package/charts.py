@@ -151,8 +151,15 @@ class ChartPart:
             xml = _levels_xml(areas, shown, prefix)
         else:
             values = [value for sheet, rect in areas for value in shown(sheet, rect)]
-            points = [*map(_number_point if kind == _NUMBERS else _text_point, values)]
+            points = (
+                [value if type(value) is float else _other_number(value) for value in values]
+                if kind == _NUMBERS
+                else [_text_point(value) for value in values]
+            )
             xml = f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
+            if kind == _NUMBERS:
+                # Whole numbers without a point, as `number_text` writes them.
+                xml = xml.replace(f".0</{prefix}v>", f"</{prefix}v>")
         # The schema wants format code, count and points in this order, extensions last.
         extensions = cache.find(_EXTENSIONS)
         at = len(cache) if extensions is None else cache.index(extensions)
@@ -199,23 +206,20 @@ def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:
     return f'<{prefix}ptCount val="{count}"/>' + "".join(levels)
 
 
-def _points_xml(points: list[str | None], prefix: str) -> str:
+def _points_xml(points: Sequence[str | float | None], prefix: str) -> str:
     point_tag, value_tag = f"{prefix}pt", f"{prefix}v"
     return "".join(
-        f'<{point_tag} idx="{index}"><{value_tag}>{point}</{value_tag}></{point_tag}>'
-        for index, point in enumerate(points)
-        if point is not None
+        [
+            f'<{point_tag} idx="{index}"><{value_tag}>{point}</{value_tag}></{point_tag}>'
+            for index, point in enumerate(points)
+            if point is not None
+        ]
     )
 
 
-def _number_point(value: Constant) -> str | None:
-    """Number of a point; text and errors have none, as a spreadsheet program leaves them out too."""
-    if type(value) is float:
-        # As `number_text`, written out: all points of all charts come through here.
-        return repr(value).removesuffix(".0")
-    if isinstance(value, bool):
-        return "1" if value else "0"
-    return None
+def _other_number(value: Constant) -> float | None:
+    """Number of a point that is no number; text and errors have none, as a spreadsheet program leaves them out too."""
+    return float(value) if isinstance(value, bool) else None
 
 
 def _text_point(value: Constant) -> str | None:

@@ -134,8 +134,8 @@ class SheetPart:
             ]
         # The values are in hand: taking them from the cells again would parse each number.
         start, left = rect.top - block.rect.top, rect.left - block.rect.left
-        rows = block.rows[start : start + rect.height]
-        held = [value for row in rows for value in row[left : left + rect.width]]
+        rows, right = block.rows[start : start + rect.height], left + rect.width
+        held = [value for row in rows for value in row[left:right]]
         return held + [None] * (rect.height * rect.width - len(held))
 
     def style(self, row: int, column: int) -> str | None:

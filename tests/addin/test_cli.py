@@ -8,7 +8,9 @@ import sys
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import openpyxl
+import pandas as pd
 import pytest
 
 from addin.json_schemas import results_schema
@@ -259,3 +261,27 @@ def test_json_holds_energy_shares_and_nodes_of_every_mode(example):
     )
     assert len(first["nodes"]) == 1  # the first mode of a free train stands still at one point
     assert "damped_eigenvalues" not in results  # proportional damping
+
+
+@pytest.mark.parametrize("kind", ["npz", "parquet"])
+def test_the_full_history_is_written_beside_the_results_on_request(example, tmp_path, kind):
+    done = torsionbook("export", example / "train.xlsx", "case.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    case = json.loads((tmp_path / "case.json").read_text(encoding="utf-8"))
+    case["keep_history"] = kind
+    (tmp_path / "case.json").write_text(json.dumps(case), encoding="utf-8")
+    done = torsionbook("recalc", "case.json", "--out", "results", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    (file,) = (tmp_path / "results").glob(f"*.{kind}")
+    if kind == "npz":
+        history = dict(np.load(file))
+    else:
+        history = {k: v.to_numpy() for k, v in pd.read_parquet(file).items()}
+    results = json.loads((example / "train.json").read_text(encoding="utf-8"))
+    assert np.all(np.diff(history["time_s"]) > 0.0)
+    assert len(history) == 2 + len(results["startup_peaks"])
+    for peak in results["startup_peaks"]:
+        sampled = history[f"torque_N_m: {peak['element']}"].max()
+        # the peak lies between samples, so the largest sample is at or below it
+        assert sampled == pytest.approx(peak["maximum_torque"], rel=0.05)
+        assert sampled <= peak["maximum_torque"] * (1.0 + peak["error"])
