@@ -110,7 +110,8 @@ def plan_table(workbook: Workbook, data: TableData) -> TablePlan:
     order = [sources[position] for position in positions]
     texts = {table.column_index(name): text for name, text in data.formulas.items()}
     formulas = [(index, Formula(texts[one])) for index, one in enumerate(positions) if one in texts]
-    grid = [_in_table_order(row, order, formulas) for row in rows]
+    as_given = not formulas and order == list(range(len(rows[0]) if rows else 0))
+    grid = rows if as_given else [_in_table_order(row, order, formulas) for row in rows]
     return TablePlan(table, new, positions, grid, dict(data.formulas))
 
 
