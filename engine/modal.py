@@ -40,6 +40,7 @@ __all__ = [
     "damped_eigenvalues",
     "modal_damping",
     "modal_damping_matrix",
+    "stated_damping",
     "modes_of",
     "natural_modes",
     "state_matrix",
@@ -560,6 +561,30 @@ class ModalDamping:
     coupling: float
 
 
+def stated_damping(case: CaseData, modes: Modes) -> Floats:
+    """Damping ratio that DampingRatio and ModeDamping state, without dampers and loss factors.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    modes : Modes
+        Its modes. [SI]
+
+    Returns
+    -------
+    ndarray, shape (n_modes,)
+        Fraction of critical damping; zero for rigid modes. [1]
+    """
+    stated = np.full(modes.n_modes, case.damping_ratio or 0.0)
+    stated[: modes.n_rigid] = 0.0
+    for row in case.mode_damping:
+        if row.mode is not None and row.damping_ratio is not None:
+            if modes.n_rigid + row.mode - 1 < modes.n_modes:
+                stated[modes.n_rigid + row.mode - 1] = row.damping_ratio
+    return stated
+
+
 def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     """Damping ratio of each mode from everything the case says about damping.
 
@@ -579,12 +604,7 @@ def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     ModalDamping
         Ratios, rates, and the largest neglected term. [SI]
     """
-    n, r = modes.n_modes, modes.n_rigid
-    stated = np.full(n, case.damping_ratio or 0.0)
-    stated[:r] = 0.0
-    for row in case.mode_damping:
-        if row.mode is not None and row.damping_ratio is not None and r + row.mode - 1 < n:
-            stated[r + row.mode - 1] = row.damping_ratio
+    stated = stated_damping(case, modes)
     physical = modal_damping_matrix(train, modes)
     loss = np.zeros(len(train.elements))
     loss[train.row_element] = train.loss_factor

@@ -35,7 +35,13 @@ from engine.errors import ModelError
 from engine.excitation import Excitation, Place, excitation_places, transmitted_torque
 from engine.fatigue import shear_stress
 from engine.margins import FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
-from engine.modal import ModalDamping, Modes, damped_eigenvalues, modal_damping_matrix
+from engine.modal import (
+    ModalDamping,
+    Modes,
+    damped_eigenvalues,
+    modal_damping_matrix,
+    stated_damping,
+)
 from engine.train import Train
 
 __all__ = [
@@ -44,7 +50,6 @@ __all__ = [
     "SteadyState",
     "SteadyStateRow",
     "harmonic_response",
-    "stated_damping",
     "steady_state",
 ]
 
@@ -418,30 +423,6 @@ class SteadyState:
     rows: tuple[SteadyStateRow, ...]
     stress_basis: str
     warnings: tuple[str, ...]
-
-
-def stated_damping(case: CaseData, modes: Modes) -> Floats:
-    """Damping ratio that DampingRatio and ModeDamping state, without dampers and loss factors.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    modes : Modes
-        Its modes. [SI]
-
-    Returns
-    -------
-    ndarray, shape (n_modes,)
-        Fraction of critical damping; zero for rigid modes. [1]
-    """
-    stated = np.full(modes.n_modes, case.damping_ratio or 0.0)
-    stated[: modes.n_rigid] = 0.0
-    for row in case.mode_damping:
-        if row.mode is not None and row.damping_ratio is not None:
-            if modes.n_rigid + row.mode - 1 < modes.n_modes:
-                stated[modes.n_rigid + row.mode - 1] = row.damping_ratio
-    return stated
 
 
 def steady_state(

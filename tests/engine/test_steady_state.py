@@ -20,8 +20,8 @@ from engine.case import (
 from engine.errors import ModelError
 from engine.excitation import excitations_of
 from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, judge, separation_margins
-from engine.modal import modal_damping, modes_of, natural_modes
-from engine.steady_state import harmonic_response, stated_damping, steady_state
+from engine.modal import modal_damping, modes_of, natural_modes, stated_damping
+from engine.steady_state import harmonic_response, steady_state
 from engine.train import build_train
 
 

@@ -9,8 +9,8 @@ from strategies import cases
 
 from engine.case import GROUND, Case
 from engine.excitation import transmitted_torque
-from engine.modal import modes_of
-from engine.steady_state import harmonic_response, stated_damping
+from engine.modal import modes_of, stated_damping
+from engine.steady_state import harmonic_response
 from engine.train import build_train
 
 #: Frequencies of a running train, not near anything in particular. [rad/s]
