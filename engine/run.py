@@ -124,7 +124,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         crossings=crossings,
         starts=starts,
         starts_error=errors,
-        verdicts=verdicts_of(case, excitations, margins, steady, start, starts),
+        verdicts=verdicts_of(case, margins, steady, start, starts),
         warnings=tuple(
             dict.fromkeys(
                 [

@@ -496,7 +496,7 @@ def steady_state(
     for x, mode, swept in tasks:
         where = back[start : start + len(swept)]
         start += len(swept)
-        rows += _rows(case, train, (x, mode), frequency[where], places[x.name], stations,
+        rows += _rows(train, (x, mode), frequency[where], places[x.name], stations,
                       magnitude[:, :, where], limits)  # fmt: skip
     if not np.any(transmitted.load):  # gears and driven machines could not be excited
         partly = {x.name for x in excitations if x.station is None and x.torque is None}
@@ -534,7 +534,6 @@ def _swept_frequencies(
 
 
 def _rows(
-    case: CaseData,
     train: Train,
     what: tuple[Excitation, int | None],
     frequency: Floats,

@@ -397,7 +397,7 @@ def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Tr
         node_incidence=node_incidence,
         incidence=incidence,
         row_element=np.array([row[0] for row in a.rows], dtype=np.int64),
-        rigid_meshes=_rigid_meshes(a.rigid, ratio, dof),
+        rigid_meshes=_rigid_meshes(a.rigid, ratio),
         orientation=orientation,
         beyond=sides,
     )
@@ -423,9 +423,7 @@ def _merge(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[Ints,
     return dof, scale, len(number)
 
 
-def _rigid_meshes(
-    rigid: list[tuple[int, int, int]], ratio: Floats, dof: Ints
-) -> tuple[RigidMesh, ...]:
+def _rigid_meshes(rigid: list[tuple[int, int, int]], ratio: Floats) -> tuple[RigidMesh, ...]:
     """Each rigid mesh with the nodes of its group that hang on its To side."""
     meshes = []
     for element, a, b in rigid:

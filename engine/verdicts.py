@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from engine.case import CaseData
-from engine.excitation import Excitation
 from engine.fatigue import AllowableStarts
 from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
 from engine.startup import NOTABLE_REVERSAL, Start
@@ -48,7 +47,6 @@ class Verdict:
 
 def verdicts_of(
     case: CaseData,
-    excitations: tuple[Excitation, ...],
     margins: SeparationMargins,
     steady: SteadyState,
     start: Start | None,
@@ -60,8 +58,6 @@ def verdicts_of(
     ----------
     case : CaseData
         The case. [SI]
-    excitations : tuple of Excitation
-        What shakes the train. [SI]
     margins : SeparationMargins
         Judged margins. [1]
     steady : SteadyState
