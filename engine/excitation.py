@@ -311,7 +311,8 @@ def _element_ratio(case: CaseData, train: Train) -> Floats:
 def _parallel_shares(case: CaseData, train: Train) -> Floats:
     """Share of each element among those side by side; a pure damper transmits nothing steady."""
     compliance = np.zeros(len(case.elements))
-    np.add.at(compliance, train.row_element, 1.0 / np.maximum(train.stiffness, 1e-300))
+    own = train.element_rows
+    np.add.at(compliance, train.row_element[own], 1.0 / np.maximum(train.stiffness[own], 1e-300))
     stiffness = np.where(compliance > 0.0, 1.0 / np.where(compliance > 0.0, compliance, 1.0), 0.0)
     pairs: dict[frozenset[str | None], list[int]] = {}
     for i, e in enumerate(case.elements):

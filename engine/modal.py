@@ -7,7 +7,8 @@ not good enough for the smallest frequency, the one-sided Jacobi SVD (LAPACK dge
 which is nearly always accurate to the relative rounding of each entry. "Nearly" is then made
 "always" by counting: an open train is an acyclic graph, so eliminating it from its leaves inward
 tells without cancellation how many frequencies lie below a given one; a value the count
-contradicts is bisected.
+contradicts is bisected. (With gears on bearings, whose meshes join more than two degrees of
+freedom, there is no such count: the Jacobi SVD stands alone.)
 
 References
 ----------
@@ -29,7 +30,13 @@ from scipy.linalg import lapack
 
 from engine.case import CaseData, ElementRow
 from engine.errors import InternalError
-from engine.train import Train, build_train, shaft_inertia, shaft_stiffness
+from engine.train import (
+    Train,
+    build_train,
+    has_clearance,
+    shaft_inertia,
+    shaft_stiffness,
+)
 from engine.validation import GEAR_MESH
 
 __all__ = [
@@ -103,7 +110,8 @@ class Modes:
     n_rigid : int
         Number of rigid-body modes, counted from the topology. [count]
     shape : ndarray, shape (n_dof, n_modes)
-        Mode shapes at unit modal mass, in running direction. [rad/√(kg m²)]
+        Mode shapes at unit modal mass, in running direction; of a transverse freedom its
+        displacement. [rad/√(kg m²), m/√(kg m²)]
     row_torque : ndarray, shape (n_rows, n_modes)
         Elastic torque of each incidence row at unit modal coordinate. [N m]
     row_twist : ndarray, shape (n_rows, n_modes)
@@ -111,7 +119,11 @@ class Modes:
     strain_share : ndarray, shape (n_elements, n_modes)
         Share of the strain energy in each element; zero for rigid modes. [1]
     kinetic_share : ndarray, shape (n_stations, n_modes)
-        Share of the kinetic energy at each station. [1]
+        Share of the kinetic energy in the rotation of each station. [1]
+    bearing_share : ndarray, shape (n_bodies, n_modes)
+        Share of the strain energy in the bearings of each gear that moves sideways. [1]
+    sideways_share : ndarray, shape (n_bodies, n_modes)
+        Share of the kinetic energy in the sideways motion of that gear. [1]
     algorithm : str
         ``svd`` or ``jacobi``. [word]
     """
@@ -123,6 +135,8 @@ class Modes:
     row_twist: Floats
     strain_share: Floats
     kinetic_share: Floats
+    bearing_share: Floats
+    sideways_share: Floats
     algorithm: str
 
     @property
@@ -210,11 +224,13 @@ def _components(train: Train) -> list[tuple[NDArray[np.int64], NDArray[np.int64]
         return dof
 
     for row in stiff:
-        a, b = find(ends[row][0]), find(ends[row][-1])
-        head[max(a, b)] = min(a, b)
+        for other in ends[row][1:]:
+            a, b = find(ends[row][0]), find(other)
+            head[max(a, b)] = min(a, b)
     dofs: dict[int, list[int]] = {}
     for dof in range(train.n_dof):
         dofs.setdefault(find(dof), []).append(dof)
+    sideways = (train.dof_ratio == 0.0).tolist()  # their bearings hold no shaft
     rows: dict[int, list[int]] = {h: [] for h in dofs}
     for row in stiff:
         rows[find(ends[row][0])].append(row)
@@ -222,7 +238,8 @@ def _components(train: Train) -> list[tuple[NDArray[np.int64], NDArray[np.int64]
         (
             np.array(dofs[h], dtype=np.int64),
             np.array(rows[h], dtype=np.int64),
-            any(len(ends[row]) == 1 for row in rows[h]),
+            sideways[h]
+            or any(len(ends[row]) == 1 and not sideways[ends[row][0]] for row in rows[h]),
         )
         for h in sorted(dofs)
     ]
@@ -390,14 +407,22 @@ def _with_energies(
     safe = np.where(omega > 0.0, omega, 1.0)
     share = torque * twist / safe**2  # zero where there is no torque: rigid modes, soft rows
     strain = np.zeros((len(train.elements), len(omega)))
-    if train.n_rows == len(train.elements):
+    own = train.element_rows
+    if len(own) == train.n_rows == len(train.elements):
         strain[train.row_element] = share
     else:
-        np.add.at(strain, train.row_element, share)
+        np.add.at(strain, train.row_element[own], share[own])
     n = train.n_stations
     angle = train.node_scale[:n, None] * shape[train.node_dof[:n]]
     kinetic = train.node_inertia[:n, None] * angle**2
-    return Modes(omega, n_rigid, shape, torque, twist, strain, kinetic, algorithm)
+    bearing, sideways = np.zeros((2, len(train.bodies), len(omega)))
+    for i, body in enumerate(train.bodies):
+        bearing[i] = share[[body.row_x, body.row_y]].sum(axis=0)
+        displacement = shape[train.node_dof[[body.node_x, body.node_y]]]
+        sideways[i] = body.mass * np.sum(displacement**2, axis=0)
+    return Modes(
+        omega, n_rigid, shape, torque, twist, strain, kinetic, bearing, sideways, algorithm
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -426,6 +451,8 @@ def natural_modes(
     case: CaseData,
     highest_frequency: float | None = None,
     tolerance: float = SUBDIVISION_TOLERANCE,
+    *,
+    lateral: bool = True,
 ) -> SubdividedModes:
     """Modes of a case; shafts with density are subdivided until the wanted frequencies are right.
 
@@ -442,15 +469,19 @@ def natural_modes(
         twice the line frequency, or the first ten modes. [Hz]
     tolerance : float, optional
         Wanted relative error. [1]
+    lateral : bool, optional
+        Whether gears with bearing data move sideways. [flag]
 
     Returns
     -------
     SubdividedModes
         Train and modes. [SI]
     """
-    time = {str(e.element): _travel_time(e) for e in case.elements if _carries_waves(e)}
+    parted = {m.element for m in case.meshes if has_clearance(m)}
+    waves = [e for e in case.elements if _carries_waves(e) and e.element not in parted]
+    time = {str(e.element): _travel_time(e) for e in waves}
     if not time:
-        train = build_train(case)
+        train = build_train(case, lateral=lateral)
         return SubdividedModes(train, modes_of(train), (), 0.0)
     if highest_frequency is None:
         line = case.ratings.line_frequency
@@ -460,9 +491,10 @@ def natural_modes(
     while True:
         coarse = {name: max(1, math.ceil(density * t)) for name, t in time.items()}
         fine = {name: 2 * n for name, n in coarse.items()}
-        train = build_train(case, fine)
+        train = build_train(case, fine, lateral=lateral)
         modes = modes_of(train)
-        error = _refinement_error(modes_of(build_train(case, coarse)), modes, highest_frequency)
+        rough = modes_of(build_train(case, coarse, lateral=lateral))
+        error = _refinement_error(rough, modes, highest_frequency)
         growth = min(8.0, 1.1 * math.sqrt(error / tolerance))
         most = SUBDIVISION_SEGMENTS / sum(fine.values())
         if error <= tolerance or most < 1.1:
@@ -513,7 +545,8 @@ def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:
     """
     angle = train.node_scale[:, None] * modes.shape[train.node_dof]
     visible = STANDSTILL * np.max(np.abs(angle), axis=0, initial=0.0)
-    rows_of = np.bincount(train.row_element, minlength=len(train.elements))
+    own = train.row_element[train.element_rows]
+    rows_of = np.bincount(own, minlength=len(train.elements))
     first = np.concatenate([[0], np.cumsum(rows_of)])
     found = []
     for row, element in enumerate(train.row_element):
@@ -521,7 +554,7 @@ def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:
         factors = train.node_incidence[row, ends]
         shaft = sorted(factors) == [-1.0, 1.0] and np.ptp(train.sense[ends]) == 0.0
         if not shaft or train.stiffness[row] <= 0.0:
-            continue  # to ground, a mesh or a damper: nothing between its ends can stand still
+            continue  # to ground, a mesh, a bearing or a damper: nothing between its ends can stand still
         start, end = ends[np.argsort(-factors)]
         a, b = angle[start], angle[end]
         crossing = ((a >= 0.0) != (b >= 0.0)) & (np.maximum(np.abs(a), np.abs(b)) > visible)
@@ -606,8 +639,7 @@ def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     """
     stated = stated_damping(case, modes)
     physical = modal_damping_matrix(train, modes)
-    loss = np.zeros(len(train.elements))
-    loss[train.row_element] = train.loss_factor
+    loss = train.element_loss_factor
     safe = np.where(modes.omega > 0.0, modes.omega, 1.0)
     structural = np.where(modes.omega > 0.0, stated + 0.5 * (loss @ modes.strain_share), 0.0)
     ratio = np.where(modes.omega > 0.0, structural + 0.5 * np.diag(physical) / safe, 0.0)

@@ -3,6 +3,7 @@
 torque = Y_q q + Y_v q̇ + Y_f f, with q in modal coordinates and f the torques at the force
 stations. Elastic elements report their elastic torque k·twist; an element of stiffness 0 its
 viscous torque; a rigid mesh what the equilibrium of its To side demands, inertias included.
+The rows of bearings belong to no element and are left out.
 Damping appears in that equilibrium exactly as it does in the equations of motion: with its full
 matrix (`damping` given), or only on each mode for itself, as in a start.
 Modes left out of q enter by their static deflection (residual flexibility), so that a truncated
@@ -102,13 +103,14 @@ def torque_outputs(
     rows = np.zeros(0, dtype=np.int64) if dampers is None else dampers
     reach = np.concatenate([force_reach(train, modes, stations), modes.row_twist[rows].T], axis=1)
     keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
-    sign = train.orientation[train.row_element][:, None]
-    elastic = train.stiffness[:, None] > 0.0
-    position = sign * np.where(elastic, modes.row_torque, 0.0)
-    velocity = sign * np.where(elastic, 0.0, train.viscous[:, None] * modes.row_twist)
-    element = [train.row_element]
+    own = train.element_rows
+    element = [train.row_element[own]]
+    sign = train.orientation[element[0]][:, None]
+    elastic = train.stiffness[own, None] > 0.0
+    position = sign * np.where(elastic, modes.row_torque[own], 0.0)
+    velocity = sign * np.where(elastic, 0.0, train.viscous[own, None] * modes.row_twist[own])
     rows_q, rows_v = [position], [velocity]
-    rows_f = [np.zeros((train.n_rows, reach.shape[1]))]
+    rows_f = [np.zeros((len(own), reach.shape[1]))]
     for mesh in train.rigid_meshes:
         q, v, f = _rigid_mesh_row(train, modes, reach, stations, mesh, damping)
         element.append(np.array([mesh.element], dtype=np.int64))

@@ -186,8 +186,7 @@ def _dof_force(train: Train, columns: Complexes) -> Complexes:
 
 def _undamped(train: Train, modes: Modes, stated: Floats) -> NDArray[np.bool_]:
     """Modes that nothing damps: neither stated damping nor a loss factor nor a damper."""
-    loss = np.zeros(len(train.elements))
-    loss[train.row_element] = train.loss_factor
+    loss = train.element_loss_factor
     rate = np.zeros(modes.n_modes)
     if np.any(train.viscous) or np.any(train.node_damping):
         rate = np.diag(modal_damping_matrix(train, modes))
@@ -271,10 +270,12 @@ def _element_torque(
     """Torque of each element, shape (n_elements, n_loads, n_freq)."""
     shape = (len(train.elements), *solution.torque.shape[1:])
     torque = np.zeros(shape, dtype=complex)
-    if train.n_rows == len(np.unique(train.row_element)):
-        torque[train.row_element] = solution.torque
+    own = train.element_rows
+    elements = np.unique(train.row_element[own])
+    if len(own) == len(elements):
+        torque[train.row_element[own]] = solution.torque[own]
     else:
-        for element in np.unique(train.row_element).tolist():
+        for element in elements.tolist():
             rows = solution.torque[train.row_element == element]
             largest = np.argmax(np.abs(rows), axis=0)[None]
             torque[element] = np.take_along_axis(rows, largest, axis=0)[0]

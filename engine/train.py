@@ -6,6 +6,10 @@ digits. Angles are positive in each station's own running direction, hence B hol
 and no signs; `Train.sense` gives the physical direction. Rigid gear meshes are merged exactly:
 the stations of one rigid group share one degree of freedom.
 
+A gear with bearing data also moves sideways: two more nodes x and y, in metres, after all others.
+Their "inertia" is a mass, their speed ratio 0, and the row of each of its meshes has entries on
+them. The bearing is a row of its own for each of them, which belongs to no element (−1).
+
 SI and radians; every element is seen at its own shaft's speed, a mesh on its From side.
 """
 
@@ -20,15 +24,28 @@ from numpy.typing import NDArray
 
 from engine.case import GROUND, CaseData, ElementRow, MeshRow
 from engine.errors import ModelError
+from engine.gears import FlankNormals, flank_normals, line_of_action
 from engine.validation import GEAR_MESH
 
-__all__ = ["RigidMesh", "Train", "build_train", "shaft_inertia", "shaft_stiffness"]
+__all__ = [
+    "Flank",
+    "GearBody",
+    "RigidMesh",
+    "Train",
+    "build_train",
+    "has_clearance",
+    "line_of_action",
+    "shaft_inertia",
+    "shaft_stiffness",
+]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: Pressure angle where the Meshes table leaves it blank: the usual 20 degrees. [rad]
-USUAL_PRESSURE_ANGLE = math.radians(20.0)
+#: An entry of a unit vector below this is the rounding of a zero.
+ROUNDED_ZERO = 1e-14
+#: Element of an incidence row that belongs to none: a bearing.
+NO_ELEMENT = -1
 
 
 @dataclass(frozen=True)
@@ -50,9 +67,89 @@ class RigidMesh:
     from_ratio: float
 
 
+@dataclass(frozen=True)
+class GearBody:
+    """A gear that moves sideways on its bearings.
+
+    Its x axis lies along the drive flank's line of action in its first mesh, so that the motion
+    across it, which no tooth of a single mesh sees, is exactly uncoupled. Bearings are isotropic:
+    the choice of axes changes no result.
+
+    Parameters
+    ----------
+    station : int
+        The gear. [index]
+    node_x, node_y : int
+        Its transverse nodes. [indices]
+    row_x, row_y : int
+        Incidence rows of its bearing. [indices]
+    mass : float
+        Mass of the body. [kg]
+    stiffness : float
+        Bearing stiffness, the same in every direction. [N/m]
+    damping : float
+        Bearing damping. [N s/m]
+    axis_angle : float
+        Direction of its x axis, as the angle of a line of centres is measured. [rad]
+    """
+
+    station: int
+    node_x: int
+    node_y: int
+    row_x: int
+    row_y: int
+    mass: float
+    stiffness: float
+    damping: float
+    axis_angle: float
+
+
+@dataclass(frozen=True, eq=False)
+class Flank:
+    """The two sides on which an element can touch: tooth flanks, or the stops of a coupling.
+
+    Parameters
+    ----------
+    element : int
+        Index of the element. [index]
+    drive_row : int
+        Its incidence row. [index]
+    drive : ndarray, shape (n_nodes,)
+        Deflection from the node angles (and displacements), positive where the drive flank is
+        compressed. [1, 1/m]
+    back : ndarray, shape (n_nodes,)
+        The same of the back flank, before the gap is subtracted. Without bearings it is −drive.
+        [1, 1/m]
+    gap : float or None
+        Total clearance as an angle on the From side; None where there is none. [rad]
+    stiffness : float
+        Of either flank, on the From side. [N m/rad]
+    viscous : float
+        Contact damping, on the From side. [N m s/rad]
+    base_radius : float or None
+        Base radius of the From gear; None for a coupling, or a mesh without pitch radius. [m]
+    normal_factor : float
+        Normal tooth force over torque / base radius, 1 / cos β_b. [1]
+    """
+
+    element: int
+    drive_row: int
+    drive: Floats
+    back: Floats
+    gap: float | None
+    stiffness: float
+    viscous: float
+    base_radius: float | None
+    normal_factor: float
+
+
 @dataclass(frozen=True, eq=False)
 class Train:
-    """A train as arrays. Nodes are the stations, then the inner points of subdivided shafts.
+    """A train as arrays.
+
+    Nodes are the stations, then the inner points of subdivided shafts, then x and y of each gear
+    on bearings: there angle means displacement [m], inertia mass [kg], and speed ratio and ground
+    damping are 0.
 
     Parameters
     ----------
@@ -79,13 +176,17 @@ class Train:
     incidence : ndarray, shape (n_rows, n_dof)
         The same from the degrees of freedom. [1]
     row_element : ndarray, shape (n_rows,)
-        Element each row belongs to. [index]
+        Element each row belongs to; −1 for a row of a bearing. [index]
     rigid_meshes : tuple of RigidMesh
         Meshes merged exactly. [count]
     orientation : ndarray, shape (n_elements,)
         +1 if From is the drive end, −1 if To is. [1]
     beyond : ndarray of bool, shape (n_elements, n_stations)
         Stations on the driven side of each element. [mask]
+    bodies : tuple of GearBody
+        Gears on bearings, in the order of the stations. [count]
+    flanks : tuple of Flank
+        Elastic gear meshes, and other elements with a clearance. [count]
     """
 
     stations: tuple[str, ...]
@@ -106,6 +207,8 @@ class Train:
     rigid_meshes: tuple[RigidMesh, ...]
     orientation: Floats
     beyond: NDArray[np.bool_]
+    bodies: tuple[GearBody, ...]
+    flanks: tuple[Flank, ...]
 
     @property
     def n_dof(self) -> int:
@@ -121,6 +224,18 @@ class Train:
     def n_stations(self) -> int:
         """Number of stations. [count]"""
         return len(self.stations)
+
+    @property
+    def element_rows(self) -> Ints:
+        """Rows that belong to an element: all but those of the bearings. [indices]"""
+        return np.flatnonzero(self.row_element != NO_ELEMENT)
+
+    @property
+    def element_loss_factor(self) -> Floats:
+        """Loss factor of each element, shape (n_elements,); 0 for a rigid mesh. [1]"""
+        loss, rows = np.zeros(len(self.elements)), self.element_rows
+        loss[self.row_element[rows]] = self.loss_factor[rows]
+        return loss
 
     @property
     def dof_ratio(self) -> Floats:
@@ -219,30 +334,6 @@ def shaft_inertia(od: float, bore: float, length: float, density: float) -> floa
     return density * math.pi * (od**4 - bore**4) * length / 32.0
 
 
-def line_of_action(mesh: MeshRow) -> tuple[float, float]:
-    """Base radius factor cos α_t and stiffness factor cos² β_b of a helical mesh.
-
-    tan α_t = tan α_n / cos β and sin β_b = sin β cos α_n (contract, "Gears"; ISO 21771).
-
-    Parameters
-    ----------
-    mesh : MeshRow
-        The mesh; blank pressure angle = 20°, blank helix angle = 0. [rad]
-
-    Returns
-    -------
-    cos_transverse : float
-        Base radius over pitch radius. [1]
-    stiffness_factor : float
-        Transverse over normal stiffness. [1]
-    """
-    normal = USUAL_PRESSURE_ANGLE if mesh.pressure_angle is None else mesh.pressure_angle
-    helix = mesh.helix_angle or 0.0
-    transverse = math.atan(math.tan(normal) / math.cos(helix))
-    sin_base_helix = math.sin(helix) * math.cos(normal)
-    return math.cos(transverse), 1.0 - sin_base_helix**2
-
-
 @dataclass(frozen=True)
 class _Link:
     """Stiffness, damping and inertia of one element, whatever they were given by."""
@@ -274,6 +365,10 @@ def _link(e: ElementRow, mesh: MeshRow | None) -> _Link:
     return _Link(stiffness, viscous or 0.0, e.loss_factor or 0.0, inertia)
 
 
+#: Element, stiffness, viscous damping, loss factor, entries by node.
+_Row = tuple[int, float, float, float, dict[int, float]]
+
+
 class _Assembly:
     """Rows and nodes while a train is put together."""
 
@@ -282,7 +377,7 @@ class _Assembly:
         self.inertia = [s.inertia or 0.0 for s in case.stations]
         self.damping = [s.damping or 0.0 for s in case.stations]
         self.ratio = [s.speed_ratio or 1.0 for s in case.stations]
-        self.rows: list[tuple[int, float, float, float, dict[int, float]]] = []
+        self.rows: list[_Row] = []
         self.edges: list[tuple[int, int, int]] = []  # element, node, node (stations only)
         self.rigid: list[tuple[int, int, int]] = []
 
@@ -327,8 +422,23 @@ class _Assembly:
             (element, link.stiffness * count, link.viscous * count, link.loss_factor, entries)
         )
 
+    def body(self, station: int, data: _BodyData, axis: Floats) -> GearBody:
+        """Add the transverse nodes of a gear and the rows of its bearing."""
+        x, row = len(self.inertia), len(self.rows)
+        for node in (x, x + 1):
+            self.inertia.append(data.mass)
+            self.damping.append(0.0)
+            self.ratio.append(0.0)
+            self.rows.append((NO_ELEMENT, data.stiffness, data.damping, 0.0, {node: 1.0}))
+        angle = math.atan2(axis[1], axis[0])
+        return GearBody(
+            station, x, x + 1, row, row + 1, data.mass, data.stiffness, data.damping, angle
+        )
 
-def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Train:
+
+def build_train(
+    case: CaseData, segments: Mapping[str, int] | None = None, *, lateral: bool = True
+) -> Train:
     """Turn a case into arrays.
 
     Parameters
@@ -336,7 +446,10 @@ def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Tr
     case : CaseData
         The case; meant to be a checked `Case`. [SI]
     segments : mapping of str to int, optional
-        Number of segments of each shaft that has inertia of its own; default 1. [count]
+        Number of segments of each shaft that has inertia of its own; default 1. An element with
+        a clearance stays one piece: it parts in one place. [count]
+    lateral : bool, optional
+        Whether gears with bearing data move sideways; False: their bearings are rigid. [flag]
 
     Returns
     -------
@@ -346,13 +459,26 @@ def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Tr
     Raises
     ------
     ModelError
-        For an element without stiffness, or a node without inertia.
+        For an element without stiffness, a node without inertia, or a gear on bearings whose mesh
+        lacks stiffness or pitch radius.
     """
     meshes = {m.element: m for m in case.meshes}
     links = [_link(e, meshes.get(e.element)) for e in case.elements]
     a = _Assembly(case)
     for i, (e, link) in enumerate(zip(case.elements, links, strict=True)):
-        a.add(i, e, link, (segments or {}).get(str(e.element), 1))
+        pieces = (segments or {}).get(str(e.element), 1)
+        a.add(i, e, link, 1 if has_clearance(meshes.get(e.element)) else pieces)
+    orientation, sides, reference = _drive_ends(case, a)
+    internal = {m.element for m in case.meshes if m.gear_type == "internal"}
+    flips = {
+        i: e.kind == GEAR_MESH and e.element not in internal for i, e in enumerate(case.elements)
+    }
+    sense = _senses(a, len(case.stations), reference, flips)
+    bodies: tuple[GearBody, ...] = ()
+    backs: dict[int, dict[int, float]] = {}
+    if lateral and (data := _body_data(case, a)):
+        bodies, backs = _add_bodies(case, a, data, orientation, sense)
+        sense = np.concatenate([sense, np.ones(2 * len(bodies))])
     ratio = np.array(a.ratio)
     inertia = np.array(a.inertia)
     dof, scale, n_dof = _merge(a.rigid, a.ratio)
@@ -368,24 +494,11 @@ def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Tr
     if np.any(dof_inertia <= 0.0):
         massless = int(np.flatnonzero(dof == int(np.argmin(dof_inertia)))[0])
         raise ModelError(f"Station '{case.stations[massless].station}' has no inertia.")
-    n = len(case.stations)
-    sides = _driven_side(a.edges, n, len(case.elements))
-    motors = sorted({a.index[m.station] for m in case.motor_torque if m.station in a.index})
-    orientation = np.ones(len(case.elements))
-    if motors:
-        reversed_ = sides[:, motors].all(axis=1)
-        orientation[reversed_] = -1.0
-        sides[reversed_] = ~sides[reversed_]
-    reference = motors[0] if motors else 0
-    internal = {m.element for m in case.meshes if m.gear_type == "internal"}
-    flips = {
-        i: e.kind == GEAR_MESH and e.element not in internal for i, e in enumerate(case.elements)
-    }
     return Train(
         stations=tuple(str(st.station) for st in case.stations),
         elements=tuple(str(e.element) for e in case.elements),
         speed_ratio=ratio,
-        sense=_senses(a, n, reference, flips),
+        sense=sense,
         node_inertia=inertia,
         node_damping=np.array(a.damping),
         node_dof=dof,
@@ -400,7 +513,190 @@ def build_train(case: CaseData, segments: Mapping[str, int] | None = None) -> Tr
         rigid_meshes=_rigid_meshes(a.rigid, ratio),
         orientation=orientation,
         beyond=sides,
+        bodies=bodies,
+        flanks=_flanks(case, a, node_incidence, orientation, backs),
     )
+
+
+def _drive_ends(case: CaseData, a: _Assembly) -> tuple[Floats, NDArray[np.bool_], int]:
+    """Orientation of each element, its driven side, and a station of the reference shaft."""
+    sides = _driven_side(a.edges, len(case.stations), len(case.elements))
+    motors = sorted({a.index[m.station] for m in case.motor_torque if m.station in a.index})
+    orientation = np.ones(len(case.elements))
+    if motors:
+        reversed_ = sides[:, motors].all(axis=1)
+        orientation[reversed_] = -1.0
+        sides[reversed_] = ~sides[reversed_]
+    return orientation, sides, motors[0] if motors else 0
+
+
+# --- gears on bearings, flanks --------------------------------------------------------------------
+
+
+def has_clearance(mesh: MeshRow | None) -> bool:
+    """Whether an element can part and cross a gap; a clearance of zero is none.
+
+    Parameters
+    ----------
+    mesh : MeshRow or None
+        Its row of Meshes. [SI]
+
+    Returns
+    -------
+    bool
+        True with a backlash or angular backlash. [flag]
+    """
+    return mesh is not None and bool(mesh.backlash or mesh.angular_backlash)
+
+
+@dataclass(frozen=True)
+class _BodyData:
+    """What the Meshes table says of one gear body, in any of its rows."""
+
+    mass: float
+    stiffness: float
+    damping: float
+
+
+def _body_data(case: CaseData, a: _Assembly) -> dict[int, _BodyData]:
+    """Gears with mass and bearing stiffness, by station."""
+    ends = {e.element: (e.from_, e.to) for e in case.elements if e.kind == GEAR_MESH}
+    typed: dict[str, dict[str, float]] = {}
+    for m in case.meshes:
+        for side, name in zip(("drive", "driven"), ends.get(m.element, ()), strict=False):
+            for key in ("mass", "bearing_stiffness", "bearing_damping"):
+                value = getattr(m, f"{key}_{side}")
+                if value is not None:
+                    typed.setdefault(str(name), {}).setdefault(key, value)
+    return {
+        a.index[name]: _BodyData(
+            given["mass"], given["bearing_stiffness"], given.get("bearing_damping", 0.0)
+        )
+        for name, given in sorted(typed.items(), key=lambda item: a.index[item[0]])
+        if "mass" in given and "bearing_stiffness" in given
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class _Teeth:
+    """A mesh of which at least one gear is on bearings."""
+
+    row: int
+    orientation: float
+    driver: int
+    driven: int
+    base_radius: float
+    normals: FlankNormals
+
+
+def _teeth(
+    case: CaseData, a: _Assembly, data: Mapping[int, _BodyData], orientation: Floats, sense: Floats
+) -> list[_Teeth]:
+    """The meshes of the gears on bearings, in the order of the elements."""
+    meshes = {m.element: m for m in case.meshes}
+    row_of = {element: row for row, (element, *_) in enumerate(a.rows)}
+    found = []
+    for i, start, end in a.edges:
+        e = case.elements[i]
+        if e.kind != GEAR_MESH or not {start, end} & data.keys():
+            continue
+        mesh = meshes.get(e.element)
+        if i not in row_of or mesh is None or not mesh.pitch_radius_drive:
+            raise ModelError(
+                f"A gear of mesh '{e.element}' has bearings, but the mesh has no stiffness or no "
+                "pitch radius: the teeth have no line to act along."
+            )
+        from_drives = bool(orientation[i] > 0.0)
+        driver, driven = (start, end) if from_drives else (end, start)
+        normals = flank_normals(
+            mesh,
+            from_drives=from_drives,
+            sense=float(sense[driver]),
+            driver_larger=a.ratio[driver] < a.ratio[driven],
+        )
+        radius = mesh.pitch_radius_drive * line_of_action(mesh)[0]
+        sign = 1.0 if from_drives else -1.0
+        found.append(_Teeth(row_of[i], sign, driver, driven, radius, normals))
+    return found
+
+
+def _add_bodies(
+    case: CaseData,
+    a: _Assembly,
+    data: Mapping[int, _BodyData],
+    orientation: Floats,
+    sense: Floats,
+) -> tuple[tuple[GearBody, ...], dict[int, dict[int, float]]]:
+    """Gears on bearings, their entries in the rows of their meshes, and the back flanks' rows.
+
+    Compression of the drive flank, as an angle on the From side:
+    [r_b θ of the driver − r_b θ of the driven + n_d·(u of the driver − u of the driven)] / r_b,From.
+    """
+    teeth = _teeth(case, a, data, orientation, sense)
+    axes: dict[int, Floats] = {}
+    for t in teeth:
+        for gear in (t.driver, t.driven):
+            axes.setdefault(gear, t.normals.drive)
+    bodies = {gear: a.body(gear, given, axes[gear]) for gear, given in data.items()}
+    backs = {}
+    for t in teeth:
+        entries = a.rows[t.row][4]
+        back = {node: -t.orientation * factor for node, factor in entries.items()}
+        for gear, sign in ((t.driver, 1.0), (t.driven, -1.0)):
+            if gear not in bodies:
+                continue  # held fast
+            body, axis = bodies[gear], axes[gear]
+            for node, direction in ((body.node_x, axis), (body.node_y, _turned(axis))):
+                drive_part = _component(t.normals.drive, direction)
+                if drive_part:
+                    entries[node] = t.orientation * sign * drive_part / t.base_radius
+                back[node] = sign * _component(t.normals.back, direction) / t.base_radius
+        backs[t.row] = back
+    return tuple(bodies.values()), backs
+
+
+def _turned(vector: Floats) -> Floats:
+    """A vector turned by +90 degrees."""
+    return np.array([-vector[1], vector[0]])
+
+
+def _component(vector: Floats, direction: Floats) -> float:
+    """Component of one unit vector along another, without the rounding of a zero."""
+    part = float(vector @ direction)
+    return 0.0 if abs(part) < ROUNDED_ZERO else part
+
+
+def _flanks(
+    case: CaseData,
+    a: _Assembly,
+    node_incidence: Floats,
+    orientation: Floats,
+    backs: Mapping[int, Mapping[int, float]],
+) -> tuple[Flank, ...]:
+    """Flanks of every elastic mesh, and of every other element with a clearance."""
+    meshes = {m.element: m for m in case.meshes}
+    found = []
+    for row, (i, stiffness, viscous, _, _) in enumerate(a.rows):
+        if i == NO_ELEMENT or stiffness <= 0.0:
+            continue
+        e = case.elements[i]
+        mesh = meshes.get(e.element)
+        if e.kind != GEAR_MESH and not has_clearance(mesh):
+            continue
+        drive = orientation[i] * node_incidence[row]
+        back = -drive
+        if row in backs:
+            back = np.zeros(len(drive))
+            back[list(backs[row])] = list(backs[row].values())
+        gap, radius, normal_factor = None, None, 1.0
+        if e.kind != GEAR_MESH:
+            gap = mesh.angular_backlash if mesh is not None else None
+        elif mesh is not None and mesh.pitch_radius_drive:
+            cos_t, share = line_of_action(mesh)
+            radius, normal_factor = mesh.pitch_radius_drive * cos_t, 1.0 / math.sqrt(share)
+            gap = mesh.backlash * normal_factor / radius if mesh.backlash else None
+        found.append(Flank(i, row, drive, back, gap, stiffness, viscous, radius, normal_factor))
+    return tuple(found)
 
 
 def _merge(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[Ints, Floats, int]:
@@ -419,7 +715,7 @@ def _merge(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[Ints,
     number: dict[int, int] = {}
     heads = [find(node) for node in range(len(ratio))]
     dof = np.array([number.setdefault(h, len(number)) for h in heads], dtype=np.int64)
-    scale = np.array([ratio[node] / ratio[h] for node, h in enumerate(heads)])
+    scale = np.array([ratio[n] / ratio[h] if n != h else 1.0 for n, h in enumerate(heads)])
     return dof, scale, len(number)
 
 
