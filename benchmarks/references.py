@@ -157,7 +157,9 @@ def exact_start(
     A, G = _twist_matrices(train.inertia, train.stiffness, B, damping)
     n_rows = train.n_rows
     G = np.ascontiguousarray(G @ pick.T)
-    law = (model.curves, model.motors, model.loads, model.timed, model.dampers)
+    law = (
+        model.curves, model.motors, model.loads, model.timed, model.dampers, model.electrical,
+    )  # fmt: skip
     start = np.concatenate([np.zeros(len(A)), model.phase])
     largest = np.concatenate(
         [
@@ -183,7 +185,7 @@ def exact_start(
 @njit(cache=False)
 def _start_slope(
     t: float, y: Floats, A: Floats, G: Floats, pick: Floats, n_rows: int,
-    curves: Any, motors: Any, loads: Any, timed: Any, dampers: Any,
+    curves: Any, motors: Any, loads: Any, timed: Any, dampers: Any, electrical: Any,
 ) -> Floats:  # fmt: skip
     """Rate of change of (twists, speeds, phases of the pulsations)."""
     n, nf = len(A), len(pick)
@@ -191,8 +193,9 @@ def _start_slope(
     speed = pick @ y[n_rows:n]
     force, rate = np.zeros(nf), np.zeros(nf)
     start_forces(
-        t, t, y[n:], speed, np.zeros(nf), curves, motors, loads, timed, dampers, force, rate
-    )
+        t, t, y[n:], speed, np.zeros(nf), curves, motors, loads, timed, dampers, electrical,
+        force, rate,
+    )  # fmt: skip
     out[:n] = A @ y[:n] + G @ force
     for m in range(len(y) - n):
         out[n + m] = 2.0 * (motors[5] - motors[4][m] * speed[motors[0][m]])

@@ -130,22 +130,30 @@ class ElementRow:
 class MeshRow:
     """One row of `Meshes`: gear geometry, clearances and bearings of an element.
 
+    Drive means the element's From station, driven its To station, whichever drives. A gear is one
+    body: its mass and bearings may stand in any row it has part in. With mass and bearing stiffness
+    it moves sideways; the mesh must then have a stiffness and a pitch radius.
+
     Parameters
     ----------
     element : str or None
         The gear mesh or geared coupling of `Elements`. [name]
     gear_type : str or None
-        ``external`` (default) or ``internal``; only the sense of rotation depends on it. [word]
+        ``external`` (default) or ``internal``: the sense of rotation, and the direction in which
+        the teeth push the gears sideways. [word]
     pitch_radius_drive, pitch_radius_driven : float or None
         Pitch radii on the From and the To side. [m]
-    pressure_angle, helix_angle, orientation : float or None
-        Normal pressure angle, helix angle, angle of the line of centres. [rad]
+    pressure_angle, helix_angle : float or None
+        Normal pressure angle (blank = 20°) and helix angle (blank = 0). [rad]
+    orientation : float or None
+        Angle of the line of centres from the From to the To gear, counter-clockwise from x; seen
+        from the side from which the reference shaft turns counter-clockwise. Blank = 0. [rad]
     mesh_stiffness, mesh_damping : float or None
         Along the line of action. [N/m, N s/m]
     backlash : float or None
         Normal backlash, total. [m]
     angular_backlash : float or None
-        Total angular clearance of a geared coupling. [rad]
+        Total angular clearance of a geared coupling, or of a spring to ground (a stop). [rad]
     mass_drive, mass_driven : float or None
         Mass of each gear body. [kg]
     bearing_stiffness_drive, bearing_stiffness_driven : float or None
@@ -452,6 +460,8 @@ class CaseData:
         Field application and pull-in. [1, s, rad, N m, N m s/rad]
     trip_speed : float or None
         Speed at which the start is aborted. [rad/s]
+    contact_law : str or None
+        ``limited`` (default) or ``no adhesion``: damping of teeth in contact. [word]
     stations, elements, meshes, mode_damping, motor_torque, load_torque, torque_time : tuple
         Rows of the tables of the same name. [rows]
     materials, sn_points, excitations, effect_choices : tuple
@@ -496,6 +506,7 @@ class CaseData:
     pull_out_torque: float | None = None
     pull_in_damping: float | None = None
     trip_speed: float | None = None
+    contact_law: str | None = None
     stations: tuple[StationRow, ...] = ()
     elements: tuple[ElementRow, ...] = ()
     meshes: tuple[MeshRow, ...] = ()

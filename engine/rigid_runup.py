@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.load import Load
-from engine.motor import Motor
+from engine.motor import Motor, through_synchronism
 from engine.train import Train
 
 __all__ = ["RigidRunup", "rigid_runup"]
@@ -73,9 +73,19 @@ class RigidRunup:
 
 
 def rigid_runup(
-    train: Train, motors: Sequence[Motor], loads: Sequence[Load], end_speed: float
+    train: Train,
+    motors: Sequence[Motor],
+    loads: Sequence[Load],
+    end_speed: float,
+    *,
+    field_slip: float | None = None,
 ) -> RigidRunup:
     """Rigid-body run-up from standstill to an end speed.
+
+    With a field the average torque of each motor goes on through synchronism from the slip of
+    field application, as in the simulation; the torque of the field itself has no mean while the
+    motor slips, and is not in it. `PullInDamping` is left to the simulation: it replaces the curve
+    only from that slip on, where the time no longer counts.
 
     Parameters
     ----------
@@ -87,6 +97,8 @@ def rigid_runup(
         Driven machines. [SI]
     end_speed : float
         End of the start, of the reference shaft. [rad/s]
+    field_slip : float, optional
+        Slip at which the field is applied; None = never. [1]
 
     Returns
     -------
@@ -98,7 +110,10 @@ def rigid_runup(
     average, pulsating, load = np.zeros(N_GRID), np.zeros(N_GRID), np.zeros(N_GRID)
     for m in motors:
         x = speed * ratio[m.station] / m.synchronous_speed
-        average += ratio[m.station] * m.average(x)
+        torque = m.average(x)
+        if field_slip is not None:
+            torque = np.where(x > 1.0 - field_slip, through_synchronism(m.average)(x), torque)
+        average += ratio[m.station] * torque
         pulsating += ratio[m.station] * m.pulsating(x)
     for d in loads:
         load += ratio[d.station] * d.torque(speed * ratio[d.station] / d.synchronous_speed)

@@ -17,10 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case import CaseData
+from engine.effects import BearingForce, ContactRecord, PullIn, Sensitivity, StartEffects
 from engine.errors import InternalError, ModelError
 from engine.load import Load, loads_of
 from engine.modal import ModalDamping, Modes
-from engine.motor import Motor, motors_of
+from engine.motor import (
+    Motor,
+    electrical_arrays,
+    has_electrical,
+    motors_of,
+    through_synchronism,
+    voltage_factor,
+)
 from engine.outputs import TorqueOutputs, force_reach, torque_outputs
 from engine.rigid_runup import RigidRunup, rigid_runup
 from engine.stepping import kernels
@@ -28,10 +36,12 @@ from engine.stepping.exponential import exponential_step
 from engine.stepping.newmark import newmark_step
 from engine.torque_curve import TorqueCurve
 from engine.train import Train
+from engine.validation import DEFAULT_END_SPEED
 
 __all__ = [
     "DEFAULT_END_SPEED",
     "ElementPeak",
+    "ForceHistories",
     "NOTABLE_REVERSAL",
     "Start",
     "StartOutcome",
@@ -50,8 +60,8 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-#: End of a start without field, over synchronous speed (contract).
-DEFAULT_END_SPEED = 0.97
+#: No effect beyond the plain start is simulated.
+PLAIN_START = StartEffects()
 #: An equilibrium at or above this share of synchronous speed is `asynchronous`, below `stalled`.
 ASYNCHRONOUS_ABOVE = 0.95
 #: A torque below zero by less than this share of the largest torque is not called a reversal.
@@ -80,6 +90,8 @@ FADED = 0.05
 MAX_RINGING_STEPS = 500_000
 #: Steps in the time a load's station takes through the standstill zone, and how many such times.
 BREAKAWAY_POINTS, BREAKAWAY_LENGTH = 6.0, 3.0
+#: A transient that dies out faster than the pulsation varies is followed so many time constants.
+SHOCK_LENGTH = 12.0
 #: Maxima, and minima, of two runs that are compared to estimate the error of the largest.
 COMPARED_EXTREMES = 6
 #: No element is taken to be more accurate than this share of the worst, nor than `LEAST_ERROR`.
@@ -92,8 +104,15 @@ MAX_VALUES = 10_000_000
 NEGLIGIBLE = 1e-9
 #: Share of its peak torque that a motor is at least taken to switch on when modes are judged.
 SWITCHED_SHARE = 0.25
-#: The step is at most this over the rate of the fastest damper between two parts.
+#: The step is at most this over the rate of the fastest damper that acts as a force.
 DAMPER_STEP = 0.5
+#: Dampers that would need a step below this share of the usual one stay on each mode for itself.
+FINEST_DAMPER_STEP = 0.05
+#: Largest amplification of a mode when the force of a damper across it is estimated: what sweeping
+#: through a resonance leaves of it in practice.
+LARGEST_AMPLIFICATION = 20.0
+#: A mode sampled once in this phase shows this share of its ringing as error of the dense output.
+SAMPLED_ANGLE = 7.0
 #: A simulation that has neither settled nor ended is prolonged this often to twice its length.
 MAX_PROLONGATIONS = 6
 #: Speed this close to the equilibrium of the rigid train has settled.
@@ -129,7 +148,9 @@ class StartOutcome:
     Parameters
     ----------
     outcome : str
-        ``reached``, ``asynchronous``, ``stalled``, ``no breakaway`` or ``time out``. [word]
+        ``reached``, ``asynchronous``, ``stalled``, ``no breakaway`` or ``time out``; with the field
+        applied ``synchronised`` or ``not synchronised`` (it went on slipping poles, or the run
+        ended first); ``tripped``: an aborted start came to its trip speed and coasted down. [word]
     time : float
         Simulated time. [s]
     end_speed : float
@@ -211,6 +232,28 @@ class Trajectory:
 
 
 @dataclass(frozen=True, eq=False)
+class ForceHistories:
+    """Forces of teeth and bearings at the samples of a trajectory.
+
+    Parameters
+    ----------
+    teeth : tuple of str
+        Meshes. [names]
+    tooth_force : ndarray, shape (n_meshes, n_times)
+        Normal tooth force, positive on the drive flank, negative on the back flank. [N]
+    bearings : tuple of str
+        Gears that move sideways. [names]
+    bearing_force : ndarray, shape (n_gears, n_times)
+        Magnitude of the radial force, without weight. [N]
+    """
+
+    teeth: tuple[str, ...]
+    tooth_force: Floats
+    bearings: tuple[str, ...]
+    bearing_force: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Start:
     """A complete start.
 
@@ -244,6 +287,18 @@ class Start:
         ``exponential`` or ``newmark``. [word]
     met_tolerance : bool
         False if halving stopped before the tolerance was met. [flag]
+    uncoupled_dampers : tuple of str, optional
+        Dampers that stayed on each mode for itself although coupling was asked for. [names]
+    contacts : tuple of ContactRecord, optional
+        What happened at each clearance that was modelled. [SI]
+    bearing_forces : tuple of BearingForce, optional
+        Largest bearing force of each gear that moves sideways. [N]
+    pull_in : PullIn or None, optional
+        Field application and what came of it. [SI]
+    sensitivity : Sensitivity or None, optional
+        Asked where the answers did not settle as the step was refined. [1]
+    forces : ForceHistories or None, optional
+        Tooth and bearing forces against time, where they were calculated. [N]
     """
 
     outcome: StartOutcome
@@ -260,6 +315,12 @@ class Start:
     kept_modes: int
     method: str
     met_tolerance: bool
+    uncoupled_dampers: tuple[str, ...] = ()
+    contacts: tuple[ContactRecord, ...] = ()
+    bearing_forces: tuple[BearingForce, ...] = ()
+    pull_in: PullIn | None = None
+    sensitivity: Sensitivity | None = None
+    forces: ForceHistories | None = None
 
     def turning_of_element(self) -> dict[int, tuple[Floats, Floats]]:
         """Turning points by element index: times and torques. [s, N m]"""
@@ -292,7 +353,18 @@ class StartModel:
     truncation : ndarray, shape (n_outputs,)
         Bound on what the modes left out may add to each output. [N m]
     largest_step : float
-        Longest step at which dampers between parts of the train are followed. [s]
+        Longest step at which dampers that act as forces are followed. [s]
+    electrical : tuple
+        Transient, field and connection of each motor, for the compiled loop. [SI]
+    keep : ndarray of bool, shape (n_modes,)
+        Modes that are integrated. [mask]
+    force_nodes : ndarray of int
+        Nodes of the first forces: stations, then dampers to ground. [indices]
+    damper_rows : ndarray of int
+        Rows of the remaining forces, dampers across elements. [indices]
+    uncoupled_dampers : tuple of str
+        Dampers so strong for their inertias that following them as forces would need absurdly short
+        steps: they damp each mode for itself although coupling was asked for. [names]
     """
 
     stiffness: Floats
@@ -310,6 +382,11 @@ class StartModel:
     windows: tuple[tuple[float, float], ...]
     truncation: Floats
     largest_step: float
+    electrical: tuple[Any, ...]
+    keep: NDArray[np.bool_]
+    force_nodes: NDArray[np.int64]
+    damper_rows: NDArray[np.int64]
+    uncoupled_dampers: tuple[str, ...] = ()
 
 
 def has_start(case: CaseData) -> bool:
@@ -369,11 +446,14 @@ def start_model(
     loads: tuple[Load, ...],
     tolerance: float,
     maximum_time: float = 60.0,
+    effects: StartEffects = PLAIN_START,
 ) -> StartModel:
     """Arrays of a start, with as few modes as the tolerance allows.
 
     A damper without a spring beside it (a fluid coupling) carries the torque of everything beyond
-    it, so it is not spread over the modes but acts as a torque between its two ends.
+    it, so it is not spread over the modes but acts as a torque between its two ends. With
+    `effects.coupled_damping` all dampers do, those to ground too, which is exact for damping of any
+    distribution.
 
     Parameters
     ----------
@@ -391,6 +471,9 @@ def start_model(
         Wanted relative error of peak torques; a tenth of it may go to modes left out. [1]
     maximum_time : float, optional
         Longest simulated time: what following a ringing mode costs. [s]
+    effects : StartEffects, optional
+        Which electrical transients, dampers and modes count. Field, trip and clearances are events
+        of the run; here only the sizes of their torques are taken into account. [flags]
 
     Returns
     -------
@@ -406,19 +489,31 @@ def start_model(
     index = np.array(stations, dtype=np.int64)
     line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
     fastest = 2.0 * line_omega
-    dampers = np.flatnonzero((train.stiffness == 0.0) & (train.viscous > 0.0))
-    viscous = train.viscous[dampers]
-    all_reach = np.concatenate(
-        [force_reach(train, modes, index), modes.row_twist[dampers].T], axis=1
-    )
-    sizes = _force_sizes(case, train, motors, loads, column, dampers)
-    outputs = torque_outputs(train, modes, index, dampers=dampers)
-    ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
-    keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest)
-    windows = _windows(modes, damping, ringing, scale, keep, tolerance, fastest, maximum_time)
+    shock = _shock(case, effects)
+    dampers = _candidate_dampers(train, effects)
+    uncoupled: list[str] = []
+    while True:
+        forces = np.concatenate([index, dampers.nodes])  # stations first, then dampers to ground
+        all_reach = np.concatenate(
+            [force_reach(train, modes, forces), modes.row_twist[dampers.rows].T], axis=1
+        )
+        of_stations = _force_sizes(case, train, motors, loads, column, effects)
+        sizes = _with_dampers(of_stations, train, modes, damping, dampers, all_reach, fastest)
+        outputs = _outputs(train, modes, forces, dampers)
+        ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
+        keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest, effects)
+        windows = _windows(
+            modes, damping, ringing, scale, keep, tolerance, fastest, maximum_time, effects
+        )
+        gains = dampers.viscous * np.sum(all_reach[keep][:, len(index) :] ** 2, axis=0)
+        held = _too_strong(dampers, gains, all_reach[keep][:, len(index) :], tolerance, fastest)
+        if not np.any(held):
+            break
+        uncoupled += [dampers.names[i] for i in np.flatnonzero(held)]
+        dampers = dampers.without(held)
     jump = _last_jump(case)
-    rate = damping.rate - modes.row_twist[dampers].T ** 2 @ viscous  # those act as forces
-    speed_gain = viscous * np.sum(all_reach[:, len(index) :] ** 2, axis=0)
+    own = all_reach[:, len(index) :]
+    rate = damping.rate - own**2 @ dampers.viscous  # those act as forces
     left_out = ~keep
     truncation = (ringing + slow)[:, left_out].sum(axis=1)
     reference = modes.shape[train.node_dof[motors[0].station]]
@@ -435,18 +530,147 @@ def start_model(
         np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
         np.ascontiguousarray(all_reach[keep]),
         np.ascontiguousarray(mean[keep]),
-        torque_outputs(train, modes, index, keep, dampers=dampers),
-        motors=_motor_arrays(motors, column, curves, line_omega),
+        _outputs(train, modes, forces, dampers, keep),
+        motors=_motor_arrays(motors, column, curves, line_omega, effects),
         loads=_load_arrays(loads, column, curves),
         timed=_timed_arrays(case, timed_names, timed_stations, column),
         curves=_curve_arrays(curves),
-        dampers=(np.arange(len(index), len(index) + len(dampers)), viscous),
+        dampers=(np.arange(len(index), all_reach.shape[1]), dampers.viscous),
         phase=np.array([m.phase for m in motors]),
         pulsation_omega=fastest,
-        windows=_with_breakaway(windows, train, motors, loads, jump),
+        windows=_with_breakaway(windows, train, motors, loads, jump, shock, fastest),
         truncation=truncation,
-        largest_step=DAMPER_STEP / max(float(np.max(speed_gain, initial=0.0)), 1e-300),
+        largest_step=_damper_step(dampers, own, keep),
+        electrical=electrical_arrays(motors, case, effects),
+        keep=keep,
+        force_nodes=forces,
+        damper_rows=dampers.rows,
+        uncoupled_dampers=tuple(uncoupled),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Dampers:
+    """Dampers that act as forces: those at nodes, to ground, then those of rows."""
+
+    nodes: NDArray[np.int64]
+    rows: NDArray[np.int64]
+    viscous: Floats  # of both [N m s/rad]
+    needed: NDArray[np.bool_]  # not to be given back to the modes: there is no spring beside it
+    names: tuple[str, ...]
+
+    def without(self, held: NDArray[np.bool_]) -> _Dampers:
+        """All but those held."""
+        n = len(self.nodes)
+        return _Dampers(
+            self.nodes[~held[:n]],
+            self.rows[~held[n:]],
+            self.viscous[~held],
+            self.needed[~held],
+            tuple(name for name, out in zip(self.names, held, strict=True) if not out),
+        )
+
+
+def _candidate_dampers(train: Train, effects: StartEffects) -> _Dampers:
+    """Dampers without a spring; where coupling is asked for all dampers."""
+    loose = (train.stiffness == 0.0) & (train.viscous > 0.0)
+    rows, nodes = np.flatnonzero(loose), np.zeros(0, dtype=np.int64)
+    if effects.coupled_damping:
+        rows, nodes = np.flatnonzero(train.viscous > 0.0), np.flatnonzero(train.node_damping > 0.0)
+    names = [
+        f"{train.stations[i]} (to ground)" if i < train.n_stations else f"node {i} (to ground)"
+        for i in nodes
+    ]
+    for row in rows:
+        element = int(train.row_element[row])
+        names.append(train.elements[element] if element >= 0 else f"bearing (row {row})")
+    return _Dampers(
+        nodes,
+        rows,
+        np.concatenate([train.node_damping[nodes], train.viscous[rows]]),
+        np.concatenate([np.zeros(len(nodes), dtype=np.bool_), loose[rows]]),
+        tuple(names),
+    )
+
+
+def _too_strong(
+    dampers: _Dampers, gains: Floats, reach: Floats, tolerance: float, fastest: float
+) -> NDArray[np.bool_]:
+    """Dampers that would need absurdly short steps: as few as possible, the strongest first."""
+    held = np.zeros(len(gains), dtype=np.bool_)
+    most = DAMPER_STEP / (FINEST_DAMPER_STEP * _usual_step(tolerance, fastest))
+    for i in np.argsort(-gains, kind="stable"):
+        if dampers.needed[i]:
+            continue
+        # the sum bounds the rate of all together; where it is not good enough, the exact norm
+        left = ~held & ~dampers.needed
+        if gains[left].sum() <= most or _joint_rate(reach[:, left], dampers.viscous[left]) <= most:
+            break
+        held[i] = True
+    return held
+
+
+def _joint_rate(reach: Floats, viscous: Floats) -> float:
+    """Largest rate at which dampers together slow any motion: the norm of R diag(c) Rᵀ. [1/s]"""
+    if not len(viscous):
+        return 0.0
+    return float(np.linalg.norm(reach * np.sqrt(viscous), 2) ** 2)
+
+
+def _damper_step(dampers: _Dampers, reach: Floats, keep: NDArray[np.bool_]) -> float:
+    """Longest step at which the dampers are followed. [s]"""
+    loose = dampers.viscous * np.sum(reach**2, axis=0) * dampers.needed
+    rate = float(np.max(loose, initial=0.0))
+    if not np.all(dampers.needed):
+        rate = max(rate, _joint_rate(reach[keep], dampers.viscous))
+    return DAMPER_STEP / max(rate, 1e-300)
+
+
+def _outputs(
+    train: Train,
+    modes: Modes,
+    forces: NDArray[np.int64],
+    dampers: _Dampers,
+    keep: NDArray[np.bool_] | None = None,
+) -> TorqueOutputs:
+    """Element torques; a rigid mesh also feels the dampers that act as forces on its To side.
+
+    Those without a spring are in the torque of their row already.
+    """
+    outputs = torque_outputs(train, modes, forces, keep, dampers=dampers.rows)
+    if not train.rigid_meshes or np.all(dampers.needed):
+        return outputs
+    force = outputs.force.copy()
+    first = len(forces)
+    for mesh in train.rigid_meshes:
+        output = int(np.flatnonzero(outputs.element == mesh.element)[0])
+        nodes = np.array(mesh.to_side)
+        ratio = train.speed_ratio[nodes] / mesh.from_ratio
+        drawn = train.node_incidence[dampers.rows][:, nodes] @ ratio
+        sprung = ~dampers.needed[len(dampers.nodes) :]
+        force[output, first:] -= train.orientation[mesh.element] * np.where(sprung, drawn, 0.0)
+    return replace(outputs, force=force)
+
+
+def _usual_step(tolerance: float, fastest: float) -> float:
+    """Step that the pulsation asks for. [s]"""
+    angle = float((0.5 * tolerance / ERROR_AT_ONE_RADIAN) ** 0.25)
+    return min(max(angle, FINEST_FIRST), COARSEST_FIRST) / fastest
+
+
+@dataclass(frozen=True)
+class _Shock:
+    """The transient at breaker closing."""
+
+    amplitude: float
+    rate: float
+
+
+def _shock(case: CaseData, effects: StartEffects) -> _Shock | None:
+    """Transient at breaker closing, if it is simulated and stated."""
+    if not (effects.breaker_closing and case.shock_amplitude and case.shock_time_constant):
+        return None
+    return _Shock(voltage_factor(case) * abs(case.shock_amplitude), 1.0 / case.shock_time_constant)
 
 
 @dataclass(frozen=True, eq=False)
@@ -456,6 +680,7 @@ class _ForceSizes:
     step: Floats  # switched on at once
     ramp: Floats  # sum of all changes of slope [N m/s]
     smooth: Floats  # largest value of what varies no faster than the pulsation
+    carried: Floats  # what the scale of the outputs is judged by
 
 
 def _force_sizes(
@@ -464,19 +689,32 @@ def _force_sizes(
     motors: tuple[Motor, ...],
     loads: tuple[Load, ...],
     column: dict[int, int],
-    dampers: NDArray[np.int64],
-) -> _ForceSizes:
-    """Sizes of all forces, those of the dampers last."""
+    effects: StartEffects,
+) -> tuple[_ForceSizes, float]:
+    """Sizes of the forces at stations, and the sum of the driving ones at the reference shaft."""
     n = len(column)
-    step, ramp, smooth = (np.zeros(n + len(dampers)) for _ in range(3))
+    step, ramp, smooth = (np.zeros(n) for _ in range(3))
     reference_torque = 0.0
+    shock = _shock(case, effects)
+    line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
+    pull_out = voltage_factor(case) * (case.pull_out_torque or 0.0) if effects.pull_in else 0.0
     for m in motors:
         i = column[m.station]
         largest = float(np.max(np.abs(m.average.cubic[:, 0])))
         pulsating = float(np.max(np.abs(m.pulsating.cubic[:, 0])))
         initial = abs(float(m.average(0.0)) + float(m.pulsating(0.0)) * math.sin(m.phase))
-        step[i] += max(initial, SWITCHED_SHARE * largest)
+        switched_off = largest + pulsating + pull_out if effects.aborted_start else 0.0
+        step[i] += max(initial, SWITCHED_SHARE * largest, switched_off)
         smooth[i] += pulsating
+        if shock is not None:  # begins with the slope of A sin ωt, then varies no faster than that
+            ramp[i] += shock.amplitude * line_omega
+            smooth[i] += shock.amplitude
+        if pull_out:
+            if case.field_time_constant:
+                ramp[i] += pull_out / case.field_time_constant
+            else:
+                step[i] += pull_out
+            smooth[i] += pull_out
         reference_torque += (largest + pulsating) * float(train.speed_ratio[m.station])
     for d in loads:
         step[column[d.station]] += float(d.torque(0.0))
@@ -490,10 +728,48 @@ def _force_sizes(
         ramp[i] += float(np.sum(np.abs(np.diff(slope, prepend=0.0, append=0.0))))
         smooth[i] += float(np.max(np.abs(torques)))
         reference_torque += smooth[i] * float(train.speed_ratio[train.station_index(str(name))])
-    for k, row in enumerate(dampers):
-        node = int(np.argmax(np.abs(train.node_incidence[row])))
-        smooth[n + k] = reference_torque / float(train.speed_ratio[node])
-    return _ForceSizes(step, ramp, smooth)
+    carried = np.maximum(step, SWITCHED_SHARE * smooth)
+    return _ForceSizes(step, ramp, smooth, carried), reference_torque
+
+
+def _with_dampers(
+    of_stations: tuple[_ForceSizes, float],
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    dampers: _Dampers,
+    reach: Floats,
+    fastest: float,
+) -> _ForceSizes:
+    """Sizes of all forces, those of the dampers last.
+
+    A damper without a spring carries the whole torque. Any other has its coefficient times the
+    speed across it: of the vibration its modes may reach, and to ground that of the shaft itself.
+    It loads no element by more than those forces do, so it has no part in the scale.
+    """
+    sizes, reference_torque = of_stations
+    n = len(sizes.step)
+    drive = np.abs(reach[:, :n]) @ (sizes.step + sizes.smooth)
+    safe = np.where(modes.omega > 0.0, modes.omega, np.inf)
+    excess = 1.0 / np.maximum(2.0 * damping.ratio, 1.0 / LARGEST_AMPLIFICATION)
+    vibration = np.where(safe <= fastest, np.maximum(excess, 1.0), fastest / safe) * drive / safe
+    smooth = dampers.viscous * (np.abs(reach[:, n:]).T @ vibration)
+    ramp = dampers.viscous * np.abs(reach[:, n:].T @ (reach[:, :n] @ sizes.step))
+    carried = np.zeros(len(smooth))
+    grounded = len(dampers.nodes)
+    ratio = train.speed_ratio[dampers.nodes]
+    smooth[:grounded] += dampers.viscous[:grounded] * 0.5 * fastest * ratio
+    for k, row in enumerate(dampers.rows, start=grounded):
+        end = float(train.speed_ratio[int(np.argmax(np.abs(train.node_incidence[row])))])
+        if dampers.needed[k] and end > 0.0:
+            smooth[k], ramp[k] = reference_torque / end, 0.0
+            carried[k] = SWITCHED_SHARE * smooth[k]
+    return _ForceSizes(
+        np.concatenate([sizes.step, np.zeros(len(smooth))]),
+        np.concatenate([sizes.ramp, ramp]),
+        np.concatenate([sizes.smooth, smooth]),
+        np.concatenate([sizes.carried, carried]),
+    )
 
 
 def _last_jump(case: CaseData) -> float:
@@ -517,17 +793,20 @@ def _mode_amplitudes(
     share = (fastest / safe) ** 2
     dynamic = np.where(share < 0.9, share / np.where(share < 0.9, 1.0 - share, 1.0), 1.0)
     slow = flexible * (np.abs(reach) @ sizes.smooth) * dynamic
-    torque = np.maximum(sizes.step, SWITCHED_SHARE * sizes.smooth)
+    torque = sizes.carried
     signed = outputs.position / safe**2 @ (reach * torque)
     scale = np.max(np.abs(signed + outputs.force * torque), axis=1, initial=0.0)
     return ringing, slow, np.maximum(scale, NEGLIGIBLE * np.max(scale, initial=0.0))
 
 
 def _kept_modes(
-    modes: Modes, ringing: Floats, slow: Floats, scale: Floats, tolerance: float, fastest: float
-) -> NDArray[np.bool_]:
+    modes: Modes, ringing: Floats, slow: Floats, scale: Floats, tolerance: float, fastest: float,
+    effects: StartEffects,
+) -> NDArray[np.bool_]:  # fmt: skip
     """Drop modes from the top while their bound stays below a tenth of the tolerance."""
     keep = np.ones(modes.n_modes, dtype=np.bool_)
+    if effects.fast_modes:
+        return keep
     budget = 0.1 * tolerance * scale
     used = np.zeros(len(scale))
     for r in range(modes.n_modes - 1, -1, -1):
@@ -541,17 +820,22 @@ def _kept_modes(
 def _windows(
     modes: Modes, damping: ModalDamping, ringing: Floats, scale: Floats,
     keep: NDArray[np.bool_], tolerance: float, fastest: float, maximum_time: float,
+    effects: StartEffects,
 ) -> tuple[tuple[float, float], ...]:  # fmt: skip
     """Until when each kept fast mode rings visibly after breaker closing.
 
     Modes that would take an absurd number of steps (a link of 1e16 N m/rad without damping) are
-    taken out of `keep`.
+    taken out of `keep`, whatever was chosen. Where all modes were asked for there are some that
+    ring by next to nothing but so fast that the cubic between two samples would exaggerate it.
     """
     windows: list[tuple[float, float]] = []
+    usual = _usual_step(tolerance, fastest)
     budget = min(MAX_RINGING_STEPS, MAX_VALUES // max(len(scale), 1))
     for r in np.flatnonzero(keep & (modes.omega > fastest))[::-1]:
         with np.errstate(divide="ignore", invalid="ignore"):
             size = np.where(scale > 0.0, ringing[:, r] / scale, 0.0).max(initial=0.0)
+        if effects.fast_modes:
+            size *= max(1.0, modes.omega[r] * usual / SAMPLED_ANGLE)
         if size <= FADED * tolerance:
             continue
         decay = 0.5 * damping.rate[r]
@@ -570,11 +854,15 @@ def _with_breakaway(
     motors: tuple[Motor, ...],
     loads: tuple[Load, ...],
     jump: float,
+    shock: _Shock | None,
+    fastest: float,
 ) -> tuple[tuple[float, float], ...]:
-    """The windows, with one in which the loads come into play as their stations begin to turn."""
+    """The windows, with those of the loads as their stations begin to turn and of a short shock."""
     inertia = float(train.inertia @ train.dof_ratio**2)
     torque = sum(float(m.average(0.0)) * float(train.speed_ratio[m.station]) for m in motors)
     shifted = [(until + jump, omega) for until, omega in windows]
+    if shock is not None and shock.rate > fastest:
+        shifted.append((SHOCK_LENGTH / shock.rate, shock.rate))
     for d in loads:
         if torque <= 0.0 or float(d.torque(0.0)) == 0.0:
             continue
@@ -603,12 +891,19 @@ def _curve_arrays(curves: list[TorqueCurve]) -> tuple[Any, ...]:
 
 
 def _motor_arrays(
-    motors: tuple[Motor, ...], column: dict[int, int], curves: list[TorqueCurve], line_omega: float
+    motors: tuple[Motor, ...],
+    column: dict[int, int],
+    curves: list[TorqueCurve],
+    line_omega: float,
+    effects: StartEffects,
 ) -> tuple[Any, ...]:
-    first = len(curves)
+    first, n = len(curves), len(motors)
     for m in motors:
         curves += [m.average, m.pulsating]
-    n = len(motors)
+    with_field = np.arange(first, first + 2 * n, 2)
+    if effects.pull_in:
+        with_field = np.arange(len(curves), len(curves) + n)
+        curves += [through_synchronism(m.average) for m in motors]
     return (
         np.array([column[m.station] for m in motors], dtype=np.int64),
         np.arange(first, first + 2 * n, 2),
@@ -616,6 +911,7 @@ def _motor_arrays(
         np.array([m.synchronous_speed for m in motors]),
         np.array([m.pole_pairs for m in motors]),
         line_omega,
+        with_field,
     )
 
 
@@ -683,6 +979,7 @@ def simulate(
     speeds: list[Floats] = [np.zeros(1)]
     times: list[Floats] = [np.zeros(1)]
     t, flag = 0.0, kernels.PENDING
+    electrical = model.electrical if has_electrical(model.electrical) else None
     coefficients = exponential_step if method == "exponential" else newmark_step
     for left, h in _step_plan(model, step, maximum_time):
         free, forced = (
@@ -702,7 +999,7 @@ def simulate(
             done, flag = kernels.advance_start(
                 count, h, t, target_speed, free, forced, model.stiffness, model.rate, reach,
                 model.mean_speed, model.curves, model.motors, model.loads, model.timed,
-                model.dampers, q, v, phase, force, rate, *out,
+                model.dampers, electrical, q, v, phase, force, rate, *out,
             )  # fmt: skip
             out_q, out_v, out_f, out_r = (a[:done] for a in out)
             pieces.append(_torques(model, out_q, out_v, out_f, out_r))
@@ -738,7 +1035,7 @@ def _forces_at(
     for _ in range(2):
         kernels.start_forces(
             t, inside, phase, speed, acceleration, model.curves, model.motors, model.loads,
-            model.timed, model.dampers, force, rate,
+            model.timed, model.dampers, model.electrical, force, rate,
         )  # fmt: skip
         acceleration = model.reach.T @ (model.reach @ force - own)
     return force, rate
@@ -866,6 +1163,8 @@ def worst_outputs(
     span = np.array([float(np.ptp(value)) for _, value in turning])
     chosen = np.full(len(train.elements), -1, dtype=np.int64)
     for output, element in enumerate(trajectory.output_element):
+        if element < 0:  # a bearing of a gear, not an element of the train
+            continue
         if chosen[element] < 0 or span[output] > span[chosen[element]]:
             chosen[element] = output
     return chosen
@@ -890,13 +1189,23 @@ def _first_step(settings: StartSettings, fastest: float) -> float:
     """Step tried first, from the measured order of the method and the tolerance."""
     if settings.method == "newmark":
         angle = math.sqrt(0.5 * settings.tolerance_peak / NEWMARK_ERROR_AT_ONE_RADIAN)
-    else:
-        angle = (0.5 * settings.tolerance_peak / ERROR_AT_ONE_RADIAN) ** 0.25
-    return min(max(angle, FINEST_FIRST), COARSEST_FIRST) / fastest
+        return min(max(angle, FINEST_FIRST), COARSEST_FIRST) / fastest
+    return _usual_step(settings.tolerance_peak, fastest)
 
 
-def _run_length(runup: RigidRunup) -> float:
-    """Time to simulate: that of the rigid train with a reserve."""
+def run_length(runup: RigidRunup) -> float:
+    """Time to simulate: that of the rigid train with a reserve.
+
+    Parameters
+    ----------
+    runup : RigidRunup
+        The rigid train. [SI]
+
+    Returns
+    -------
+    float
+        Time. [s]
+    """
     if runup.equilibrium is None:
         return 1.5 * float(runup.time[-1]) + 1.0
     if runup.equilibrium <= 0.0:
@@ -943,14 +1252,33 @@ def _late_speed(trajectory: Trajectory, end: float) -> float:
     return float(np.mean(w[inside])) if np.any(inside) else float(w[-1])
 
 
-def _outcome(
+def outcome_of(
     runup: RigidRunup,
     settings: StartSettings,
     trajectory: Trajectory,
     end: float,
     synchronous: float,
 ) -> StartOutcome:
-    """Name the way the start ended, with its numbers."""
+    """Name the way a start without field or trip ended, with its numbers.
+
+    Parameters
+    ----------
+    runup : RigidRunup
+        The rigid train. [SI]
+    settings : StartSettings
+        How it was calculated. [SI]
+    trajectory : Trajectory
+        The start. [SI]
+    end : float
+        When it ended. [s]
+    synchronous : float
+        Synchronous speed of the reference shaft. [rad/s]
+
+    Returns
+    -------
+    StartOutcome
+        Word, numbers and sentence. [mixed]
+    """
     speed = settings.end_speed if trajectory.reached else _late_speed(trajectory, end)
     share, rpm = speed / synchronous, speed * 30.0 / math.pi
     if trajectory.reached:
@@ -979,8 +1307,17 @@ def _outcome(
     return StartOutcome("time out", end, speed, text)
 
 
-def run_start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping) -> Start:
+def run_start(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    effects: StartEffects = PLAIN_START,
+) -> Start:
     """Calculate the start of a case to the accuracy it asks for.
+
+    Clearances, field application and a trip are events, which this loop of equal steps does not
+    have; the other effects are simulated as chosen.
 
     Parameters
     ----------
@@ -992,6 +1329,8 @@ def run_start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping)
         Its modes. [SI]
     damping : ModalDamping
         Their damping. [SI]
+    effects : StartEffects, optional
+        What is simulated; default the plain start. [flags]
 
     Returns
     -------
@@ -1015,9 +1354,9 @@ def run_start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping)
     target = settings.end_speed
     longest = LONGEST_START if settings.maximum_time is None else settings.maximum_time
     tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time), default=0.0)
-    maximum = min(max(_run_length(runup), tabled), longest)
+    maximum = longest if effects.full_length else min(max(run_length(runup), tabled), longest)
     model = start_model(
-        case, train, modes, damping, motors, loads, settings.tolerance_peak, maximum
+        case, train, modes, damping, motors, loads, settings.tolerance_peak, maximum, effects
     )
     step = min(_first_step(settings, model.pulsation_omega), model.largest_step)
 
@@ -1058,7 +1397,7 @@ def run_start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping)
         coarse, fine = _without_history(fine), at(0.5 * step)
     trajectory, end, turning = fine
     return Start(
-        outcome=_outcome(runup, settings, trajectory, end, synchronous),
+        outcome=outcome_of(runup, settings, trajectory, end, synchronous),
         peaks=peaks,
         trajectory=trajectory,
         turning_points=tuple(turning[i] for i in output if i >= 0),
@@ -1072,6 +1411,7 @@ def run_start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping)
         kept_modes=len(model.stiffness),
         method=settings.method,
         met_tolerance=met,
+        uncoupled_dampers=model.uncoupled_dampers,
     )
 
 

@@ -14,9 +14,11 @@ from itertools import pairwise
 from typing import Any
 
 from engine.case import GROUND, TABLES, CaseData, ElementRow, MeshRow, Ratings
+from engine.effects import CHOICES as EFFECT_CHOICES
+from engine.effects import CONTACT_LAWS, EFFECTS
 from engine.errors import Problem
 
-__all__ = ["GEAR_MESH", "KINDS", "SPRING_TO_GROUND", "find_problems"]
+__all__ = ["DEFAULT_END_SPEED", "GEAR_MESH", "KINDS", "SPRING_TO_GROUND", "find_problems"]
 
 GEAR_MESH = "gear mesh"
 SPRING_TO_GROUND = "spring to ground"
@@ -30,6 +32,8 @@ RATING_TOLERANCE = 5e-3
 TOP_SPEED = 3.0
 #: Voltage over that of the torque curves; more is a percent sign forgotten.
 LARGEST_VOLTAGE = 2.0
+#: End of a start without field, over synchronous speed (contract).
+DEFAULT_END_SPEED = 0.97
 
 CHOICES = {
     "margin_basis": ("MarginBasis", ("calculated", "measured")),
@@ -37,6 +41,7 @@ CHOICES = {
     "method": ("Method", ("exponential", "newmark")),
     "keep_history": ("KeepHistory", ("no", "parquet", "npz")),
     "rainflow_residue": ("RainflowResidue", ("half cycles", "repeated")),
+    "contact_law": ("ContactLaw", CONTACT_LAWS),
 }
 POSITIVE_SCALARS = {
     "line_frequency": ("LineFrequency", "Hz"),
@@ -215,6 +220,74 @@ def _scalars(case: CaseData) -> Iterator[Problem]:
         )
     yield from _ratings(case)
     yield from _speed_range(case)
+    yield from _partners(case)
+    yield from _trip(case)
+
+
+#: Scalars that mean something only beside another: field, name, field and name of the other, what
+#: the other is.
+PARTNERS = (
+    ("shock_amplitude", "ShockAmplitude", "shock_time_constant", "ShockTimeConstant",
+     "how fast the transient at breaker closing dies out"),
+    ("shock_time_constant", "ShockTimeConstant", "shock_amplitude", "ShockAmplitude",
+     "the torque of the transient at breaker closing"),
+    ("field_slip", "FieldSlip", "pull_out_torque", "PullOutTorque",
+     "the torque that pulls the motor into step"),
+    ("pull_out_torque", "PullOutTorque", "field_slip", "FieldSlip",
+     "the slip at which the field is applied"),
+    ("field_time_constant", "FieldTimeConstant", "field_slip", "FieldSlip",
+     "the slip at which the field is applied"),
+    ("field_angle", "FieldAngle", "field_slip", "FieldSlip",
+     "the slip at which the field is applied"),
+    ("pull_in_damping", "PullInDamping", "field_slip", "FieldSlip",
+     "the slip at which the field is applied"),
+)  # fmt: skip
+
+
+def _partners(case: CaseData) -> Iterator[Problem]:
+    """Numbers of an electrical effect without the one that they need."""
+    for key, name, other_key, other, meaning in PARTNERS:
+        if getattr(case, key) is not None and getattr(case, other_key) is None:
+            yield Problem(
+                "Case",
+                None,
+                other,
+                None,
+                f"given where {name} is",
+                f"the cell is blank, but {name} is given; it must be given where {name} is. Type "
+                f"{other}, {meaning}, or clear {name}.",
+            )
+
+
+def _trip(case: CaseData) -> Iterator[Problem]:
+    """A trip speed that no start comes to."""
+    synchronous, trip = _ratings_of(case).synchronous_speed, case.trip_speed
+    if trip is None or not synchronous or not math.isfinite(trip):
+        return
+    if trip > synchronous * (1 + 1e-12):
+        yield _wrong(
+            "Case",
+            None,
+            "TripSpeed",
+            trip,
+            f"at most synchronous speed ({synchronous:.6g} rad/s)",
+            "The start is aborted when the motor comes to this speed.",
+            "rad/s",
+        )
+        return
+    end = case.end_speed or DEFAULT_END_SPEED * synchronous
+    if case.field_slip is None and trip > end * (1 + 1e-12):
+        stated = "EndSpeed" if case.end_speed else "EndSpeed (blank = 97 % of synchronous)"
+        yield _wrong(
+            "Case",
+            None,
+            "TripSpeed",
+            trip,
+            f"at most {stated}, {end:.6g} rad/s",
+            "Without field the start ends there and would never trip. Lower TripSpeed, raise "
+            "EndSpeed, or give FieldSlip and PullOutTorque.",
+            "rad/s",
+        )
 
 
 def _ratings(case: CaseData) -> Iterator[Problem]:
@@ -671,8 +744,8 @@ def _meshes(case: CaseData) -> Iterator[Problem]:
         if e.kind == GEAR_MESH:
             yield from _mesh_ratio(case, row, m, e)
             yield from _mesh_line_of_action(row, m, element_row, e)
-        elif e.kind == "coupling":
-            yield from _geared_coupling(row, m)
+        elif e.kind in ("coupling", SPRING_TO_GROUND):
+            yield from _angular_clearance(row, m, element_row, e)
         elif e.kind in KINDS:
             yield _wrong(
                 table,
@@ -683,6 +756,7 @@ def _meshes(case: CaseData) -> Iterator[Problem]:
                 f"It is a {e.kind} in table Elements, row {element_row}; correct one of the two.",
             )
     yield from _one_body(case)
+    yield from _bodies(case)
 
 
 def _mesh_numbers(row: int, m: MeshRow) -> Iterator[Problem]:
@@ -690,17 +764,22 @@ def _mesh_numbers(row: int, m: MeshRow) -> Iterator[Problem]:
     table = "Meshes"
     for column, key, holds, allowed, unit in MESH_LENGTHS:
         yield from _check(table, row, column, getattr(m, key), holds, allowed, unit)
-    for column, value in (("Pressure angle", m.pressure_angle), ("Helix angle", m.helix_angle)):
-        yield from _check(
-            table,
-            row,
-            column,
-            value,
+    for column, value, holds, allowed in (
+        (
+            "Pressure angle",
+            m.pressure_angle,
+            lambda v: 0 <= v < math.pi / 2,
+            "from 0 to 90 degrees",
+        ),
+        (
+            "Helix angle",
+            m.helix_angle,
             lambda v: abs(v) < math.pi / 2,
             "between -90 and 90 degrees",
-            "rad",
-            "Write degrees with the unit deg above the column.",
-        )
+        ),
+    ):
+        action = "Write degrees with the unit deg above the column."
+        yield from _check(table, row, column, value, holds, allowed, "rad", action)
     yield from _check(
         table, row, "Orientation", m.orientation, _any_number, "a finite number", "rad"
     )
@@ -794,6 +873,10 @@ def _mesh_line_of_action(
             f"found {_number(m.backlash, 'm')}, but the mesh is rigid: {blank}, row {row}). Teeth "
             "that part need a stiffness to meet again: type one of the two, or clear the backlash.",
         )
+    if e.stiffness == 0 and m.backlash:
+        yield _clearance_without_stiffness(
+            (row, "Backlash"), _number(m.backlash, "m"), element_row, e, "Teeth"
+        )
     if rigid and m.mesh_damping:
         yield Problem(
             table,
@@ -806,8 +889,8 @@ def _mesh_line_of_action(
         )
 
 
-def _geared_coupling(row: int, m: MeshRow) -> Iterator[Problem]:
-    """A geared coupling has an angular clearance and nothing else of table Meshes."""
+def _angular_clearance(row: int, m: MeshRow, element_row: int, e: ElementRow) -> Iterator[Problem]:
+    """A geared coupling or a stop has an angular clearance and nothing else of table Meshes."""
     for column, key, _, _, unit in MESH_LENGTHS:
         value = getattr(m, key)
         if value is not None and column != "Angular backlash":
@@ -816,11 +899,30 @@ def _geared_coupling(row: int, m: MeshRow) -> Iterator[Problem]:
                 row,
                 column,
                 value,
-                f"blank: '{m.element}' is a coupling",
-                "A geared coupling has an Angular backlash; everything else here is for gear "
-                "meshes.",
+                f"blank: '{m.element}' is a {e.kind}",
+                "A geared coupling, or a spring to ground with free play, has an Angular "
+                "backlash; everything else here is for gear meshes.",
                 unit,
             )
+    if e.stiffness == 0 and m.angular_backlash:
+        found = _number(m.angular_backlash, "rad")
+        yield _clearance_without_stiffness((row, "Angular backlash"), found, element_row, e, "Ends")
+
+
+def _clearance_without_stiffness(
+    cell: tuple[int, str], found: str, element_row: int, e: ElementRow, what: str
+) -> Problem:
+    """A clearance in an element that has nothing to meet again with."""
+    return Problem(
+        "Meshes",
+        cell[0],
+        cell[1],
+        found,
+        "used with a positive stiffness",
+        f"found {found}, but Stiffness of '{e.element}' (table Elements, row {element_row}) is 0. "
+        f"{what} that part need a stiffness to meet again: type it, or clear the "
+        f"{cell[1].lower()}.",
+    )
 
 
 #: Data of one gear body, by side of the mesh.
@@ -853,6 +955,104 @@ def _one_body(case: CaseData) -> Iterator[Problem]:
                         f"Both are of the gear '{station}', which is one body; leave one of them "
                         "blank or make them equal.",
                     )
+
+
+def _bodies(case: CaseData) -> Iterator[Problem]:
+    """A gear on bearings has mass and stiffness, in whatever row, and meshes that can push it."""
+    ends = {e.element: (e.from_, e.to) for e in case.elements if e.kind == GEAR_MESH}
+    gears: dict[str, dict[str, tuple[int, str, float]]] = {}
+    for row, m in enumerate(case.meshes, start=1):
+        for side, station in zip(("drive", "driven"), ends.get(m.element, ()), strict=False):
+            for header, key in BODY:
+                value = getattr(m, f"{key}_{side}")
+                undamped = key == "bearing_damping" and value == 0.0
+                if value is not None and station is not None and not undamped:
+                    gear = gears.setdefault(station, {})
+                    gear.setdefault(key, (row, f"{header} {side}", value))
+    for station, gear in gears.items():
+        if all(_is_fine(value) for _, _, value in gear.values()):  # else told already
+            yield from _whole_body(station, gear)
+    meshes: dict[str | None, tuple[int, MeshRow]] = {}
+    for row, m in enumerate(case.meshes, start=1):
+        meshes.setdefault(m.element, (row, m))
+    for element_row, e in enumerate(case.elements, start=1):
+        given = [gears[name] for name in (e.from_, e.to) if name in gears]
+        if e.kind == GEAR_MESH and given and e.element is not None:
+            row, column, _ = next(iter(given[0].values()))
+            data = f"{column} of table Meshes, row {row}, puts one of its gears on bearings"
+            yield from _pushed_body(element_row, e, meshes.get(e.element), data)
+
+
+def _whole_body(station: str, gear: dict[str, tuple[int, str, float]]) -> Iterator[Problem]:
+    """Mass, bearing stiffness and bearing damping of one gear: which of them need which."""
+    units = {"mass": "kg", "bearing_stiffness": "N/m", "bearing_damping": "N s/m"}
+    for needed, header, action in (
+        (
+            "bearing_stiffness",
+            "Bearing stiffness",
+            "A gear moves sideways only on bearings that give: type their stiffness here or in "
+            "another row of this gear",
+        ),
+        (
+            "mass",
+            "Mass",
+            "A bearing without mass has no motion of its own: type the mass of the gear with its "
+            "share of the shaft here or in another row of this gear",
+        ),
+    ):
+        if needed in gear:
+            continue
+        key, (row, column, value) = next(iter(gear.items()))
+        yield Problem(
+            "Meshes",
+            row,
+            f"{header} {column.split()[-1]}",
+            None,
+            f"positive where {column} is given",
+            f"the cell is blank, but {column} of the gear '{station}' is "
+            f"{_number(value, units[key])}. {action}, or clear the {column}.",
+        )
+
+
+def _pushed_body(
+    element_row: int, e: ElementRow, found: tuple[int, MeshRow] | None, data: str
+) -> Iterator[Problem]:
+    """The mesh of a gear on bearings: it needs a line of action and a finite stiffness."""
+    if found is None:
+        yield Problem(
+            "Meshes",
+            None,
+            "Element",
+            None,
+            "with a row for every mesh of a gear on bearings",
+            f"'{e.element}' (table Elements, row {element_row}) has no row here, but {data}. Add "
+            "its row with the Pitch radius drive and the Orientation, or clear the bearing data.",
+        )
+        return
+    row, m = found
+    if m.pitch_radius_drive is None:
+        yield Problem(
+            "Meshes",
+            row,
+            "Pitch radius drive",
+            None,
+            "positive where a gear has bearings",
+            f"the cell is blank, but {data}: without a radius a torque says nothing about the "
+            "force. Type the radius, or clear the bearing data.",
+        )
+    if not e.stiffness and not m.mesh_stiffness:
+        rigid = e.stiffness is None
+        yield Problem(
+            "Meshes",
+            row,
+            "Mesh stiffness",
+            None,
+            "positive, or a positive Stiffness, where a gear has bearings",
+            f"{data}, but the mesh {'is rigid' if rigid else 'has none'}: Stiffness of "
+            f"'{e.element}' (table Elements, row {element_row}) is {'blank' if rigid else '0'} "
+            f"and Mesh stiffness (table Meshes, row {row}) is blank. Type one of the two, or "
+            "clear the bearing data.",
+        )
 
 
 # --- torques ------------------------------------------------------------------------------------
@@ -1197,12 +1397,50 @@ def _excitations(case: CaseData) -> Iterator[Problem]:
                 yield from _known_station(case, table, row, name, column)
 
 
+#: Effects that need data before they can be forced on: effect, whether the data are there, the
+#: cells to fill.
+EFFECT_DATA: tuple[tuple[str, Callable[[CaseData], bool], str], ...] = (
+    ("pull-in", lambda case: case.field_slip is not None, "FieldSlip and PullOutTorque"),
+    (
+        "breaker closing",
+        lambda case: case.shock_amplitude is not None,
+        "ShockAmplitude and ShockTimeConstant",
+    ),
+    ("aborted start", lambda case: case.trip_speed is not None, "TripSpeed"),
+    (
+        "backlash",
+        lambda case: any(m.backlash or m.angular_backlash for m in case.meshes),
+        "Backlash or Angular backlash in table Meshes",
+    ),
+    (
+        "bearings",
+        lambda case: any(
+            m.bearing_stiffness_drive or m.bearing_stiffness_driven for m in case.meshes
+        ),
+        "a bearing stiffness and the mass of its gear in table Meshes",
+    ),
+)
+
+
 def _effect_choices(case: CaseData) -> Iterator[Problem]:
+    table = "EffectChoices"
+    yield from _names(table, "Effect", [e.effect for e in case.effect_choices], "an effect")
     for row, e in enumerate(case.effect_choices, start=1):
-        if e.choice not in (None, "auto", "on", "off"):
-            yield _wrong(
-                "EffectChoices", row, "Choice", e.choice, "auto, on or off", "Choose from the list."
-            )
+        if e.effect and e.effect not in EFFECTS:
+            allowed = "one of " + ", ".join(EFFECTS)
+            yield _wrong(table, row, "Effect", e.effect, allowed, _suggest(e.effect, set(EFFECTS)))
+        if e.choice not in (None, *EFFECT_CHOICES):
+            yield _wrong(table, row, "Choice", e.choice, "auto, on or off", "Choose from the list.")
+        for effect, is_given, cells in EFFECT_DATA:
+            if e.choice == "on" and e.effect == effect and not is_given(case):
+                yield _wrong(
+                    table,
+                    row,
+                    "Choice",
+                    e.choice,
+                    f"auto or off while {cells} are blank",
+                    f"There is nothing to simulate: fill {cells}, or choose auto.",
+                )
 
 
 CHECKS: tuple[Callable[[CaseData], Iterator[Problem]], ...] = (

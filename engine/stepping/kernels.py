@@ -27,6 +27,9 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
+#: Of each motor: see `engine.motor.electrical_arrays`.
+Electrical = tuple[Floats, Floats, float, Floats, Floats, Floats, Floats, Floats, Floats]
+
 PENDING, REACHED = 0, 1
 
 
@@ -66,6 +69,25 @@ def evaluate_curve(x: float, knots: Floats, cubic: Floats, count: int) -> tuple[
     return c[0] + s * (c[1] + s * (c[2] + s * c[3])), c[1] + s * (2.0 * c[2] + 3.0 * s * c[3])
 
 
+@kernel()
+def _decaying_sine(t: float, rate: float, omega: float) -> tuple[float, float]:
+    """e^(−rate t) sin ωt and its slope."""
+    size = np.exp(-rate * t)
+    s, c = np.sin(omega * t), np.cos(omega * t)
+    return size * s, size * (omega * c - rate * s)
+
+
+@kernel()
+def _synchronising(since: float, rate: float, angle: float, turning: float) -> tuple[float, float]:
+    """Synchronising over pull-out torque, (1 − e^(−rate t)) sin δ, and its slope."""
+    grown, growth = 1.0, 0.0
+    if not np.isinf(rate):
+        left = np.exp(-rate * max(since, 0.0))
+        grown, growth = 1.0 - left, rate * left
+    s, c = np.sin(angle), np.cos(angle)
+    return grown * s, growth * s + grown * c * turning
+
+
 @kernel(inline="always")
 def start_forces(
     t: float,
@@ -74,56 +96,98 @@ def start_forces(
     speed: Floats,
     acceleration: Floats,
     curves: tuple[Floats, Floats, Any],
-    motors: tuple[Any, Any, Any, Floats, Floats, float],
+    motors: tuple[Any, Any, Any, Floats, Floats, float, Any],
     loads: tuple[Any, Any, Floats, Floats],
     timed: tuple[Any, Floats, Floats, Any],
     dampers: tuple[Any, Floats],
+    electrical: Electrical | None,
     force: Floats,
     force_rate: Floats,
 ) -> None:
     """Every force and its rate, written into `force` and `force_rate`.
 
     A table against time is read on the segment that holds the time `inside`, a point within the
-    step, so that a jump at the end of a step is not seen before it happens.
+    step, so that a jump at the end of a step is not seen before it happens. The field is on where
+    `inside` is past its time, for the same reason: a step must end when it is applied.
+
+    The load angle is δ = phase/2 + polarity, the motor lagging positive. The tabulated pulsation,
+    sin(phase) = sin 2δ, so becomes the saliency torque with unbroken phase and is never added
+    twice. A phase must therefore be kept modulo 4π: modulo 2π would turn δ by π.
 
     Parameters
     ----------
     t, inside : float
         Time, and a time within the step. [s]
     phase : ndarray, shape (n_motors,)
-        Phase of each pulsation at that time. [rad]
+        Phase of each pulsation at that time, modulo 4π. [rad]
     speed, acceleration : ndarray, shape (n_forces,)
         Of the station (or across the damper) of each force. [rad/s, rad/s²]
     curves : tuple
         Knots, cubics and counts of all torque curves. [1, N m]
     motors : tuple
-        Force, two curves, synchronous speed and pole pairs of each; line frequency. [SI]
+        Force, two curves, synchronous speed and pole pairs of each; line frequency; curve of the
+        average torque with the field on. [SI]
     loads : tuple
         Force, curve, synchronous and standstill speed of each. [SI]
     timed : tuple
         Force, times, torques and counts of each table against time. [s, N m]
     dampers : tuple
         Force and coefficient of each damper between parts. [N m s/rad]
+    electrical : tuple
+        Of each motor (`engine.motor.electrical_arrays`): amplitude and rate of decay of the
+        transient at breaker closing, its angular frequency (one for all), time of field application
+        (infinite = none), rate at which the field rises (infinite = at once), pull-out torque,
+        torque over slip speed (nan = the average curve), what is added to the load angle, and 1,
+        or 0 once the motor is disconnected. None = nothing of all this: compiled by itself, since
+        these branches would cost every plain start a third of its time. [SI]
     force, force_rate : ndarray, shape (n_forces,)
         The results. [N m, N m/s]
     """
     knots, cubics, counts = curves
-    motor_force, average_curve, pulsating_curve, motor_speed, pole_pairs, line_omega = motors
+    (
+        motor_force,
+        average_curve,
+        pulsating_curve,
+        motor_speed,
+        pole_pairs,
+        line_omega,
+        field_curve,
+    ) = motors
     load_force, load_curve, load_speed, soft_speed = loads
     timed_force, times, torques, timed_count = timed
     damper_force, viscous = dampers
     force[:] = 0.0
     force_rate[:] = 0.0
     for m in range(len(motor_force)):
+        if electrical is not None and electrical[8][m] == 0.0:
+            continue
         f = motor_force[m]
         x = speed[f] / motor_speed[m]
         dx = acceleration[f] / motor_speed[m]
         a = average_curve[m]
+        if electrical is not None and inside >= electrical[3][m]:
+            a = field_curve[m]
         b = pulsating_curve[m]
         average, average_slope = evaluate_curve(x, knots[a], cubics[a], counts[a])
         pulsating, pulsating_slope = evaluate_curve(x, knots[b], cubics[b], counts[b])
         s, c = np.sin(phase[m]), np.cos(phase[m])
         phase_rate = 2.0 * (line_omega - pole_pairs[m] * speed[f])
+        if electrical is not None:
+            shock, shock_rate, shock_omega, field_time, field_rate = electrical[:5]
+            pull_out, cage, polarity, _ = electrical[5:]
+            if shock[m] != 0.0:
+                sine, slope = _decaying_sine(t, shock_rate[m], shock_omega)
+                force[f] += shock[m] * sine
+                force_rate[f] += shock[m] * slope
+            if inside >= field_time[m]:
+                if not np.isnan(cage[m]):
+                    average = cage[m] * (motor_speed[m] - speed[f])
+                    average_slope = -cage[m] * motor_speed[m]
+                sine, slope = _synchronising(
+                    t - field_time[m], field_rate[m], 0.5 * phase[m] + polarity[m], 0.5 * phase_rate
+                )
+                force[f] += pull_out[m] * sine
+                force_rate[f] += pull_out[m] * slope
         force[f] += average + pulsating * s
         force_rate[f] += (average_slope + pulsating_slope * s) * dx + pulsating * c * phase_rate
     for k in range(len(load_force)):
@@ -180,10 +244,11 @@ def advance_start(
     reach: Floats,
     mean_speed: Floats,
     curves: tuple[Floats, Floats, Any],
-    motors: tuple[Any, Any, Any, Floats, Floats, float],
+    motors: tuple[Any, Any, Any, Floats, Floats, float, Any],
     loads: tuple[Any, Any, Floats, Floats],
     timed: tuple[Any, Floats, Floats, Any],
     dampers: tuple[Any, Floats],
+    electrical: Electrical | None,
     q: Floats,
     v: Floats,
     phase: Floats,
@@ -220,13 +285,16 @@ def advance_start(
     curves : tuple
         Knots, cubics and counts of all torque curves. [1, N m]
     motors : tuple
-        Force, two curves, synchronous speed and pole pairs of each; line frequency. [SI]
+        Force, two curves, synchronous speed and pole pairs of each; line frequency; curve of the
+        average torque with the field on. [SI]
     loads : tuple
         Force, curve, synchronous and standstill speed of each. [SI]
     timed : tuple
         Force, times, torques and counts of each table against time. [s, N m]
     dampers : tuple
         Force and coefficient of each damper between parts. [N m s/rad]
+    electrical : tuple
+        Transient, field and connection of each motor, as in `start_forces`. [SI]
     q, v : ndarray, shape (n_modes,)
         Modal positions and velocities. [SI]
     phase : ndarray, shape (n_motors,)
@@ -290,7 +358,7 @@ def advance_start(
                 phase1[m] = phase[m] + 2.0 * (line_omega * h - pole_pairs[m] * turned)
             start_forces(
                 t + h, t + 0.5 * h, phase1, speed, acceleration, curves, motors, loads, timed,
-                dampers, f1, fr1,
+                dampers, electrical, f1, fr1,
             )  # fmt: skip
             for i in range(n):
                 u1[i], r1[i] = 0.0, 0.0
@@ -305,7 +373,7 @@ def advance_start(
             out_q[k, i], out_v[k, i] = q1[i], v1[i]
             mean += mean_speed[i] * v1[i]
         for m in range(len(phase)):
-            phase[m] = phase1[m] % (2.0 * np.pi)
+            phase[m] = phase1[m] % (4.0 * np.pi)  # half of it is the load angle
         for f in range(nf):
             force[f], force_rate[f] = f1[f], fr1[f]
             out_f[k, f], out_fr[k, f] = f1[f], fr1[f]
@@ -378,7 +446,8 @@ def drive_coupled(free: Floats, forced: Floats, cubic: Floats, state: Floats, ou
 def turning_points(t: Floats, y: Floats, slope: Floats) -> tuple[Floats, Floats]:
     """Times and values of all turning points of a piecewise cubic Hermite curve.
 
-    A turning point within rounding of a sample may come twice, but is never missed.
+    A turning point within rounding of a sample may come twice, but is never missed. Two samples at
+    one time are a corner or a jump: both values count where the curve turns or jumps there.
 
     Parameters
     ----------
@@ -398,6 +467,11 @@ def turning_points(t: Floats, y: Floats, slope: Floats) -> tuple[Floats, Floats]
     for i in range(n - 1):
         h = t[i + 1] - t[i]
         if h <= 0.0:
+            if y[i] != y[i + 1] or slope[i] * slope[i + 1] <= 0.0:
+                for j in range(i, i + 2):
+                    when[found] = t[j]
+                    value[found] = y[j]
+                    found += 1
             continue
         d0, d1 = h * slope[i], h * slope[i + 1]
         rise = y[i + 1] - y[i]

@@ -25,6 +25,8 @@ from engine.errors import CaseError, TorsionError
 from engine.validation import find_problems
 
 NAN, INF = math.nan, math.inf
+#: What field application needs.
+FIELD = {"field_slip": 0.05, "pull_out_torque": 2e4}
 
 
 def good(**changes):
@@ -67,7 +69,6 @@ def good(**changes):
                 pressure_angle=math.radians(20),
                 helix_angle=math.radians(10),
                 backlash=2e-4,
-                mass_drive=500.0,
             ),
         ),
         "mode_damping": (ModeDampingRow(1, 0.02),),
@@ -131,6 +132,16 @@ RIGHT = {
     "geared coupling with clearance": more(
         "meshes", MeshRow("LS coupling", angular_backlash=0.002)
     ),
+    "field and trip above EndSpeed": good(
+        **FIELD, trip_speed=188.0, field_angle=0.0, effect_choices=(
+            EffectChoiceRow("pull-in", "on"), EffectChoiceRow("aborted start", "on"),
+            EffectChoiceRow("backlash", "on"), EffectChoiceRow("fast modes", "on"),
+        ),
+    ),
+    "shock, trip and contact law": good(
+        shock_amplitude=-1e4, shock_time_constant=0.05, trip_speed=182.8, contact_law="no adhesion",
+        effect_choices=(EffectChoiceRow("breaker closing", "on"),),
+    ),
     "speed and poles": good(line_frequency=None, synchronous_speed=188.5),
     "power and torque that agree": good(rated_power=1e4 * 60 * math.pi),
     "speed range": good(minimum_speed=150.0, maximum_speed=200.0),
@@ -143,8 +154,9 @@ RIGHT = {
     ),
     "repeated bearing data that agree": good(
         stations=(*good().stations, StationRow("idler", None, 1.0, 2.0)),
-        elements=(*good().elements, ElementRow("mesh 2", "gear mesh", "gear", "idler")),
-        meshes=(*good().meshes, MeshRow("mesh 2", None, 0.8, 0.4, mass_drive=500.0)),
+        elements=(*good().elements, ElementRow("mesh 2", "gear mesh", "gear", "idler", 1e9)),
+        meshes=(replace(good().meshes[0], mass_drive=500.0, bearing_stiffness_drive=1e9),
+                MeshRow("mesh 2", None, 0.8, 0.4, mass_drive=500.0)),
     ),
     "the sample, proposed": sample_case("proposed"),
     "the sample, modified": sample_case("modified"),
@@ -194,11 +206,23 @@ SCALARS = [
     (good(starts_factor=-2.0), "StartsFactor", ["positive"]),
     (good(voltage=0.0), "Voltage", ["positive"]),
     (good(pulsation_phase=NAN), "PulsationPhase", ["finite number"]),
-    (good(shock_amplitude=INF), "ShockAmplitude", ["finite number"]),
-    (good(shock_time_constant=0.0), "ShockTimeConstant", ["positive"]),
-    (good(field_slip=1.0), "FieldSlip", ["between 0 and 1"]),
-    (good(pull_in_damping=-1.0), "PullInDamping", ["zero or positive"]),
+    (good(shock_amplitude=INF, shock_time_constant=0.1), "ShockAmplitude", ["finite number"]),
+    (good(shock_amplitude=1e3, shock_time_constant=0.0), "ShockTimeConstant", ["positive"]),
+    (good(field_slip=1.0, pull_out_torque=2e4), "FieldSlip", ["between 0 and 1"]),
+    (good(**FIELD, pull_in_damping=-1.0), "PullInDamping", ["zero or positive"]),
     (good(trip_speed=-1.0), "TripSpeed", ["positive"]),
+    (good(trip_speed=189.0), "TripSpeed", ["at most synchronous speed (188.496 rad/s)"]),
+    (good(trip_speed=185.0), "TripSpeed", ["blank = 97 %", "182.841", "give FieldSlip"]),
+    (good(trip_speed=120.0, end_speed=110.0), "TripSpeed", ["EndSpeed, 110 rad/s"]),
+    (good(field_slip=0.0, pull_out_torque=2e4), "FieldSlip", ["between 0 and 1"]),
+    (good(field_slip=0.05), "PullOutTorque", ["FieldSlip is given", "clear FieldSlip"]),
+    (good(pull_out_torque=2e4), "FieldSlip", ["PullOutTorque is given", "clear PullOutTorque"]),
+    (good(pull_in_damping=100.0), "FieldSlip", ["PullInDamping is given"]),
+    (good(field_time_constant=0.5), "FieldSlip", ["FieldTimeConstant is given"]),
+    (good(field_angle=0.5), "FieldSlip", ["FieldAngle is given"]),
+    (good(shock_amplitude=1e3), "ShockTimeConstant", ["ShockAmplitude is given", "dies out"]),
+    (good(shock_time_constant=0.1), "ShockAmplitude", ["clear ShockTimeConstant"]),
+    (good(contact_law="sticky"), "ContactLaw", ["limited, no adhesion"]),
     (good(line_frequency=None, poles=None), "SynchronousSpeed", ["torque curves", "Type two"]),
     (
         good(line_frequency=None, poles=None, synchronous_speed=188.5),
@@ -281,7 +305,7 @@ ROWS = [
     (row(M, 1, pitch_radius_driven=0.21), ("Meshes", 1, "Pitch radius driven"),
      ["0.21 m", "3.80952", "make 4", "'gear', row 2", "'pinion', row 3", "0.1 %"]),
     (row(M, 1, pitch_radius_drive=-0.8), ("Meshes", 1, "Pitch radius drive"), ["positive"]),
-    (row(M, 1, pressure_angle=20.0), ("Meshes", 1, "Pressure angle"), ["-90 and 90", "deg"]),
+    (row(M, 1, pressure_angle=20.0), ("Meshes", 1, "Pressure angle"), ["0 to 90", "deg"]),
     (row(M, 1, helix_angle=NAN), ("Meshes", 1, "Helix angle"), ["finite number"]),
     (row(M, 1, orientation=INF), ("Meshes", 1, "Orientation"), ["finite"]),
     (row(M, 1, backlash=-1e-4), ("Meshes", 1, "Backlash"), ["zero or positive"]),
@@ -347,6 +371,21 @@ ROWS = [
     (row("excitations", 1, station="x"), ("Excitations", 1, "Station"), ["table Stations"]),
     (row("excitations", 1, name=None), ("Excitations", 1, "Name"), ["blank"]),
     (row("effect_choices", 1, choice="maybe"), ("EffectChoices", 1, "Choice"), ["auto, on or off"]),
+    (row("effect_choices", 1, effect="pullin"), ("EffectChoices", 1, "Effect"),
+     ["resonance sweep", "Did you mean 'pull-in'?"]),
+    (row("effect_choices", 1, effect=None), ("EffectChoices", 1, "Effect"), ["Name it"]),
+    (more("effect_choices", EffectChoiceRow("backlash", "on")), ("EffectChoices", 2, "Effect"),
+     ["row 1 has it already"]),
+    *(
+        (more("effect_choices", EffectChoiceRow(effect, "on")), ("EffectChoices", 2, "Choice"),
+         [cell, "nothing to simulate"])
+        for effect, cell in (
+            ("pull-in", "FieldSlip"), ("breaker closing", "ShockAmplitude"),
+            ("aborted start", "TripSpeed"), ("bearings", "bearing stiffness"),
+        )
+    ),
+    (good(meshes=(), effect_choices=(EffectChoiceRow("backlash", "on"),)),
+     ("EffectChoices", 1, "Choice"), ["Backlash", "Angular backlash"]),
 ]  # fmt: skip
 
 WRONG = [(case, ("Case", None, name), words) for case, name, words in SCALARS] + ROWS
@@ -408,7 +447,7 @@ def several():
             *good().elements[1:],
         ),
         sn_points=(SNPointRow("steel", 1e6, 1e8), SNPointRow("steel", 1e3, 3e8)),
-        effect_choices=(EffectChoiceRow("x", "y"),),
+        effect_choices=(EffectChoiceRow("backlash", "y"),),
     )
 
 
@@ -470,10 +509,11 @@ def test_a_circuit_and_a_lost_part_are_told_together():
 def test_a_gear_in_several_meshes_is_one_body():
     fields = {
         "stations": (*good().stations, StationRow("bull", None, 9.0, 0.5)),
-        "elements": (*good().elements, ElementRow("mesh 2", "gear mesh", "bull", "gear")),
+        "elements": (*good().elements, ElementRow("mesh 2", "gear mesh", "bull", "gear", 1e9)),
     }
+    first = replace(good().meshes[0], mass_drive=500.0, bearing_stiffness_drive=1e9)
     mesh = MeshRow("mesh 2", None, 1.6, 0.8, mass_driven=501.0)
-    (problem,) = find_problems(good(**fields, meshes=(*good().meshes, mesh)))
+    (problem,) = find_problems(good(**fields, meshes=(first, mesh)))
     assert (problem.table, problem.row, problem.column) == ("Meshes", 2, "Mass driven")
     for word in ("501", "500 as in row 1, Mass drive", "'gear'", "one body"):
         assert word in problem.message
