@@ -25,7 +25,7 @@ from engine.startup import (
 from engine.time_response import PrescribedTorque, linear, time_response
 from engine.train import Train
 
-__all__ = ["run_prescribed"]
+__all__ = ["prescribed_torques", "run_prescribed"]
 
 Floats = NDArray[np.float64]
 
@@ -61,17 +61,7 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
     ModelError
         If neither the table nor MaximumTime says how long to follow the train.
     """
-    names = list(dict.fromkeys(p.station for p in case.torque_time))
-    torques = []
-    for name in names:
-        rows = [p for p in case.torque_time if p.station == name]
-        torques.append(
-            linear(
-                train.station_index(str(name)),
-                np.array([p.time for p in rows], dtype=float),
-                np.array([p.torque for p in rows], dtype=float),
-            )
-        )
+    torques = prescribed_torques(case, train)
     last = max(float(p.time or 0.0) for p in case.torque_time)
     end = case.maximum_time or last
     if end <= 0.0:
@@ -127,6 +117,35 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
         method="exponential",
         met_tolerance=error <= tolerance,
     )
+
+
+def prescribed_torques(case: CaseData, train: Train) -> list[PrescribedTorque]:
+    """Table `TorqueTime` as torques, linear between its rows.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+
+    Returns
+    -------
+    list of PrescribedTorque
+        One a station. [N m]
+    """
+    names = list(dict.fromkeys(p.station for p in case.torque_time))
+    torques = []
+    for name in names:
+        rows = [p for p in case.torque_time if p.station == name]
+        torques.append(
+            linear(
+                train.station_index(str(name)),
+                np.array([p.time for p in rows], dtype=float),
+                np.array([p.torque for p in rows], dtype=float),
+            )
+        )
+    return torques
 
 
 def _most_samples(train: Train) -> int:

@@ -1,0 +1,521 @@
+"""Starts with clearances, sideways motion of gears, field application and trip: the event runs.
+
+The paper's Figure 4: when the torque of a mesh goes through zero its teeth part, fly through the
+clearance under the torques of their own sides, and meet again on one flank or the other. Between
+two such events the train is linear and the step is exact (`engine.stepping.events`). A speed at
+which the field is applied or the motor trips is an event of the same kind.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case import CaseData
+from engine.contacts import bearing_forces, contact_records, force_histories
+from engine.effects import (
+    CONTACT_LAWS,
+    PullIn,
+    Sensitivity,
+    StartEffects,
+)
+from engine.errors import ModelError
+from engine.event_run import (
+    EventModel,
+    EventRun,
+    Script,
+    Settled,
+    no_motors,
+    simulate_events,
+    torque_tables,
+)
+from engine.load import loads_of
+from engine.modal import ModalDamping, Modes, stated_damping
+from engine.motor import electrical_arrays, motors_of, voltage_factor
+from engine.pieces import ForcePlaces, Pieces, piece_basis
+from engine.prescribed import prescribed_torques
+from engine.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
+from engine.rigid_runup import RigidRunup, rigid_runup
+from engine.startup import (
+    FADED,
+    LONGEST_START,
+    MAX_VALUES,
+    NEGLIGIBLE,
+    Start,
+    StartModel,
+    StartOutcome,
+    StartSettings,
+    Trajectory,
+    element_peaks,
+    outcome_of,
+    relative_errors,
+    run_length,
+    run_start,
+    settings_of,
+    start_model,
+    turning_of,
+    worst_outputs,
+)
+from engine.train import Flank, Train
+
+__all__ = ["clearances_of", "pull_in_outcome", "run_event_start"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def clearances_of(train: Train) -> tuple[Flank, ...]:
+    """Flanks that can part: those with a clearance.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+
+    Returns
+    -------
+    tuple of Flank
+        In the order of the elements. [count]
+    """
+    return tuple(f for f in train.flanks if f.gap is not None and f.gap > 0.0)
+
+
+# --- a start ------------------------------------------------------------------------------------
+
+#: Accuracy of peaks where the case leaves it blank. [1]
+DEFAULT_TOLERANCE = 1e-3
+#: Largest phase of the pulsation per step: finer than in a plain start, since events are looked
+#: for on the cubic between two samples. [rad]
+COARSEST_EVENT_ANGLE = 0.8
+#: Share of the tolerance at which modes are dropped: impacts ring them more than a plain start.
+DROPPED = 0.1
+#: Halvings of the step before the answers are taken as they are.
+MAX_HALVINGS = 5
+#: After so many halvings without success the input is changed by `TINY` to see whether the answers
+#: are defined that well at all.
+PATIENCE = 2
+TINY = 1e-9
+#: End of a coast-down, over synchronous speed, and the longest one followed. [1, s]
+COAST_END, COAST_TIME = 0.02, 60.0
+#: A field that waits for a load angle waits for one slip cycle at the most, of this length. [s]
+LONGEST_SLIP_CYCLE = 5.0
+#: How often a motor with its field on is asked whether it has settled. [s]
+LOOK_EVERY = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """One simulation with what is read out of it."""
+
+    events: EventRun
+    end: float
+    turning: list[tuple[Floats, Floats]]
+
+    @property
+    def plain(self) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
+        return self.events.trajectory, self.end, self.turning
+
+
+def run_event_start(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    effects: StartEffects,
+    linear: Start | None = None,
+) -> Start:
+    """Calculate a start with clearances, sideways motion, field application or trip.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+    modes : Modes
+        Its modes, all teeth in contact. [SI]
+    damping : ModalDamping
+        Their damping. [SI]
+    effects : StartEffects
+        What is simulated. [flags]
+    linear : Start, optional
+        The linear start of the same case, which gives the scale of each torque; calculated if not
+        at hand. [SI]
+
+    Returns
+    -------
+    Start
+        Outcome, peaks, histories, contacts and error estimates. [SI]
+
+    Raises
+    ------
+    ModelError
+        If the train cannot turn or has no motor, or an effect lacks its data.
+    """
+    if linear is None:
+        linear = run_start(case, train, modes, damping, replace(effects, clearances=()))
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE
+    if linear.runup is None:
+        setup = _prescribed(case, train, modes, damping, effects, linear, tolerance)
+    else:
+        setup = _start(case, train, modes, damping, effects, linear, tolerance)
+    model, step, unseen = setup.model, setup.step, setup.truncation
+
+    def at(h: float, changed: EventModel = model) -> _Run:
+        run = simulate_events(changed, h, setup.script, settled=setup.settled)
+        end = float(run.trajectory.time[-1])
+        return _Run(run, end, turning_of(run.trajectory, end))
+
+    coarse, fine = _light(at(step)), at(0.5 * step)
+    halvings, sensitivity = 0, None
+    while True:
+        output = worst_outputs(train, fine.events.trajectory, fine.turning)
+        peaks = element_peaks(train, unseen, fine.plain, coarse.plain, output)
+        bound = unseen[output[output >= 0]]
+        error, truncation = relative_errors(peaks, bound)
+        met = error <= tolerance
+        if not met and halvings >= PATIENCE and sensitivity is None:
+            other = at(0.5 * step, _changed(model))
+            sensitivity = _spread(train, fine, other, output, tolerance)
+        values = fine.events.trajectory.n_steps * len(unseen)
+        if (
+            met
+            or halvings >= MAX_HALVINGS
+            or 2 * values > MAX_VALUES
+            or (sensitivity is not None and sensitivity.sensitive)
+        ):
+            break
+        halvings += 1
+        step *= 0.5
+        coarse, fine = _light(fine), at(0.5 * step)
+    run = fine.events
+    pull_in = _pull_in(run, case)
+    return Start(
+        outcome=_outcome(run, case, linear, pull_in, fine.end),
+        peaks=peaks,
+        trajectory=run.trajectory,
+        turning_points=tuple(fine.turning[i] for i in output if i >= 0),
+        coarse_turning_points=tuple(coarse.turning[i] for i in output if i >= 0),
+        output_of_element=output,
+        runup=linear.runup,
+        step=0.5 * step,
+        halvings=halvings,
+        estimated_error=error,
+        truncation_error=truncation,
+        kept_modes=len(model.pieces.basis.closed_omega),
+        method="exponential",
+        met_tolerance=met,
+        uncoupled_dampers=setup.uncoupled_dampers,
+        contacts=contact_records(model, run, fine.end),
+        bearing_forces=bearing_forces(train, run),
+        pull_in=pull_in,
+        sensitivity=sensitivity,
+        forces=force_histories(train, run),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Setup:
+    """What a run is made from."""
+
+    model: EventModel
+    script: Script
+    step: float
+    truncation: Floats
+    settled: Settled | None
+    uncoupled_dampers: tuple[str, ...]
+
+
+def _start(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    effects: StartEffects,
+    linear: Start,
+    tolerance: float,
+) -> _Setup:
+    """A start with its motors."""
+    settings = settings_of(case)
+    motors, loads = motors_of(case, train), loads_of(case, train)
+    synchronous = case.ratings.synchronous_speed
+    assert synchronous is not None
+    assert linear.runup is not None
+    script = _script(case, effects, settings, synchronous, linear)
+    waited = linear.runup
+    switched = [v for v in (script.field_speed, script.trip_speed) if v is not None]
+    if switched:
+        waited = rigid_runup(train, motors, loads, min(min(switched), synchronous))
+        script = replace(script, waiting_time=run_length(waited) + LONGEST_SLIP_CYCLE)
+    plain = start_model(
+        case,
+        train,
+        modes,
+        damping,
+        motors,
+        loads,
+        DROPPED * tolerance,
+        script.maximum_time,
+        effects,
+    )
+    model = _event_model(case, train, modes, plain, effects, linear, tolerance)
+    step = min(
+        linear.step * 2.0 ** (linear.halvings + 1), COARSEST_EVENT_ANGLE / plain.pulsation_omega
+    )
+    judge = _settled_judge(case, waited, motors[0].pole_pairs, synchronous)
+    return _Setup(model, script, step, plain.truncation, judge, plain.uncoupled_dampers)
+
+
+def _prescribed(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    effects: StartEffects,
+    linear: Start,
+    tolerance: float,
+) -> _Setup:
+    """Prescribed torques alone: every mode is kept, and followed where it rings."""
+    torques = prescribed_torques(case, train)
+    stations = sorted({p.station for p in torques})
+    keep = np.ones(modes.n_modes, dtype=np.bool_)
+    flanks = [f for f in clearances_of(train) if train.elements[f.element] in effects.clearances]
+    stated = stated_damping(case, modes)
+    basis = piece_basis(train, modes, flanks, keep, stated, case.damping_ratio or 0.0)
+    rows = np.flatnonzero(train.viscous > 0.0)
+    nodes = np.flatnonzero(train.node_damping > 0.0)
+    places = ForcePlaces(
+        np.concatenate([stations, nodes]).astype(np.int64),
+        rows,
+        len(stations),
+        np.concatenate([train.node_damping[nodes], train.viscous[rows]]),
+    )
+    mean = basis.vectors[train.node_dof[0]] * train.node_scale[0] / train.speed_ratio[0]
+    pieces = Pieces(basis, places, mean, _scale(train, linear))
+    n = places.n_forces
+    step = linear.step * 2.0 ** (linear.halvings + 1)
+    model = EventModel(
+        pieces=pieces,
+        curves=(np.zeros((0, 1)), np.zeros((0, 1, 4)), np.zeros(0, dtype=np.int64)),
+        motors=no_motors(),
+        loads=(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)),
+        timed=torque_tables(torques, stations),
+        damper_force=np.arange(len(stations), n + 2 * len(flanks)),
+        electrical=electrical_arrays((), case),
+        phase=np.zeros(0),
+        sampled=COARSEST_EVENT_ANGLE / step,
+        limited=effects.contact_law == CONTACT_LAWS[0],
+        visible=FADED * tolerance,
+    )
+    script = Script(maximum_time=linear.outcome.time)
+    return _Setup(model, script, step, np.zeros(len(pieces.output_element)), None, ())
+
+
+def _script(
+    case: CaseData,
+    effects: StartEffects,
+    settings: StartSettings,
+    synchronous: float,
+    linear: Start,
+) -> Script:
+    """What the run waits for."""
+    longest = settings.maximum_time or LONGEST_START
+    end_speed: float | None = settings.end_speed
+    field_speed = trip_speed = None
+    if effects.pull_in:
+        if case.field_slip is None or case.pull_out_torque is None:
+            raise ModelError("Pull-in needs FieldSlip and PullOutTorque.")
+        field_speed, end_speed = (1.0 - case.field_slip) * synchronous, None
+    if effects.aborted_start:
+        if case.trip_speed is None:
+            raise ModelError("An aborted start needs TripSpeed.")
+        trip_speed = case.trip_speed
+        if field_speed is None:
+            end_speed = None
+    if effects.full_length or effects.pull_in or effects.aborted_start:
+        maximum = longest
+    elif linear.outcome.outcome in ("reached", "time out"):
+        maximum = min(1.2 * linear.outcome.time + 1.0, longest)
+    else:  # where the plain start settled below its end speed, so does this one
+        maximum = linear.outcome.time
+    return Script(
+        maximum_time=maximum,
+        end_speed=end_speed,
+        field_speed=field_speed,
+        field_angle=case.field_angle,
+        trip_speed=trip_speed,
+        coast_end=COAST_END * synchronous,
+        coast_time=COAST_TIME,
+        look_every=LOOK_EVERY,
+    )
+
+
+def _event_model(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    plain: StartModel,
+    effects: StartEffects,
+    linear: Start,
+    tolerance: float,
+) -> EventModel:
+    """The arrays of a plain start with clearances in them."""
+    flanks = [f for f in clearances_of(train) if train.elements[f.element] in effects.clearances]
+    stated = stated_damping(case, modes)
+    basis = piece_basis(train, modes, flanks, plain.keep, stated, case.damping_ratio or 0.0)
+    first = int(plain.dampers[0][0]) if len(plain.dampers[0]) else len(plain.force_nodes)
+    places = ForcePlaces(plain.force_nodes, plain.damper_rows, first, plain.dampers[1])
+    mean = np.zeros(basis.vectors.shape[1])
+    mean[: len(plain.mean_speed)] = plain.mean_speed
+    pieces = Pieces(basis, places, mean, _scale(train, linear))
+    n = places.n_forces
+    return EventModel(
+        pieces=pieces,
+        curves=plain.curves,
+        motors=plain.motors,
+        loads=plain.loads,
+        timed=plain.timed,
+        damper_force=np.concatenate(
+            [np.arange(first, n), np.arange(n, n + 2 * len(flanks))]
+        ).astype(np.int64),
+        electrical=plain.electrical,
+        phase=plain.phase,
+        sampled=plain.pulsation_omega,
+        limited=effects.contact_law == CONTACT_LAWS[0],
+        visible=FADED * tolerance,
+    )
+
+
+def _scale(train: Train, linear: Start) -> Floats:
+    """Torque scale of each output: the largest torque of its element in the linear start."""
+    scale_of = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in linear.peaks}
+    elements = [*train.row_element[train.element_rows], *(m.element for m in train.rigid_meshes)]
+    scale = np.array([scale_of.get(train.elements[e], 0.0) for e in elements])
+    floor = NEGLIGIBLE * float(np.max(scale, initial=0.0))
+    return np.asarray(np.maximum(scale, floor if floor > 0.0 else 1.0))
+
+
+def _light(run: _Run) -> _Run:
+    """A run whose turning points are all that is still wanted."""
+    none = np.empty((0, 0))
+    thin = replace(run.events.trajectory, torque=none, torque_rate=none)
+    return replace(run, events=replace(run.events, trajectory=thin, phase=none, bearing=none))
+
+
+def _changed(model: EventModel) -> EventModel:
+    """The same with every torque of motors and loads greater by a billionth."""
+    knots, cubics, counts = model.curves
+    return replace(model, curves=(knots, cubics * (1.0 + TINY), counts))
+
+
+def _spread(train: Train, fine: _Run, other: _Run, output: Ints, tolerance: float) -> Sensitivity:
+    """Largest relative change of the peaks between two runs."""
+    none = np.zeros(len(fine.turning))
+    peaks = element_peaks(train, none, other.plain, fine.plain, output)
+    spread = 0.0
+    size = max((max(abs(p.maximum), abs(p.minimum)) for p in peaks), default=0.0)
+    judged = [int(i) for i in output if i >= 0]
+    for i in judged:
+        a, b = fine.turning[i][1], other.turning[i][1]
+        largest = max(float(np.max(np.abs(a))), NEGLIGIBLE * size, 1e-300)
+        change = max(abs(float(a.max() - b.max())), abs(float(a.min() - b.min())))
+        spread = max(spread, change / largest)
+    return Sensitivity(spread, spread > tolerance)
+
+
+def _outcome(
+    run: EventRun, case: CaseData, linear: Start, pull_in: PullIn | None, end: float
+) -> StartOutcome:
+    """Name the way the run ended."""
+    speed, synchronous = float(run.trajectory.mean_speed[-1]), case.ratings.synchronous_speed
+    if linear.runup is None or synchronous is None:
+        return replace(linear.outcome, end_speed=speed)
+    share, rpm = speed / synchronous, speed * 30.0 / math.pi
+    if run.trip_time is not None:
+        at = float(np.interp(run.trip_time, run.trajectory.time, run.trajectory.mean_speed))
+        text = (
+            f"Tripped at {at / synchronous:.1%} speed after {run.trip_time:.3f} s; coasted down to "
+            f"{share:.1%} speed ({rpm:.1f} rpm) until {end:.3f} s."
+        )
+        return StartOutcome("tripped", end, speed, text)
+    if pull_in is not None:
+        return pull_in_outcome(pull_in, end, speed, synchronous)
+    return outcome_of(linear.runup, settings_of(case), run.trajectory, end, synchronous)
+
+
+def pull_in_outcome(pull_in: PullIn, end: float, speed: float, synchronous: float) -> StartOutcome:
+    """Outcome of a run in which the field was applied.
+
+    Parameters
+    ----------
+    pull_in : PullIn
+        What came of it. [SI]
+    end, speed : float
+        End of the run and mean speed then. [s, rad/s]
+    synchronous : float
+        Synchronous speed of the reference shaft. [rad/s]
+
+    Returns
+    -------
+    StartOutcome
+        ``synchronised`` or ``not synchronised``. [mixed]
+    """
+    applied = (
+        f"field applied after {pull_in.field_time:.3f} s at a slip of {pull_in.field_slip:.2%}"
+    )
+    if not pull_in.synchronised:
+        text = (
+            f"Not synchronised: {applied}; {pull_in.pole_slips} pole slips until {end:.3f} s, when "
+            f"the train turned at {speed / synchronous:.2%} speed."
+        )
+        return StartOutcome("not synchronised", end, speed, text)
+    assert pull_in.load_angle is not None
+    assert pull_in.pull_in_time is not None
+    slips = f"{pull_in.pole_slips} pole slip{'' if pull_in.pole_slips == 1 else 's'}"
+    swing = "" if pull_in.swing_frequency is None else f", swing {pull_in.swing_frequency:.3g} Hz"
+    text = (
+        f"Synchronised: {applied}; in step from {pull_in.pull_in_time:.3f} s after {slips}, load "
+        f"angle {math.degrees(pull_in.load_angle):.1f} degrees{swing}."
+    )
+    return StartOutcome("synchronised", end, speed, text)
+
+
+def _settled_judge(
+    case: CaseData, runup: RigidRunup, pole_pairs: float, synchronous: float
+) -> Settled:
+    """Whether a motor with its field on has settled, in step or surely out of it."""
+    scale = voltage_factor(case)
+    period = swing_frequency_linear(
+        scale * (case.pull_out_torque or 0.0),
+        max(float(runup.load[-1]), 0.0),
+        runup.inertia,
+        pole_pairs,
+        float(runup.pulsating[-1]),
+    )
+    rise = 3.0 * (case.field_time_constant or 0.0)
+    target = (1.0 - (case.field_slip or 0.0)) * synchronous
+
+    def settled(time: Floats, phase: Floats, speed: Floats) -> bool:
+        slip, angle = 1.0 - speed / synchronous, 0.5 * phase
+        since = float(time[int(np.argmax(speed >= target * (1.0 - 1e-9)))])
+        if time[-1] - since < rise:
+            return False
+        if has_settled(time, angle, since + rise, 1.0 / period if period else 1.0):
+            return True
+        return has_failed(time, angle, slip, since + rise)
+
+    return settled
+
+
+def _pull_in(run: EventRun, case: CaseData) -> PullIn | None:
+    """What came of the field, if it was applied."""
+    synchronous = case.ratings.synchronous_speed
+    if run.field_time is None or synchronous is None:
+        return None
+    t, speed = run.trajectory.time, run.trajectory.mean_speed
+    slip = 1.0 - speed / synchronous
+    at = float(np.interp(run.field_time, t, slip))
+    return judge_pull_in(t, 0.5 * run.phase[0], slip, run.field_time, at)
