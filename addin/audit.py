@@ -12,6 +12,7 @@ from importlib import metadata
 from typing import Any
 
 from addin.version import product_version
+from engine.effects import EffectDecision
 from engine.results import Results
 
 __all__ = ["EQUATIONS", "Stamp", "audit_rows"]
@@ -112,6 +113,7 @@ def audit_rows(
         ("Libraries", _libraries()),
         *((f"Setting of the command line: {k}", str(v)) for k, v in overrides.items()),
         *_settings(results),
+        *_plans(results),
         *_accuracy(results),
         *((f"Time spent: {name}", f"{1e3 * s:.1f} ms") for name, s in results.spent),
         *((f"Warning {i}", text) for i, text in enumerate(warnings, start=1)),
@@ -144,6 +146,32 @@ def _settings(results: Results) -> Iterator[tuple[str, str]]:
         "Element torque in a start",
         "elastic torque, stiffness × twist; a rigid mesh by equilibrium",
     )
+
+
+def _plans(results: Results) -> Iterator[tuple[str, str]]:
+    """What was simulated and why; sheet `Effects` has each number."""
+    for plan in results.plans:
+        yield f"Plan {plan.number}", plan.reason
+    if not results.plans:
+        return
+    reported = results.plans[-1]
+    on = [d.effect for d in reported.decisions if d.on]
+    yield "Effects simulated", ", ".join(on) or "none"
+    left_out = [_left_out(d) for d in reported.decisions if not d.on]
+    yield "Effects left out, with bounds", "; ".join(left_out) or "none"
+    if reported.effects.clearances:
+        yield "Clearances modelled", ", ".join(reported.effects.clearances)
+        yield "Contact law", reported.effects.contact_law
+    if results.sensitivity is not None:
+        spread = f"a change of the input by 1e-9 changes a peak by {results.sensitivity.spread:.1e}"
+        yield "Sensitive", f"{'yes' if results.sensitivity.sensitive else 'no'}: {spread}"
+
+
+def _left_out(decision: EffectDecision) -> str:
+    if decision.bound is None:
+        return f"{decision.effect}: no bound known"
+    bound = "exact" if decision.bound == 0.0 else f"changes at most {decision.bound:.1e}"
+    return f"{decision.effect}: {bound}"
 
 
 def _accuracy(results: Results) -> Iterator[tuple[str, str]]:

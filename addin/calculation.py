@@ -12,7 +12,7 @@ from typing import Any
 from addin.audit import Stamp, audit_rows
 from addin.run_view import RunView, view_of
 from engine.case import Case
-from engine.report import modal_details
+from engine.report import modal_details, plan_details
 from engine.results import Results
 from engine.run import run
 
@@ -42,7 +42,7 @@ class Calculation:
     outcome : str
         How the run ended. [word]
     details : mapping
-        Energy shares, nodes and damped eigenvalues, for the JSON. [SI]
+        Energy shares, nodes, damped eigenvalues, plans and sensitivity, for the JSON. [SI]
     stamp : Stamp
         Version and date. [text]
     """
@@ -107,6 +107,6 @@ def calculate(
         view=view,
         warnings=warnings,
         outcome=results.outcome,
-        details=modal_details(results),
+        details=modal_details(results) | plan_details(results),
         stamp=stamp,
     )

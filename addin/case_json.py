@@ -26,7 +26,6 @@ from addin.typed_case import (
     all_problems,
     to_case_data,
     told_as_typed,
-    unused_inputs,
     word_entry,
 )
 from addin.units import UnitError, UnitScale, parse_unit
@@ -278,10 +277,7 @@ class _Reading:
         return CaseInput(
             data=data,
             problems=tuple(_located(problem, self.typed) for problem in problems),
-            warnings=tuple(
-                f"Key {_path(table, None, column)}: entered, not used by this version."
-                for table, column in unused_inputs(self.typed)
-            ),
+            warnings=(),
             typed=self.typed,
         )
 

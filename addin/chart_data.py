@@ -28,8 +28,10 @@ __all__ = [
     "HISTORY_POINTS",
     "LABELS",
     "LINES",
+    "METHODS",
     "SHAPES",
     "ShownUnits",
+    "accuracy_block",
     "chart_blocks",
     "decimate",
     "governing_shaft",
@@ -41,10 +43,15 @@ Floats = NDArray[np.float64]
 
 #: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
 GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
+#: Methods whose error against time is drawn.
+METHODS = ("exponential", "newmark")
 #: Most rows of a drawn history: the least and the largest value of each of half as many intervals.
 HISTORY_POINTS = 1001
 #: Most points of a drawn curve that has no spikes.
-_CURVE_POINTS = 201
+_CURVE_POINTS = 401
+#: Periods of the 2 × slip frequency drawn on each side of the deepest reversal, and the shortest
+#: and the longest time. [1, s]
+_REVERSAL_PERIODS, _REVERSAL_TIMES = 8.0, (0.05, 0.6)
 _SN_POINTS = 200
 #: Title of a history chart without an element.
 _UNUSED = "unused: the train has no further element"
@@ -77,6 +84,10 @@ def _numbered(words: Sequence[str], count: int) -> tuple[str, ...]:
     return tuple(f"{word} {k}" for k in range(1, count + 1) for word in words)
 
 
+def _of_methods(words: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{method} {word}" for method in METHODS for word in words)
+
+
 #: Rows of `ChartLabels`, in this order: words that charts show and only a calculation knows.
 LABELS: tuple[str, ...] = (
     *_numbered(("Speed group",), GROUPS),
@@ -90,6 +101,8 @@ LABELS: tuple[str, ...] = (
     *_numbered(("History caption",), HISTORIES),
     "One start",
     "S-N line",
+    "Reversal title",
+    "Reversal axis",
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -136,6 +149,12 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "ChartHistory",
         _numbered(("Time", "Value"), HISTORIES),
         "Histories of the start: least and largest value of equal intervals of time.",
+    ),
+    ChartTable("ChartReversal", ("Time", "Torque"), "Torque around the deepest reversal."),
+    ChartTable(
+        "ChartAccuracy",
+        _of_methods(("peak name", "peak time", "peak", "starts name", "starts time", "starts")),
+        "Name, wall time in ms and error in % of each method.",
     ),
 )
 
@@ -195,6 +214,8 @@ def chart_blocks(
     }
     blocks["ChartInterference"], blocks["ChartNames"] = _interference_rows(case, run, labels)
     blocks["ChartHistory"] = _history_rows(case, run, units, chosen, labels)
+    blocks["ChartReversal"] = _reversal_rows(run, units, labels)
+    blocks["ChartAccuracy"] = accuracy_block(_table(run, "AccuracyCost"))
     _shape_labels(run, labels)
     blocks["ChartLabels"] = [[key, labels.get(key)] for key in LABELS]
     return {table.name: blocks[table.name] for table in CHART_TABLES}
@@ -207,6 +228,8 @@ def _waiting_labels() -> dict[str, Cell]:
         labels[f"History title {k}"] = f"History {k} (not calculated yet)"
         labels[f"History axis {k}"] = "Torque"
         labels[f"History caption {k}"] = "not calculated yet"
+    labels["Reversal title"] = "Torque around the deepest reversal (not calculated yet)"
+    labels["Reversal axis"] = "Torque"
     return labels | {f"Shape {k}": f"Mode {k}" for k in range(1, SHAPES + 1)}
 
 
@@ -444,6 +467,61 @@ def _history_rows(
         labels[f"History title {k + 1}"] = f"{name}: {words}"
         labels[f"History axis {k + 1}"] = axis
         labels[f"History caption {k + 1}"] = f"{name}: {words} {axis[axis.find('[') :]}"
+    return _side_by_side(columns)
+
+
+def _reversal_rows(run: RunView | None, units: ShownUnits, labels: dict[str, Cell]) -> Rows:
+    """Torque of the mesh or geared coupling with the least margin, around its least torque."""
+    if run is None:
+        return [[None, None]]
+    histories = run.histories or {}
+    judged = [r for r in _table(run, "TorqueReversals") if r["element"] in histories]
+    unit = units.name("TorqueReversals", "Minimum torque")
+    labels["Reversal axis"] = f"Torque [{unit}]"
+    if not judged:
+        labels["Reversal title"] = "Torque around the deepest reversal: no mesh, no geared coupling"
+        return [[None, None]]
+    worst = min(judged, key=_depth)
+    time, torque = histories[worst["element"]]
+    at, (shortest, longest) = float(time[np.argmin(torque)]), _REVERSAL_TIMES
+    slip = worst.get("slip_frequency") or 0.0
+    half = min(max(_REVERSAL_PERIODS / slip if slip > 0.0 else longest, shortest), longest)
+    near = (time >= at - half) & (time <= at + half)
+    time, torque = time[near], torque[near] / units.factor("TorqueReversals", "Minimum torque")
+    keep = decimate(time, torque)
+    labels["Reversal title"] = f"{worst['element']}: torque around its least value in the start"
+    return _side_by_side([_plain(time[keep]), _plain(torque[keep])])
+
+
+def _depth(reversal: Mapping[str, Any]) -> tuple[float, float]:
+    """Margin to reversal; of elements without one the least torque."""
+    margin = reversal.get("margin")
+    return (math.inf if margin is None else margin), reversal["minimum_torque"]
+
+
+def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:
+    """Rows of chart table `ChartAccuracy`.
+
+    Parameters
+    ----------
+    rows : iterable of mapping
+        Rows of `AccuracyCost`. [SI]
+
+    Returns
+    -------
+    list of rows
+        Name, wall time and error of each method, the shortest time first. [ms, %]
+    """
+    study = sorted((row for row in rows if row.get("time")), key=lambda row: float(row["time"]))
+    columns: list[Sequence[Cell]] = []
+    for method in METHODS:
+        of_method = [r for r in study if r["method"].split(" ")[0] == method]
+        name = of_method[0]["method"] if of_method else method
+        for error, words in (("error_peak", "peak torques"), ("error_starts", "allowable starts")):
+            columns.append([f"{name}: {words}"])
+            points = [r for r in of_method if (r.get(error) or 0.0) > 0.0]
+            columns.append(_plain(1e3 * r["time"] for r in points))
+            columns.append(_plain(100.0 * r[error] for r in points))
     return _side_by_side(columns)
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from .chart_data import CROSSINGS, GROUPS, LABELS, LINES, SHAPES
+from .chart_data import CROSSINGS, GROUPS, LABELS, LINES, METHODS, SHAPES
 from .template_styles import FONT, PALETTE, SPEED_GROUPS
 
 __all__ = ["CHARTS", "Place", "Places", "make_chart"]
@@ -209,7 +209,7 @@ def _speed_time(workbook: Any, places: Places, _: int) -> Any:
                 "data_labels": {
                     "series_name": True,
                     "value": False,
-                    "position": "left",
+                    "position": "right",
                     "font": _font(8, color=PALETTE["rust"]),
                 },
             }
@@ -365,6 +365,38 @@ def _history(workbook: Any, places: Places, number: int) -> Any:
     return chart
 
 
+def _reversal(workbook: Any, places: Places, _: int) -> Any:
+    """Torque of the worst mesh around its deepest moment: teeth part where it touches zero."""
+    chart = workbook.add_chart({"type": "scatter", "subtype": "straight"})
+    title = places.label("Reversal title")
+    chart.add_series(
+        _xy(places, "ChartReversal", "Time", "Torque", title, line=_line("navy", 1.25))
+    )
+    _title(chart, title)
+    chart.set_x_axis(_axis("Time [s]", num_format="0.00", label_position="low"))
+    chart.set_y_axis(_axis(places.label("Reversal axis"), num_format="#,##0"))
+    chart.set_legend({"none": True})
+    return chart
+
+
+def _accuracy(workbook: Any, places: Places, _: int) -> Any:
+    """Error against wall time on logarithmic axes: what ten times better costs."""
+    chart = workbook.add_chart({"type": "scatter", "subtype": "straight_with_markers"})
+    for method, colour in zip(METHODS, ("navy", "rust"), strict=True):
+        for error, dash, marker in (("peak", "solid", "circle"), ("starts", "dash", "diamond")):
+            x, y = f"{method} {error} time", f"{method} {error}"
+            name = places.cell("ChartAccuracy", f"{method} {error} name", 0)[:3]
+            series = _xy(places, "ChartAccuracy", x, y, "", line=_line(colour, 1.5, dash))
+            chart.add_series(series | {"name": name, "marker": _dot(colour, marker, 6)})
+    _title(chart, "Error against wall time")
+    chart.set_x_axis(_axis("Wall time [ms]", log_base=10, num_format="General", crossing="min"))
+    chart.set_y_axis(
+        _axis("Error [%]", log_base=10, num_format="0E+0", crossing="min", label_position="low")
+    )
+    _legend(chart)
+    return chart
+
+
 #: Charts by name; a name may be followed by a number.
 CHARTS: Mapping[str, Callable[[Any, Places, int], Any]] = {
     "train": _train,
@@ -386,4 +418,6 @@ CHARTS: Mapping[str, Callable[[Any, Places, int], Any]] = {
     "shapes": _shapes,
     "interference": _interference,
     "history": _history,
+    "reversal": _reversal,
+    "accuracy": _accuracy,
 }

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from addin.problems import CellProblem
     from addin.recalc import Recalculated
+    from engine.accuracy import AccuracyStudy
 
 __all__ = ["DONE", "INTERNAL", "WRONG_INPUT", "app", "main"]
 
@@ -78,18 +79,21 @@ def new(
     units: Annotated[str, typer.Option(help="Units of the blank template: us or si.")] = "us",
     example: Annotated[
         str | None,
-        typer.Option(help="Instead of a blank template, the paper's case: proposed or modified."),
+        typer.Option(
+            help="Instead of a blank template a filled one: the paper's case proposed or modified, "
+            "or backlash, the proposed one with gear clearance, bearings and pull-in."
+        ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> None:
-    """Make a workbook to fill in, or one of the two filled examples."""
+    """Make a workbook to fill in, or one of the filled examples."""
     import shutil
 
     from addin.recalc import of_file
     from addin.template_files import template_path
 
     if example is not None:
-        _choice("--example", example, ("proposed", "modified"))
+        _choice("--example", example, ("proposed", "modified", "backlash"))
     _choice("--units", units, ("us", "si"))
     name = f"example_{example}.xlsx" if example else f"blank_{units}.xlsx"
     if file.suffix.lower() != ".xlsx":
@@ -203,6 +207,60 @@ def export(
     except OSError as wrong:
         raise _Wrong(of_file(case, wrong).message) from wrong
     typer.echo(f"{case} is written.")
+
+
+@app.command()
+def accuracy(
+    file: Annotated[Path, typer.Argument(help="Workbook or case JSON.", show_default=False)],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the result; default beside the input.")
+    ] = None,
+    in_place: Annotated[
+        bool, typer.Option("--in-place", help="Write into the workbook itself; keeps a .bak copy.")
+    ] = False,
+    json: Annotated[
+        Path | None, typer.Option(help="Also write the study as JSON: a file or a folder.")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Time each setting once instead of five times.")
+    ] = False,
+    ignore_lock: Annotated[
+        bool, typer.Option("--ignore-lock", help="Go on although a lock file is there.")
+    ] = False,
+) -> None:
+    """Show what accuracy costs in time: error against wall time of this very case.
+
+    Calculates the start by both methods at several tolerances, compares with a reference a hundred
+    times finer, and writes sheet Accuracy; no other result is touched.
+
+    Example: `torsionbook accuracy train.xlsx` writes train.accuracy.xlsx.
+    """
+    from addin.accuracy import QUICK_ROUNDS, ROUNDS, study
+
+    if out is not None and in_place:
+        raise typer.BadParameter("--out and --in-place exclude each other.")
+    destination = None if out is None else out / file.name
+    if json is not None and json.is_dir():
+        json = json / f"{file.stem}.accuracy.json"
+    _refuse_clashes([file], [(destination, json)], in_place)
+    with _progress() as tell:
+        done = study(
+            file,
+            destination=destination,
+            in_place=in_place,
+            json_file=json,
+            rounds=QUICK_ROUNDS if quick else ROUNDS,
+            ignore_lock=ignore_lock,
+            on_stage=lambda stage: tell(f"{file.name}: {stage}"),
+        )
+    for sentence in done.warnings:
+        typer.echo(f"{file}: note: {sentence}", err=True)
+    if done.found is None:
+        _list_problems(file, done.problems)
+        raise typer.Exit(WRONG_INPUT)
+    _show_study(done.found)
+    for path in done.written:
+        typer.echo(f"written: {path}")
 
 
 @app.command()
@@ -368,6 +426,27 @@ def _summary(done: Sequence[Recalculated]) -> None:
     for one in shown:
         for path in one.written:
             typer.echo(f"written: {path}")
+
+
+def _show_study(found: AccuracyStudy) -> None:
+    """Table and sentences of an accuracy study."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(show_edge=False, pad_edge=False)
+    for header in ("Method", "Setting"):
+        table.add_column(header, no_wrap=True)
+    for header in ("Error peak (%)", "Error starts (%)", "Time (ms)"):
+        table.add_column(header, justify="right")
+    for row in found.rows:
+        errors = [
+            "–" if e is None else f"{100.0 * e:.2g}" for e in (row.error_peak, row.error_starts)
+        ]
+        took = "–" if row.time is None else f"{1e3 * row.time:.3g}"
+        table.add_row(row.method, str(row.setting), *errors, took)
+    Console(width=max(Console().width, TABLE_WIDTH)).print(table)
+    typer.echo(found.sentence)
+    typer.echo(f"Reference: {found.reference}")
 
 
 def _summary_cells(one: Recalculated) -> list[str]:

@@ -13,6 +13,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from engine.effects import CHOICES, CONTACT_LAWS, EFFECTS
+
 __all__ = [
     "DIMENSIONS",
     "Dimension",
@@ -112,6 +114,7 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
         ),
         "angle": Dimension("rad", "deg", "deg", ("deg", "rad")),
         "time": Dimension("s", "s", "s", ("s", "ms", "min")),
+        "calculation time": Dimension("s", "ms", "ms", ("ms", "s", "min")),
         "frequency": Dimension("Hz", "Hz", "Hz", ("Hz", "cpm")),
         "cycles per minute": Dimension("cpm", "cpm", "cpm", ("cpm",)),
         "speed": Dimension("rad/s", "rpm", "rpm", ("rpm", "rad/s", "Hz")),
@@ -124,6 +127,10 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
             "N/m", "lbf/in", "N/m", ("lbf/in", "kip/in", "N/m", "N/um", "N/mm")
         ),
         "linear damping": Dimension("N*s/m", "lbf*s/in", "N*s/m", ("lbf*s/in", "N*s/m", "N*s/mm")),
+        "force": Dimension("N", "lbf", "kN", ("lbf", "kip", "N", "kN")),
+        "approach speed": Dimension("m/s", "in/s", "m/s", ("in/s", "ft/s", "mm/s", "m/s")),
+        "angular approach speed": Dimension("rad/s", "rad/s", "rad/s", ("rad/s", "deg/s")),
+        "deciding number": Dimension(),
     }
 )
 
@@ -156,8 +163,6 @@ class Field:
         One sentence for the input prompt. [sentence]
     group : str
         Block of sheet `Case` the scalar stands in; empty for columns. [name]
-    used : bool
-        False while no calculation of this version reads it. [flag]
     """
 
     name: str
@@ -171,7 +176,6 @@ class Field:
     default_text: str
     help: str
     group: str = ""
-    used: bool = True
 
     @property
     def attribute(self) -> str:
@@ -218,6 +222,9 @@ class TableSpec:
         Column repeated after `columns`, its name ending in 1, 2, ... (mode shapes). [field]
     json_only : tuple of str
         Keys a JSON row may have beside the columns. [names]
+    states : str
+        Column without which a row of a workbook states nothing and is passed over, such as rows
+        shipped with names alone; empty = every filled row counts. [name]
     """
 
     name: str
@@ -229,6 +236,7 @@ class TableSpec:
     extra_columns: tuple[Field, ...] = ()
     repeated: Field | None = None
     json_only: tuple[str, ...] = ()
+    states: str = ""
 
     def column(self, name: str) -> Field:
         """The contract column of a header.
@@ -277,7 +285,6 @@ def _number(
     si: str = "",
     kind: str = "number",
     group: str = "",
-    used: bool = True,
 ) -> Field:
     """A number; `us` and `si` replace the units the templates show."""
     usual = DIMENSIONS[dimension]
@@ -293,7 +300,6 @@ def _number(
         default_text=blank,
         help=help,
         group=group,
-        used=used,
     )
 
 
@@ -310,7 +316,6 @@ def _text(
     choices: tuple[str, ...] = (),
     blank: str = "",
     group: str = "",
-    used: bool = True,
 ) -> Field:
     """Words: free text, a choice, or the name of a station, element or material."""
     return Field(
@@ -325,7 +330,6 @@ def _text(
         default_text=blank,
         help=help,
         group=group,
-        used=used,
     )
 
 
@@ -336,10 +340,9 @@ def _choice(
     *,
     blank: str = "",
     group: str = "",
-    used: bool = True,
 ) -> Field:
     """A word from a short list."""
-    return _text(name, help, kind="choice", choices=choices, blank=blank, group=group, used=used)
+    return _text(name, help, kind="choice", choices=choices, blank=blank, group=group)
 
 
 def _table(
@@ -513,57 +516,75 @@ SCALARS: tuple[Field, ...] = (
         blank="no",
         group=_METHOD,
     ),
+    _choice(
+        "ContactLaw",
+        CONTACT_LAWS,
+        "Damping while teeth touch: it never pulls and never exceeds the spring force (limited), or "
+        "it only never pulls (no adhesion).",
+        blank=CONTACT_LAWS[0],
+        group=_EFFECTS,
+    ),
     _number(
         "ShockAmplitude",
         "torque",
-        "Amplitude of the torque transient at breaker closing.",
+        "Electrical transient at breaker closing: a torque of line frequency that begins with this "
+        "amplitude and decays.",
+        blank="no transient",
         us="pu",
         si="pu",
         group=_EFFECTS,
-        used=False,
     ),
     _number(
         "ShockTimeConstant",
         "time",
-        "Time constant of the transient at breaker closing.",
+        "Time in which the transient at breaker closing decays to 37 %.",
         group=_EFFECTS,
-        used=False,
     ),
     _number(
-        "FieldSlip", "fraction", "Slip at which the field is applied.", group=_EFFECTS, used=False
+        "FieldSlip",
+        "fraction",
+        "Slip at which the field is applied; with PullOutTorque it calls for pull-in.",
+        blank="no field, the start ends at EndSpeed",
+        group=_EFFECTS,
     ),
-    _number("FieldTimeConstant", "time", "Time constant of the field.", group=_EFFECTS, used=False),
+    _number(
+        "FieldTimeConstant",
+        "time",
+        "Time constant with which the synchronising torque builds up after the field is applied.",
+        blank="at once",
+        group=_EFFECTS,
+    ),
     _number(
         "FieldAngle",
         "angle",
-        "Electrical angle at which the field is applied.",
+        "Load angle at which the field is applied once the slip has fallen to FieldSlip.",
+        blank="as soon as the slip is reached",
         group=_EFFECTS,
-        used=False,
     ),
     _number(
         "PullOutTorque",
         "torque",
-        "Pull-out torque in synchronism.",
+        "Synchronising torque at a load angle of 90 degrees with full field.",
         us="pu",
         si="pu",
         group=_EFFECTS,
-        used=False,
     ),
     _number(
         "PullInDamping",
         "torsional damping",
-        "Damping by the cage near synchronism.",
+        "Damper torque over slip speed after the field is applied, instead of the Average curve.",
+        blank="the Average curve",
         group=_EFFECTS,
-        used=False,
     ),
     _number(
         "TripSpeed",
         "running speed",
-        "Speed at which the start is aborted; % means of synchronous speed.",
+        "Speed at which the motor is tripped and the train coasts down; % means of synchronous "
+        "speed.",
+        blank="no trip",
         us="%",
         si="%",
         group=_EFFECTS,
-        used=False,
     ),
 )
 
@@ -677,38 +698,54 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             "Mesh damping along the line of action.",
             blank="Damping of table Elements",
         ),
-        _number("Backlash", "length", "Normal backlash, the total gap.", used=False),
+        _number(
+            "Backlash",
+            "length",
+            "Normal backlash: the total gap between both flanks, square to them; needs a finite mesh "
+            "stiffness.",
+            blank="teeth always touch",
+        ),
         _number(
             "Angular backlash",
             "angle",
-            "Total angular clearance of a geared coupling.",
-            used=False,
+            "Total angular clearance of a geared coupling, or of a spring to ground that is a stop.",
+            blank="none",
         ),
-        _number("Mass drive", "mass", "Mass of the gear on the From side.", used=False),
-        _number("Mass driven", "mass", "Mass of the gear on the To side.", used=False),
+        _number(
+            "Mass drive",
+            "mass",
+            "Mass of the gear on the From side, where it moves on its bearings.",
+            blank="gear does not move sideways",
+        ),
+        _number(
+            "Mass driven",
+            "mass",
+            "Mass of the gear on the To side, where it moves on its bearings.",
+            blank="gear does not move sideways",
+        ),
         _number(
             "Bearing stiffness drive",
             "linear stiffness",
-            "Bearing stiffness on the From side.",
-            used=False,
+            "Stiffness of the From gear's bearings together, the same in all radial directions.",
+            blank="rigid",
         ),
         _number(
             "Bearing stiffness driven",
             "linear stiffness",
-            "Bearing stiffness on the To side.",
-            used=False,
+            "Stiffness of the To gear's bearings together, the same in all radial directions.",
+            blank="rigid",
         ),
         _number(
             "Bearing damping drive",
             "linear damping",
-            "Bearing damping on the From side.",
-            used=False,
+            "Damping of the From gear's bearings together.",
+            blank="0",
         ),
         _number(
             "Bearing damping driven",
             "linear damping",
-            "Bearing damping on the To side.",
-            used=False,
+            "Damping of the To gear's bearings together.",
+            blank="0",
         ),
         _choice(
             "Gear type",
@@ -826,10 +863,16 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     _table(
         "EffectChoices",
         "Case",
-        8,
-        "Effects forced on or off; auto lets the plan decide.",
-        _text("Effect", "Name of the effect."),
-        _choice("Choice", ("auto", "on", "off"), "auto, on or off.", blank="auto", used=False),
+        len(EFFECTS),
+        "Effects forced on or off; the plan decides of the others.",
+        _choice("Effect", tuple(EFFECTS), "Name of the effect."),
+        _choice(
+            "Choice",
+            CHOICES,
+            "on and off force the effect; auto lets the plan decide.",
+            blank="auto: the row states nothing",
+        ),
+        states="Choice",
     ),
 )
 
@@ -969,6 +1012,61 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         json_only=("unlimited", "starts_low", "starts_high"),
     ),
     _table(
+        "TorqueReversals",
+        "Reversals",
+        1,
+        "Each gear mesh and geared coupling in the start, at its From side.",
+        _text("Element", "Gear mesh or geared coupling.", kind="element"),
+        _number("Minimum torque", "torque", "Least torque in the start.", us="lbf*ft"),
+        _integer("Reversals", "How often the torque falls below zero, by the hysteresis below."),
+        _number("Time unloaded", "time", "Total time of reversed torque, or without contact."),
+        _integer("Impacts", "How often teeth meet again; blank where no clearance is modelled."),
+        _number("Recontact speed", "approach speed", "Largest approach speed of the flanks."),
+        _number("Tooth force", "force", "Largest normal tooth force."),
+        _number("Longest reversal", "time", "Longest single reversal."),
+        _number("First time", "time", "When the torque first falls below zero."),
+        _number("Slip frequency", "frequency", "2 × slip frequency at the least torque."),
+        _number("Transmitted torque", "torque", "Torque in continuous operation.", us="lbf*ft"),
+        _number("Margin", "fraction", "Least torque over the transmitted torque; < 0 reverses."),
+        _number("Limit", "torque", "The maker's Reversal limit of table Elements.", us="lbf*ft"),
+        _text("Verdict", "pass, fail or not judged."),
+        _number(
+            "Recontact speed angular",
+            "angular approach speed",
+            "The recontact speed as relative angular speed of the From side.",
+        ),
+        _text("Model", "linear, or clearance where the teeth may part."),
+        _text("Note", "What was found, in words."),
+        extra_columns=(
+            _number("Margin check", "fraction", "Live formula: minimum / transmitted torque."),
+        ),
+    ),
+    _table(
+        "Effects",
+        "Effects",
+        len(EFFECTS),
+        "What was simulated and what was left out, each with the number that decided it.",
+        _text("Effect", "What may be simulated."),
+        _text("Choice", "What was chosen in EffectChoices: auto, on or off."),
+        _text("On", "Whether it was simulated.", kind="flag"),
+        _number("Deciding number", "deciding number", "The number that decided."),
+        _number("Limit", "deciding number", "What it was compared with."),
+        _number("Bound", "fraction", "Most that leaving it out changes an answer; 0 = exact."),
+        _number("Time", "calculation time", "What it cost, or would have cost when on."),
+        _text("Why", "The decision in words."),
+    ),
+    _table(
+        "AccuracyCost",
+        "Accuracy",
+        1,
+        "Error against wall time of this case on this machine.",
+        _text("Method", "Method of the time integration, or the analysis."),
+        _text("Setting", "Wanted tolerance or step."),
+        _number("Error peak", "fraction", "Error of the peak torques."),
+        _number("Error starts", "fraction", "Error of the allowable starts."),
+        _number("Time", "calculation time", "Wall time, in a study the median of repeats."),
+    ),
+    _table(
         "Audit",
         "Audit",
         1,
@@ -990,6 +1088,24 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
         _number("Cycles to failure", "count", "N at this amplitude on the S-N line."),
         _number("Damage", "count", "n / N as calculated."),
         extra_columns=(_number("Damage check", "count", "Live formula: n / N."),),
+    ),
+    _table(
+        "BearingForces",
+        "Reversals",
+        1,
+        "Largest radial force of each gear that moves on its bearings, without weight.",
+        _text("Station", "The gear.", kind="station"),
+        _number("Force", "force", "Largest vibratory and transmitted force together."),
+        _number("Time", "time", "When."),
+    ),
+    _table(
+        "Plans",
+        "Effects",
+        1,
+        "The last plan is the one whose results are shown; a run that proves a plan wrong makes a "
+        "new one.",
+        _integer("Plan", "Counted from 1."),
+        _text("Reason", "Why it was made."),
     ),
 )
 

@@ -148,12 +148,39 @@ _JSON_ONLY: dict[str, dict[str, Any]] = {
 
 
 def _startup() -> dict[str, Any]:
-    outcomes = ["reached", "asynchronous", "stalled", "no breakaway", "time out", "completed"]
+    outcomes = [
+        "reached",
+        "synchronised",
+        "not synchronised",
+        "tripped",
+        "asynchronous",
+        "stalled",
+        "no breakaway",
+        "time out",
+        "completed",
+    ]
+    number = {"type": "number"}
+    pull_in = {
+        "field_time": {"description": "When the field was applied. [s]", **number},
+        "field_slip": {"description": "The slip then. [1]", **number},
+        "synchronised": {"description": "In step at the end of the run.", "type": "boolean"},
+        "pole_slips": {"description": "Full turns of the load angle.", "type": "integer"},
+        "pull_in_time": {"description": "When it came into step for good. [s]", **number},
+        "load_angle": {"description": "Mean load angle at the end. [rad]", **number},
+        "swing_frequency": {"description": "Frequency of the swing after it. [Hz]", **number},
+    }
+    force = {
+        "station": {"description": "The gear.", "type": "string"},
+        "force": {"description": "Largest radial force of its bearings. [N]", **number},
+        "time": {"description": "When. [s]", **number},
+    }
     return _object(
         {
             "outcome": {"description": "How the start ended.", "enum": outcomes},
             "time": {"description": "When it ended. [s]", "type": "number"},
             "end_speed": {"description": "Speed at the end. [rad/s]", "type": "number"},
+            "pull_in": _object(pull_in),
+            "bearing_forces": {"type": "array", "items": _object(force)},
         }
     )
 
@@ -169,6 +196,14 @@ def _details() -> dict[str, Any]:
             "frequency": {"description": "Natural frequency. [Hz]", "type": "number"},
             "strain_energy": {"description": "Share of each element. [1]", **shares},
             "kinetic_energy": {"description": "Share of each station. [1]", **shares},
+            "bearing_strain_energy": {
+                "description": "Share of the bearings of each gear that moves on them. [1]",
+                **shares,
+            },
+            "sideways_kinetic_energy": {
+                "description": "Share of the sideways motion of each such gear. [1]",
+                **shares,
+            },
             "nodes": {
                 "description": "Where the mode stands still; position from the From end. [1]",
                 "type": "array",
@@ -177,7 +212,20 @@ def _details() -> dict[str, Any]:
         }
     )
     value = _object({"real": number, "imaginary": number})
+    plan = _object({"number": {"type": "integer"}, "reason": {"type": "string"}})
+    sensitivity = {
+        "spread": {"description": "Largest change of a peak under 1e-9 of the input. [1]"} | number,
+        "sensitive": {"description": "Whether it exceeds the tolerance.", "type": "boolean"},
+    }
+    text = {"type": "string"}
     return {
+        "plans": {
+            "description": "The plans in order; the last one is reported.",
+            "type": "array",
+            "items": plan,
+        },
+        "sensitivity": _object(sensitivity),
+        "accuracy": _object({"sentence": text, "reference": text}),
         "modes": {"description": "Elastic modes in detail.", "type": "array", "items": mode},
         "damped_eigenvalues": {
             "description": "Where dampers couple the modes. [1/s]",

@@ -6,10 +6,12 @@ import math
 from collections.abc import Mapping
 
 from addin.fields import Field, TableSpec
+from engine.effects import EFFECTS
 
 __all__ = [
     "CHECK_FORMULAS",
     "CROSSING_ROWS",
+    "ROOMS",
     "NOTES_WIDTH",
     "RUN_FACTS",
     "SHAPE_COLUMNS",
@@ -28,6 +30,9 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("Verdicts", "Where"): 46.0,
     ("StartupCrossings", "Note"): 52.0,
     ("Audit", "Value"): 110.0,
+    ("TorqueReversals", "Note"): 48.0,
+    ("Effects", "Why"): 96.0,
+    ("Plans", "Reason"): 96.0,
 }
 
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
@@ -35,6 +40,14 @@ WHOLE_STARTS = 1e-9
 
 #: Rows kept free for the crossings of the start; what stands below them begins there.
 CROSSING_ROWS = 8
+
+#: Rows kept free for tables with something below them; what does not fit is in the JSON only.
+ROOMS: Mapping[str, int] = {
+    "StartupCrossings": CROSSING_ROWS,
+    "TorqueReversals": 8,
+    "BearingForces": 13,
+    "Effects": len(EFFECTS),
+}
 
 #: Width of the text column of sheet `Notes`. [characters]
 NOTES_WIDTH = 122.0
@@ -57,6 +70,12 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_GoverningShaft", "Shaft that table StartCycles belongs to"),
     ("run_SNExponent", "Its S-N exponent k at the endurance limit"),
     ("run_Endurance", "Its endurance limit in torsion, unit of StartCycles[Amplitude]"),
+    ("run_NmPerMinimum", "N m per unit of TorqueReversals[Minimum torque]"),
+    ("run_NmPerTransmitted", "N m per unit of TorqueReversals[Transmitted torque]"),
+    ("run_ContactLaw", "Damping law of teeth in contact"),
+    ("run_AccuracySentence", "What the wanted accuracy costs"),
+    ("run_AccuracyReference", "What the errors on sheet Accuracy are measured against"),
+    ("run_AccuracyInputs", "Which inputs sheet Accuracy belongs to"),
 )
 
 
@@ -75,6 +94,7 @@ def _check_formulas() -> dict[tuple[str, str], str]:
         f"INDEX(Elements[Material],MATCH({_row('SteadyState', 'Element')},Elements[Element],0))"
     )
     damage = f"N({_row('AllowableStarts', 'Damage')})"
+    transmitted = f"({_row('TorqueReversals', 'Transmitted torque')}*run_NmPerTransmitted)"
     return {
         ("NaturalFrequencies", "Percent speed check"): (
             f"=IF(AND({frequency}>0,{frequency}<2*N(run_LineFrequency)),"
@@ -87,6 +107,11 @@ def _check_formulas() -> dict[tuple[str, str], str]:
             f"=IFERROR(IF(INDEX(Materials[UTS],MATCH({material},Materials[Material],0))>0,"
             f"INDEX(Materials[UTS],MATCH({material},Materials[Material],0))"
             '*run_PaPerUTS/25/run_PaPerAllowable,""),"")'
+        ),
+        ("TorqueReversals", "Margin check"): (
+            f"=IF(N({_row('TorqueReversals', 'Transmitted torque')})<>0,IFERROR("
+            f"100*{_row('TorqueReversals', 'Minimum torque')}*run_NmPerMinimum/{transmitted},"
+            '""),"")'
         ),
         ("StartCycles", "Damage check"): (
             f"=IF(N({_row('StartCycles', 'Cycles to failure')})>0,"

@@ -45,7 +45,6 @@ from addin.typed_case import (
     all_problems,
     to_case_data,
     told_as_typed,
-    unused_inputs,
     word_entry,
 )
 from addin.units import UnitError, UnitScale, parse_unit
@@ -54,7 +53,7 @@ from engine.errors import Problem
 __all__ = ["Locations", "WorkbookInput", "read_workbook"]
 
 #: Names this product has beyond the contract; a workbook without them reads as blank there.
-_OPTIONAL = frozenset({"RainflowResidue", "Gear type"})
+_OPTIONAL = frozenset({"RainflowResidue", "Gear type", "ContactLaw"})
 
 
 @dataclass
@@ -212,7 +211,6 @@ class _Reading:
             self._read_scalar(spec)
         for table in INPUT_TABLES:
             self._read_table(table)
-        self._warn_of_unused()
         data = to_case_data(self.typed, self.findings)
         problems = all_problems(data, self.findings)
         return WorkbookInput(
@@ -364,6 +362,8 @@ class _Reading:
                 cell = self.sheets.cell(table.sheet, row, at)
                 if not cell.is_blank:
                     lines.setdefault(row, {})[columns[at].name] = cell
+        if spec.states:
+            lines = {row: line for row, line in lines.items() if spec.states in line}
         self.locations.rows[spec.name] = [row - table.data.top + 1 for row in lines]
         entries: list[dict[str, Entry]] = [{} for _ in lines]
         self.typed.tables[spec.name] = entries
@@ -507,16 +507,6 @@ class _Reading:
                 f"{below.top} of the sheet) is not part of it and is not read. Drag the corner of "
                 "the table down if it belongs to it."
             )
-
-    def _warn_of_unused(self) -> None:
-        """Inputs that are filled in and that no calculation of this version reads."""
-        for table, column in unused_inputs(self.typed):
-            if table == SCALAR_TABLE:
-                sheet, cell = self.locations.scalars[column]
-                place = f"Sheet {sheet}, {column} (cell {cell})"
-            else:
-                place = f"Sheet {self.locations.tables[table].sheet}, table {table}, {column}"
-            self.warnings.append(f"{place}: entered, not used by this version.")
 
 
 # --- the sheets of a workbook ---------------------------------------------------------------------

@@ -21,11 +21,15 @@ if TYPE_CHECKING:
     from addin.calculation import Calculation
     from addin.package import Workbook
     from addin.typed_case import CaseInput
+    from engine.errors import CaseError, ModelError
 
 __all__ = [
     "Recalculated",
     "Unreadable",
+    "COMPILING",
     "WORKBOOK_ENDINGS",
+    "of_case",
+    "of_file",
     "read_checked",
     "recalculate",
     "write_json",
@@ -243,11 +247,29 @@ def _calculate(
             overrides=overrides,
             on_stage=tell,
         )
-    except CaseError as wrong:
-        return None, tuple(_whole(p.message, p.table) for p in wrong.problems)
-    except ModelError as wrong:
-        return None, (_whole(str(wrong), "Case"),)
+    except (CaseError, ModelError) as wrong:
+        return None, of_case(wrong)
     return done, ()
+
+
+def of_case(wrong: CaseError | ModelError) -> tuple[CellProblem, ...]:
+    """A case that cannot be calculated as a whole, as problems.
+
+    Parameters
+    ----------
+    wrong : CaseError or ModelError
+        What was raised.
+
+    Returns
+    -------
+    tuple of CellProblem
+        With sentences and no cells.
+    """
+    from engine.errors import CaseError
+
+    if isinstance(wrong, CaseError):
+        return tuple(_whole(p.message, p.table) for p in wrong.problems)
+    return (_whole(str(wrong), "Case"),)
 
 
 def _whole(message: str, table: str) -> CellProblem:

@@ -11,16 +11,16 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
-from addin.fields import RESULT_TABLES, TableSpec
+from addin.fields import RESULT_TABLES, TableSpec, result_table
 from addin.problems import CellProblem
 from engine.errors import InternalError
 
-__all__ = ["FORMAT", "RunResults", "errors_to_json", "results_to_json"]
+__all__ = ["FORMAT", "RunResults", "errors_to_json", "results_to_json", "table_rows"]
 
 #: Value of the key ``format``.
 FORMAT = 1
 
-_STARTUP = ("outcome", "time", "end_speed")
+_STARTUP = ("outcome", "time", "end_speed", "pull_in", "bearing_forces")
 
 
 class RunResults(Protocol):
@@ -33,7 +33,7 @@ class RunResults(Protocol):
     case_sha256 : str
         Digest of the inputs. [hexadecimal]
     startup : mapping or None
-        Outcome, time and end speed of the start. [SI]
+        Outcome, time and end speed of the start, pull_in and bearing_forces. [SI]
     outcome : str
         How the calculation ended. [words]
     warnings : tuple of str
@@ -64,7 +64,8 @@ def results_to_json(
     version : str
         Version of this program. [text]
     details : mapping, optional
-        ``modes`` and ``damped_eigenvalues``, which no sheet has a table for. [SI]
+        ``modes``, ``damped_eigenvalues``, ``plans`` and ``sensitivity``, which no result table of
+        the contract holds. [SI]
 
     Returns
     -------
@@ -94,11 +95,29 @@ def results_to_json(
             content[spec.key] = [_row(row, spec) for row in run.tables[spec.name]]
     if run.startup is not None:
         content["startup"] = {
-            key: _plain(run.startup[key], f"startup.{key}")
+            key: _nested(run.startup[key], f"startup.{key}")
             for key in _STARTUP
             if run.startup.get(key) is not None
         }
     return {**content, **(details or {})}
+
+
+def table_rows(name: str, rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of one result table as plain values.
+
+    Parameters
+    ----------
+    name : str
+        Name of the result table. [name]
+    rows : iterable of mapping
+        Its rows by JSON key. [SI]
+
+    Returns
+    -------
+    list of dict
+        Ready for `json.dumps`; absent values have no key.
+    """
+    return [_row(row, result_table(name)) for row in rows]
 
 
 def errors_to_json(
@@ -148,6 +167,15 @@ def _is_repeated(key: str, spec: TableSpec) -> bool:
         return False
     head, _, number = key.rpartition("_")
     return head == spec.repeated.key and number.isdigit() and number[0] != "0"
+
+
+def _nested(value: Any, where: str) -> Any:
+    """A plain value, or an object or list of them with absent values left out."""
+    if isinstance(value, Mapping):
+        return {k: _nested(v, f"{where}.{k}") for k, v in value.items() if v is not None}
+    if isinstance(value, (list, tuple)):
+        return [_nested(v, where) for v in value]
+    return _plain(value, where)
 
 
 def _plain(value: Any, where: str) -> Any:

@@ -31,7 +31,7 @@ class RunView:
     tables : mapping of str to rows
         Result tables of the contract, rows by JSON key. [SI]
     startup : mapping or None
-        Outcome, time, end_speed and sentence of the start. [SI]
+        Outcome, time, end_speed and sentence of the start; pull_in and bearing_forces. [SI]
     speed_time : tuple of ndarray or None
         Time and mean speed of the reference shaft. [s, rad/s]
     histories : mapping of str to tuple of ndarray
@@ -43,6 +43,10 @@ class RunView:
         largest amplitude alone shows that nothing is damaged. [Pa, 1]
     amplitudes : mapping of str to (float, float)
         Largest amplitude with SCF of a start and endurance limit of each judged shaft. [Pa]
+    plans : sequence of mapping
+        Number and reason of each plan, the reported one last. [words]
+    contact_law : str or None
+        Damping law of teeth in contact; None where no clearance was modelled. [word]
     """
 
     case: CaseData
@@ -53,6 +57,8 @@ class RunView:
     interference: Any = None
     cycles: tuple[tuple[str, Floats, Floats], ...] = ()
     amplitudes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    plans: Rows = ()
+    contact_law: str | None = None
 
 
 def view_of(results: Results, audit: Rows = ()) -> RunView:
@@ -70,9 +76,10 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
     RunView
         What the workbook shows.
     """
-    from engine.report import result_tables, start_summary
+    from engine.report import plan_details, result_tables, start_summary
 
     start = results.start
+    effects = results.plans[-1].effects if results.plans else None
     shafts = results.starts.shafts if results.starts is not None else ()
     return RunView(
         case=results.case,
@@ -83,6 +90,8 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
         interference=results.interference,
         cycles=tuple((s.element, s.cycles.amplitude, s.cycles.count) for s in shafts),
         amplitudes={s.element: (s.largest_amplitude, s.endurance) for s in shafts},
+        plans=plan_details(results)["plans"],
+        contact_law=effects.contact_law if effects is not None and effects.clearances else None,
     )
 
 

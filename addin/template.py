@@ -17,10 +17,12 @@ from typing import Any
 import xlsxwriter
 from xlsxwriter.utility import xl_cell_to_rowcol, xl_col_to_name, xl_rowcol_to_cell
 
+from engine.effects import EFFECTS
+
 from . import fields
 from .chart_data import CHART_TABLES, GROUPS, LABELS, Rows, chart_blocks
 from .charts import Place, Places, make_chart
-from .examples import EXAMPLES, PROVENANCE, Example, example_case, example_torque
+from .examples import EXAMPLES, Example, example_case, example_torque, provenance_of
 from .fields import Field, TableSpec
 from .layout import (
     CHECK_FORMULAS,
@@ -38,10 +40,13 @@ from .template_sheets import (
     CASE_HALVES,
     CYCLE_FACTS,
     CYCLE_FACTS_AT,
+    EFFECT_NOTES_AT,
+    FACT_LINES,
     HISTORY_CHARTS,
     KEY_NUMBERS,
     KIND_WORDS,
     OVERALL,
+    REVERSAL_NOTES_AT,
     SHEETS,
     STRIP,
     TAB_COLOURS,
@@ -49,7 +54,15 @@ from .template_sheets import (
     Sheet,
 )
 from .template_styles import SPEED_GROUPS, Styles, number_format
-from .template_text import CAPTIONS, NOTES, SHEET_INTROS, SHORT_CAPTIONS
+from .template_text import (
+    CAPTIONS,
+    CONTACT_LAW,
+    EFFECT_NOTES,
+    NOTES,
+    REVERSAL_NOTES,
+    SHEET_INTROS,
+    SHORT_CAPTIONS,
+)
 
 __all__ = ["TEMPLATES", "build_all", "build_template", "main"]
 
@@ -59,6 +72,10 @@ _CREATED = dt.datetime(2026, 1, 1)
 _LETTER, _A4 = 1, 9
 #: Room of the overall verdict at the right end of the strip. [characters]
 _VERDICT_WIDTH = 54.0
+#: A last column wider than this leaves no room for the overall verdict. [characters]
+_WIDE = 80.0
+#: Columns C to Q of sheet `Reversals`, merged. [characters]
+_REVERSAL_NOTES_WIDTH = 138.0
 _NOT_YET = "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
 
 #: File name → unit system and example.
@@ -67,6 +84,7 @@ TEMPLATES: Mapping[str, tuple[str, str | None]] = {
     "blank_si.xlsx": ("si", None),
     "example_proposed.xlsx": ("us", "proposed"),
     "example_modified.xlsx": ("us", "modified"),
+    "example_backlash.xlsx": ("us", "backlash"),
 }
 
 # --- the builder ----------------------------------------------------------------------------------
@@ -120,7 +138,8 @@ def build_template(path: Path, system: str, example: str | None = None) -> Path:
             }
         )
         workbook.set_size(2400, 1500)
-        _Builder(workbook, system, filled, blocks, is_example=example is not None).build()
+        provenance = provenance_of(example) if example else ()
+        _Builder(workbook, system, filled, blocks, provenance=provenance).build()
     return path
 
 
@@ -147,13 +166,13 @@ class _Builder:
         example: Example,
         blocks: Mapping[str, Rows],
         *,
-        is_example: bool,
+        provenance: Sequence[tuple[str, str]],
     ) -> None:
         self.workbook = workbook
         self.system = system
         self.example = example
         self.blocks = blocks
-        self.is_example = is_example
+        self.provenance = tuple(provenance)
         self.style = Styles(workbook)
         self.places: dict[str, Place] = {}
         self.unit_cells: dict[tuple[str, str], str] = {}
@@ -176,6 +195,8 @@ class _Builder:
         self._chosen_elements()
         self._frequencies_note()
         self._cycle_facts()
+        self._fact_lines()
+        self._sheet_notes()
         self._summary()
         self._verdict_colours()
         places = Places(self.places)
@@ -220,7 +241,7 @@ class _Builder:
         page.write_string(0, 1, sheet.name, self.style("banner"))
         page.write_string(0, last, KIND_WORDS[sheet.kind], self.style("banner_right"))
         page.write_formula(1, 1, "=DocumentStrip", self.style("strip"), self._strip())
-        if last < 3:  # a wide last column would cut the strip short
+        if last < 3 or _widths(sheet)[last] > _WIDE:  # it would cut the strip short
             return
         verdict, first = self.style("strip_right"), _begin_of(sheet, _VERDICT_WIDTH)
         page.merge_range(1, first, 1, last, "", verdict)
@@ -260,7 +281,7 @@ class _Builder:
         has_units = any(field.has_unit for field in columns)
         header = row + (2 if has_units else 1)
         is_input = spec in fields.INPUT_TABLES
-        rows = list(self.example.tables.get(spec.name, ())) if is_input else []
+        rows = list(self._typed_rows(spec)) if is_input else []
         first, last = header + 1, header + max(spec.rows, len(rows))
         self.places[spec.name] = Place(
             sheet.name, first, last, {field.name: left + k for k, field in enumerate(columns)}
@@ -282,6 +303,13 @@ class _Builder:
             if has_units:
                 self._unit_cell(page, spec, field, header - 1, left + k)
             self._column_cells(page, spec, field, rows, first, last, left + k)
+
+    def _typed_rows(self, spec: TableSpec) -> Sequence[Mapping[str, Any]]:
+        """Rows of an example; every workbook is shipped with the names of the effects."""
+        if spec.name == "EffectChoices":
+            chosen = {row["Effect"]: row for row in self.example.tables.get(spec.name, ())}
+            return [chosen.get(name, {"Effect": name}) for name in EFFECTS]
+        return self.example.tables.get(spec.name, ())
 
     def _caption(self, page: Any, row: int, left: int, spec: TableSpec) -> None:
         caption, note = self.style("caption"), self.style("note")
@@ -313,7 +341,7 @@ class _Builder:
             return self.style("check", number_format(field.name, field.dimension))
         if field.kind == "mixed":
             return self.style("result_mixed")
-        if field.kind == "integer":
+        if field.kind in ("integer", "flag"):
             return self.style("result_center")
         if field.is_number:
             return self.style("result", number_format(field.name, field.dimension))
@@ -371,15 +399,11 @@ class _Builder:
         for letter, groups in CASE_HALVES:
             row, left = 4, _column(letter)
             for group in groups:
-                members = [f for f in fields.SCALARS if f.group == group and f.used]
+                members = [f for f in fields.SCALARS if f.group == group]
                 row = self._scalars(page, group, members, row, left)
-        unused = [field for field in fields.SCALARS if not field.used]
-        self._scalars(page, "Later versions", unused, row, left)
 
     def _scalars(self, page: Any, group: str, members: list[Field], row: int, left: int) -> int:
         """A group of scalars under its heading; the row where the next one begins."""
-        if not members:
-            return row
         for column in range(left, left + 4):
             page.write_blank(row, column, None, self.style("group"))
         page.write_string(row, left, group, self.style("group"))
@@ -388,8 +412,7 @@ class _Builder:
         return row + len(members) + 2
 
     def _scalar(self, page: Any, field: Field, row: int, left: int) -> None:
-        label = self.style("label" if field.used else "label_unused")
-        page.write_string(row, left, _in_words(field.name), label)
+        page.write_string(row, left, _in_words(field.name), self.style("label"))
         value = self.example.scalars.get(field.name)
         if field.name == "TemplateVersion":
             value = fields.TEMPLATE_VERSION
@@ -543,13 +566,51 @@ class _Builder:
                 k, left + 5, f'=IF({cell}="","",{cell})', self.style("key_unit"), text
             )
 
+    def _fact_lines(self) -> None:
+        """Lines of words that the calculation writes into `RunFacts`."""
+        for sheet, first, last, formula, style, height in FACT_LINES:
+            page, shown = self.sheets[sheet], self.style(style)
+            page.merge_range(f"{first}:{last}", "", shown)
+            page.write_formula(first, formula, shown, "")
+            page.set_row(xl_cell_to_rowcol(first)[0], height)
+
+    def _sheet_notes(self) -> None:
+        """How to read the sheets `Reversals` and `Effects`, and what the effects on `Case` are."""
+        page = self.sheets["Reversals"]
+        row, left = xl_cell_to_rowcol(REVERSAL_NOTES_AT)
+        page.write_string(row, left, "How to read this sheet", self.style("caption"))
+        for k, (term, text) in enumerate(REVERSAL_NOTES, row + 1):
+            page.write_string(k, left, term, self.style("prose_bold"))
+            page.merge_range(k, left + 1, k, left + 15, "", self.style("prose"))
+            if text == CONTACT_LAW[0]:
+                page.write_formula(k, left + 1, text, self.style("prose"), CONTACT_LAW[1])
+            else:
+                page.write_string(k, left + 1, text, self.style("prose"))
+            page.set_row(k, text_height(text, _REVERSAL_NOTES_WIDTH))
+        row, left = xl_cell_to_rowcol(EFFECT_NOTES_AT)
+        for k, text in enumerate(EFFECT_NOTES, row + 1):
+            self.sheets["Effects"].write_string(k, left, text, self.style("note"))
+        choices = self.places["EffectChoices"]
+        for k, meaning in enumerate(EFFECTS.values(), choices.first):
+            self.sheets[choices.sheet].write_string(
+                k, choices.columns["Choice"] + 1, meaning, self.style("note_beside")
+            )
+
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""
-        for table in ("Verdicts", "SeparationMargins", "SteadyState"):
+        for table in ("Verdicts", "SeparationMargins", "SteadyState", "TorqueReversals"):
             place = self.places[table]
             column = place.columns["Verdict"]
             self._colours(place.sheet, place.first, column, place.last, column)
         self._colours("Summary", 8, 1, 8, 11)
+        place = self.places["Effects"]
+        column = place.columns["On"]
+        for word, style in (("on", "cf_pass"), ("off", "cf_open")):
+            self.sheets[place.sheet].conditional_format(
+                place.first, column, place.last, column,
+                {"type": "cell", "criteria": "==", "value": f'"{word}"',
+                 "format": self.style(style)},
+            )  # fmt: skip
 
     def _colours(self, sheet: str, *area: int) -> None:
         for criteria, words, style in (
@@ -569,8 +630,8 @@ class _Builder:
         page = self.sheets["Notes"]
         row = self._legend(page, 3)
         blocks = dict(NOTES)
-        if self.is_example:
-            blocks = {"Provenance of this example": PROVENANCE} | blocks
+        if self.provenance:
+            blocks = {"Provenance of this example": self.provenance} | blocks
         for heading, lines in blocks.items():
             self._heading(page, row, heading)
             for k, (term, text) in enumerate(lines, row + 1):
@@ -699,12 +760,18 @@ def _column(letters: str) -> int:
     return int(xl_cell_to_rowcol(f"{letters}1")[1])
 
 
-def _begin_of(sheet: Sheet, width: float) -> int:
-    """First of the last columns of a sheet that together are at least so wide. [characters]"""
+def _widths(sheet: Sheet) -> dict[int, float]:
+    """Width of each column of a sheet. [characters]"""
     widths: dict[int, float] = {}
     for columns, each in sheet.widths.items():
         begin, _, end = columns.partition(":")
         widths |= dict.fromkeys(range(_column(begin), _column(end or begin) + 1), each)
+    return widths
+
+
+def _begin_of(sheet: Sheet, width: float) -> int:
+    """First of the last columns of a sheet that together are at least so wide. [characters]"""
+    widths = _widths(sheet)
     column = last = _column(sheet.last)
     while column > 2 and (
         column == last or sum(widths[k] for k in range(column, last + 1)) < width
@@ -720,8 +787,6 @@ def _in_words(name: str) -> str:
 
 
 def _hint(field: Field) -> str:
-    if not field.used:
-        return "not used by this version"
     return f"blank = {field.default_text}" if field.default_text else ""
 
 
@@ -730,8 +795,6 @@ def _prompt(field: Field) -> dict[str, str]:
     words = [field.help]
     if field.default_text:
         words.append(f"Blank = {field.default_text}.")
-    if not field.used:
-        words.append("Not used by this version.")
     return {"input_title": field.name[:32], "input_message": " ".join(words)[:255]}
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from .chart_data import HISTORIES
-from .layout import CROSSING_ROWS
+from .layout import CROSSING_ROWS, ROOMS
 
 __all__ = [
     "BLANK_TEXT",
@@ -14,10 +14,13 @@ __all__ = [
     "CYCLE_FACTS",
     "CYCLE_FACTS_AT",
     "ChartAt",
+    "EFFECT_NOTES_AT",
+    "FACT_LINES",
     "HISTORY_CHARTS",
     "KEY_NUMBERS",
     "KIND_WORDS",
     "OVERALL",
+    "REVERSAL_NOTES_AT",
     "SHEETS",
     "STRIP",
     "Sheet",
@@ -118,6 +121,29 @@ _HISTORY_ROWS = (5, 20, 35)
 HISTORY_CHARTS = tuple(
     ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2] + 1}", 624, 268)
     for k in range(HISTORIES)
+)
+
+#: Rows below the room of `TorqueReversals`: the chart with the bearing forces beside it.
+_BELOW_REVERSALS = 8 + ROOMS["TorqueReversals"] + 1
+#: First row of the notes of sheet `Reversals`, below chart and bearing forces.
+REVERSAL_NOTES_AT = f"B{_BELOW_REVERSALS + ROOMS['BearingForces'] + 5}"
+#: First row below the room of `Effects`.
+_BELOW_EFFECTS = 8 + ROOMS["Effects"] + 1
+EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
+
+#: Lines that show facts of the run: sheet, first and last cell, formula, style, height in points.
+FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
+    (
+        "Start-up",
+        "B4",
+        "O4",
+        BLANK_TEXT.format("run_Outcome"),
+        "fact",
+        18.0,
+    ),
+    ("Accuracy", "B5", "P5", BLANK_TEXT.format("run_AccuracySentence"), "sentence", 42.0),
+    ("Accuracy", "B6", "P6", BLANK_TEXT.format("run_AccuracyReference"), "prose", 26.0),
+    ("Accuracy", "B7", "P7", BLANK_TEXT.format("run_AccuracyInputs"), "note", 15.0),
 )
 
 SHEETS: tuple[Sheet, ...] = (
@@ -226,6 +252,14 @@ SHEETS: tuple[Sheet, ...] = (
         one_page=True,
     ),
     Sheet(
+        "Reversals",
+        "result",
+        {"A": 1.5, "B": 22, "C:N": 9.2, "O": 11, "P": 10, "Q": 9.5, "R": 48, "S": 9},
+        "S",
+        {"TorqueReversals": "B5", "BearingForces": f"K{_BELOW_REVERSALS}"},
+        (ChartAt("reversal", f"B{_BELOW_REVERSALS}", 660, 330),),
+    ),
+    Sheet(
         "Starts",
         "result",
         {"A": 1.5, "B": 24, "C:F": 13, "G": 11, "H:I": 12, "J": 2, "K:R": 9.5},
@@ -234,6 +268,21 @@ SHEETS: tuple[Sheet, ...] = (
         (ChartAt("sn", "K8", 570, 420),),
         freeze="A8",
         header_rows=7,
+    ),
+    Sheet(
+        "Effects",
+        "result",
+        {"A": 1.5, "B": 19, "C": 9, "D": 7, "E:H": 11, "I": 96},
+        "I",
+        {"Effects": "B5", "Plans": f"H{_BELOW_EFFECTS}"},
+    ),
+    Sheet(
+        "Accuracy",
+        "result",
+        {"A": 1.5, "B": 23, "C": 40, "D:F": 11, "G": 2, "H:P": 9.5},
+        "P",
+        {"AccuracyCost": "B9"},
+        (ChartAt("accuracy", "H9", 640, 420),),
     ),
     Sheet("Audit", "result", {"A": 1.5, "B": 38, "C": 110}, "C", {"Audit": "B5"}, freeze="A7"),
     Sheet("Notes", "notes", {"A": 1.5, "B": 28, "C": 122}, "C", {}, freeze="A3"),
@@ -347,6 +396,13 @@ KEY_NUMBERS: tuple[tuple[str, str, str, str, str], ...] = (
     ),
     ("Duration of the start", BLANK_TEXT.format("run_StartTime"), "s",
      BLANK_TEXT.format("run_Outcome"), "0.000"),
+    (
+        "Least mesh torque / transmitted",
+        _extreme("TorqueReversals[Margin]", "MIN"),
+        "TorqueReversals[Margin]",
+        _element_at("TorqueReversals[Margin]", "MIN"),
+        "0.0",
+    ),
     (
         "Largest nominal stress, p-p",
         _extreme("StartupPeaks[Peak-to-peak stress]", "MAX"),

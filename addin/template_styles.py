@@ -96,6 +96,19 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
         "shrink": True,
     },
     "note": {"italic": True, "font_color": PALETTE["grey"]},
+    "note_beside": {"italic": True, "font_color": PALETTE["grey"], "indent": 1},
+    "fact": {"bold": True, "font_color": PALETTE["navy"], "valign": "vcenter", "align": "left"},
+    "sentence": {
+        "bold": True,
+        "font_size": 11,
+        "font_color": PALETTE["navy"],
+        "bg_color": PALETTE["paper"],
+        "text_wrap": True,
+        "align": "left",
+        "valign": "vcenter",
+        "indent": 1,
+        **_THIN,
+    },
     "caption": {"bold": True, "font_size": 11, "font_color": PALETTE["navy"]},
     "drawn": {
         "bold": True,
@@ -113,14 +126,6 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
         "indent": 1,
     },
     "label": {"bg_color": PALETTE["paper"], "valign": "vcenter", "indent": 1, **_THIN},
-    "label_unused": {
-        "bg_color": PALETTE["paper"],
-        "font_color": "#8C8C8C",
-        "italic": True,
-        "valign": "vcenter",
-        "indent": 1,
-        **_THIN,
-    },
     "hint": {
         "italic": True,
         "font_size": 8,
@@ -256,6 +261,8 @@ _NUMBER_FORMATS: Mapping[str, str] = {
     "ratio": "0.0000",
     "speed": "0.0",
     "time": "0.000",
+    "calculation time": "[>=100]#,##0;[>=1]0.0;0.000",
+    "deciding number": "[>=0.001]0.0000;[<=-0.001]-0.0000;0.0E+00",
     "sweep rate": "0.000",
     "angular acceleration": "0.00",
 }
@@ -277,6 +284,8 @@ _COLUMN_FORMATS: Mapping[str, str] = {
     "Margin check": "0.00",
     "Required": "0.0",
     "Share": "0.0",
+    "Recontact speed": "[>=0.01]0.000;[>0]0.0E+00;0",
+    "Recontact speed angular": "[>=0.01]0.000;[>0]0.0E+00;0",
 }
 
 

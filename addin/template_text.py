@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["CAPTIONS", "NOTES", "SHEET_INTROS", "SHORT_CAPTIONS"]
+from engine.reversals import PRACTICE_LIMITS
+from engine.startup import NOTABLE_REVERSAL
+
+__all__ = [
+    "CAPTIONS",
+    "CONTACT_LAW",
+    "EFFECT_NOTES",
+    "NOTES",
+    "REVERSAL_NOTES",
+    "SHEET_INTROS",
+    "SHORT_CAPTIONS",
+]
 
 #: Caption above each table.
 CAPTIONS: Mapping[str, str] = {
@@ -28,6 +39,11 @@ CAPTIONS: Mapping[str, str] = {
     "StartupCrossings": "Crossings of 2 × slip frequency",
     "AllowableStarts": "Allowable starts",
     "StartCycles": "Cycles of one start",
+    "TorqueReversals": "Torque reversals",
+    "BearingForces": "Bearing forces",
+    "Effects": "Effects",
+    "Plans": "Plans",
+    "AccuracyCost": "Accuracy and its cost",
     "Audit": "Audit",
 }
 
@@ -52,15 +68,68 @@ SHEET_INTROS: Mapping[str, str] = {
     "0 where a line crosses the mode inside them.",
     "Steady state": "Response to continuous excitation, by default 1 % zero-to-peak of the "
     "transmitted torque. Stresses include SCF and are compared with UTS/25.",
-    "Start-up": "The start from rest to EndSpeed. Torques are at each element's own speed; a "
-    "mesh's on its From side. Stresses here are nominal, without SCF.",
+    "Start-up": "The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
+    "are at each element's own speed; a mesh's on its From side. Stresses here are nominal, without "
+    "SCF.",
     "Histories": "Torque, stress or tooth load against time from rest to EndSpeed (the paper's "
     "Figures 1, 7 and 8). Each point drawn is calculated; the extremes are kept.",
     "Starts": "Fatigue damage of one start by rainflow count and Miner's rule; allowable starts "
     "are 1 / damage. Amplitude = half range times SCF; mean stress is ignored.",
+    "Reversals": "Where teeth are unloaded or part in the start: a reversal is one passage of the "
+    "transmitted torque below zero. Torques are those of the From side, at its own speed.",
+    "Effects": "Which effects this case calls for, and the number that decided each. Force one on or "
+    "off in table EffectChoices on sheet Case.",
+    "Accuracy": "What accuracy costs in time, for this very case on this machine.",
     "Audit": "What was calculated, from which inputs, by which version, method and equations.",
     "Notes": "How to use this workbook, what it calculates and what its colours mean.",
 }
+
+#: The damping law of this workbook: formula, and what it shows while ContactLaw is blank.
+CONTACT_LAW: tuple[str, str] = (
+    '="In this workbook: "&IF(run_ContactLaw="",IF(ContactLaw="","limited",ContactLaw),'
+    "run_ContactLaw)",
+    "In this workbook: limited",
+)
+
+#: Notes of sheet `Reversals`: term, and text or formula.
+REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
+    (
+        "Reversal",
+        f"One passage of the torque below zero that is deeper than {NOTABLE_REVERSAL:.1%} of the "
+        "element's largest torque. It begins where the torque last crossed zero and ends where it "
+        "next rises above zero, so that torque trembling about zero is not counted twice.",
+    ),
+    (
+        "Model",
+        "linear: the teeth are taken to stay in contact, the torque below zero says that they would "
+        "not. clearance: the teeth part, cross the gap and meet again; time unloaded is then the "
+        "time without contact, tooth force and recontact speed are along the normal of the flank.",
+    ),
+    (
+        "Contact law",
+        "Damping of teeth in contact. limited: never pulls and never exceeds the spring force "
+        "(Modelica Standard Library 4.0, ElastoBacklash; Hunt and Crossley 1975). no adhesion: never "
+        "pulls (ElastoBacklash2). Scalar ContactLaw on sheet Case.",
+    ),
+    ("", CONTACT_LAW[0]),
+    (
+        "Limit",
+        "The maker's Reversal limit of table Elements, compared with the depth below zero; blank = "
+        "not judged. What the literature says:",
+    ),
+    *(
+        (f"{limit.applies_to}, {limit.service}", f"{limit.says} ({limit.source})")
+        for limit in PRACTICE_LIMITS
+    ),
+)
+
+#: Notes of sheet `Effects`, below its table.
+EFFECT_NOTES: tuple[str, ...] = (
+    "The plan is made before the start, from the linear analyses.",
+    "Bound: the most that leaving an effect out changes an answer; 0 = exact;",
+    "blank = it is on, or nothing is known of it (no input, forced off).",
+    "Time: what it cost in this run, or is estimated to cost when on.",
+)
 
 #: Blocks of sheet `Notes`: heading, then term and text.
 NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
@@ -148,10 +217,13 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
     ),
     "Limits of this version": (
         (
-            "Linear",
-            "Meshes and couplings stay in contact: backlash, impacts, bearings and the "
-            "synchronising pull-in are not calculated. Their inputs may be typed and are reported "
-            "as entered, not used.",
+            "Contact",
+            "Teeth are massless springs with a clearance: the wave inside a tooth, friction and "
+            "the oil squeezed between flanks are not calculated.",
+        ),
+        (
+            "Bearings",
+            "A bearing is the same in all radial directions and does not change with speed or load.",
         ),
         (
             "Drawn histories",

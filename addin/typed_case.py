@@ -33,7 +33,6 @@ __all__ = [
     "all_problems",
     "told_as_typed",
     "to_case_data",
-    "unused_inputs",
     "word_entry",
 ]
 
@@ -238,34 +237,6 @@ def told_as_typed(problem: Problem, typed: TypedCase) -> Problem:
     return replace(problem, found=str(entry), message=message)
 
 
-def unused_inputs(typed: TypedCase) -> Iterator[tuple[str, str]]:
-    """Inputs that are filled in and that no calculation of this version reads.
-
-    Parameters
-    ----------
-    typed : TypedCase
-        Everything typed. [as typed]
-
-    Yields
-    ------
-    tuple of str
-        Table (``Case`` for a scalar) and column.
-    """
-    for spec in SCALARS:
-        if not spec.used and spec.name in typed.scalars:
-            yield SCALAR_TABLE, spec.name
-    for table in INPUT_TABLES:
-        rows = typed.tables.get(table.name, [])
-        for column in table.columns:
-            entries = {str(row[column.name]) for row in rows if column.name in row}
-            if not column.used and entries - _CHANGING_NOTHING:
-                yield table.name, column.name
-
-
-#: Words of `EffectChoices` that leave an effect this version does not have as it is: absent.
-_CHANGING_NOTHING = {"auto", "off"}
-
-
 # --- words --------------------------------------------------------------------------------------
 
 
@@ -392,6 +363,7 @@ def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
     scalars |= _scalars(relative, bases, findings)
     _silence_followers(ratings, findings)
     tables = {spec.key: _rows(spec, typed, bases, findings) for spec in INPUT_TABLES}
+    _silence_meshes(typed, findings)
     _silence_references(typed, findings)
     return CaseData(**scalars, **tables)  # type: ignore[arg-type]
 
@@ -554,6 +526,24 @@ def _silence_followers(ratings: Ratings, findings: Findings) -> None:
     if ratings.synchronous_speed is None and any(b[2] in _RATINGS for b in bad):
         for name in _RATINGS:
             findings.silence((SCALAR_TABLE, None, name))
+
+
+#: Columns of `Meshes` that need the Stiffness of their element in table `Elements`.
+_NEED_STIFFNESS = ("Mesh stiffness", "Mesh damping", "Backlash", "Angular backlash")
+
+
+def _silence_meshes(typed: TypedCase, findings: Findings) -> None:
+    """A stiffness that could not be read is not called blank by the mesh data of its element."""
+    elements = typed.tables.get("Elements", [])
+    names = {
+        elements[row - 1].get("Element")
+        for table, row, column in findings.bad_cells
+        if (table, column) == ("Elements", "Stiffness") and row is not None
+    }
+    for row, entries in enumerate(typed.tables.get("Meshes", []), start=1):
+        if entries.get("Element") in names:
+            for column in _NEED_STIFFNESS:
+                findings.silence(("Meshes", row, column))
 
 
 def _silence_references(typed: TypedCase, findings: Findings) -> None:

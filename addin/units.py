@@ -186,6 +186,7 @@ USUAL: dict[str, dict[str, float]] = {
     },
     "angle": {"deg": math.pi / 180.0, "rad": 1.0},
     "time": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "calculation time": {"s": 1.0, "ms": 1e-3, "min": 60.0},
     "frequency": {"Hz": 1.0, "cpm": 1.0 / 60.0},
     "cycles per minute": {"cpm": 1.0},
     "speed": _SPEED,
@@ -202,6 +203,9 @@ USUAL: dict[str, dict[str, float]] = {
         "N/mm": 1e3,
     },
     "linear damping": {"lbf*s/in": _LBF / _IN, "N*s/m": 1.0, "N*s/mm": 1e3},
+    "force": {"lbf": _LBF, "kip": 1e3 * _LBF, "N": 1.0, "kN": 1e3},
+    "approach speed": {"in/s": _IN, "ft/s": _FT, "mm/s": 1e-3, "m/s": 1.0},
+    "angular approach speed": {"rad/s": 1.0, "deg/s": math.pi / 180.0},
 }
 
 #: Dimension → relative unit → scale. They come before the units proper: pint's pu is a mass.
@@ -297,6 +301,7 @@ _ANGLE_POWERS = {
     "speed": (0, 1),
     "running speed": (0, 1),
     "angular acceleration": (1,),
+    "angular approach speed": (1,),
     "frequency": (0, 1),
 }
 _SLIPS = (

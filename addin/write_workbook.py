@@ -20,12 +20,13 @@ from addin.chart_data import (
     HISTORIES,
     LABELS,
     ShownUnits,
+    accuracy_block,
     chart_blocks,
 )
 from addin.fields import Field, TableSpec
 from addin.layout import (
     CHECK_FORMULAS,
-    CROSSING_ROWS,
+    ROOMS,
     RUN_FACTS,
     WHOLE_STARTS,
     WRAPPED,
@@ -47,7 +48,15 @@ from addin.run_view import RunView
 from addin.shown_units import shown_units
 from addin.start_cycles import start_cycle_facts, start_cycle_rows
 
-__all__ = ["RunStamp", "chart_tables", "result_blocks", "read_shown_units", "write_results"]
+__all__ = [
+    "NO_STUDY",
+    "RunStamp",
+    "chart_tables",
+    "read_shown_units",
+    "result_blocks",
+    "write_results",
+    "write_study",
+]
 
 #: Column whose unit shows a judged number of a dimension in `Verdicts`.
 _VERDICT_UNITS: Mapping[str, tuple[str, str]] = {
@@ -60,9 +69,19 @@ _VERDICT_UNITS: Mapping[str, tuple[str, str]] = {
 }
 _RPM = math.pi / 30.0
 #: Tables that workbooks made by earlier versions lack; nobody misses them there.
-_OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES)
+_OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
+    "ChartReversal",
+    "ChartAccuracy",
+}
 #: Columns in which no number means that there is no limit.
 _STARTS = frozenset({"Allowable starts", "Paper count", "Cycles to failure"})
+#: Flags that are shown as on or off; all others as yes or nothing.
+_SWITCHES = frozenset({"On"})
+#: Words on sheet Accuracy until the study has been run.
+NO_STUDY = (
+    "Errors are those this calculation estimates, times those it took. Error against time by the "
+    "exponential and by the paper's method, for this very case: torsionbook accuracy FILE"
+)
 
 
 @dataclass(frozen=True)
@@ -147,6 +166,67 @@ def write_results(
     return workbook.save(destination, in_place=in_place)
 
 
+def write_study(
+    workbook: Workbook,
+    destination: Path | None,
+    rows: Sequence[Mapping[str, Any]],
+    words: Mapping[str, str],
+    stamp: RunStamp,
+    rated_torque: float | None,
+    *,
+    ignore_lock: bool = False,
+) -> SaveReport:
+    """Write what an accuracy study showed into sheet `Accuracy`, and nothing else.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The workbook the case was read from.
+    destination : Path or None
+        The new workbook; None replaces the source, which stays as ``.bak``.
+    rows : sequence of mapping
+        Rows of `AccuracyCost`. [SI]
+    words : mapping
+        ``sentence`` and ``reference`` of the study. [sentences]
+    stamp : RunStamp
+        Who, when, from which inputs.
+    rated_torque : float or None
+        Base of pu. [N m]
+    ignore_lock : bool
+        Write although a lock file says somebody has the workbook open. [flag]
+
+    Returns
+    -------
+    SaveReport
+        What was written, and sentences the user should read.
+
+    Raises
+    ------
+    PackageError
+        When the workbook cannot be saved; nothing has been written then.
+    """
+    workbook.allow_saving(ignore_lock=ignore_lock)
+    units, problems = read_shown_units(workbook, rated_torque)
+    workbook.notes += problems
+    spec = fields.result_table("AccuracyCost")
+    chart = next(table for table in CHART_TABLES if table.name == "ChartAccuracy")
+    wanted = [
+        _result_block(spec, rows, units),
+        TableData(chart.name, accuracy_block(rows), chart.columns),
+    ]
+    workbook.write_tables(_present(workbook, wanted))
+    facts = {
+        "run_AccuracySentence": words["sentence"],
+        "run_AccuracyReference": words["reference"],
+        "run_AccuracyInputs": f"Study of the inputs with SHA-256 {stamp.sha256[:12]}…, "
+        f"{stamp.day} UTC, {stamp.software}",
+    }
+    for name, text in facts.items():
+        if name in workbook.defined_names:
+            workbook.set_name(name, text)
+    return workbook.save(destination, in_place=destination is None)
+
+
 def read_shown_units(
     workbook: Workbook, rated_torque: float | None
 ) -> tuple[ShownUnits, list[str]]:
@@ -195,7 +275,11 @@ def result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
         One a table; live checks are formulas whose value is calculated when saving.
     """
     specs = (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
-    tables = dict(run.tables) | {"StartCycles": start_cycle_rows(run)}
+    tables = dict(run.tables) | {
+        "StartCycles": start_cycle_rows(run),
+        "Plans": [{"plan": plan["number"], "reason": plan["reason"]} for plan in run.plans],
+        "BearingForces": (run.startup or {}).get("bearing_forces", ()),
+    }
     return [_result_block(spec, tables.get(spec.name, ()), units) for spec in specs]
 
 
@@ -237,6 +321,8 @@ def _shown(spec: TableSpec, field: Field, row: Mapping[str, Any], units: ShownUn
     if value is None:
         return "unlimited" if field.name in _STARTS else None
     if isinstance(value, bool):
+        if field.name in _SWITCHES:
+            return "on" if value else "off"
         return "yes" if value else None
     if field.kind == "mixed":
         return _mixed(value, row.get("dimension"), units)
@@ -293,6 +379,12 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
         "run_GoverningShaft": governing["shaft"],
         "run_SNExponent": governing["exponent"],
         "run_Endurance": endurance and endurance / units.factor("StartCycles", "Amplitude"),
+        "run_NmPerMinimum": units.factor("TorqueReversals", "Minimum torque"),
+        "run_NmPerTransmitted": units.factor("TorqueReversals", "Transmitted torque"),
+        "run_ContactLaw": run.contact_law,
+        "run_AccuracySentence": NO_STUDY,
+        "run_AccuracyReference": None,
+        "run_AccuracyInputs": stamp.sentence,
     }
     rows = [[name, meaning, facts[name]] for name, meaning in RUN_FACTS]
     return TableData("RunFacts", rows, ["Name", "Meaning", "Value"])
@@ -319,6 +411,8 @@ def _chosen_elements(workbook: Workbook) -> list[str | None]:
 _HISTORY_TITLE = r".*: (tangential tooth load|nominal shear stress|torque)|History \d .*|unused.*"
 _HISTORY_AXIS = r"(Tooth load|Nominal shear stress|Torque)( \[.*\])?"
 _SN_TITLE, _SN_AXIS = r"S-N line.*", r"Stress amplitude with SCF.*"
+_REVERSAL_TITLE = r".*: torque around its least value.*|Torque around the deepest reversal.*"
+_REVERSAL_AXIS = r"Torque( \[.*\])?"
 
 
 def _title_links(workbook: Workbook) -> list[TitleLink]:
@@ -326,20 +420,24 @@ def _title_links(workbook: Workbook) -> list[TitleLink]:
     labels = workbook.tables.get("ChartLabels")
     if labels is None:
         return []
+    histories, sn = (_HISTORY_TITLE, _HISTORY_AXIS), (_SN_TITLE, _SN_AXIS)
     of_histories = [
-        ("ChartHistory", (f"Value {k}",), f"History title {k}", f"History axis {k}")
+        ("ChartHistory", (f"Value {k}",), f"History title {k}", f"History axis {k}", histories)
         for k in range(1, HISTORIES + 1)
     ]
     links = []
-    for name, columns, title, axis in (
+    for name, columns, title, axis, words in (
         *of_histories,
-        ("ChartSN", ("Line", "One start", "Starts required"), "S-N title", "S-N axis"),
-    ):
+        ("ChartSN", ("Line", "One start", "Starts required"), "S-N title", "S-N axis", sn),
+        ("ChartReversal", ("Torque",), "Reversal title", "Reversal axis",
+         (_REVERSAL_TITLE, _REVERSAL_AXIS)),
+    ):  # fmt: skip
         table = workbook.tables.get(name)
         if table is None or not set(columns) <= set(table.columns) or table.sheet != labels.sheet:
             continue
+        if labels.data.bottom < labels.data.top + max(map(LABELS.index, (title, axis))):
+            continue  # a workbook of an earlier version
         lefts = [table.ref.left + table.column_index(column) for column in columns]
-        words = (_SN_TITLE, _SN_AXIS) if name == "ChartSN" else (_HISTORY_TITLE, _HISTORY_AXIS)
         links.append(
             TitleLink(
                 table.sheet,
@@ -374,15 +472,15 @@ def _present(workbook: Workbook, wanted: Sequence[TableData]) -> list[TableData]
 
 
 def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
-    """The crossings have a fixed room above the peaks; what does not fit is in the JSON only."""
-    if data.name != "StartupCrossings":
+    """Some tables have a fixed room; what does not fit is in the JSON only."""
+    if data.name not in ROOMS:
         return data
     count = len(data.rows)
     while count > 1 and workbook.obstacles({data.name: count}):
         count -= 1
     if count < len(data.rows):
         workbook.notes.append(
-            f"Table {data.name} has room for {count} of {len(data.rows)} modes; the others are in "
+            f"Table {data.name} has room for {count} of {len(data.rows)} rows; the others are in "
             "the JSON. Move what stands below the table to see them all."
         )
     return TableData(data.name, data.rows[:count], data.columns, data.formulas)
@@ -396,7 +494,7 @@ def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
         if data is None or data.columns is None or column not in data.columns:
             continue
         table, at = workbook.table(name), list(data.columns).index(column)
-        spare = CROSSING_ROWS - len(data.rows) if name == "StartupCrossings" else 0
+        spare = ROOMS[name] - len(data.rows) if name in ROOMS else 0
         texts = [str(row[at] or "") for row in data.rows] + [""] * max(spare, 0)
         for row, text in enumerate(texts, table.data.top):
             workbook.set_row_height(table.sheet, row, text_height(text, width))

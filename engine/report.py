@@ -6,17 +6,27 @@ None stands for blank. Workbook and JSON are both written from these rows.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
+from engine.effects import EffectDecision
 from engine.fatigue import shear_stress
 from engine.margins import percent_speed
-from engine.results import Results
+from engine.results import AccuracyRow, Results
+from engine.reversals import Reversal
 
-__all__ = ["modal_details", "result_tables", "start_summary"]
+__all__ = [
+    "accuracy_rows",
+    "effect_rows",
+    "modal_details",
+    "plan_details",
+    "result_tables",
+    "reversal_rows",
+    "start_summary",
+]
 
 Row = dict[str, Any]
 
@@ -44,7 +54,10 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         "StartupCrossings": [
             asdict(c) | {"percent_speed": _fraction(c.percent_speed)} for c in results.crossings
         ],
+        "TorqueReversals": reversal_rows(results.reversals),
         "AllowableStarts": _starts(results),
+        "Effects": effect_rows(results.plans[-1].decisions if results.plans else ()),
+        "AccuracyCost": accuracy_rows(results.accuracy),
     }
 
 
@@ -59,9 +72,39 @@ def start_summary(results: Results) -> Row | None:
     Returns
     -------
     dict or None
-        Keys outcome, time [s], end_speed [rad/s] and sentence; None if nothing was started.
+        Keys outcome, time [s], end_speed [rad/s] and sentence, pull_in and bearing_forces where
+        they were simulated; None if nothing was started.
     """
-    return asdict(results.start.outcome) if results.start is not None else None
+    if results.start is None:
+        return None
+    summary = asdict(results.start.outcome)
+    if results.pull_in is not None:
+        summary["pull_in"] = asdict(results.pull_in)
+    if results.bearing_forces:
+        summary["bearing_forces"] = [asdict(one) for one in results.bearing_forces]
+    return summary
+
+
+def plan_details(results: Results) -> Row:
+    """Plans and sensitivity of the run.
+
+    Parameters
+    ----------
+    results : Results
+        A complete run. [SI]
+
+    Returns
+    -------
+    dict
+        Key ``plans``: number [count] and reason of each plan, the reported one last. Key
+        ``sensitivity``, where it was tried: spread [1] and sensitive.
+    """
+    details: Row = {
+        "plans": [{"number": plan.number, "reason": plan.reason} for plan in results.plans]
+    }
+    if results.sensitivity is not None:
+        details["sensitivity"] = asdict(results.sensitivity)
+    return details
 
 
 def modal_details(results: Results) -> Row:
@@ -77,7 +120,8 @@ def modal_details(results: Results) -> Row:
     dict
         Key ``modes``: per elastic mode its frequency [Hz], the share of strain energy of each
         element and of kinetic energy of each station [1], and its nodes as element and position
-        from the From end [1]. Key ``damped_eigenvalues``, where dampers couple the modes: real
+        from the From end [1]; of gears on bearings also ``bearing_strain_energy`` and
+        ``sideways_kinetic_energy`` by station [1]. Key ``damped_eigenvalues``, where dampers couple the modes: real
         and imaginary parts [1/s].
     """
     train, modes = results.train, results.modes
@@ -100,6 +144,7 @@ def modal_details(results: Results) -> Row:
                     if n.mode == number
                 ],
             }
+            | _sideways(results, r)
         )
     details: Row = {"modes": rows}
     if results.eigenvalues is not None:
@@ -109,17 +154,111 @@ def modal_details(results: Results) -> Row:
     return details
 
 
+def reversal_rows(reversals: Iterable[Reversal]) -> list[Row]:
+    """Rows of `TorqueReversals`.
+
+    Parameters
+    ----------
+    reversals : iterable of Reversal
+        One a gear mesh or geared coupling. [SI]
+
+    Returns
+    -------
+    list of dict
+        Its fields under their names, the sentence as ``note``. [SI]
+    """
+    keys = (
+        "element",
+        "minimum_torque",
+        "reversals",
+        "time_unloaded",
+        "impacts",
+        "recontact_speed",
+        "tooth_force",
+        "longest_reversal",
+        "first_time",
+        "slip_frequency",
+        "transmitted_torque",
+        "margin",
+        "limit",
+        "verdict",
+        "recontact_speed_angular",
+        "model",
+    )
+    return [{key: getattr(one, key) for key in keys} | {"note": one.sentence} for one in reversals]
+
+
+def effect_rows(decisions: Iterable[EffectDecision]) -> list[Row]:
+    """Rows of `Effects`.
+
+    Parameters
+    ----------
+    decisions : iterable of EffectDecision
+        Those of the plan whose run is reported. [SI]
+
+    Returns
+    -------
+    list of dict
+        One an effect. [SI]
+    """
+    return [asdict(one) for one in decisions]
+
+
+def accuracy_rows(rows: Iterable[AccuracyRow]) -> list[Row]:
+    """Rows of `AccuracyCost`.
+
+    Parameters
+    ----------
+    rows : iterable of AccuracyRow
+        Of a study, or as calculated. [SI]
+
+    Returns
+    -------
+    list of dict
+        Keys method, setting, error_peak [1], error_starts [1] and time [s].
+    """
+    return [
+        {
+            "method": row.method,
+            "setting": row.setting,
+            "error_peak": row.error_peak,
+            "error_starts": row.error_starts,
+            "time": row.time,
+        }
+        for row in rows
+    ]
+
+
+def _sideways(results: Results, mode: int) -> Row:
+    """Energy shares of the gears on bearings; nothing where there are none."""
+    bodies = [results.train.stations[b.station] for b in results.train.bodies]
+    if not bodies:
+        return {}
+    modes = results.modes
+    return {
+        "bearing_strain_energy": dict(
+            zip(bodies, modes.bearing_share[:, mode].tolist(), strict=True)
+        ),
+        "sideways_kinetic_energy": dict(
+            zip(bodies, modes.sideways_share[:, mode].tolist(), strict=True)
+        ),
+    }
+
+
 def _fraction(percent: float | None) -> float | None:
     return None if percent is None else percent / 100.0
 
 
 def _frequencies(results: Results) -> list[Row]:
     modes, line = results.modes, results.case.ratings.line_frequency
+    train = results.train
+    names = [*train.elements, *(f"bearing of {train.stations[b.station]}" for b in train.bodies)]
+    shares = np.concatenate([modes.strain_share, modes.bearing_share])
     rows = []
     for r in range(modes.n_modes):
         f = float(modes.frequency[r])
         elastic = r >= modes.n_rigid
-        share = modes.strain_share[:, r]
+        share = shares[:, r]
         top = int(np.argmax(share)) if elastic and len(share) else -1
         rows.append(
             {
@@ -128,7 +267,7 @@ def _frequencies(results: Results) -> list[Row]:
                 "cpm": 60.0 * f,
                 "percent_speed": _fraction(percent_speed(f, line)) if line and elastic else None,
                 "damping_ratio": float(results.damping.ratio[r]) if elastic else None,
-                "largest_strain_energy": results.train.elements[top] if elastic else None,
+                "largest_strain_energy": names[top] if elastic else None,
                 "share": float(share[top]) if elastic else None,
             }
         )

@@ -167,16 +167,6 @@ def test_a_file_that_is_not_text(tmp_path):
     assert "not UTF-8" in read_case_json(path).problems[0].message
 
 
-def test_inputs_not_used_yet_are_told(case):
-    case["trip_speed"] = "900 rpm"
-    case["meshes"] = [{"element": "Coupling", "backlash": 0.001}]
-    warnings = read_case_json(case).warnings
-    assert warnings == (
-        "Key trip_speed: entered, not used by this version.",
-        "Key meshes.backlash: entered, not used by this version.",
-    )
-
-
 # --- there and back -------------------------------------------------------------------------------
 
 

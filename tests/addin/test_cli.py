@@ -15,6 +15,7 @@ import pytest
 
 from addin.json_schemas import results_schema
 from addin.template_files import template_path
+from engine.effects import EFFECTS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -174,6 +175,9 @@ def test_a_workbook_open_in_excel_is_refused_by_name(tmp_path):
         ("recalc", "x.xlsx", "--tolerance", "200%"),
         ("recalc", "x.xlsx", "--out", "a", "--in-place"),
         ("recalc", "a/x.xlsx", "b/x.xlsx", "--out", "c"),
+        ("accuracy", "x.xlsx", "--out", "a", "--in-place"),
+        ("accuracy", "x.xlsx", "--out", "."),
+        ("accuracy", "x.xlsx", "y.xlsx"),
         ("new", "x.xls"),
         ("new", "x.xlsx", "--units", "metric"),
         ("recalc",),
@@ -232,6 +236,8 @@ def test_two_runs_with_a_fixed_date_are_byte_identical_but_for_the_times_spent(e
         content["audit"] = [
             r for r in content["audit"] if not r["item"].startswith(("Time spent", "Date"))
         ]
+        for row in (*content["effects"], *content["accuracy_cost"]):
+            row.pop("time", None)
         results.append(content)
     assert results[0] == results[1]
 
@@ -285,3 +291,79 @@ def test_the_full_history_is_written_beside_the_results_on_request(example, tmp_
         # the peak lies between samples, so the largest sample is at or below it
         assert sampled == pytest.approx(peak["maximum_torque"], rel=0.05)
         assert sampled <= peak["maximum_torque"] * (1.0 + peak["error"])
+
+
+def test_plan_effects_and_reversals_are_in_the_json_of_a_plain_recalculation(example):
+    results = json.loads((example / "train.json").read_text(encoding="utf-8"))
+    assert [row["effect"] for row in results["effects"]] == list(EFFECTS)
+    assert all(isinstance(row["on"], bool) and row["why"] for row in results["effects"])
+    assert [plan["number"] for plan in results["plans"]][:1] == [1]
+    (mesh,) = results["torque_reversals"]
+    peaks = {row["element"]: row for row in results["startup_peaks"]}
+    assert mesh["minimum_torque"] == pytest.approx(peaks["Mesh"]["minimum_torque"], rel=1e-12)
+    assert (mesh["reversals"], mesh["model"]) == (15, "linear")  # the prototype counts 15 too
+    start = next(row for row in results["accuracy_cost"] if "error_peak" in row)
+    assert 0.0 < start["error_peak"] <= 1e-3
+
+
+@pytest.fixture(scope="module")
+def studied(example) -> Path:
+    """The calculated example with its accuracy study beside it, as workbook and as JSON."""
+    done = torsionbook("accuracy", "train.out.xlsx", "--quick", "--json", "study.json", cwd=example)
+    assert done.returncode == 0, done.stderr
+    (example / "study.txt").write_text(done.stdout, encoding="utf-8")
+    return example
+
+
+def test_the_study_prints_its_table_and_one_line_in_words(studied):
+    said = (studied / "study.txt").read_text(encoding="utf-8")
+    content = json.loads((studied / "study.json").read_text(encoding="utf-8"))
+    jsonschema.validate(content, results_schema())
+    assert content["accuracy"]["sentence"] in said
+    assert "written: train.out.accuracy.xlsx" in said
+    rows = content["accuracy_cost"]
+    for method in ("exponential", "newmark"):
+        of_method = [row for row in rows if row["method"] == method]
+        assert len(of_method) >= 5
+        assert of_method[-1]["error_peak"] < of_method[0]["error_peak"] / 50.0
+        assert all(row["time"] > 0.0 and row["setting"] in said for row in of_method)
+    plain = json.loads((studied / "train.json").read_text(encoding="utf-8"))
+    assert content["case_sha256"] == plain["case_sha256"]
+
+
+def test_the_study_changes_its_own_sheet_and_no_other_result(studied):
+    before, after = (
+        openpyxl.load_workbook(studied / name, data_only=True)
+        for name in ("train.out.xlsx", "train.out.accuracy.xlsx")
+    )
+    content = json.loads((studied / "study.json").read_text(encoding="utf-8"))
+    for sheet in after.worksheets:
+        if sheet.title in ("Accuracy", "ChartData", "Lists"):
+            continue
+        for row in sheet.iter_rows():
+            for cell in row:
+                assert cell.value == before[sheet.title][cell.coordinate].value
+    words = [cell.value for row in after["Accuracy"].iter_rows(5, 7) for cell in row if cell.value]
+    assert words[0] == content["accuracy"]["sentence"]
+    assert content["case_sha256"][:12] in words[2]
+
+
+def test_the_study_of_a_wrong_workbook_names_its_cells(tmp_path):
+    edited(
+        template_path("example_modified.xlsx"),
+        tmp_path / "bad.xlsx",
+        Train__Stations__2__Inertia=-5,
+    )
+    done = torsionbook("accuracy", "bad.xlsx", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "table Stations, row 2, Inertia" in done.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["bad.xlsx"]
+
+
+def test_the_study_of_a_case_json_is_a_json(example, tmp_path):
+    out = torsionbook("export", example / "train.xlsx", "case.json", cwd=tmp_path)
+    assert out.returncode == 0, out.stderr
+    done = torsionbook("accuracy", "case.json", "--quick", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    content = json.loads((tmp_path / "case.accuracy.json").read_text(encoding="utf-8"))
+    assert content["accuracy_cost"]

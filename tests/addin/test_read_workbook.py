@@ -17,6 +17,7 @@ from addin.fields import INPUT_TABLES, SCALARS
 from addin.package import WorkbookRefused
 from addin.read_workbook import read_workbook
 from engine.case import Case, case_digest
+from engine.effects import EFFECTS
 
 RPM = math.pi / 30.0
 LBF_FT = 1.3558179483314
@@ -488,39 +489,32 @@ def test_another_template_version_is_told(workbook, read):
     assert "template version '0.9'" in found.warnings[0]
 
 
-@pytest.mark.parametrize(
-    ("scalar", "value"),
-    [
-        ("ShockAmplitude", 2),
-        ("FieldSlip", 3),
-        ("FieldTimeConstant", 0.5),
-        ("FieldAngle", 20),
-        ("PullOutTorque", 2),
-        ("PullInDamping", 100),
-        ("TripSpeed", 50),
-    ],
-)
-def test_inputs_not_used_yet_are_told(workbook, read, scalar, value):
-    workbook.scalars[scalar] = value
-    (warning,) = read(workbook).warnings
-    assert scalar in warning
-    assert warning.endswith("entered, not used by this version.")
+def test_effects_without_a_choice_state_nothing(workbook, read):
+    """Workbooks are shipped with the names of all effects; only choices enter the case."""
+    plain = case_digest(read(workbook).data)
+    workbook.rows["EffectChoices"] = [{"Effect": name} for name in EFFECTS]
+    found = read(workbook)
+    assert found.data.effect_choices == ()
+    assert case_digest(found.data) == plain
 
 
-def test_columns_not_used_yet_are_told(workbook, read):
-    workbook.rows["Elements"][0]["Kind"] = "gear mesh"
-    workbook.rows["Meshes"] = [{"Element": "Coupling", "Mass drive": 10, "Pressure angle": 20}]
-    workbook.rows["EffectChoices"] = [
-        {"Effect": "backlash", "Choice": "on"},
-        {"Effect": "shock", "Choice": "auto"},
-    ]
-    warnings = read(workbook).warnings
-    assert [w.split(":")[0] for w in warnings] == [
-        "Sheet Train, table Meshes, Mass drive",
-        "Sheet Case, table EffectChoices, Choice",
-    ]
-    workbook.rows["EffectChoices"][0]["Choice"] = "auto"
-    assert len(read(workbook).warnings) == 1
+def test_a_choice_between_blank_ones_is_read_and_named_by_its_row(workbook, read):
+    rows = [{"Effect": name} for name in EFFECTS]
+    rows[6] = {"Effect": "Backlash", "Choice": "Off"}
+    workbook.rows["EffectChoices"] = rows
+    (chosen,) = read(workbook).data.effect_choices
+    assert (chosen.effect, chosen.choice) == ("backlash", "off")
+    rows[6] = {"Effect": "backlesh", "Choice": "off"}
+    (problem,) = read(workbook).problems
+    assert (problem.table, problem.row, problem.column) == ("EffectChoices", 7, "Effect")
+    assert "Did you mean 'backlash'?" in problem.message
+
+
+def test_a_workbook_of_an_earlier_version_has_no_contact_law(workbook, read):
+    workbook.without.add("ContactLaw")
+    found = read(workbook)
+    assert found.problems == ()
+    assert found.data.contact_law is None
 
 
 def test_endless_text_is_told_shortly(workbook, read):

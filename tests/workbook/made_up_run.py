@@ -16,12 +16,22 @@ from addin.fields import INPUT_TABLES
 from addin.run_view import RunView
 from addin.shown_units import shown_units
 from engine.case import CaseData
+from engine.effects import EFFECTS
 
 FREQUENCIES = (30.0, 53.0, 86.0, 1067.38681, 1212.89755, 1264.60205, 1279.68229, 1452.8642)
 LINE = 60.0
 PSI = 6894.757293168361
 UTS = 110000.0 * PSI
 RPM = math.pi / 30.0
+PULL_IN = {
+    "field_time": 7.93, "field_slip": 0.03, "synchronised": True, "pole_slips": 1,
+    "pull_in_time": 8.41, "load_angle": 0.423, "swing_frequency": 2.31,
+}  # fmt: skip
+PLANS = (
+    {"number": 1, "reason": "from the linear analyses"},
+    {"number": 2, "reason": "the run of plan 1 showed a torque reversal of -51,900 N m at Mesh, "
+     "which its run-up had not: the clearance is modelled"},
+)  # fmt: skip
 DAMAGES = {"HP compressor shaft": 1.0 / 448.3, "Motor shaft": 0.0}
 
 
@@ -39,18 +49,24 @@ def made_up_run(case: CaseData | None = None) -> RunView:
             "SteadyState": _steady(elements),
             "StartupPeaks": _peaks(elements),
             "StartupCrossings": _crossings(elements),
+            "TorqueReversals": _reversals(),
             "AllowableStarts": _starts(),
+            "Effects": _effects(),
+            "AccuracyCost": _accuracy(),
             "Audit": [
                 {"item": f"Item {k}", "value": "some words of an equation " * (1 + 5 * (k % 3))}
                 for k in range(20)
             ],
         },
         startup={"outcome": "reached", "time": 8.061, "end_speed": 182.8,
-                 "sentence": "97 % speed reached after 8.06 s"},
+                 "sentence": "97 % speed reached after 8.06 s",
+                 "pull_in": PULL_IN, "bearing_forces": _bearing_forces()},
         speed_time=(_time(), _speed(_time())),
         histories=_histories(elements),
         interference=_interference(),
         cycles=(("HP compressor shaft", *_cycles()),),
+        plans=PLANS,
+        contact_law="limited",
     )  # fmt: skip
 
 
@@ -185,6 +201,72 @@ def _crossings(elements: list[str]) -> list[dict[str, Any]]:
             "torque reverses.",
         }
         for mode, f in enumerate(FREQUENCIES[:3], 1)
+    ]
+
+
+def _reversals() -> list[dict[str, Any]]:
+    mesh = {
+        "element": "Mesh",
+        "minimum_torque": -51900.0,
+        "reversals": 15,
+        "time_unloaded": 0.0713,
+        "impacts": 28,
+        "recontact_speed": 0.0924,
+        "tooth_force": 281000.0,
+        "longest_reversal": 0.00712,
+        "first_time": 4.981,
+        "slip_frequency": 30.2,
+        "transmitted_torque": 14600.0,
+        "margin": -51900.0 / 14600.0,
+        "limit": None,
+        "verdict": "not judged",
+        "recontact_speed_angular": 0.234,
+        "model": "clearance",
+        "note": "Mesh: torque reverses; no Reversal limit entered (15 reversals from 4.981 s on, "
+        "the longest 7.12 ms, deepest at 2 × slip 30.2 Hz)",
+    }
+    coupling = dict(mesh, element="LS coupling", minimum_torque=2100.0, reversals=0, impacts=None,
+                    time_unloaded=0.0, recontact_speed=None, tooth_force=None, first_time=None,
+                    longest_reversal=0.0, margin=2100.0 / 14600.0, limit=5000.0, verdict="pass",
+                    recontact_speed_angular=None, model="linear",
+                    note="LS coupling: torque stays positive")  # fmt: skip
+    return [mesh, coupling]
+
+
+def _effects() -> list[dict[str, Any]]:
+    """Alternately on and off, with short and long reasons."""
+    return [
+        {
+            "effect": name,
+            "choice": "on" if k == 6 else "auto",
+            "on": k % 2 == 0,
+            "deciding_number": None if k == 3 else -0.889 + 0.1 * k,
+            "limit": None if k == 3 else 1e-4 * k,
+            "bound": None if k % 2 == 0 else 0.0 if k == 3 else 2.4e-4,
+            "time": 0.0021 * (k + 1),
+            "why": f"{meaning}; " * (1 + k % 3) + "decided by the number beside",
+        }
+        for k, (name, meaning) in enumerate(EFFECTS.items())
+    ]
+
+
+def _accuracy() -> list[dict[str, Any]]:
+    """A study: second order against sixth."""
+    rows = []
+    for method, rate, cost in (("exponential", 6, 0.008), ("newmark", 2, 0.02)):
+        for k in range(6):
+            rows.append(
+                {"method": method, "setting": f"step {1.6 / 2**k:g} ms",
+                 "error_peak": 2e-2 / 2.0 ** (rate * k), "error_starts": 0.15 / 2.0 ** (rate * k),
+                 "time": cost * 2.0**k}
+            )  # fmt: skip
+    return rows
+
+
+def _bearing_forces() -> list[dict[str, Any]]:
+    return [
+        {"station": "Bull gear", "force": 312e3, "time": 5.213},
+        {"station": "Pinion", "force": 305e3, "time": 5.214},
     ]
 
 

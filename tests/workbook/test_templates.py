@@ -13,12 +13,13 @@ from openpyxl.utils import range_boundaries
 
 from addin import fields
 from addin.examples import EXAMPLES
-from addin.layout import RUN_FACTS, workbook_columns
+from addin.layout import ROOMS, RUN_FACTS, workbook_columns
 from addin.read_workbook import read_workbook
 from addin.template import TEMPLATES, build_all
 from addin.template_files import template_path
 from addin.template_sheets import SHEETS
 from engine.case import CaseData
+from engine.effects import EFFECTS
 from engine.modal import natural_modes
 
 #: Functions that recalculate on every change, and those Excel 2016 or LibreOffice 7.4 lack.
@@ -115,11 +116,10 @@ def test_every_scalar_is_a_defined_name_with_its_unit_beside_it(book: openpyxl.W
 
 def test_nothing_stands_below_a_result_table(book: openpyxl.Workbook) -> None:
     tables = all_tables(book)
-    rooms = {"StartupCrossings": 8}
     for spec in fields.RESULT_TABLES:
         sheet, ref = tables[spec.name]
-        left, _, right, bottom = range_boundaries(ref)
-        last = bottom + rooms.get(spec.name, 2000) - 1
+        left, header, right, bottom = range_boundaries(ref)
+        last = header + ROOMS.get(spec.name, 2000)
         below = book[sheet].iter_rows(bottom + 1, min(last, book[sheet].max_row), left, right)
         filled = [cell.coordinate for row in below for cell in row if cell.value is not None]
         assert not filled, f"{spec.name}: {filled}"
@@ -208,6 +208,31 @@ def test_examples_reproduce_table_1_to_six_digits(design: str) -> None:
     modes = natural_modes(example_case(design)).modes
     elastic = np.asarray(modes.frequency)[modes.n_rigid :]
     assert elastic == pytest.approx(FREQUENCIES[design], rel=1e-6)
+
+
+def test_the_example_with_backlash_is_the_proposed_design_with_additions() -> None:
+    plain, more = example_case("proposed"), example_case("backlash")
+    assert (more.stations, more.elements, more.motor_torque) == (
+        plain.stations, plain.elements, plain.motor_torque,
+    )  # fmt: skip
+    (gear,) = more.meshes
+    assert gear.backlash == pytest.approx(4e-4)
+    assert (gear.mass_drive, gear.mass_driven) == pytest.approx((1600.0, 150.0))
+    stiffness = (gear.bearing_stiffness_drive, gear.bearing_stiffness_driven)
+    assert stiffness == pytest.approx((4e8, 3e8))
+    assert (more.field_slip, more.pull_out_torque) == pytest.approx((0.03, 2.0 * 58400.0))
+    book = openpyxl.load_workbook(template_path("example_backlash.xlsx"))
+    notes = [c.value for c in book["Notes"]["B"]]
+    assert "Added here" in notes
+
+
+def test_effects_are_shipped_by_name_and_none_is_chosen(book: openpyxl.Workbook) -> None:
+    sheet, ref = all_tables(book)["EffectChoices"]
+    left, header, _, bottom = range_boundaries(ref)
+    rows = [(book[sheet].cell(r, left).value, book[sheet].cell(r, left + 1).value)
+            for r in range(header + 1, bottom + 1)]  # fmt: skip
+    assert rows == [(name, None) for name in EFFECTS]
+    assert read_workbook(template_path(book.shipped_as)).data.effect_choices == ()
 
 
 @pytest.mark.parametrize("design", sorted(FREQUENCIES))

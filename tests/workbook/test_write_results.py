@@ -189,7 +189,7 @@ def test_more_crossings_than_there_is_room_for_are_cut_and_named(tmp_path: Path)
     report = write_results(SOURCE, tmp_path / "out.xlsx", run, STAMP)
     shown = rows_of(tmp_path / "out.xlsx", "StartupCrossings")
     assert 8 <= len(shown) < 15
-    assert any("StartupCrossings" in note and "15 modes" in note for note in report.notes)
+    assert any("StartupCrossings" in note and "15 rows" in note for note in report.notes)
 
 
 def test_the_source_stays_as_it_is(tmp_path: Path) -> None:

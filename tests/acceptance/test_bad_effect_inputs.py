@@ -1,0 +1,95 @@
+"""Wrong inputs of the effects, typed into the shipped example: `check` names each cell in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import openpyxl
+import pytest
+from typer.testing import CliRunner
+
+from addin.cli import app
+from addin.template_files import template_path
+
+SOURCE = template_path("example_backlash.xlsx")
+
+
+def typed(target: Path, changes: Mapping[str, Any]) -> Path:
+    """A copy of the example: ``FieldSlip`` = value, or ``Meshes/1/Backlash`` = value."""
+    book = openpyxl.load_workbook(SOURCE)
+    for place, value in changes.items():
+        if "/" not in place:
+            ((sheet, cell),) = book.defined_names[place].destinations
+            book[sheet][cell.replace("$", "")].value = value
+            continue
+        table, row, column = place.split("/")
+        sheet = next(ws for ws in book.worksheets if table in ws.tables)
+        header = next(iter(sheet[sheet.tables[table].ref]))
+        at = next(cell for cell in header if cell.value == column)
+        sheet.cell(at.row + int(row), at.column).value = value
+    book.save(target)
+    return target
+
+
+def checked(path: Path) -> tuple[int, str]:
+    done = CliRunner().invoke(app, ["check", str(path)])
+    assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
+    return done.exit_code, done.output
+
+
+@pytest.mark.parametrize(
+    ("changes", "place", "words"),
+    [
+        ({"Meshes/1/Backlash": -0.01}, "Sheet Train, table Meshes, row 1, Backlash (cell ",
+         "found -0.01 in = "),
+        ({"Meshes/1/Pitch radius drive": None},
+         "Sheet Train, table Meshes, row 1, Pitch radius drive (cell ", "Type the radius"),
+        ({"Meshes/1/Mass driven": None}, "Sheet Train, table Meshes, row 1, Mass driven (cell ",
+         "type the mass of the gear"),
+        ({"Meshes/1/Bearing stiffness drive": None},
+         "Sheet Train, table Meshes, row 1, Bearing stiffness drive (cell ",
+         "type their stiffness"),
+        ({"Meshes/1/Angular backlash": 1}, "Sheet Train, table Meshes, row 1, Angular backlash",
+         "geared couplings"),
+        ({"Elements/4/Stiffness": None}, "Sheet Train, table Meshes, row 1, Backlash (cell ",
+         "table Elements, row 4"),
+        ({"FieldSlip": 150}, "Sheet Case, FieldSlip (cell ", "between 0 and 1"),
+        ({"FieldSlip": -3}, "Sheet Case, FieldSlip (cell ", "found -3 %"),
+        ({"PullOutTorque": None}, "Sheet Case, PullOutTorque (cell ", "FieldSlip is given"),
+        ({"ShockTimeConstant": None}, "Sheet Case, ShockTimeConstant (cell ",
+         "ShockAmplitude is given"),
+        ({"TripSpeed": 120}, "Sheet Case, TripSpeed (cell ", "at most"),
+        ({"ContactLaw": "no adhesoin"}, "Sheet Case, ContactLaw (cell ",
+         "Did you mean 'no adhesion'?"),
+        ({"EffectChoices/7/Choice": "maybe"}, "Sheet Case, table EffectChoices, row 7, Choice",
+         "one of auto, on, off"),
+        ({"EffectChoices/3/Effect": "gears", "EffectChoices/3/Choice": "on"},
+         "Sheet Case, table EffectChoices, row 3, Effect", "one of bearings"),
+        ({"EffectChoices/6/Choice": "on"}, "Sheet Case, table EffectChoices, row 6, Choice",
+         "TripSpeed"),
+    ],
+    ids=lambda value: ", ".join(value) if isinstance(value, dict) else "",
+)  # fmt: skip
+def test_a_wrong_input_has_its_cell_and_its_sentence(
+    tmp_path: Path, changes: Mapping[str, Any], place: str, words: str
+) -> None:
+    status, said = checked(typed(tmp_path / "wrong.xlsx", changes))
+    assert status == 1
+    line = next((line for line in said.splitlines() if place in line), "")
+    assert line, said
+    assert words in line
+
+
+def test_one_unreadable_stiffness_is_one_error(tmp_path: Path) -> None:
+    """The clearance beside it needs that stiffness; nothing is said of it as well."""
+    status, said = checked(typed(tmp_path / "wrong.xlsx", {"Elements/4/Stiffness": "5e7 lbf"}))
+    assert status == 1
+    assert "1 error," in said
+    assert "table Elements, row 4, Stiffness" in said
+
+
+def test_the_example_itself_and_forced_effects_are_in_order(tmp_path: Path) -> None:
+    status, said = checked(typed(tmp_path / "right.xlsx", {"EffectChoices/7/Choice": "Off"}))
+    assert (status, "no errors" in said) == (0, True), said

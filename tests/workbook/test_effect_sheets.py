@@ -1,0 +1,167 @@
+"""Sheets Reversals, Effects and Accuracy: what stands there, in which units, and nothing beside."""
+
+from __future__ import annotations
+
+import datetime as dt
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import openpyxl
+import pytest
+from made_up_run import PLANS, made_up_run
+from test_write_results import rows_of, with_unit
+
+from addin.chart_data import accuracy_block
+from addin.layout import ROOMS
+from addin.package import open_workbook
+from addin.template_files import template_path
+from addin.write_workbook import NO_STUDY, RunStamp, write_results, write_study
+
+STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
+SOURCE = template_path("example_proposed.xlsx")
+LBF, LBF_FT, INCH = 4.4482216152605, 1.3558179483314, 0.0254
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    target = tmp_path_factory.mktemp("written") / "results.xlsx"
+    write_results(SOURCE, target, made_up_run(), STAMP)
+    return target
+
+
+def test_reversals_stand_in_the_units_shown_with_their_live_check(written: Path) -> None:
+    mesh, coupling = rows_of(written, "TorqueReversals")
+    assert mesh["Minimum torque"] == pytest.approx(-51900.0 / LBF_FT)
+    assert mesh["Tooth force"] == pytest.approx(281000.0 / LBF)
+    assert mesh["Recontact speed"] == pytest.approx(0.0924 / INCH)
+    assert (mesh["Reversals"], mesh["Impacts"], mesh["Model"]) == (15, 28, "clearance")
+    assert mesh["Margin"] == pytest.approx(-100.0 * 51900.0 / 14600.0)
+    assert (coupling["Impacts"], coupling["Tooth force"], coupling["First time"]) == (None,) * 3
+    for row in (mesh, coupling):
+        assert row["Margin check"] == pytest.approx(row["Margin"], rel=1e-12)
+
+
+def test_the_live_margin_follows_retyped_units(tmp_path: Path) -> None:
+    source = with_unit(tmp_path, "TorqueReversals", "Transmitted torque", "kN*m")
+    write_results(source, tmp_path / "out.xlsx", made_up_run(), STAMP)
+    mesh = rows_of(tmp_path / "out.xlsx", "TorqueReversals")[0]
+    assert mesh["Transmitted torque"] == pytest.approx(14.6)
+    assert mesh["Margin check"] == pytest.approx(mesh["Margin"], rel=1e-12)
+
+
+def test_effects_say_on_or_off_with_number_bound_and_reason(written: Path) -> None:
+    rows = {row["Effect"]: row for row in rows_of(written, "Effects")}
+    assert [row["On"] for row in rows.values()] == ["on", "off"] * 5
+    assert rows["backlash"]["Choice"] == "on"
+    assert rows["bearings"]["Deciding number"] == pytest.approx(-0.889)
+    assert rows["bearings"]["Bound"] is None
+    assert rows["breaker closing"]["Bound"] == 0
+    assert rows["coupled damping"]["Bound"] == pytest.approx(0.024)
+    assert rows["coupled damping"]["Time"] == pytest.approx(4.2)
+    assert "decided by the number beside" in rows["run length"]["Why"]
+    plans = rows_of(written, "Plans")
+    assert [(p["Plan"], p["Reason"]) for p in plans] == [(p["number"], p["reason"]) for p in PLANS]
+
+
+def test_bearing_forces_stand_beside_the_reversals(written: Path) -> None:
+    bull, pinion = rows_of(written, "BearingForces")
+    assert (bull["Station"], pinion["Station"]) == ("Bull gear", "Pinion")
+    assert bull["Force"] == pytest.approx(312e3 / LBF)
+
+
+def test_the_chart_shows_the_worst_element_around_its_least_torque(written: Path) -> None:
+    run = made_up_run()
+    time, torque = run.histories["Mesh"]
+    deepest = float(time[torque.argmin()])
+    drawn = [row for row in rows_of(written, "ChartReversal") if row["Time"] is not None]
+    assert min(row["Torque"] for row in drawn) == pytest.approx(torque.min() / LBF_FT, rel=1e-5)
+    assert drawn[0]["Time"] < deepest < drawn[-1]["Time"]
+    assert drawn[-1]["Time"] - drawn[0]["Time"] <= 2.0 * 8.0 / 30.2 + 1e-3
+    labels = {row["Key"]: row["Text"] for row in rows_of(written, "ChartLabels")}
+    assert labels["Reversal title"].startswith("Mesh: ")
+
+
+def test_reversals_beyond_their_room_are_named_and_cut(tmp_path: Path) -> None:
+    run = made_up_run()
+    many = [dict(run.tables["TorqueReversals"][0], element=f"mesh {k}") for k in range(20)]
+    run = replace(run, tables=dict(run.tables) | {"TorqueReversals": many})
+    report = write_results(SOURCE, tmp_path / "out.xlsx", run, STAMP)
+    shown = len(rows_of(tmp_path / "out.xlsx", "TorqueReversals"))
+    assert ROOMS["TorqueReversals"] <= shown <= ROOMS["TorqueReversals"] + 1
+    assert any("TorqueReversals" in note and "20 rows" in note for note in report.notes)
+    assert len(rows_of(tmp_path / "out.xlsx", "BearingForces")) == 2
+
+
+def test_the_start_says_how_it_ended(written: Path) -> None:
+    sheet = openpyxl.load_workbook(written, data_only=True)["Start-up"]
+    assert sheet["B4"].value == made_up_run().startup["sentence"]
+
+
+# --- the accuracy study ---------------------------------------------------------------------------
+
+WORDS = {"sentence": "You asked for 1 %: 14 ms.", "reference": "A hundred times finer."}
+STUDY = [
+    {"method": "exponential", "setting": "step 0.002 s", "error_peak": 1e-3, "error_starts": 1e-2,
+     "time": 0.004},
+    {"method": "exponential", "setting": "step 0.001 s", "error_peak": 1e-5, "error_starts": None,
+     "time": 0.008},
+    {"method": "newmark (linear train)", "setting": "step 0.001 s", "error_peak": 2e-3,
+     "error_starts": 0.0, "time": 0.02},
+]  # fmt: skip
+
+
+def test_without_a_study_the_sheet_says_how_to_make_one(written: Path) -> None:
+    sheet = openpyxl.load_workbook(written, data_only=True)["Accuracy"]
+    assert sheet["B5"].value == NO_STUDY
+    assert "torsionbook accuracy" in NO_STUDY
+
+
+def test_a_study_changes_nothing_but_its_own_cells(written: Path, tmp_path: Path) -> None:
+    target = tmp_path / "study.xlsx"
+    workbook = open_workbook(written, read_only=True)
+    write_study(workbook, target, STUDY, WORDS, STAMP, 58400.0)
+    rows = rows_of(target, "AccuracyCost")
+    assert [row["Error peak"] for row in rows] == pytest.approx([0.1, 0.001, 0.2])
+    assert [row["Time"] for row in rows] == pytest.approx([4.0, 8.0, 20.0])
+    sheet = openpyxl.load_workbook(target, data_only=True)["Accuracy"]
+    assert [sheet[f"B{k}"].value for k in (5, 6)] == [WORDS["sentence"], WORDS["reference"]]
+    assert STAMP.sha256[:12] in sheet["B7"].value
+    changed = different_parts(written, target)
+    names = openpyxl.load_workbook(written).sheetnames
+    own = {
+        f"xl/worksheets/sheet{names.index(n) + 1}.xml" for n in ("Accuracy", "Lists", "ChartData")
+    }
+    sheets = {part for part in changed if part.startswith("xl/worksheets/sheet")}
+    assert sheets == own
+    others = changed - sheets
+    assert {part.split("/")[1] for part in others} <= {"charts", "tables"}, others
+    assert len([part for part in others if part.startswith("xl/charts/")]) == 1
+
+
+def different_parts(one: Path, other: Path) -> set[str]:
+    """Parts of two packages that differ."""
+    with zipfile.ZipFile(one) as a, zipfile.ZipFile(other) as b:
+        assert set(a.namelist()) == set(b.namelist())
+        return {name for name in a.namelist() if a.read(name) != b.read(name)}
+
+
+def test_a_recalculation_after_a_study_leaves_nothing_of_it(written: Path, tmp_path: Path) -> None:
+    target = tmp_path / "study.xlsx"
+    write_study(open_workbook(written, read_only=True), target, STUDY, WORDS, STAMP, 58400.0)
+    again = write_results(target, tmp_path / "again.xlsx", made_up_run(), STAMP).path
+    assert rows_of(again, "AccuracyCost") == rows_of(written, "AccuracyCost")
+    sheet = openpyxl.load_workbook(again, data_only=True)["Accuracy"]
+    assert (sheet["B5"].value, sheet["B6"].value or "") == (NO_STUDY, "")
+
+
+def test_the_chart_draws_methods_apart_and_no_error_of_zero() -> None:
+    linear = "newmark (linear train)"
+    assert accuracy_block(STUDY) == [
+        ["exponential: peak torques", 4.0, 0.1, "exponential: allowable starts", 4.0, 1.0,
+         f"{linear}: peak torques", 20.0, 0.2, f"{linear}: allowable starts", None, None],
+        [None, 8.0, 0.001, *[None] * 9],
+    ]  # fmt: skip
+    (names,) = accuracy_block([])
+    assert names[0] == "exponential: peak torques"
+    assert names[1:3] == [None, None]
