@@ -237,7 +237,7 @@ def _loads() -> list[dict[str, Value]]:
 #: Design whose numbers the third example shares, and its additions in SI.
 _BACKLASH = "backlash"
 _BACKLASH_SCALARS: dict[str, Value] = {
-    "ShockAmplitude": 2,
+    "ShockAmplitude": 0.5,
     "ShockTimeConstant": 0.06,
     "FieldSlip": 3,
     "FieldTimeConstant": 0.5,

@@ -48,7 +48,6 @@ from engine.startup import (
     StartModel,
     StartOutcome,
     StartSettings,
-    Trajectory,
     element_peaks,
     outcome_of,
     relative_errors,
@@ -56,10 +55,10 @@ from engine.startup import (
     run_start,
     settings_of,
     start_model,
-    turning_of,
     worst_outputs,
 )
 from engine.train import Flank, Train
+from engine.trajectory import Trajectory, read_turning
 
 __all__ = ["clearances_of", "pull_in_outcome", "run_event_start"]
 
@@ -167,7 +166,8 @@ def run_event_start(
     def at(h: float, changed: EventModel = model) -> _Run:
         run = simulate_events(changed, h, setup.script, settled=setup.settled)
         end = float(run.trajectory.time[-1])
-        return _Run(run, end, turning_of(run.trajectory, end))
+        trajectory, turning = read_turning(run.trajectory, end)
+        return _Run(replace(run, trajectory=trajectory), end, turning)
 
     coarse, fine = _light(at(step)), at(0.5 * step)
     halvings, sensitivity = 0, None
@@ -209,7 +209,7 @@ def run_event_start(
         method="exponential",
         met_tolerance=met,
         uncoupled_dampers=setup.uncoupled_dampers,
-        contacts=contact_records(model, run, fine.end),
+        contacts=contact_records(model, run, fine.turning, fine.end),
         bearing_forces=bearing_forces(train, run),
         pull_in=pull_in,
         sensitivity=sensitivity,

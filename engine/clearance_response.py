@@ -45,7 +45,7 @@ class ClearanceResponse:
     torque : ndarray, shape (n_outputs, n_times)
         Torque of each element. [N m]
     log : ndarray, shape (n_events, 5)
-        Time, clearance, contact before and after, flank speed of each event. [SI]
+        Time, clearance, contact of a flank before and after, its speed, of each event. [SI]
     run : EventRun
         Everything at every step. [SI]
     """
@@ -136,7 +136,11 @@ def clearance_response(
         maximum_time=float(t[-1] - t[0]), stops=tuple((t - t[0]).tolist()), keep_state=True
     )
     run = simulate_events(
-        model, step or RESPONSE_ANGLE / fastest, script, (q, v), _contacts_at(basis, q)
+        model,
+        step or RESPONSE_ANGLE / fastest,
+        script,
+        (q, v),
+        _contacts_at(basis, q, v, model.limited),
     )
     place = np.searchsorted(run.trajectory.time, (t - t[0]) * (1.0 + 1e-14), side="right") - 1
     to_station = train.node_matrix()[: train.n_stations] @ basis.vectors
@@ -183,15 +187,23 @@ def _in_basis(basis: PieceBasis, station_values: Floats | None) -> Floats:
     return np.asarray(basis.vectors.T @ (train.inertia * value))
 
 
-def _contacts_at(basis: PieceBasis, q: Floats) -> tuple[int, ...]:
-    """Contact of each clearance at rest in a given position."""
-    contact = []
-    for i, flank in enumerate(basis.flanks):
-        gap = math.inf if flank.gap is None else flank.gap
-        if float(basis.drive_rows[i] @ q) >= 0.0:
-            contact.append(events.DRIVE)
-        elif float(basis.back_rows[i] @ q) > gap:
-            contact.append(events.BACK)
-        else:
-            contact.append(events.FREE)
-    return tuple(contact)
+def _contacts_at(basis: PieceBasis, q: Floats, v: Floats, limited: bool) -> tuple[int, ...]:
+    """Contact of each flank in a given state."""
+    gaps = [math.inf if f.gap is None else f.gap for f in basis.flanks]
+    drive = zip(basis.flanks, basis.drive_rows, [0.0] * len(gaps), strict=True)
+    back = zip(basis.flanks, basis.back_rows, gaps, strict=True)
+    return tuple(
+        _contact(f.stiffness, f.viscous, float(row @ q) - gap, float(row @ v), loaded, limited)
+        for side, loaded in ((drive, events.DRIVE), (back, events.BACK))
+        for f, row, gap in side
+    )
+
+
+def _contact(
+    stiffness: float, viscous: float, depth: float, speed: float, loaded: int, limited: bool
+) -> int:
+    """Contact of one flank; the limited one is the next number."""
+    spring, damping = stiffness * depth, viscous * speed
+    if depth < 0.0 or spring + damping < 0.0 or (depth == 0.0 and speed < 0.0):
+        return events.FREE
+    return loaded + 1 if limited and damping > spring else loaded

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from engine.effects import BearingForce, ContactRecord
 from engine.event_run import EventModel, EventRun
@@ -12,8 +15,12 @@ from engine.train import Train
 
 __all__ = ["bearing_forces", "contact_records", "force_histories"]
 
+Floats = NDArray[np.float64]
 
-def contact_records(model: EventModel, run: EventRun, end: float) -> tuple[ContactRecord, ...]:
+
+def contact_records(
+    model: EventModel, run: EventRun, turning: Sequence[tuple[Floats, Floats]], end: float
+) -> tuple[ContactRecord, ...]:
     """What happened at each clearance.
 
     Parameters
@@ -22,6 +29,8 @@ def contact_records(model: EventModel, run: EventRun, end: float) -> tuple[Conta
         The model that was run. [SI]
     run : EventRun
         The run. [SI]
+    turning : sequence of (ndarray, ndarray)
+        Turning points of every output. [s, N m]
     end : float
         When it ended. [s]
 
@@ -35,20 +44,17 @@ def contact_records(model: EventModel, run: EventRun, end: float) -> tuple[Conta
     out = []
     for c, flank in enumerate(basis.flanks):
         log = run.log[run.log[:, 1] == c]
-        parted, met = log[log[:, 3] == events.FREE], log[log[:, 2] == events.FREE]
-        unloaded = float(met[:, 0].sum() - parted[:, 0].sum())
-        if len(parted) > len(met):
-            unloaded += end
+        met = log[log[:, 2] == events.FREE]
         speed = float(np.max(met[:, 4], initial=0.0))
-        rows = run.trajectory.output_element == flank.element
-        torque = float(np.max(np.abs(run.trajectory.torque[rows]), initial=0.0))
+        rows = np.flatnonzero(run.trajectory.output_element == flank.element)
+        torque = max(float(np.max(np.abs(turning[int(i)][1]), initial=0.0)) for i in rows)
         radius, factor = flank.base_radius, flank.normal_factor
         out.append(
             ContactRecord(
                 element=elements[flank.element],
                 impacts=len(met),
                 back_impacts=int(np.count_nonzero(met[:, 3] >= events.BACK)),
-                time_unloaded=unloaded,
+                time_unloaded=_time_unloaded(log, end),
                 recontact_speed=None if radius is None else speed * radius / factor,
                 recontact_speed_angular=speed,
                 tooth_force=None if radius is None else torque / radius * factor,
@@ -56,6 +62,24 @@ def contact_records(model: EventModel, run: EventRun, end: float) -> tuple[Conta
             )
         )
     return tuple(out)
+
+
+def _time_unloaded(log: Floats, end: float) -> float:
+    """Total time during which neither flank of a clearance is loaded, the drive flank being so first.
+
+    A flank that is still compressed but would pull is unloaded, too.
+    """
+    loaded = {False: True, True: False}  # back flank?
+    total, since = 0.0, 0.0
+    for time, _, before, after, _ in log:
+        before_loaded = any(loaded.values())
+        back = (before if after == events.FREE else after) >= events.BACK
+        loaded[bool(back)] = after != events.FREE
+        if before_loaded and not any(loaded.values()):
+            since = time
+        elif not before_loaded and any(loaded.values()):
+            total += time - since
+    return float(total if any(loaded.values()) else total + end - since)
 
 
 def bearing_forces(train: Train, run: EventRun) -> tuple[BearingForce, ...]:
@@ -74,13 +98,8 @@ def bearing_forces(train: Train, run: EventRun) -> tuple[BearingForce, ...]:
         One a gear. [N]
     """
     out = []
-    for body, force in zip(train.bodies, run.bearing, strict=True):
-        i = int(np.argmax(force))
-        out.append(
-            BearingForce(
-                train.stations[body.station], float(force[i]), float(run.trajectory.time[i])
-            )
-        )
+    for body, (force, time) in zip(train.bodies, run.largest_bearing, strict=True):
+        out.append(BearingForce(train.stations[body.station], float(force), float(time)))
     return tuple(out)
 
 

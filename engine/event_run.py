@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from engine.errors import InternalError
 from engine.pieces import Piece, Pieces
-from engine.startup import Trajectory
 from engine.stepping import events
 from engine.time_response import PrescribedTorque
+from engine.trajectory import KEPT_VALUES, Recorder, Trajectory
 
 __all__ = [
     "EventModel",
@@ -132,8 +132,10 @@ class EventRun:
         Phase of each pulsation, unbroken. [rad]
     bearing : ndarray, shape (n_bodies, n_times)
         Radial force of each gear's bearings. [N]
+    largest_bearing : ndarray, shape (n_bodies, 2)
+        Its largest value, and when. [N, s]
     log : ndarray, shape (n_events, 5)
-        Time, clearance, contact before and after, flank speed. [SI]
+        Time, clearance, contact of a flank before and after, its speed. [SI]
     field_time, trip_time : float or None
         When the field was applied, when the motors tripped. [s]
     settled : bool
@@ -145,6 +147,7 @@ class EventRun:
     trajectory: Trajectory
     phase: Floats
     bearing: Floats
+    largest_bearing: Floats
     log: Floats
     field_time: float | None
     trip_time: float | None
@@ -161,22 +164,24 @@ class _Recorder:
         m = model.pieces.basis.vectors.shape[1]
         self.position: list[Floats] = [np.empty((m, 0))]
         self.velocity: list[Floats] = [np.empty((m, 0))]
-        self.time: list[Floats] = []
-        self.speed: list[Floats] = []
-        self.phase: list[Floats] = []
-        self.torque: list[Floats] = []
-        self.rate: list[Floats] = []
-        self.bearing: list[Floats] = []
         self.log: list[Floats] = []
+        bodies = len(model.pieces.basis.train.bodies)
+        self.largest = np.zeros((bodies, 2))  # bearing force and when
+        self._phase: Floats | None = None
+        self._samples = Recorder(
+            model.pieces.output_element, math.inf if keep_state else KEPT_VALUES
+        )
 
     def seen(self) -> tuple[Floats, Floats, Floats]:
         """Times, phases of the first motor and mean speeds so far."""
-        phase = np.concatenate([p[:, 0] for p in self.phase])
-        return (
-            np.concatenate(self.time),
-            np.unwrap(phase, period=4.0 * math.pi),
-            np.concatenate(self.speed),
-        )
+        time, speed, further = self._samples.seen()
+        return time, further[0], speed
+
+    def result(self, reached: bool, n_steps: int) -> tuple[Trajectory, Floats, Floats]:
+        """Trajectory, phases and bearing forces."""
+        trajectory, further = self._samples.trajectory(reached, n_steps)
+        n = len(self.model.phase)
+        return trajectory, further[:n], further[n:]
 
     def add(self, rows: dict[str, Any], n: int) -> None:
         """Take n rows."""
@@ -185,7 +190,7 @@ class _Recorder:
         n_out = len(pieces.output_element)
         torque, rate = np.empty((n_out, n)), np.empty((n_out, n))
         speed = np.empty(n)
-        bearing = np.empty((len(pieces.basis.train.bodies), n))
+        bearing = np.empty((len(self.largest), n))
         for p in np.unique(of_piece):
             here = of_piece == p
             state = (rows[k][:n][here] for k in ("q", "v", "f", "fr"))
@@ -197,12 +202,24 @@ class _Recorder:
             turns = np.array([pieces.pieces[int(p)].turn for p in of_piece])
             self.position.append(np.einsum("nij,nj->in", turns, rows["q"][:n]))
             self.velocity.append(np.einsum("nij,nj->in", turns, rows["v"][:n]))
-        self.time.append(rows["t"][:n].copy())
-        self.phase.append(rows["phase"][:n].copy())
-        self.torque.append(torque)
-        self.rate.append(rate)
-        self.speed.append(speed)
-        self.bearing.append(bearing)
+        time = rows["t"][:n].copy()
+        for i, force in enumerate(bearing):
+            top = int(np.argmax(force))
+            if force[top] > self.largest[i, 0]:
+                self.largest[i] = force[top], time[top]
+        further = np.concatenate([self._unbroken(rows["phase"][:n]), bearing])
+        self._samples.add(time, speed, torque, rate, further)
+
+    def _unbroken(self, phase: Floats) -> Floats:
+        """Phases without the jumps of their modulus, shape (n_motors, n)."""
+        rows = phase.T if self._phase is None else np.column_stack([self._phase, phase.T])
+        if rows.shape[0] == 0:
+            return np.empty((0, len(phase)))
+        rows = np.unwrap(rows, period=4.0 * math.pi, axis=1)
+        if self._phase is not None:
+            rows = rows[:, 1:]
+        self._phase = rows[:, -1].copy()
+        return np.ascontiguousarray(rows)
 
 
 def _answers(
@@ -250,7 +267,8 @@ def simulate_events(
     initial : tuple of (ndarray, ndarray), optional
         Position and velocity in the common basis; default rest. [SI]
     contact : tuple of int, optional
-        Contact of each clearance at the beginning; default all drive flanks touch. [1]
+        Contact of each flank at the beginning, all drive flanks, then all back flanks; default
+        all drive flanks touch. [1]
     settled : callable, optional
         Asked now and then once the field is applied, with time, phase of the first motor and mean
         speed so far: whether the run may end. [flag]
@@ -283,7 +301,8 @@ class _Simulation:
         pieces = model.pieces
         m = pieces.basis.vectors.shape[1]
         self.contact = np.array(
-            contact or [events.DRIVE] * len(pieces.basis.flanks), dtype=np.int64
+            contact or [c for c in (events.DRIVE, events.FREE) for _ in pieces.basis.flanks],
+            dtype=np.int64,
         )
         q, v = initial or (np.zeros(m), np.zeros(m))
         self.piece = np.zeros(1, dtype=np.int64)
@@ -436,23 +455,13 @@ class _Simulation:
                 return int(reason)
 
     def _result(self, settled: bool = False, reached: bool = False) -> EventRun:
-        r, pieces = self.recorder, self.model.pieces
-        phase = np.concatenate(r.phase).T
-        if len(phase):
-            phase = np.unwrap(phase, period=4.0 * math.pi, axis=1)
-        trajectory = Trajectory(
-            np.concatenate(r.time),
-            np.concatenate(r.speed),
-            np.concatenate(r.torque, axis=1),
-            np.concatenate(r.rate, axis=1),
-            pieces.output_element,
-            reached,
-            self.steps,
-        )
+        r = self.recorder
+        trajectory, phase, bearing = r.result(reached, self.steps)
         return EventRun(
             trajectory,
             phase,
-            np.concatenate(r.bearing, axis=1),
+            bearing,
+            r.largest,
             np.concatenate(r.log) if r.log else np.empty((0, 5)),
             self.field_time,
             self.trip_time,

@@ -1,8 +1,8 @@
 """A train with clearances as pieces: linear systems that share one basis.
 
-Each clearance is in one of five contacts (`engine.stepping.events`); each combination of contacts
-is a piece with stiffness rows of its own: a free flank counts nothing, a loaded one with its
-stiffness; what its damping adds is a force. The pieces share one
+Each flank is free or loaded (`engine.stepping.events`); each combination is a piece with stiffness
+rows of its own: a free flank counts nothing, a loaded one with its stiffness; what its damping adds
+is a force. The pieces share one
 M-orthonormal basis, the kept modes of the train with all teeth in contact, completed by what these
 modes cannot do: the free flight of the parts that a clearance sets apart, and the static deflection
 under a tooth force. A piece is made when a run first comes to it.
@@ -24,7 +24,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from engine.modal import Modes
-from engine.stepping.events import BACK, BACK_LIMITED, DRIVE, DRIVE_LIMITED, FREE
+from engine.stepping.events import FREE
 from engine.train import Flank, Train
 
 __all__ = ["ForcePlaces", "Piece", "PieceBasis", "Pieces", "piece_basis"]
@@ -32,8 +32,6 @@ __all__ = ["ForcePlaces", "Piece", "PieceBasis", "Pieces", "piece_basis"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: The contact that stands for each in a piece: whether damping is limited changes a force only.
-PLAIN = {FREE: FREE, DRIVE: DRIVE, DRIVE_LIMITED: DRIVE, BACK: BACK, BACK_LIMITED: BACK}
 #: A direction whose part outside the basis is smaller than this is in it already.
 INSIDE = 1e-9
 #: Normalised rows: singular values below this share of the largest are zero.
@@ -126,8 +124,8 @@ class Piece:
 
     Parameters
     ----------
-    contact : tuple of int
-        Contact of each clearance. [1]
+    loaded : tuple of bool
+        Whether each flank is: all drive flanks, then all back flanks. [flags]
     stiffness, rate : ndarray, shape (m,)
         λ and damping coefficient of its modes. [1/s², 1/s]
     turn : ndarray, shape (m, m)
@@ -146,7 +144,7 @@ class Piece:
         Element torques of the gaps. [N m]
     """
 
-    contact: tuple[int, ...]
+    loaded: tuple[bool, ...]
     stiffness: Floats
     rate: Floats
     turn: Floats
@@ -294,20 +292,18 @@ class Pieces:
         Parameters
         ----------
         contact : sequence of int
-            Contact of each clearance. [1]
+            Contact of each flank: all drive flanks, then all back flanks. [1]
 
         Returns
         -------
         int
             Its place in the tables. [index]
         """
-        key = 0
-        for state in reversed(list(contact)):
-            key = 3 * key + (int(state) + 1) // 2
+        loaded = tuple(int(c) != FREE for c in contact)
+        key = sum(1 << i for i, state in enumerate(loaded) if state)
         if key in self._keys:
             return self._keys.index(key)
-        plain = tuple(PLAIN[int(c)] for c in contact)
-        self.pieces.append(_make_piece(self, plain))
+        self.pieces.append(_make_piece(self, loaded))
         self._keys.append(key)
         self._tables = None
         return len(self._keys) - 1
@@ -324,17 +320,18 @@ class Pieces:
 
     @property
     def contacts(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Gap, stiffness, damping and torque scale of each clearance. [rad, N m/rad, SI, N m]"""
+        """Gap, stiffness, damping and torque scale of each flank. [rad, N m/rad, SI, N m]"""
         flanks = self.basis.flanks
         scale = [
             float(np.max(self._scale[self.output_element == f.element], initial=0.0))
             for f in flanks
         ]
+        gap = [math.inf if f.gap is None else f.gap for f in flanks]
         return (
-            np.array([math.inf if f.gap is None else f.gap for f in flanks], dtype=np.float64),
-            np.array([f.stiffness for f in flanks], dtype=np.float64),
-            np.array([f.viscous for f in flanks], dtype=np.float64),
-            np.array(scale, dtype=np.float64),
+            np.array([0.0 for _ in flanks] + gap, dtype=np.float64),
+            np.array(2 * [f.stiffness for f in flanks], dtype=np.float64),
+            np.array(2 * [f.viscous for f in flanks], dtype=np.float64),
+            np.array(2 * scale, dtype=np.float64),
         )
 
     @property
@@ -369,8 +366,7 @@ class Pieces:
         def stacked(parts: list[Floats]) -> Floats:
             return np.ascontiguousarray(np.array(parts, dtype=np.float64))
 
-        drive, back = basis.drive_rows, basis.back_rows
-        nc = len(basis.flanks)
+        flank_rows = np.concatenate([basis.drive_rows, basis.back_rows])
         self._tables = (
             np.array(self._keys, dtype=np.int64),
             stacked([x.stiffness for x in p]),
@@ -378,8 +374,7 @@ class Pieces:
             stacked([x.reach.T for x in p]),
             stacked([x.constant for x in p]),
             stacked([self._mean @ x.turn for x in p]),
-            stacked([drive @ x.turn for x in p]).reshape(n, nc, m),
-            stacked([back @ x.turn for x in p]).reshape(n, nc, m),
+            stacked([flank_rows @ x.turn for x in p]),
             stacked([x.viscous for x in p]).reshape(n, -1),
             stacked([self._visibility(x) for x in p]),
             stacked([x.turn for x in p]),
@@ -428,18 +423,17 @@ def _common_reach(basis: PieceBasis, places: ForcePlaces) -> Floats:
     )
 
 
-def _make_piece(pieces: Pieces, contact: tuple[int, ...]) -> Piece:
+def _make_piece(pieces: Pieces, loaded: tuple[bool, ...]) -> Piece:
     """Modes, damping and outputs of one combination of contacts."""
     basis, places = pieces.basis, pieces.places
     train, flanks = basis.train, basis.flanks
     m, r = basis.vectors.shape[1], basis.n_rigid
     factor = np.ones(train.n_rows)
-    for flank, state in zip(flanks, contact, strict=True):
-        factor[flank.drive_row] = float(state == DRIVE)
-    back_factor = np.array([s == BACK for s in contact], dtype=np.float64)
+    factor[[flank.drive_row for flank in flanks]] = loaded[: len(flanks)]
+    back_factor = np.array(loaded[len(flanks) :], dtype=np.float64)
     stiffness = train.stiffness * factor
     back_stiffness = np.array([f.stiffness for f in flanks], dtype=np.float64) * back_factor
-    omega, turn = _modes_of_piece(basis, stiffness, back_stiffness, contact)
+    omega, turn = _modes_of_piece(basis, stiffness, back_stiffness)
     rate = _rates(basis, places, stiffness, back_stiffness, omega, turn)
     gap = np.array([f.gap if f.gap is not None else 0.0 for f in flanks], dtype=np.float64)
     hold = np.where(back_factor > 0.0, back_stiffness * np.where(back_factor > 0.0, gap, 0.0), 0.0)
@@ -452,15 +446,16 @@ def _make_piece(pieces: Pieces, contact: tuple[int, ...]) -> Piece:
     reach = turn.T @ pieces.common_reach
     constant = turn.T @ constant
     outputs = _outputs(pieces, stiffness, back_stiffness, hold, omega, turn, reach, constant)
-    return Piece(contact, omega**2, rate, turn, reach, constant, viscous, *outputs)
+    return Piece(loaded, omega**2, rate, turn, reach, constant, viscous, *outputs)
 
 
 def _modes_of_piece(
-    basis: PieceBasis, stiffness: Floats, back_stiffness: Floats, contact: tuple[int, ...]
+    basis: PieceBasis, stiffness: Floats, back_stiffness: Floats
 ) -> tuple[Floats, Floats]:
     """Frequencies of a piece, rising, and the rotation from its modes to the common basis."""
     m, r = basis.vectors.shape[1], basis.n_rigid
-    if all(state == DRIVE for state in contact) and m == len(basis.closed_omega):
+    closed = np.array_equal(stiffness, basis.train.stiffness) and not np.any(back_stiffness)
+    if closed and m == len(basis.closed_omega):
         return basis.closed_omega.copy(), np.eye(m)
     strained = np.concatenate(
         [

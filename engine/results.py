@@ -13,16 +13,44 @@ from numpy.typing import NDArray
 
 from engine.case import CaseData
 from engine.crossings import Crossing
+from engine.effects import BearingForce, PullIn, Sensitivity
 from engine.excitation import Excitation
 from engine.fatigue import AllowableStarts
 from engine.margins import Interference, SeparationMargins
 from engine.modal import ModalDamping, Modes, Node
+from engine.plan import Plan
+from engine.reversals import Reversal
 from engine.startup import Start
 from engine.steady_state import SteadyState
 from engine.train import Train
 from engine.verdicts import Verdict
 
-__all__ = ["Results"]
+__all__ = ["AccuracyRow", "Results"]
+
+
+@dataclass(frozen=True)
+class AccuracyRow:
+    """What one calculation was worth and what it cost.
+
+    Parameters
+    ----------
+    method : str
+        Method of the time integration, or the analysis. [name]
+    setting : str
+        Wanted tolerance or step. [words]
+    error_peak : float or None
+        Error of the peak torques, relative; None where the analysis has none. [1]
+    error_starts : float or None
+        Error of the allowable starts, relative; None where none is counted, or unlimited. [1]
+    time : float
+        Wall time. [s]
+    """
+
+    method: str
+    setting: str
+    error_peak: float | None
+    error_starts: float | None
+    time: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +100,18 @@ class Results:
         What a reader must know beside the numbers. [sentences]
     spent : tuple of (str, float)
         Wall time of each analysis in this run. [s]
+    plans : tuple of Plan
+        Every plan of this run; the last one is that of the results. [mixed]
+    reversals : tuple of Reversal
+        Torque reversals of meshes and geared couplings in the start that is reported. [SI]
+    bearing_forces : tuple of BearingForce
+        Largest bearing force of each gear that moves sideways. [N]
+    pull_in : PullIn or None
+        Field application, where it was simulated. [SI]
+    sensitivity : Sensitivity or None
+        Change of the answers under a tiny change of the input, where clearances are modelled. [1]
+    accuracy : tuple of AccuracyRow
+        Estimated error and time of each analysis, as calculated. [1, s]
     """
 
     case: CaseData
@@ -94,6 +134,12 @@ class Results:
     verdicts: tuple[Verdict, ...]
     warnings: tuple[str, ...]
     spent: tuple[tuple[str, float], ...]
+    plans: tuple[Plan, ...] = ()
+    reversals: tuple[Reversal, ...] = ()
+    bearing_forces: tuple[BearingForce, ...] = ()
+    pull_in: PullIn | None = None
+    sensitivity: Sensitivity | None = None
+    accuracy: tuple[AccuracyRow, ...] = ()
 
     @property
     def outcome(self) -> str:

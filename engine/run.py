@@ -5,54 +5,154 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import replace
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from engine.case import CaseData, ElementRow, case_digest
+from engine.case import CaseData, case_digest
 from engine.crossings import Crossing, start_crossings
-from engine.excitation import excitations_of
-from engine.fatigue import (
-    RESIDUES,
-    AllowableStarts,
-    ShaftFatigue,
-    allowable_starts,
-    shaft_fatigue,
-    shear_stress,
-    sn_curve_for,
+from engine.effects import StartEffects
+from engine.evidence import (
+    DEFAULT_TOLERANCE_PEAK,
+    Evidence,
+    gather,
+    has_bearings,
+    with_event_start,
+    with_linear_start,
 )
+from engine.excitation import excitations_of
+from engine.fatigue import AllowableStarts, shear_stress
 from engine.margins import interference, judge, separation_margins
 from engine.modal import (
     ModalDamping,
     Modes,
+    SubdividedModes,
     damped_eigenvalues,
     modal_damping,
     natural_modes,
     nodes_of,
 )
 from engine.motor import motors_of
+from engine.plan import Plan, first_plan, revised_plan, with_times
 from engine.plausibility import implausible
 from engine.prescribed import run_prescribed
-from engine.results import Results
+from engine.results import AccuracyRow, Results
+from engine.reversals import Reversal, torque_reversals
+from engine.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, starts_of
 from engine.startup import Start, has_start, run_start
 from engine.steady_state import steady_state
 from engine.train import Train
 from engine.validation import GEAR_MESH
 from engine.verdicts import verdicts_of
 
-__all__ = ["run"]
+__all__ = [
+    "Analysed",
+    "Model",
+    "Planned",
+    "analyse",
+    "calculate_start",
+    "judged_starts",
+    "planned_start",
+    "run",
+]
 
-#: Coupling of modes by dampers above which a warning is due. [1]
-NOTABLE_COUPLING = 0.02
 #: A first mode below this frequency, and a start longer than this, look like a wrong unit. [Hz, s]
 LOW_FREQUENCY, LONG_START = 1.0, 60.0
 #: How often the start is repeated at half the step where the starts are not accurate enough.
 MAX_STARTS_REFINEMENTS = 3
-#: Accuracy of allowable starts where the case leaves it blank. [1]
-DEFAULT_TOLERANCE_STARTS = 0.02
-#: Largest cycles compared between two steps to estimate the error of turning points.
-COMPARED_CYCLES = 50
+#: Stage in which the loop of runs with events is compiled: its time is no analysis's.
+COMPILING_EVENTS = "compiling the routines for clearances and pull-in, once on this machine"
+#: Plans of one run: each new one adds a clearance, and more than these are never seen.
+MAX_PLANS = 5
+
+#: Names an analysis and measures its time.
+Stage = Callable[[str], AbstractContextManager[None]]
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A train ready for a start.
+
+    Parameters
+    ----------
+    train : Train
+        The train as arrays. [SI]
+    modes : Modes
+        Its modes. [SI]
+    damping : ModalDamping
+        Their damping. [SI]
+    """
+
+    train: Train
+    modes: Modes
+    damping: ModalDamping
+
+
+@dataclass(frozen=True, eq=False)
+class Analysed:
+    """Natural modes of a case, with and without bearings.
+
+    Parameters
+    ----------
+    found : SubdividedModes
+        The modes that are reported. [SI]
+    reported : Model
+        Their train and damping: with bearings where their data is given. [SI]
+    torsional : Model
+        Gears held sideways; the same where there is no bearing data. [SI]
+    """
+
+    found: SubdividedModes
+    reported: Model
+    torsional: Model
+
+    def of(self, plan: Plan) -> Model:
+        """The model that a plan calls for.
+
+        Parameters
+        ----------
+        plan : Plan
+            A plan. [mixed]
+
+        Returns
+        -------
+        Model
+            With or without bearings. [SI]
+        """
+        return self.reported if plan.lateral else self.torsional
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A start and the plans that led to it.
+
+    Parameters
+    ----------
+    start, linear : Start
+        The start that is reported, and the linear one, perhaps the same. [SI]
+    plans : tuple of Plan
+        In the order in which they were made. [mixed]
+    model : Model
+        The train it was calculated with. [SI]
+    evidence : Evidence
+        What the plans were made from. [SI]
+    settled : bool
+        False if the last plan, too, was found wrong by its run. [flag]
+    """
+
+    start: Start
+    linear: Start
+    plans: tuple[Plan, ...]
+    model: Model
+    evidence: Evidence
+    settled: bool
+
+    @property
+    def plan(self) -> Plan:
+        """The plan of the start that is reported. [mixed]"""
+        return self.plans[-1]
 
 
 def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Results:
@@ -86,9 +186,9 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         spent.append((name, time.perf_counter() - began))
 
     with stage("natural frequencies"):
-        found = natural_modes(case)
-        train, modes = found.train, found.modes
-        damping = modal_damping(case, train, modes)
+        analysed = analyse(case)
+        train, modes = analysed.reported.train, analysed.reported.modes
+        damping = analysed.reported.damping
     with stage("separation margins"):
         excitations = excitations_of(case, train)
         margins = separation_margins(case, train, modes, excitations)
@@ -100,20 +200,30 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     starts: AllowableStarts | None = None
     crossings: tuple[Crossing, ...] = ()
     errors: tuple[tuple[str, float | None], ...] = ()
+    plans: tuple[Plan, ...] = ()
+    settled = True
     if has_start(case) or case.torque_time:
-        with stage("start"):
-            start = _start(case, train, modes, damping)
+        planned = planned_start(case, analysed, stage)
+        plans, settled = planned.plans, planned.settled
         with stage("fatigue"):
-            start, starts, errors = _fatigue(case, train, modes, damping, start)
-        crossings = _crossings(case, train, modes, damping, start)
+            start, starts, errors = judged_starts(case, planned)
+        if planned.plan.sweep:
+            with stage("crossings"):
+                crossings = _crossings(case, analysed.reported, start)
+        plans = (*plans[:-1], with_times(plans[-1], _measured(planned.plan, spent)))
+    else:
+        plans = (first_plan(case, _evidence(case, analysed)),)
+    reversals: tuple[Reversal, ...] = ()
+    if start is not None:
+        reversals = torque_reversals(case, planned.model.train, start, start.contacts)
     return Results(
         case=case,
         case_sha256=case_digest(case),
         train=train,
         modes=modes,
         nodes=nodes_of(train, modes),
-        segments=found.segments,
-        frequency_error=found.frequency_error,
+        segments=analysed.found.segments,
+        frequency_error=analysed.found.frequency_error,
         damping=damping,
         eigenvalues=damped_eigenvalues(train, modes) if damping.neglected > 0.0 else None,
         excitations=excitations,
@@ -124,93 +234,239 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         crossings=crossings,
         starts=starts,
         starts_error=errors,
-        verdicts=verdicts_of(case, margins, steady, start, starts),
+        verdicts=verdicts_of(case, margins, steady, start, starts, reversals),
         warnings=tuple(
             dict.fromkeys(
                 [
                     *implausible(case),
                     *margins.warnings,
                     *steady.warnings,
-                    *_warnings(case, train, modes, damping, start, starts),
+                    *_warnings(case, analysed.reported, start, starts, plans[-1], settled),
                 ]
             )
         ),
         spent=tuple(spent),
+        plans=plans,
+        reversals=reversals,
+        bearing_forces=() if start is None else start.bearing_forces,
+        pull_in=None if start is None else start.pull_in,
+        sensitivity=None if start is None else start.sensitivity,
+        accuracy=_accuracy(case, start, errors, spent),
     )
 
 
-def _start(case: CaseData, train: Train, modes: Modes, damping: ModalDamping) -> Start:
+# --- modes, plan, start ---------------------------------------------------------------------------
+
+
+def analyse(case: CaseData) -> Analysed:
+    """Natural modes of a case; where bearing data is given also those of gears held sideways.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    Analysed
+        Modes and damping. [SI]
+    """
+    choice = next((c.choice for c in case.effect_choices if c.effect == "bearings"), None)
+    sideways = has_bearings(case) and choice != "off"
+    found = natural_modes(case, lateral=sideways)
+    reported = _model(case, found)
+    torsional = _model(case, natural_modes(case, lateral=False)) if sideways else reported
+    return Analysed(found, reported, torsional)
+
+
+def _model(case: CaseData, found: SubdividedModes) -> Model:
+    return Model(found.train, found.modes, modal_damping(case, found.train, found.modes))
+
+
+def _evidence(case: CaseData, analysed: Analysed) -> Evidence:
+    """Evidence before the start."""
+    t, c = analysed.torsional, analysed.reported
+    coupled = None if c is t else (c.train, c.modes, c.damping)
+    return gather(case, t.train, t.modes, t.damping, coupled)
+
+
+def planned_start(
+    case: CaseData, analysed: Analysed, stage: Stage = lambda _: nullcontext()
+) -> Planned:
+    """The start that the evidence calls for: linear first, then with events where it says so.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    analysed : Analysed
+        Its modes. [SI]
+    stage : callable, optional
+        Names an analysis and measures its time. [name]
+
+    Returns
+    -------
+    Planned
+        The start with every plan made. [SI]
+    """
+    with stage("plan"):
+        evidence = _evidence(case, analysed)
+        plan = first_plan(case, evidence)
+    model = analysed.of(plan)
+    plain = replace(plan.effects, clearances=())
+    with stage("start"):
+        linear, wall = _timed(lambda: calculate_start(case, model, plain, None))
+    with stage("plan"):
+        evidence = with_linear_start(evidence, case, model.train, linear, wall)
+        plans = [first_plan(case, evidence)]
+    start, settled = linear, True
+    while plans[-1].events:
+        effects = plans[-1].effects
+        if not _events_compiled():
+            with stage(COMPILING_EVENTS):
+                calculate_start(case, model, effects, linear)
+        with stage("start with events"):
+            start, wall = _timed(partial(calculate_start, case, model, effects, linear))
+        with stage("plan"):
+            evidence = with_event_start(evidence, case, model.train, start, wall)
+            new = revised_plan(case, plans[-1], evidence)
+        runs_as_before = new.effects == plans[-1].effects
+        settled = runs_as_before or len(plans) < MAX_PLANS
+        if new is not plans[-1] and settled:
+            plans.append(new)
+        if runs_as_before or not settled:
+            break
+    return Planned(start, linear, tuple(plans), model, evidence, settled)
+
+
+def _events_compiled() -> bool:
+    """Whether the loop of runs with events is at hand."""
+    from engine.stepping.compiling import is_compiled  # not loaded where no case has events
+    from engine.stepping.events import advance_pieces
+
+    return is_compiled(advance_pieces)
+
+
+def _timed(calculate: Callable[[], Start]) -> tuple[Start, float]:
+    """A start and the wall time it took."""
+    began = time.perf_counter()
+    start = calculate()
+    return start, time.perf_counter() - began
+
+
+def calculate_start(
+    case: CaseData, model: Model, effects: StartEffects, linear: Start | None
+) -> Start:
+    """One start with the given effects.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    model : Model
+        The train it is calculated with. [SI]
+    effects : StartEffects
+        What is simulated. [flags]
+    linear : Start or None
+        The linear start, which one with events begins from; None = calculate that one. [SI]
+
+    Returns
+    -------
+    Start
+        Complete, with its error estimates. [SI]
+    """
+    if linear is not None:
+        from engine.backlash import run_event_start  # only cases with events pay for its kernels
+
+        return run_event_start(case, model.train, model.modes, model.damping, effects, linear)
     if has_start(case):
-        return run_start(case, train, modes, damping)
-    return run_prescribed(case, train, modes, damping)
+        return run_start(case, model.train, model.modes, model.damping, effects)
+    return run_prescribed(case, model.train, model.modes, model.damping)
 
 
-def _judged_shafts(case: CaseData) -> list[tuple[int, ElementRow]]:
-    """Elements whose fatigue can be judged: diameter, material and S-N points."""
-    with_points = {p.material for p in case.sn_points}
-    return [
-        (i, e)
-        for i, e in enumerate(case.elements)
-        if e.stress_diameter and e.material in with_points
-    ]
-
-
-def _fatigue(
-    case: CaseData, train: Train, modes: Modes, damping: ModalDamping, start: Start
+def judged_starts(
+    case: CaseData, planned: Planned
 ) -> tuple[Start, AllowableStarts | None, tuple[tuple[str, float | None], ...]]:
-    """Starts of every judged shaft; the start is refined until they are accurate enough."""
-    judged = _judged_shafts(case)
-    if not judged:
+    """Starts of every judged shaft; the start is refined until they are accurate enough.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    planned : Planned
+        Its start. [SI]
+
+    Returns
+    -------
+    start : Start
+        The start, perhaps a finer one. [SI]
+    starts : AllowableStarts or None
+        None where no shaft is judged, or counting is forced off. [1]
+    errors : tuple of (str, float or None)
+        Per judged shaft, relative error of its starts; None = unlimited. [1]
+    """
+    start, counting = planned.start, planned.plan.decision("cycle counting")
+    if counting.choice == "off" and not planned.plan.cycle_counting:
         return start, None, ()
+    always = counting.choice == "on"
     tolerance = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
-    for refinement in range(MAX_STARTS_REFINEMENTS + 1):
-        shafts, errors = [], []
-        for index, element in judged:
-            shaft, error = _shaft(case, element, start, index)
-            shafts.append(shaft)
-            errors.append((shaft.element, error))
+    starts, errors = starts_of(case, start, always_count=always)
+    for _ in range(MAX_STARTS_REFINEMENTS):
         worst = max((e for _, e in errors if e is not None), default=0.0)
-        if worst <= tolerance or refinement == MAX_STARTS_REFINEMENTS or start.runup is None:
+        if worst <= tolerance or start.runup is None:
             break
         tighter = replace(case, tolerance_peak=max(start.estimated_error / 16.0, 1e-9))
-        finer = run_start(tighter, train, modes, damping)
+        linear = planned.linear if planned.plan.events else None
+        finer = calculate_start(tighter, planned.model, planned.plan.effects, linear)
         if finer.step >= start.step:
             break
         start = finer
-    return start, allowable_starts(shafts, case.starts_factor), tuple(errors)
+        starts, errors = starts_of(case, start, always_count=always)
+    return start, starts, errors
 
 
-def _shaft(
-    case: CaseData, element: ElementRow, start: Start, index: int
-) -> tuple[ShaftFatigue, float | None]:
-    """Fatigue of one shaft, and the relative error of its starts from the two steps."""
-    material = next(m for m in case.materials if m.material == element.material)
-    points = [p for p in case.sn_points if p.material == element.material]
-    curve = sn_curve_for(material, points)
-    residue = case.rainflow_residue or RESIDUES[0]
-    order = [int(i) for i in np.flatnonzero(start.output_of_element >= 0)]
-    place = order.index(index)
-    peak = next(p for p in start.peaks if p.element == element.element)
-    fine, coarse = start.turning_points[place][1], start.coarse_turning_points[place][1]
-    error = max(peak.error, _cycle_difference(fine, coarse))
-    shaft = shaft_fatigue(element, fine, curve, material, residue, error)
-    if shaft.damage == 0.0:
-        return shaft, None
-    other = shaft_fatigue(element, coarse, curve, material, residue, always_count=True)
-    return shaft, abs(other.damage / shaft.damage - 1.0)
+def _measured(plan: Plan, spent: list[tuple[str, float]]) -> dict[str, float]:
+    """Wall time of the effects that have an analysis of their own."""
+    total: dict[str, float] = {}
+    for name, wall in spent:
+        total[name] = total.get(name, 0.0) + wall
+    of = {"resonance sweep": "crossings", "cycle counting": "fatigue"}
+    of |= dict.fromkeys(("pull-in", "aborted start", "backlash"), "start with events")
+    return {
+        effect: total[name]
+        for effect, name in of.items()
+        if plan.decision(effect).on and name in total
+    }
 
 
-def _cycle_difference(fine: np.ndarray, coarse: np.ndarray) -> float:
-    """Largest change of a turning point between two steps, over the largest ranges. [N m]"""
-    a = np.sort(np.abs(np.diff(fine)))[::-1][:COMPARED_CYCLES]
-    b = np.sort(np.abs(np.diff(coarse)))[::-1][:COMPARED_CYCLES]
-    n = min(len(a), len(b))
-    return float(np.max(np.abs(a[:n] - b[:n]), initial=0.0))
+def _accuracy(
+    case: CaseData,
+    start: Start | None,
+    errors: tuple[tuple[str, float | None], ...],
+    spent: list[tuple[str, float]],
+) -> tuple[AccuracyRow, ...]:
+    """Estimated error and time of each analysis of this run."""
+    total: dict[str, float] = {}
+    for name, wall in spent:
+        total[name] = total.get(name, 0.0) + wall
+    last = "start with events" if "start with events" in total else "start"
+    rows = []
+    for name, wall in total.items():
+        if name == COMPILING_EVENTS:
+            continue
+        setting, peak, starts = "", None, None
+        if start is not None and name == last:
+            wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+            setting = f"{start.method}, tolerance {wanted:.2g}, step {start.step:.3g} s"
+            peak = start.estimated_error
+        if name == "fatigue":
+            setting = f"tolerance {case.tolerance_starts or DEFAULT_TOLERANCE_STARTS:.2g}"
+            starts = max((e for _, e in errors if e is not None), default=None)
+        rows.append(AccuracyRow(name, setting, peak, starts, wall))
+    return tuple(rows)
 
 
-def _crossings(
-    case: CaseData, train: Train, modes: Modes, damping: ModalDamping, start: Start
-) -> tuple[Crossing, ...]:
+def _crossings(case: CaseData, model: Model, start: Start) -> tuple[Crossing, ...]:
     ratings = case.ratings
     if start.runup is None or not ratings.line_frequency or not ratings.synchronous_speed:
         return ()
@@ -222,9 +478,9 @@ def _crossings(
     ]
     meshes = [i for i, e in enumerate(case.elements) if e.kind == GEAR_MESH]
     return start_crossings(
-        train,
-        modes,
-        damping,
+        model.train,
+        model.modes,
+        model.damping,
         start,
         ratings.line_frequency,
         ratings.synchronous_speed,
@@ -254,13 +510,14 @@ def _unstable_feedback(
 
 def _warnings(
     case: CaseData,
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    model: Model,
     start: Start | None,
     starts: AllowableStarts | None,
+    plan: Plan,
+    settled: bool,
 ) -> Iterator[str]:
     """What a reader must know beside the numbers."""
+    train, modes, damping = model.train, model.modes, model.damping
     first = modes.elastic_frequency[:1]
     if len(first) and first[0] < LOW_FREQUENCY:
         yield (
@@ -271,13 +528,7 @@ def _warnings(
     for row in case.mode_damping:
         if row.mode is not None and row.mode > n_elastic:
             yield f"ModeDamping names mode {row.mode}, but the train has {n_elastic} elastic modes."
-    if damping.coupling > NOTABLE_COUPLING:
-        i, j = damping.neglected_modes
-        yield (
-            f"Damping couples modes {i - modes.n_rigid + 1} and {j - modes.n_rigid + 1} "
-            f"(off-diagonal {damping.neglected:.3g} 1/s, coupling {damping.coupling:.2g}); the "
-            "start is calculated with modal damping only."
-        )
+    yield from plan.warnings
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
@@ -287,7 +538,8 @@ def _warnings(
             "Check inertias and torques."
         )
     yield from _unstable_feedback(case, train, modes, damping)
-    counted = {e.element for _, e in _judged_shafts(case)}
+    yield from _of_the_run(start, settled)
+    counted = {e.element for _, e in judged_shafts(case)}
     for e in case.elements:
         if e.stress_diameter and e.material and e.element not in counted:
             yield (
@@ -299,6 +551,8 @@ def _warnings(
             f"The wanted accuracy of peak torques was not met: estimated error "
             f"{start.estimated_error:.2g} at a step of {start.step:.3g} s."
         )
+    if starts is None and judged_shafts(case):
+        return
     if starts is None:
         yield "No shaft has stress diameter, material and S-N points: no starts were counted."
         return
@@ -306,3 +560,23 @@ def _warnings(
         yield from shaft.notes
     if math.isfinite(case.starts_factor or 1.0) and (case.starts_factor or 1.0) != 1.0:
         yield f"Allowable starts are divided by StartsFactor {case.starts_factor:g} when judged."
+
+
+def _of_the_run(start: Start, settled: bool) -> Iterator[str]:
+    """What the start itself left open."""
+    if start.uncoupled_dampers:
+        names = ", ".join(f"'{name}'" for name in start.uncoupled_dampers)
+        yield (
+            f"The dampers {names} are so strong for their inertias that they act on each mode for "
+            "itself in the start. Check their damping."
+        )
+    if start.sensitivity is not None and start.sensitivity.sensitive:
+        yield (
+            "Sensitive: a change of the input by 1e-9 changes a peak torque by "
+            f"{start.sensitivity.spread:.2g}; the peaks are one of many equally right answers."
+        )
+    if not settled:
+        yield (
+            f"After {MAX_PLANS} plans the run still reverses torque where no gap is modelled; see "
+            "the reasons of the plans. Force backlash on to model all clearances."
+        )

@@ -36,6 +36,7 @@ from engine.stepping.exponential import exponential_step
 from engine.stepping.newmark import newmark_step
 from engine.torque_curve import TorqueCurve
 from engine.train import Train
+from engine.trajectory import Recorder, Trajectory, read_turning, turning_of
 from engine.validation import DEFAULT_END_SPEED
 
 __all__ = [
@@ -200,35 +201,6 @@ class ElementPeak:
         """Error over the larger magnitude of the extremes. [1]"""
         size = max(abs(self.maximum), abs(self.minimum))
         return self.error / size if size > 0.0 else 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Trajectory:
-    """One simulated start.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n_times,)
-        Sample times, the first is rest. [s]
-    mean_speed : ndarray, shape (n_times,)
-        Rigid-body speed of the reference shaft. [rad/s]
-    torque, torque_rate : ndarray, shape (n_outputs, n_times)
-        Torque of every output and its rate. [N m, N m/s]
-    output_element : ndarray of int, shape (n_outputs,)
-        Element of each output. [index]
-    reached : bool
-        True if the target speed was reached. [flag]
-    n_steps : int
-        Steps taken. [count]
-    """
-
-    time: Floats
-    mean_speed: Floats
-    torque: Floats
-    torque_rate: Floats
-    output_element: NDArray[np.int64]
-    reached: bool
-    n_steps: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -975,9 +947,11 @@ def simulate(
     q, v = np.zeros(n), np.zeros(n)
     phase = model.phase.copy()
     force, rate = _forces_at(model, 0.0, 0.0, q, v, phase)
-    pieces = [_torques(model, q[None], v[None], force[None], rate[None])]
-    speeds: list[Floats] = [np.zeros(1)]
-    times: list[Floats] = [np.zeros(1)]
+    recorder = Recorder(model.outputs.element)
+    nothing = np.empty((0, 1))
+    first = _torques(model, q[None], v[None], force[None], rate[None])
+    recorder.add(np.zeros(1), np.zeros(1), *first, nothing)
+    steps = 0
     t, flag = 0.0, kernels.PENDING
     electrical = model.electrical if has_electrical(model.electrical) else None
     coefficients = exponential_step if method == "exponential" else newmark_step
@@ -1002,26 +976,20 @@ def simulate(
                 model.dampers, electrical, q, v, phase, force, rate, *out,
             )  # fmt: skip
             out_q, out_v, out_f, out_r = (a[:done] for a in out)
-            pieces.append(_torques(model, out_q, out_v, out_f, out_r))
-            speeds.append(out_v @ model.mean_speed)
-            times.append(np.asarray(t + h * np.arange(1, done + 1), dtype=np.float64))
+            torques = _torques(model, out_q, out_v, out_f, out_r)
+            if not np.all(np.isfinite(torques[0][:, -1])):
+                raise InternalError(
+                    f"the start became non-finite before {t + h * done:.4g} s at a step of "
+                    f"{step:.3g} s"
+                )
+            times = np.asarray(t + h * np.arange(1, done + 1), dtype=np.float64)
+            recorder.add(times, out_v @ model.mean_speed, *torques, np.empty((0, done)))
+            steps += done
             t += h * done
             left -= done
         if flag != kernels.PENDING:
             break
-    torque_rate = np.concatenate([p[1] for p in pieces], axis=1)
-    pieces = [(p[0], p[0]) for p in pieces]  # lets go of the rates: this is most of the memory
-    torque = np.concatenate([p[0] for p in pieces], axis=1)
-    del pieces
-    time = np.concatenate(times)
-    if not np.all(np.isfinite(torque[:, -1])):
-        raise InternalError(
-            f"the start became non-finite before {t:.4g} s at a step of {step:.3g} s"
-        )
-    return Trajectory(
-        time, np.concatenate(speeds), torque, torque_rate, model.outputs.element,
-        flag == kernels.REACHED, len(time) - 1,
-    )  # fmt: skip
+    return recorder.trajectory(flag == kernels.REACHED, steps)[0]
 
 
 def _forces_at(
@@ -1097,48 +1065,6 @@ def _end_of(trajectory: Trajectory, target_speed: float) -> float:
         return float(t[-1])
     share = (target_speed - w[-2]) / (w[-1] - w[-2])
     return float(t[-2] + min(max(share, 0.0), 1.0) * (t[-1] - t[-2]))
-
-
-def _turning(trajectory: Trajectory, output: int, end: float) -> tuple[Floats, Floats]:
-    """Turning points of one output up to `end`, with the values at rest and at the end."""
-    t, y, slope = trajectory.time, trajectory.torque[output], trajectory.torque_rate[output]
-    when, value = kernels.turning_points(t, y, slope)
-    inside = when < end
-    last = _hermite_at(t, y, slope, end)
-    return (
-        np.concatenate([t[:1], when[inside], [end]]),
-        np.concatenate([y[:1], value[inside], [last]]),
-    )
-
-
-def _hermite_at(t: Floats, y: Floats, slope: Floats, at: float) -> float:
-    """Value of the dense output at one time."""
-    i = int(np.clip(np.searchsorted(t, at) - 1, 0, len(t) - 2)) if len(t) > 1 else 0
-    if len(t) < 2:
-        return float(y[0])
-    h = t[i + 1] - t[i]
-    s = (at - t[i]) / h
-    rise = y[i + 1] - y[i]
-    a, b = h * slope[i], h * slope[i + 1]
-    return float(y[i] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise))))
-
-
-def turning_of(trajectory: Trajectory, end: float) -> list[tuple[Floats, Floats]]:
-    """Turning points of every output from rest to the end.
-
-    Parameters
-    ----------
-    trajectory : Trajectory
-        A simulated start. [SI]
-    end : float
-        Time at which it ends. [s]
-
-    Returns
-    -------
-    list of (ndarray, ndarray)
-        Times and torques. [s, N m]
-    """
-    return [_turning(trajectory, i, end) for i in range(len(trajectory.output_element))]
 
 
 def worst_outputs(
@@ -1363,7 +1289,8 @@ def run_start(
     def at(h: float) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
         trajectory = simulate(model, h, settings.method, target, maximum)
         end = _end_of(trajectory, target)
-        return trajectory, end, turning_of(trajectory, end)
+        thin, turning = read_turning(trajectory, end)
+        return thin, end, turning
 
     coarse = at(step)
     for _ in range(MAX_PROLONGATIONS):

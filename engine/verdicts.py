@@ -6,15 +6,15 @@ of them is the first row.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from engine.case import CaseData
 from engine.fatigue import AllowableStarts
 from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
-from engine.startup import NOTABLE_REVERSAL, Start
+from engine.reversals import Reversal
+from engine.startup import Start
 from engine.steady_state import SteadyState
-from engine.validation import GEAR_MESH
 
 __all__ = ["Verdict", "verdicts_of"]
 
@@ -51,6 +51,7 @@ def verdicts_of(
     steady: SteadyState,
     start: Start | None,
     starts: AllowableStarts | None,
+    reversals: Sequence[Reversal] = (),
 ) -> tuple[Verdict, ...]:
     """All checks, the overall one first.
 
@@ -66,6 +67,8 @@ def verdicts_of(
         The start. [SI]
     starts : AllowableStarts or None
         Fatigue. [1]
+    reversals : sequence of Reversal
+        Torque reversals of meshes and couplings. [N m]
 
     Returns
     -------
@@ -74,7 +77,8 @@ def verdicts_of(
     """
     checks = [_margin(margins), *_steady(steady)]
     if start is not None:
-        checks += [_outcome(start), *_peak_limits(case, start), *_reversal(case, start)]
+        checks += [_outcome(start), *_peak_limits(case, start)]
+    checks += [_reversal(r) for r in reversals]
     checks += [*_yield(case, starts), *_starts(case, start, starts)]
     found = {c.verdict for c in checks}
     worst = next((v for v in (FAIL, ACCEPTED, PASS) if v in found), NOT_JUDGED)
@@ -118,8 +122,16 @@ def _steady(steady: SteadyState) -> Iterator[Verdict]:
         yield Verdict("Vibratory torque", row.torque, row.torque_limit, "torque", verdict, where)
 
 
-#: Verdict on each outcome of a start; an asynchronous end is a matter of pull-in, not judged here.
-OUTCOME_VERDICTS = {"reached": PASS, "asynchronous": NOT_JUDGED, "completed": NOT_JUDGED}
+#: Verdict on each outcome of a start, any other is a fail; an asynchronous end is a matter of
+#: pull-in, a trip was asked for: neither is judged here.
+OUTCOME_VERDICTS = {
+    "reached": PASS,
+    "synchronised": PASS,
+    "not synchronised": FAIL,
+    "tripped": NOT_JUDGED,
+    "asynchronous": NOT_JUDGED,
+    "completed": NOT_JUDGED,
+}
 
 
 def _outcome(start: Start) -> Verdict:
@@ -142,26 +154,9 @@ def _peak_limits(case: CaseData, start: Start) -> Iterator[Verdict]:
         yield Verdict("Peak torque", torque, limit, "torque", verdict, element)
 
 
-def _reversal(case: CaseData, start: Start) -> Iterator[Verdict]:
-    """Lowest torque of the meshes, and of every element that states a reversal limit."""
-    limits = {
-        e.element: e.reversal_limit
-        for e in case.elements
-        if e.kind == GEAR_MESH or e.reversal_limit is not None
-    }
-    for p in start.peaks:
-        if p.element not in limits:
-            continue
-        limit = limits[p.element]
-        lowest = None if limit is None else -limit
-        reverses = p.minimum < -NOTABLE_REVERSAL * max(abs(p.maximum), abs(p.minimum))
-        verdict = NOT_JUDGED if reverses else PASS
-        if limit is not None:
-            verdict = PASS if p.minimum >= -limit else FAIL
-        where = f"{p.element}: torque {'reverses' if reverses else 'stays positive'}"
-        if reverses and limit is None:
-            where += "; no Reversal limit entered"
-        yield Verdict("Torque reversal", p.minimum, lowest, "torque", verdict, where)
+def _reversal(r: Reversal) -> Verdict:
+    lowest = None if r.limit is None else -r.limit
+    return Verdict("Torque reversal", r.minimum_torque, lowest, "torque", r.verdict, r.sentence)
 
 
 def _yield(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:

@@ -6,7 +6,9 @@ that going from one to the next is a rotation of the modal coordinates. A step i
 through values and rates at its ends tells whether a contact changes within it, and the instant is
 then found by exact steps of shorter length, so that it does not depend on that cubic.
 
-Contacts of a clearance are numbered `FREE`, `DRIVE`, `DRIVE_LIMITED`, `BACK`, `BACK_LIMITED`. With
+A clearance has two flanks, each with a contact of its own: `FREE`; `DRIVE` or `DRIVE_LIMITED`;
+`BACK` or `BACK_LIMITED`. All drive flanks come first, then all back flanks, everywhere. (Both
+flanks of a mesh can be loaded at once where gears on bearings are pressed into each other.) With
 δ the compression of the flank, F = k δ + c δ̇ in contact; it ends where F would pull. With the law
 that also keeps the damping below the spring force, F = 2 k δ (*limited*) while c δ̇ > k δ. The part
 of F beyond k δ is a force of its own, at each flank one: it changes its law at the same state, so
@@ -38,6 +40,7 @@ __all__ = [
     "FREE",
     "MORE",
     "NEW_PIECE",
+    "RECOVERS",
     "SPEED",
     "STUCK",
     "advance_pieces",
@@ -46,8 +49,9 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-#: Contact of a clearance.
-FREE, DRIVE, DRIVE_LIMITED, BACK, BACK_LIMITED = 0, 1, 2, 3, 4
+#: Contact of a flank; the last one is a free flank that is still compressed, in the log only, where
+#: it takes load again without having left.
+FREE, DRIVE, DRIVE_LIMITED, BACK, BACK_LIMITED, RECOVERS = 0, 1, 2, 3, 4, 5
 #: Why the loop came back: more room wanted, end time, mean speed, load angle, a piece that has to
 #: be made first, no progress.
 MORE, AT_TIME, SPEED, ANGLE, NEW_PIECE, STUCK = 0, 1, 2, 3, 4, 5
@@ -235,8 +239,7 @@ def _limited_forces(
     contact, gaps, stiffnesses, first = flanks
     for c in range(len(gaps)):
         if contact[c] == DRIVE_LIMITED or contact[c] == BACK_LIMITED:
-            f = first + c if contact[c] == DRIVE_LIMITED else first + len(gaps) + c
-            x = 0.0 if contact[c] == DRIVE_LIMITED else -gaps[c]
+            f, x = first + c, -gaps[c]
             for i in range(len(q)):
                 x += reach[f, i] * q[i]
             force[f] = -stiffnesses[c] * x
@@ -250,12 +253,12 @@ def _flank_dampers(contact: Any, dampings: Floats, viscous: Floats) -> int:
     Returns a number that tells which contacts are limited.
     """
     n = len(contact)
-    first = len(viscous) - 2 * n
+    first = len(viscous) - n
     key = 0
     for c in range(n):
         key = 2 * key + (1 if contact[c] == DRIVE_LIMITED or contact[c] == BACK_LIMITED else 0)
-        viscous[first + c] = dampings[c] if contact[c] == DRIVE else 0.0
-        viscous[first + n + c] = dampings[c] if contact[c] == BACK else 0.0
+        plain = contact[c] == DRIVE or contact[c] == BACK
+        viscous[first + c] = dampings[c] if plain else 0.0
     return key
 
 
@@ -625,17 +628,17 @@ def advance_pieces(
     limited : bool
         True: contact damping never exceeds the spring force. [flag]
     tables : tuple
-        Per piece: key, λ, d, reach, constant force, mean speed, drive and back rows, damper
+        Per piece: key, λ, d, reach, constant force, mean speed, rows of the flanks, damper
         coefficients, visibility of modes, rotation from the common basis, coefficients of the
         steps by level (free, forced, whether made). [SI]
     contacts : tuple
-        Per clearance: gap, stiffness, damping, torque scale. [rad, N m/rad, N m s/rad, N m]
+        Per flank: gap, stiffness, damping, torque scale. [rad, N m/rad, N m s/rad, N m]
     curves, motors, loads, timed, damper_force, electrical : tuple
         As for `kernels.start_forces`. [SI]
     piece : ndarray of int, shape (1,)
         Present piece, updated. [index]
-    phase_of : ndarray of int, shape (n_clearances,)
-        Contact of each clearance, updated; those of the piece wanted when it has to be made. [1]
+    phase_of : ndarray of int, shape (n_flanks,)
+        Contact of each flank, updated; those of the piece wanted when it has to be made. [1]
     q, v : ndarray, shape (n_modes,)
         Modal state of the present piece, updated. [SI]
     phase : ndarray, shape (n_motors,)
@@ -645,17 +648,18 @@ def advance_pieces(
     out_t, out_q, out_v, out_f, out_fr, out_phase, out_piece : ndarray
         Receive a row a step. [SI]
     log : ndarray, shape (n, 5)
-        Receives time, clearance, contact before and after, flank speed of each event. [SI]
+        Receives time, clearance, contact of the flank before and after, and its speed of each
+        event. [SI]
 
     Returns
     -------
     rows, events, reason : int
         Rows written, events logged, why the loop came back. [count]
     """
-    (keys, lam, rates, reaches, constants, means, drives, backs, dampers, shows, turns, frees,
+    (keys, lam, rates, reaches, constants, means, flank_rows, dampers, shows, turns, frees,
      forceds, solvers, made) = tables  # fmt: skip
     gaps, stiffnesses, dampings, scales = contacts
-    flanks = (phase_of, gaps, stiffnesses, reaches.shape[1] - 2 * len(gaps))
+    flanks = (phase_of, gaps, stiffnesses, reaches.shape[1] - len(gaps))
     viscous = dampers[piece[0]].copy()
     limit_key = _flank_dampers(phase_of, dampings, viscous)
     room = len(out_t)
@@ -741,43 +745,36 @@ def advance_pieces(
                 force_rate, q1, v1, a1, phase1, f1, fr1, work,
             )  # fmt: skip
         # the first event within the step, by the cubic
-        first, which, kind_of, back_flank = 2.0, -1, -1, False
+        first, which, kind_of = 2.0, -1, -1
         for c in range(nc):
             if dwell:
                 break
             state = phase_of[c]
-            k, damping = stiffnesses[c], dampings[c]
-            for side in range(2):
-                if state != FREE and (state >= BACK) != (side == 1):
+            k, damping, gap = stiffnesses[c], dampings[c], gaps[c]
+            if math.isinf(gap):
+                continue
+            row = flank_rows[s, c]
+            x0, y0, z0 = _flank(row, gap, q, v, a0)
+            x1, y1, z1 = _flank(row, gap, q1, v1, a1)
+            if state == FREE:
+                kinds = (0, 1) if damping > 0.0 else (0, 0)
+            elif state == DRIVE or state == BACK:
+                kinds = (2, 3) if limited and damping > 0.0 else (2, 2)
+            else:
+                kinds = (4, 4)
+            for j in range(2):
+                kind = kinds[j]
+                if j == 1 and kinds[0] == kinds[1]:
+                    break
+                if kind == 1 and x0 <= 0.0:
                     continue
-                row = backs[s, c] if side == 1 else drives[s, c]
-                gap = gaps[c] if side == 1 else 0.0
-                if math.isinf(gap):
-                    continue
-                x0, y0, z0 = _flank(row, gap, q, v, a0)
-                x1, y1, z1 = _flank(row, gap, q1, v1, a1)
-                if state == FREE:
-                    kinds = (0, 1) if damping > 0.0 else (0, 0)
-                elif state == DRIVE or state == BACK:
-                    kinds = (2, 3) if limited and damping > 0.0 else (2, 2)
-                else:
-                    kinds = (4, 4)
-                for j in range(2):
-                    kind = kinds[j]
-                    if j == 1 and kinds[0] == kinds[1]:
-                        break
-                    if kind == 1 and x0 <= 0.0:
-                        continue
-                    if kind == 0 and x0 > 0.0:  # compressed still
-                        if damping > 0.0 or y0 <= 0.0:
-                            continue  # kind 1 watches; or it has just parted
-                        where = 0.0
-                    else:
-                        g0, d0 = _condition(kind, x0, y0, z0, k, damping, scales[c])
-                        g1, d1 = _condition(kind, x1, y1, z1, k, damping, scales[c])
-                        where = _first_fall(g0, d0 * h, g1, d1 * h)
-                    if where < first:
-                        first, which, kind_of, back_flank = where, c, kind, side == 1
+                if kind == 0 and x0 > 0.0 and y0 > 0.0 and damping > 0.0:
+                    continue  # compressed still: kind 1 watches
+                g0, d0 = _condition(kind, x0, y0, z0, k, damping, scales[c])
+                g1, d1 = _condition(kind, x1, y1, z1, k, damping, scales[c])
+                where = _first_fall(g0, d0 * h, g1, d1 * h)
+                if where < first:
+                    first, which, kind_of = where, c, kind
         for j in range(3):
             g0, d0, g1, d1 = 1.0, 0.0, 1.0, 0.0
             if j < 2:
@@ -839,9 +836,7 @@ def advance_pieces(
                     phase, force, force_rate, q1, v1, a1, phase1, f1, fr1, work,
                 )  # fmt: skip
             if which >= 0:
-                row = backs[s, which] if back_flank else drives[s, which]
-                gap = gaps[which] if back_flank else 0.0
-                x1, y1, z1 = _flank(row, gap, q1, v1, a1)
+                x1, y1, z1 = _flank(flank_rows[s, which], gaps[which], q1, v1, a1)
                 flank_speed = y1
                 g, d = _condition(
                     kind_of, x1, y1, z1, stiffnesses[which], dampings[which], scales[which]
@@ -888,7 +883,10 @@ def advance_pieces(
         before_contact = phase_of[which]
         if kind_of == 0 or kind_of == 1:
             start_limited = kind_of == 0 and limited and dampings[which] > 0.0
-            after_contact = (BACK if back_flank else DRIVE) + (1 if start_limited else 0)
+            loaded = DRIVE if 2 * which < nc else BACK
+            after_contact = loaded + (1 if start_limited else 0)
+            if kind_of == 1:
+                before_contact = RECOVERS
         elif kind_of == 2:
             after_contact = FREE
         elif kind_of == 3:
@@ -896,13 +894,13 @@ def advance_pieces(
         else:
             after_contact = before_contact - 1
         phase_of[which] = after_contact
-        log[events, 0], log[events, 1] = t, which
+        log[events, 0], log[events, 1] = t, which % (nc // 2)
         log[events, 2], log[events, 3], log[events, 4] = before_contact, after_contact, flank_speed
         events += 1
         limit_key = _flank_dampers(phase_of, dampings, viscous)
         key = 0
         for c in range(nc - 1, -1, -1):
-            key = 3 * key + (phase_of[c] + 1) // 2  # limited or not, the piece is the same
+            key = 2 * key + (1 if phase_of[c] != FREE else 0)  # limited or not: the same piece
         other = -1
         for p in range(len(keys)):
             if keys[p] == key:

@@ -464,10 +464,13 @@ def turning_points(t: Floats, y: Floats, slope: Floats) -> tuple[Floats, Floats]
     n = len(t)
     when, value = np.empty(2 * n), np.empty(2 * n)
     found = 0
+    size = 0.0
+    for i in range(n):
+        size = max(size, abs(y[i]))
     for i in range(n - 1):
         h = t[i + 1] - t[i]
         if h <= 0.0:
-            if y[i] != y[i + 1] or slope[i] * slope[i + 1] <= 0.0:
+            if abs(y[i + 1] - y[i]) > 1e-9 * size or slope[i] * slope[i + 1] < 0.0:
                 for j in range(i, i + 2):
                     when[found] = t[j]
                     value[found] = y[j]

@@ -1,0 +1,119 @@
+"""The accuracy study: errors fall as the methods' orders say, and the sentence says what it found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from engine.accuracy import AccuracyRow, AccuracyStudy, accuracy_study
+from engine.accuracy import _cost as cost
+from engine.case import TorqueTimeRow
+from tests.sample_case import sample_case
+from tests.trains import geared, motor
+
+
+@pytest.fixture(scope="module")
+def study() -> AccuracyStudy:
+    return accuracy_study(sample_case("modified"), rounds=3)
+
+
+def of(study: AccuracyStudy, method: str) -> list[AccuracyRow]:
+    return [r for r in study.rows if r.method == method]
+
+
+def test_at_least_five_settings_of_each_method_from_coarse_to_fine(study):
+    assert {r.method for r in study.rows} == {"exponential", "newmark"}
+    for method in ("exponential", "newmark"):
+        rows = of(study, method)
+        assert len(rows) >= 5
+        assert len({r.setting for r in rows}) == len(rows)
+        for answer in ("error_peak", "error_starts"):
+            errors = [getattr(r, answer) for r in rows]
+            assert errors == sorted(errors, reverse=True), (method, answer)
+        assert all(r.time > 0.0 for r in rows)
+
+
+def test_the_exponential_method_is_of_fourth_order_and_newmark_of_second(study):
+    exponential = [r.error_peak for r in of(study, "exponential")]
+    newmark = [r.error_peak for r in of(study, "newmark")]
+    for finer, rate in ((exponential, 16.0), (newmark, 4.0)):
+        falls = (finer[-4] / finer[-1]) ** (1.0 / 3.0)
+        assert 0.5 * rate < falls < 2.0 * rate
+
+
+def test_the_reference_is_a_hundred_times_finer_than_the_finest_setting(study):
+    """Two references agree, and the other method, with none of its code, converges on the same."""
+    next_finest, finest = of(study, "exponential")[-2:]
+    assert study.reference_error_peak < 0.2 * finest.error_peak
+    # a 9th power magnifies the rounding of stresses: the last halving gains starts little
+    assert study.reference_error_starts < 0.1 * next_finest.error_starts
+    assert of(study, "newmark")[-1].error_peak < 1e-4
+    assert of(study, "newmark")[-1].error_starts < 1e-4
+    assert "256 times finer" in study.reference
+    assert "medians of 3 runs in this process" in study.reference
+
+
+def test_the_sentence_quotes_the_cheapest_measured_setting(study):
+    text = study.sentence
+    assert text.startswith("You asked for 2 % on starts: ")
+    assert "; 0.2 % would cost " in text
+    assert "the paper's method at 2 % costs " in text
+
+
+def row(method: str, error: float, time: float) -> AccuracyRow:
+    return AccuracyRow(method, "", error, 0.1 * error, time)
+
+
+def test_the_cost_is_that_of_a_measured_setting():
+    rows = [row("a", 1e-2, 0.001), row("a", 1e-4, 0.0143), row("a", 1e-3, 0.02), row("b", 1.0, 0.4)]
+    assert cost(rows, "a", 1e-3, False) == "14 ms"
+    assert cost(rows, "a", 1e-2, False) == "1 ms"
+    assert cost(rows, "a", 1e-3, True) == "1 ms"
+    assert cost(rows, "b", 1e-3, False).startswith("more than 400 ms")
+
+
+def test_without_judged_shafts_the_sentence_is_about_peaks():
+    found = accuracy_study(geared(tolerance_peak=1e-3), rounds=1)
+    assert all(r.error_starts is None for r in found.rows)
+    assert found.reference_error_starts is None
+    assert found.sentence.startswith("You asked for 0.1 % on peak torques: ")
+    assert "of a single run" in found.reference
+
+
+def test_a_stalled_start_is_studied_over_the_time_it_was_followed():
+    stall = motor(curve=((0.0, 0.5, 0.1), (0.5, 0.0, 0.1), (1.0, 0.0, 0.1)))
+    found = accuracy_study(geared(motor_torque=stall, maximum_time=3.0), rounds=1)
+    assert len(found.rows) == 12
+    assert of(found, "exponential")[-1].error_peak < 1e-6
+
+
+def test_where_no_step_decides_there_is_nothing_to_study():
+    case = geared(motor_torque=(), load_torque=())
+    none = accuracy_study(case)
+    assert none.rows == ()
+    assert none.sentence.startswith("Nothing to study")
+    prescribed = replace(
+        case, torque_time=(TorqueTimeRow("Motor", 0.0, 1e3), TorqueTimeRow("Motor", 1.0, 1e3))
+    )
+    assert "exact at its samples" in accuracy_study(prescribed).sentence
+
+
+def test_progress_is_told():
+    words: list[str] = []
+    accuracy_study(geared(), rounds=1, on_progress=words.append)
+    assert words[0] == "start as planned"
+    assert sum(w.startswith("reference") for w in words) == 2
+    assert sum(w.startswith(("exponential", "newmark")) for w in words) == 12
+
+
+def test_a_start_with_events_is_studied_by_tolerance_and_newmark_without_them():
+    case = geared(trip_speed=0.5 * geared().ratings.synchronous_speed, maximum_time=4.0)
+    found = accuracy_study(case, rounds=1)
+    events = of(found, "exponential with events")
+    assert len(events) == 5
+    assert all(r.setting.startswith("tolerance") for r in events)
+    assert events[-1].error_peak < 3e-4
+    assert len(of(found, "newmark (linear train)")) == 6
+    assert "has no events" in found.reference
+    assert found.sentence.endswith("(without clearances and events).")

@@ -1,0 +1,391 @@
+"""The plan: each effect's decision with its number, forced choices, and revised plans."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import engine.run as conductor
+from engine.case import Case, EffectChoiceRow, MeshRow, TorqueTimeRow
+from engine.effects import EFFECTS, StartEffects
+from engine.evidence import ElementMinimum, Evidence, StartEvidence, gather
+from engine.plan import BACKLASH_GAIN, first_plan, revised_plan, with_times
+from engine.run import MAX_PLANS, Planned, analyse, planned_start, run
+from tests.random_effects import with_bearings, with_dampers, with_judged_shafts
+from tests.random_starts import random_start
+from tests.sample_case import sample_case
+from tests.trains import RATED, geared, motor, prepared
+
+
+def chosen(case: Case, **choices: str) -> Case:
+    """The case with some effects forced; blanks of a name written as underscores."""
+    rows = tuple(EffectChoiceRow(k.replace("_", " "), v) for k, v in choices.items())
+    return replace(case, effect_choices=rows)
+
+
+def planned(case: Case) -> Planned:
+    return planned_start(case, analyse(case))
+
+
+def with_clearance(case: Case) -> Case:
+    """The sample or geared train with an elastic mesh that has a backlash."""
+    ratio = {s.station: s.speed_ratio or 1.0 for s in case.stations}
+    elements = tuple(
+        replace(e, stiffness=e.stiffness or 1e8) if e.kind == "gear mesh" else e
+        for e in case.elements
+    )
+    meshes = tuple(
+        MeshRow(e.element, None, 0.3, 0.3 * ratio[e.from_] / ratio[e.to], backlash=5e-4)
+        for e in elements
+        if e.kind == "gear mesh"
+    )
+    return replace(case, elements=elements, meshes=meshes)
+
+
+# --- what each effect is decided by ---------------------------------------------------------------
+
+
+def test_one_decision_an_effect_in_the_order_of_the_sheet():
+    plan = planned(sample_case("modified")).plan
+    assert [d.effect for d in plan.decisions] == list(EFFECTS)
+    assert plan.number == 1
+    assert all(d.choice == "auto" and d.why for d in plan.decisions)
+    assert all(d.bound is None for d in plan.decisions if d.on)
+
+
+def test_no_mode_in_reach_of_the_pulsation_switches_the_sweep_off_and_changes_no_number():
+    case = geared()
+    stiff = replace(
+        case,
+        elements=tuple(
+            replace(e, stiffness=100.0 * e.stiffness if e.stiffness else None)
+            for e in case.elements
+        ),
+    )
+    results = run(stiff)
+    sweep = results.plans[-1].decision("resonance sweep")
+    assert not sweep.on
+    assert sweep.bound == 0.0
+    first = float(results.modes.elastic_frequency[0])
+    assert sweep.deciding_number == pytest.approx(first / 120.0)
+    assert sweep.deciding_number > sweep.limit
+    forced = run(chosen(stiff, resonance_sweep="on"))
+    assert results.crossings == forced.crossings == ()
+    assert run(case).plans[-1].decision("resonance sweep").on
+    assert run(case).crossings
+
+
+def test_stress_below_endurance_needs_no_counting():
+    case = sample_case("modified")
+    thick = [
+        replace(e, stress_diameter=1.3 * e.stress_diameter) if e.stress_diameter else e
+        for e in case.elements
+    ]
+    low = replace(case, elements=tuple(thick))
+    results = run(low)
+    counting = results.plans[-1].decision("cycle counting")
+    assert not counting.on
+    assert counting.bound == 0.0
+    assert counting.deciding_number < counting.limit == 1.0
+    assert results.starts.unlimited
+    assert not any(s.counted for s in results.starts.shafts)
+    forced = run(chosen(low, cycle_counting="on"))
+    assert all(s.counted for s in forced.starts.shafts)
+    assert forced.starts.unlimited
+    # the number is what the fatigue analysis finds, plus the error of the history
+    shaft = results.starts.shafts[0]
+    ratio = shaft.largest_amplitude / shaft.endurance
+    assert ratio < counting.deciding_number < 1.01 * ratio
+
+
+def test_counting_forced_off_is_warned_of():
+    results = run(chosen(sample_case("modified"), cycle_counting="off"))
+    counting = results.plans[-1].decision("cycle counting")
+    assert (counting.on, counting.bound, results.starts) == (False, None, None)
+    assert counting.why.startswith("Forced off although called for")
+    assert any("'cycle counting' is forced off" in w for w in results.warnings)
+    assert not any("No shaft has stress diameter" in w for w in results.warnings)
+
+
+def test_an_effect_that_has_nothing_to_simulate_cannot_be_forced_on():
+    results = run(chosen(geared(), cycle_counting="on"))
+    d = results.plans[-1].decision("cycle counting")
+    assert (d.choice, d.on) == ("on", False)
+    assert any("'cycle counting' is forced on, but cannot" in w for w in results.warnings)
+
+
+def test_damping_that_couples_no_modes_has_a_bound_of_zero():
+    d = planned(geared()).plan.decision("coupled damping")
+    assert (d.on, d.deciding_number, d.bound) == (False, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(("strength", "on"), [(1e-9, False), (1e-1, True)])
+def test_dampers_that_couple_modes_are_followed_as_they_are(strength, on):
+    plan = planned(with_dampers(random_start(21), 21, strength)).plan
+    d = plan.decision("coupled damping")
+    assert d.on is plan.effects.coupled_damping is on
+    assert (d.deciding_number > d.limit) is on
+    assert (d.bound is None) is on
+
+
+@pytest.mark.parametrize(("softness", "on"), [(1e-9, False), (1e-2, True)])
+def test_bearings_that_give_are_simulated(softness, on):
+    case = with_bearings(geared(), 3, softness)
+    found = planned(case)
+    d = found.plan.decision("bearings")
+    assert found.plan.lateral is d.on is on
+    assert (d.deciding_number > d.limit) is on
+    assert bool(found.model.train.bodies) is on
+    # the reported modes are with bearings either way
+    assert analyse(case).reported.train.bodies
+
+
+def test_bearings_forced_off_leave_the_modes_torsional():
+    case = chosen(with_bearings(geared(), 3, 1e-2), bearings="off")
+    results = run(case)
+    assert not results.train.bodies
+    assert results.plans[-1].decision("bearings").bound is None
+    plain = chosen(with_bearings(geared(), 3, 1e-2), backlash="off")
+    assert run(plain).train.bodies
+
+
+def test_the_shock_is_followed_unless_it_is_too_small_to_see():
+    case = geared(shock_amplitude=RATED, shock_time_constant=0.05)
+    assert planned(case).plan.effects.breaker_closing
+    tiny = geared(shock_amplitude=1e-8 * RATED, shock_time_constant=0.05)
+    d = planned(tiny).plan.decision("breaker closing")
+    assert not d.on
+    assert d.bound == d.deciding_number <= d.limit
+
+
+def test_run_length_states_the_rigid_run_up():
+    found = planned(geared())
+    d = found.plan.decision("run length")
+    assert not d.on
+    assert d.deciding_number == pytest.approx(found.start.runup.time[-1])
+    # no more than the load's share away from what the simulation takes
+    assert d.deciding_number == pytest.approx(found.start.outcome.time, rel=0.02)
+    assert d.limit == 600.0
+
+
+def test_a_stalled_start_has_no_run_up_time():
+    d = planned(
+        geared(motor_torque=motor(curve=((0.0, 0.5, 0.1), (0.5, 0.0, 0.1), (1.0, 0.0, 0.1))))
+    )
+    decision = d.plan.decision("run length")
+    assert decision.deciding_number is None
+    assert "never reaches the end speed" in decision.why
+    assert decision.bound is None
+
+
+def test_without_a_start_there_is_nothing_to_simulate():
+    case = geared(motor_torque=(), load_torque=())
+    plan = run(case).plans[-1]
+    assert not any(d.on for d in plan.decisions)
+    assert plan.effects == StartEffects()
+
+
+def test_prescribed_torques_part_teeth_too():
+    case = replace(
+        with_clearance(geared(motor_torque=(), load_torque=())),
+        torque_time=(TorqueTimeRow("Motor", 0.0, 1e4), TorqueTimeRow("Motor", 1.0, -1e4)),
+    )
+    results = run(case)
+    d = results.plans[-1].decision("backlash")
+    assert (d.on, d.bound) == (True, None)
+    assert results.start.outcome.outcome == "completed"
+    assert results.reversals[0].model == "clearance"
+    assert results.reversals[0].impacts > 0
+
+
+# --- field and trip, from the rigid run-up --------------------------------------------------------
+
+
+def evidence_of(case: Case) -> Evidence:
+    return gather(case, *prepared(case))
+
+
+def test_the_field_is_applied_where_the_rigid_train_comes_to_its_slip():
+    case = geared(field_slip=0.05, pull_out_torque=1.5 * RATED)
+    plan = first_plan(case, evidence_of(case))
+    d = plan.decision("pull-in")
+    assert plan.effects.pull_in
+    assert plan.events
+    assert d.deciding_number == pytest.approx(0.05)
+    stall = motor(curve=((0.0, 0.5, 0.1), (0.5, 0.0, 0.1), (1.0, 0.0, 0.1)))
+    case = replace(case, motor_torque=stall)
+    d = first_plan(case, evidence_of(case)).decision("pull-in")
+    assert (d.on, d.bound) == (False, 0.0)
+    assert d.deciding_number > 0.5
+    assert "does not reach" in d.why
+
+
+def test_a_trip_speed_on_the_way_aborts_the_start():
+    synchronous = geared().ratings.synchronous_speed
+    case = geared(trip_speed=0.6 * synchronous)
+    plan = first_plan(case, evidence_of(case))
+    assert plan.effects.aborted_start
+    assert plan.decision("aborted start").deciding_number == pytest.approx(0.97 / 0.6)
+    stall = motor(curve=((0.0, 0.5, 0.1), (0.4, 0.0, 0.1), (1.0, 0.0, 0.1)))
+    case = replace(case, motor_torque=stall)
+    assert not first_plan(case, evidence_of(case)).effects.aborted_start
+
+
+# --- backlash and revised plans -------------------------------------------------------------------
+
+
+def told(minima: tuple[ElementMinimum, ...], **fields: Any) -> StartEvidence:
+    return StartEvidence(minima, 1e-7, 3, 2.0, "reached", 0.5, False, 0.01, **fields)
+
+
+def minimum(element: str, lowest: float, clearance: bool = True) -> ElementMinimum:
+    return ElementMinimum(element, 100.0 * lowest, 0.0, 100.0, clearance)
+
+
+CASE = with_clearance(geared())
+EVIDENCE = replace(evidence_of(CASE), clearances=("Mesh", "Other"))
+
+
+def test_no_reversal_in_the_linear_run_leaves_the_clearance_out_exactly():
+    e = replace(EVIDENCE, linear=told((minimum("Mesh", 0.01), minimum("Other", 0.2))))
+    plan = first_plan(CASE, e)
+    d = plan.decision("backlash")
+    assert (d.on, d.bound, d.deciding_number) == (False, 0.0, 0.01)
+    assert d.limit == pytest.approx(-EVIDENCE.tolerance / BACKLASH_GAIN)
+    assert plan.effects.clearances == ()
+
+
+def test_a_reversal_too_shallow_to_matter_is_bounded():
+    e = replace(EVIDENCE, linear=told((minimum("Mesh", -1e-4), minimum("Other", 0.2))))
+    d = first_plan(CASE, e).decision("backlash")
+    assert not d.on
+    assert d.bound == pytest.approx(BACKLASH_GAIN * 1e-4)
+    assert d.bound < e.tolerance
+
+
+def test_an_error_that_reaches_below_zero_counts_as_reversal():
+    reaching = ElementMinimum("Mesh", 1.0, 2.0, 100.0, True)
+    plan = first_plan(CASE, replace(EVIDENCE, linear=told((reaching, minimum("Other", 0.1)))))
+    assert plan.effects.clearances == ("Mesh",)
+    assert plan.decision("backlash").deciding_number == pytest.approx(-0.01)
+
+
+def test_only_the_elements_that_reverse_get_their_clearance():
+    e = replace(EVIDENCE, linear=told((minimum("Mesh", -0.3), minimum("Other", 0.1))))
+    assert first_plan(CASE, e).effects.clearances == ("Mesh",)
+    assert first_plan(chosen(CASE, backlash="on"), e).effects.clearances == ("Mesh", "Other")
+    off = first_plan(chosen(CASE, backlash="off"), e)
+    assert off.effects.clearances == ()
+    assert off.decision("backlash").bound is None
+    assert off.warnings
+
+
+def test_a_reversal_without_a_clearance_names_what_to_fill_in():
+    e = replace(EVIDENCE, linear=told((minimum("Mesh", -0.3, clearance=False),)))
+    d = first_plan(CASE, e).decision("backlash")
+    assert (d.on, d.bound) == (False, None)
+    assert "no clearance is given for 'Mesh'" in d.why
+
+
+def test_a_run_that_finds_a_plan_wrong_makes_a_new_one():
+    e = replace(EVIDENCE, linear=told((minimum("Mesh", -0.3), minimum("Other", 0.1))))
+    old = first_plan(CASE, e)
+    found = replace(e, event=told((minimum("Mesh", -0.8), minimum("Other", -0.2))))
+    new = revised_plan(CASE, old, found)
+    assert new.number == 2
+    assert new.effects.clearances == ("Mesh", "Other")
+    assert "'Other' (-0.2 of its largest torque)" in new.reason
+    assert "plan 1" in new.reason
+    assert old.effects.clearances == ("Mesh",)  # never altered
+    again = replace(e, event=told((minimum("Mesh", -0.8), minimum("Other", -0.3))))
+    assert revised_plan(CASE, new, again) is new
+
+
+def test_stress_that_rises_above_endurance_with_clearances_is_counted_after_all():
+    judged = with_judged_shafts(CASE, 1, 0.5)
+    e = replace(EVIDENCE, judged=1, linear=told((minimum("Mesh", -0.3),)))
+    old = first_plan(judged, e)
+    assert not old.cycle_counting
+    hard = replace(told((minimum("Mesh", -0.8),)), must_count=True, stress_ratio=1.7)
+    new = revised_plan(judged, old, replace(e, event=hard))
+    assert (new.number, new.cycle_counting) == (2, True)
+    assert new.effects == old.effects
+    assert new.decision("cycle counting").deciding_number == 1.7
+
+
+def test_measured_times_change_nothing_else():
+    e = replace(EVIDENCE, linear=told((minimum("Mesh", -0.3),)))
+    plan = first_plan(CASE, e)
+    timed = with_times(plan, {"backlash": 0.125})
+    assert timed.decision("backlash").time == 0.125
+    assert plan.decision("backlash").time == pytest.approx(10.0 * 0.01)
+    assert [replace(d, time=None) for d in timed.decisions] == [
+        replace(d, time=None) for d in plan.decisions
+    ]
+
+
+class Stage:
+    """A conductor whose start with events is the linear one, with torque taken off at will."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, lowered: list[str]) -> None:
+        self.asked: list[tuple[str, ...]] = []
+        self.lowered = lowered
+        monkeypatch.setattr(conductor, "calculate_start", self.calculate)
+        self.real = conductor.run_start
+
+    def calculate(self, case, model, effects, linear):
+        if linear is None:
+            return self.real(case, model.train, model.modes, model.damping, effects)
+        self.asked.append(effects.clearances)
+        wrong = self.lowered[len(self.asked) - 1 : len(self.asked)]
+        elements = [model.train.elements[i] for i in np.flatnonzero(linear.output_of_element >= 0)]
+        turning = tuple(
+            (when, value - (2.0 * np.max(np.abs(value)) if name in wrong else 0.0))
+            for name, (when, value) in zip(elements, linear.turning_points, strict=True)
+        )
+        return replace(linear, turning_points=turning)
+
+
+def clearances_everywhere() -> Case:
+    """The sample train with little pulsation, every shaft a geared coupling with clearance.
+
+    Three elements reverse, the others do not.
+    """
+    case = with_clearance(sample_case("modified"))
+    elements = tuple(replace(e, kind="coupling") if e.kind == "shaft" else e for e in case.elements)
+    rows = tuple(
+        MeshRow(e.element, angular_backlash=1e-3) for e in elements if e.kind == "coupling"
+    )
+    weak = tuple(replace(p, pulsating=0.6 * (p.pulsating or 0.0)) for p in case.motor_torque)
+    return replace(case, elements=elements, meshes=(*case.meshes, *rows), motor_torque=weak)
+
+
+QUIET = ["Motor shaft", "Gear shaft", "Mesh", "Pinion shaft", "HS coupling", "LP shaft, drive end"]
+
+
+def test_every_plan_is_recorded_with_the_reason_of_the_next(monkeypatch):
+    stage = Stage(monkeypatch, QUIET[:2])
+    found = planned(clearances_everywhere())
+    assert [p.number for p in found.plans] == [1, 2, 3]
+    assert stage.asked == [p.effects.clearances for p in found.plans]
+    first = found.plans[0].effects.clearances
+    assert first
+    assert not set(first) & set(QUIET)
+    assert found.plans[2].effects.clearances == (*first, *QUIET[:2])
+    assert QUIET[0] in found.plans[1].reason
+    assert QUIET[1] in found.plans[2].reason
+    assert found.settled
+
+
+def test_plans_are_made_no_more_than_five_times(monkeypatch):
+    stage = Stage(monkeypatch, QUIET)
+    case = clearances_everywhere()
+    found = planned(case)
+    assert len(found.plans) == len(stage.asked) == MAX_PLANS == 5
+    assert stage.asked == [p.effects.clearances for p in found.plans]
+    assert not found.settled
+    Stage(monkeypatch, QUIET)
+    assert any(w.startswith("After 5 plans") for w in conductor.run(case).warnings)

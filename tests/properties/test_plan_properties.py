@@ -1,0 +1,259 @@
+"""Leaving an effect out by plan changes no reported answer by more than the tolerance.
+
+Random trains are calculated both ways: as the plan says, and with the effect forced on. Answers are
+the peak torques of every element, over the larger of maximum and minimum, and the allowable starts
+of every judged shaft. Where the plan leaves an effect out, its change must lie within the bound the
+plan states (besides the errors both calculations estimate for themselves), and that bound within
+the tolerance. Strengths of the effects are drawn about the limits of the plan, so that it decides
+either way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from engine.case import Case, EffectChoiceRow
+from engine.run import Planned, analyse, judged_starts, planned_start
+from tests.random_effects import (
+    elastic_meshes,
+    with_bearings,
+    with_clearances,
+    with_dampers,
+    with_judged_shafts,
+    with_shock,
+)
+from tests.random_starts import random_start
+
+TOLERANCE = 1e-3
+#: Calculated so much more accurately than the tolerance, so that the effect is what is seen.
+CALCULATED = 2e-5
+
+
+@dataclass(frozen=True)
+class BothWays:
+    """One case as planned and with the effect forced on."""
+
+    planned: Planned
+    change_peak: float
+    change_starts: float
+    numerical: float
+
+
+def with_choices(case: Case, **choices: str) -> Case:
+    rows = tuple(EffectChoiceRow(k.replace("_", " "), v) for k, v in choices.items())
+    return replace(case, effect_choices=rows, tolerance_peak=CALCULATED)
+
+
+def peak_change(a: Planned, b: Planned) -> float:
+    """Largest change of an extreme over the larger of the two."""
+    other = {p.element: p for p in b.start.peaks}
+    sizes = [max(abs(p.maximum), abs(p.minimum)) for p in a.start.peaks]
+    floor = 1e-9 * max(sizes, default=0.0)
+    changes = [
+        max(abs(p.maximum - other[p.element].maximum), abs(p.minimum - other[p.element].minimum))
+        / max(size, floor)
+        for p, size in zip(a.start.peaks, sizes, strict=True)
+        if size > 0.0
+    ]
+    return max(changes, default=0.0)
+
+
+def starts_change(case: Case, a: Planned, b: Planned) -> float:
+    """Largest relative change of the damage of a shaft that has any."""
+    first, second = (judged_starts(case, x)[1] for x in (a, b))
+    if first is None or second is None:
+        return 0.0
+    changes = [
+        abs(x.damage / y.damage - 1.0) if x.damage > 0.0 and y.damage > 0.0 else 1.0
+        for x, y in zip(first.shafts, second.shafts, strict=True)
+        if x.damage > 0.0 or y.damage > 0.0
+    ]
+    return max(changes, default=0.0)
+
+
+def both_ways(case: Case, effect: str) -> BothWays | None:
+    """None where the plan simulates the effect: then both are the same."""
+    words = {} if effect == "backlash" else {"backlash": "off"}
+    key = effect.replace(" ", "_")
+    loose = replace(with_choices(case, **words), tolerance_peak=TOLERANCE)
+    decided = planned_start(loose, analyse(loose))
+    if decided.plan.decision(effect).on:
+        return None
+    left_out, simulated = (
+        planned_start(c, analyse(replace(c, effect_choices=())))
+        for c in (with_choices(case, **words, **{key: choice}) for choice in ("off", "on"))
+    )
+    assert simulated.plan.decision(effect).on
+    return BothWays(
+        decided,
+        peak_change(left_out, simulated),
+        starts_change(case, left_out, simulated),
+        left_out.start.estimated_error + simulated.start.estimated_error,
+    )
+
+
+def about(limit: float) -> Callable[[int], float]:
+    """A strength within two decades of a limit, rather below it."""
+
+    def draw(seed: int) -> float:
+        rng = np.random.default_rng(seed)
+        return float(limit * 10.0 ** rng.uniform(-2.0, 0.5))
+
+    return draw
+
+
+def dampers(seed: int) -> Case | None:
+    return with_dampers(random_start(seed), seed, about(1e-4)(seed))
+
+
+def bearings(seed: int) -> Case | None:
+    return with_bearings(elastic_meshes(seed), seed, about(1e-4)(seed))
+
+
+def shock(seed: int) -> Case | None:
+    return with_shock(random_start(seed), seed, about(1e-4)(seed))
+
+
+def fast_modes(seed: int) -> Case | None:
+    return with_judged_shafts(random_start(seed), seed, 1.0)
+
+
+def clearances(seed: int) -> Case | None:
+    """Little pulsation and much damping, so that many trains just do or just do not reverse."""
+    case = with_clearances(elastic_meshes(seed), seed)
+    if case is None:
+        return None
+    share = float(np.random.default_rng(seed).uniform(0.0, 0.3))
+    rows = tuple(replace(p, pulsating=share * (p.pulsating or 0.0)) for p in case.motor_torque)
+    return replace(case, motor_torque=rows, damping_ratio=0.1)
+
+
+CASES: dict[str, Callable[[int], Case | None]] = {
+    "coupled damping": dampers,
+    "bearings": bearings,
+    "breaker closing": shock,
+    "fast modes": fast_modes,
+    "backlash": clearances,
+}
+
+
+def check(effect: str, seeds: range) -> tuple[int, int]:
+    """Every seed both ways; how many cases there were, and in how many the effect was left out."""
+    tried = left_out = 0
+    for seed in seeds:
+        case = CASES[effect](seed)
+        if case is None:
+            continue
+        tried += 1
+        found = both_ways(case, effect)
+        if found is None:
+            continue
+        left_out += 1
+        decision = found.planned.plan.decision(effect)
+        if decision.bound is None:  # an element reverses whose clearance nobody has stated
+            assert "no clearance is given" in decision.why, (effect, seed, decision)
+            decision = replace(decision, bound=found.planned.evidence.tolerance)
+        if decision.bound > found.planned.evidence.tolerance:  # then the results say so
+            assert not found.planned.start.met_tolerance, (effect, seed, decision)
+            continue
+        reach = decision.bound + found.numerical
+        assert found.change_peak <= reach, (effect, seed, found.change_peak, decision)
+        assert found.change_peak <= TOLERANCE, (effect, seed, found.change_peak, decision)
+        assert found.change_starts <= 0.02, (effect, seed, found.change_starts, decision)
+    return tried, left_out
+
+
+@pytest.mark.parametrize("effect", CASES)
+def test_leaving_an_effect_out_by_plan_changes_nothing_that_counts(effect):
+    tried, left_out = check(effect, range(12))
+    assert tried >= 6
+    assert left_out >= 2  # else nothing was compared
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", CASES)
+@pytest.mark.parametrize("first", range(1_000, 1_300, 50))
+def test_leaving_an_effect_out_holds_on_hundreds_of_trains(effect, first):
+    tried, left_out = check(effect, range(first, first + 50))
+    assert tried >= 20
+    assert left_out >= 5
+
+
+def check_partial(seeds: range) -> int:
+    """Only some clearances modelled, against all of them; in how many cases that was so."""
+    compared = 0
+    for seed in seeds:
+        case = clearances(seed)
+        if case is None:
+            continue
+        case = replace(case, tolerance_peak=TOLERANCE)
+        some = planned_start(case, analyse(case))
+        modelled = set(some.plan.effects.clearances)
+        if not modelled or modelled == set(some.evidence.clearances):
+            continue
+        every = planned_start(with_choices(case, backlash="on"), analyse(case))
+        assert set(every.plan.effects.clearances) == set(some.evidence.clearances)
+        sensitivity = every.start.sensitivity
+        if sensitivity is not None and sensitivity.sensitive:
+            continue
+        compared += 1
+        assert peak_change(some, every) <= TOLERANCE, seed
+    return compared
+
+
+def test_a_plan_that_models_some_clearances_answers_as_one_that_models_all():
+    assert check_partial(range(16)) >= 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(2_000, 2_200, 50))
+def test_some_clearances_answer_as_all_on_hundreds_of_trains(first):
+    assert check_partial(range(first, first + 50)) >= 5
+
+
+# --- effects whose absence is exact ---------------------------------------------------------------
+
+
+def answers(case: Case) -> tuple[list[tuple[float, float]], list[float]]:
+    found = planned_start(case, analyse(case))
+    starts = judged_starts(case, found)[1]
+    return (
+        [(p.maximum, p.minimum) for p in found.start.peaks],
+        [s.damage for s in starts.shafts] if starts is not None else [],
+    )
+
+
+def test_counting_left_out_by_plan_is_exact():
+    left_out = 0
+    for seed in range(24):
+        case = with_judged_shafts(random_start(seed), seed, 10.0 ** (-0.5 - 0.05 * seed))
+        plan = planned_start(case, analyse(case)).plan
+        if plan.cycle_counting or not plan.decision("cycle counting").deciding_number:
+            continue
+        left_out += 1
+        assert plan.decision("cycle counting").bound == 0.0
+        forced = replace(case, effect_choices=(EffectChoiceRow("cycle counting", "on"),))
+        assert answers(case) == answers(forced)
+    assert left_out >= 5
+
+
+def test_the_sweep_left_out_or_not_changes_no_answer():
+    for seed in range(4):
+        case = with_judged_shafts(random_start(seed), seed, 0.7)
+        off = replace(case, effect_choices=(EffectChoiceRow("resonance sweep", "off"),))
+        assert answers(case) == answers(off)
+
+
+def test_a_run_that_ends_when_it_has_arrived_leaves_nothing_out():
+    left_out = 0
+    for seed in range(6):
+        case = replace(with_judged_shafts(random_start(seed), seed, 0.7), maximum_time=6.0)
+        on = replace(case, effect_choices=(EffectChoiceRow("run length", "on"),))
+        if planned_start(case, analyse(case)).plan.decision("run length").bound == 0.0:
+            left_out += 1
+            assert answers(case) == answers(on)
+    assert left_out >= 2
