@@ -10,6 +10,7 @@ module             responsibility
 `modes`            natural frequencies: time and error
 `response`         a prescribed torque of 15 s: time against error
 `start`            a start of 15 s: time against error, and how time grows
+`hard_cases`       the corpus of tests/hard_cases: our error, and theirs or how they fail
 `whole_run`        a workbook recalculated, warm and cold, by stage
 `measure`          interleaved medians, errors on a common grid, equal-error times, the machine
 `goals`            what was aimed at and what was reached

@@ -17,6 +17,7 @@ os.environ.update(single_threaded())  # before numpy is imported, so that every 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build"
 PAGE, IMAGES = ROOT / "docs" / "benchmarks.md", ROOT / "docs" / "images"
+HARD_PAGE = ROOT / "docs" / "hard-cases.md"
 
 
 def main() -> None:
@@ -24,7 +25,7 @@ def main() -> None:
     args = _arguments()
     workers, absent = _peers(args)
     try:
-        _measure(args, workers, absent)
+        (_hard_cases if args.hard_cases else _measure)(args, workers, absent)
     finally:
         for worker in workers:
             worker.stop()
@@ -37,7 +38,12 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--no-peers", action="store_true", help="leave the other programs out")
     parser.add_argument(
-        "--write-docs", action="store_true", help="write docs/benchmarks.md and its pictures"
+        "--hard-cases", action="store_true", help="the hard cases only (docs/hard-cases.md)"
+    )
+    parser.add_argument(
+        "--write-docs",
+        action="store_true",
+        help="write the page of the documentation, with pictures",
     )
     parser.add_argument("--rounds", type=int, help="turns of every method (default 7; quick 2)")
     parser.add_argument(
@@ -105,6 +111,19 @@ def _measure(args: argparse.Namespace, workers: list[Worker], absent: list[Absen
     found["busy"] = busy[len(busy) * 9 // 10]
     _keep(found, workers, absent)
     pages.publish(found, workers, absent, page=PAGE if args.write_docs else None, images=IMAGES)
+
+
+def _hard_cases(args: argparse.Namespace, workers: list[Worker], absent: list[Absent]) -> None:
+    from benchmarks import hard_cases, report
+
+    rows = []
+    for row in hard_cases.hard_case_rows(workers, BUILD / "bench-peers", quick=args.quick):
+        _tell(f"{row.case}: {row.ours:.1e}; {row.peers}")
+        rows.append(row)
+    sections = hard_cases.hard_case_sections(rows, workers, absent)
+    report.show(sections)
+    if args.write_docs:
+        report.write_markdown(HARD_PAGE, "Hard cases", sections)
 
 
 def _keep(found: dict[str, Any], workers: list[Worker], absent: list[Absent]) -> None:

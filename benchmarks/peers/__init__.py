@@ -19,7 +19,7 @@ from typing import Any
 __all__ = ["PEERS", "Absent", "Peer", "PeerFailed", "Worker", "single_threaded", "start_peer"]
 
 HERE = Path(__file__).parent
-#: Longest wait for one answer; a peer that takes longer is stopped. [s]
+#: Longest wait for one answer, unless a worker is told another. [s]
 PATIENCE = 600.0
 INSTALL_PATIENCE = 900.0
 VERSION_QUESTION = "import sys; print('%d.%d' % sys.version_info[:2])"
@@ -68,13 +68,15 @@ class Worker:
     peer: Peer
     process: subprocess.Popen[str]
     hello: dict[str, Any] = field(default_factory=dict)
+    patience: float = PATIENCE
+    """Longest wait for one answer; a peer that takes longer is stopped. [s]"""
 
     @property
     def name(self) -> str:
         return self.peer.name
 
     def read(self) -> dict[str, Any]:
-        watchdog = threading.Timer(PATIENCE, self.process.kill)
+        watchdog = threading.Timer(self.patience, self.process.kill)
         watchdog.start()
         assert self.process.stdout is not None
         line = self.process.stdout.readline()

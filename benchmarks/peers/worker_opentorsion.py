@@ -67,6 +67,21 @@ def response(
     return {"laps": laps}
 
 
+def forced(step: float, torques: str, out: str) -> dict[str, Any]:
+    """`dsim` under torques on several stations; extremes of every shaft go to the file `out`.
+
+    The answer of `dsim` is whole shaft torque; what the dampers take is not told apart.
+    """
+    samples = np.load(torques)
+    times = step * np.arange(len(samples))
+    excitation = ot.TransientExcitation(len(Model.assembly.M), times)
+    for station in np.flatnonzero(np.any(samples, axis=0)):
+        excitation.add_transient(int(station), samples[:, station])
+    torque = Model.assembly.dsim(excitation)[0]
+    np.save(out, np.array([np.max(torque, axis=1), np.min(torque, axis=1)]))
+    return {}
+
+
 def hello() -> dict[str, Any]:
     return {
         "versions": {name: version(name) for name in ("opentorsion", "numpy", "scipy")},
@@ -75,4 +90,4 @@ def hello() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    serve(ANSWERS, hello(), {"load": load, "modes": modes, "response": response})
+    serve(ANSWERS, hello(), {"load": load, "modes": modes, "response": response, "forced": forced})

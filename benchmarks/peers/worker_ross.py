@@ -101,6 +101,17 @@ def response(
     return {"laps": laps}
 
 
+def forced(step: float, torques: str, out: str) -> dict[str, Any]:
+    """`run_time_response` as it is by default; extremes of every k·Δθ go to the file `out`."""
+    samples = np.load(torques)
+    times = step * np.arange(len(samples))
+    result = Model.rotor.run_time_response(0.0, samples, times)
+    angle = np.asarray(result.yout)
+    torque = Model.stiffness[:, None] * (angle[:, :-1] - angle[:, 1:]).T
+    np.save(out, np.array([np.max(torque, axis=1), np.min(torque, axis=1)]))
+    return {}
+
+
 def hello() -> dict[str, Any]:
     return {
         "versions": {name: version(name) for name in ("ross-rotordynamics", "numpy", "scipy")},
@@ -109,4 +120,4 @@ def hello() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    serve(ANSWERS, hello(), {"load": load, "modes": modes, "response": response})
+    serve(ANSWERS, hello(), {"load": load, "modes": modes, "response": response, "forced": forced})

@@ -1,0 +1,167 @@
+"""The trains of the tolerance study, each from its number alone.
+
+Even numbers are linear, odd ones have clearances. Every twentieth pair has nothing that the
+independent integrator lacks: viscous dampers that couple the modes instead of damping ratios, no
+rigid meshes, no bearings. The generators are those of the tests.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from engine.case import Case, EffectChoiceRow, ElementRow
+from tests.random_effects import (
+    with_bearings,
+    with_clearances,
+    with_judged_shafts,
+    with_shock,
+)
+from tests.random_starts import random_start
+
+__all__ = ["StudyTrain", "gaps_of", "study_train"]
+
+#: Tolerance of peaks → of starts. The first is the default.
+STARTS_TOLERANCE = {1e-3: 2e-2, 1e-2: 1e-1, 1e-4: 2e-3}
+#: Numbers of one generator are so far apart that two trains share none.
+APART = 10_000
+#: Frequency at which the two ends of a clearance ring on its teeth, at the most. [Hz]
+TEETH = (300.0, 3000.0)
+#: Damping ratio of one element between its two ends alone. [1]
+DAMPED = (0.005, 0.05)
+
+
+@dataclass(frozen=True, eq=False)
+class StudyTrain:
+    """One train of the study.
+
+    Parameters
+    ----------
+    number, seed : int
+        Of the study, and of the generators. [1]
+    case : Case
+        The case, its tolerances stated. [SI]
+    extras : tuple of str
+        What it has beyond a plain train. [words]
+    independent : bool
+        Whether the independent integrator can calculate it. [flag]
+    """
+
+    number: int
+    seed: int
+    case: Case
+    extras: tuple[str, ...]
+    independent: bool
+
+    @property
+    def clearance(self) -> bool:
+        """Whether it has clearances. [flag]"""
+        return "clearances" in self.extras
+
+    @property
+    def tolerances(self) -> tuple[float, float]:
+        """Of peaks and of starts. [1]"""
+        peak = self.case.tolerance_peak or 1e-3
+        return peak, STARTS_TOLERANCE[peak]
+
+
+def study_train(number: int) -> StudyTrain:
+    """A train of the study; of the seeds that belong to its number the first that will do."""
+    for attempt in range(100):
+        seed = number + attempt * APART
+        case, extras = _drawn(number, seed)
+        if case is not None:
+            return StudyTrain(number, seed, case, extras, number % 20 < 2)
+    raise ValueError(f"no seed gives train number {number} a clearance")
+
+
+def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
+    """One draw; None if it lacks what it should have."""
+    rng = np.random.default_rng((seed, 20))
+    case, extras = random_start(seed), []
+    independent = number % 20 < 2
+    if independent:
+        stiffest = max(e.stiffness or 1e6 for e in case.elements)
+        elastic = [replace(e, stiffness=e.stiffness or stiffest) for e in case.elements]
+        case = replace(case, elements=tuple(elastic), damping_ratio=None)
+    elif rng.random() < 0.3 and (held := with_bearings(case, seed, 10.0 ** rng.uniform(-1.0, 1.0))):
+        case = held
+        extras.append("bearings")
+    if number % 2 == 1:
+        parting = with_clearances(case, seed)
+        if parting is None:
+            return None, ()
+        case = _with_teeth(parting, rng)
+        several = sum(1 for m in case.meshes if m.backlash or m.angular_backlash) > 1
+        extras += ["clearances", "several clearances"] if several else ["clearances"]
+    if independent or rng.random() < 0.4:
+        case = _with_dampers(case, rng)
+        extras.append("dampers")
+        if independent or rng.random() < 0.5:
+            case = replace(case, effect_choices=(EffectChoiceRow("coupled damping", "on"),))
+            extras.append("coupled damping")
+    if not independent and rng.random() < 0.2:
+        case = with_shock(case, seed, float(rng.uniform(0.3, 2.0)))
+        extras.append("breaker closing")
+    case = with_judged_shafts(case, seed, float(10.0 ** rng.uniform(-0.3, 0.4)))
+    peak = {4: 1e-2, 5: 1e-2, 6: 1e-4, 7: 1e-4}.get(number % 20, 1e-3)
+    case = replace(case, tolerance_peak=peak, tolerance_starts=STARTS_TOLERANCE[peak])
+    return case, tuple(extras)
+
+
+def _with_teeth(case: Case, rng: np.random.Generator) -> Case:
+    """Teeth as machines have them: they ring at `TEETH` at the most, nine in ten are damped."""
+    parting = {m.element for m in case.meshes if m.backlash or m.angular_backlash}
+    elements = []
+    for e in case.elements:
+        ringing, ratio = float(np.exp(rng.uniform(*np.log(TEETH)))), float(rng.uniform(0.02, 0.2))
+        if e.element in parting:
+            mass = _between(case, e)
+            stiffness = min(e.stiffness or math.inf, mass * (2.0 * math.pi * ringing) ** 2)
+            damping = 2.0 * ratio * math.sqrt(stiffness * mass) if rng.random() < 0.9 else None
+            e = replace(e, stiffness=stiffness, damping=damping)
+        elements.append(e)
+    return replace(case, elements=tuple(elements))
+
+
+def _with_dampers(case: Case, rng: np.random.Generator) -> Case:
+    """Dampers of half a per cent to five across the other elements, and some stations to ground."""
+    elements = []
+    for e in case.elements:
+        ratio = float(np.exp(rng.uniform(*np.log(DAMPED))))
+        if e.stiffness and not e.damping:
+            e = replace(e, damping=2.0 * ratio * math.sqrt(e.stiffness * _between(case, e)))
+        elements.append(e)
+    stations = [
+        replace(s, damping=float(s.inertia or 0.0) * float(rng.uniform(0.0, 0.02)))
+        if rng.random() < 0.3
+        else s
+        for s in case.stations
+    ]
+    return replace(case, elements=tuple(elements), stations=tuple(stations))
+
+
+def _between(case: Case, e: ElementRow) -> float:
+    """Reduced inertia of the two ends of an element, at its From side. [kg m²]"""
+    of = {s.station: s for s in case.stations}
+    a, b = of[e.from_], of[e.to]
+    own = a.inertia or 0.0
+    other = (b.inertia or 0.0) * ((b.speed_ratio or 1.0) / (a.speed_ratio or 1.0)) ** 2
+    return own * other / (own + other)
+
+
+def gaps_of(case: Case) -> dict[str, float]:
+    """Total clearance of each element as an angle on its From side, from the table itself. [rad]"""
+    gaps = {}
+    for m in case.meshes:
+        assert not m.helix_angle  # with none, normal and transverse sections are one
+        if m.angular_backlash:
+            gaps[str(m.element)] = m.angular_backlash
+        elif m.backlash:
+            assert m.pitch_radius_drive is not None
+            assert m.pressure_angle is not None
+            base = m.pitch_radius_drive * math.cos(m.pressure_angle)
+            gaps[str(m.element)] = m.backlash / base
+    return gaps

@@ -1,0 +1,208 @@
+"""Are stated tolerances honoured? A thousand random trains: `python -m benchmarks.tolerance_study`.
+
+Every train is run as a user runs it, and again at a hundredth of its tolerances: that is the truth.
+A run with events is repeated with every inertia changed by a billionth. Every twentieth pair is
+also integrated by tests/hard_cases/reference.py, which shares no code with the engine. What each
+train gave is kept in build/, by the engine that gave it, so an interrupted study goes on where it
+was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from benchmarks.peers import single_threaded
+
+os.environ.update(single_threaded())  # one thread a process: there is a process a core
+
+import numpy as np  # noqa: E402
+
+from benchmarks.study_trains import StudyTrain, gaps_of, study_train  # noqa: E402
+from engine.case import Case  # noqa: E402
+from engine.errors import TorsionError  # noqa: E402
+from engine.results import Results  # noqa: E402
+from engine.run import run  # noqa: E402
+from engine.startup import Start  # noqa: E402
+
+__all__ = ["FULL", "QUICK", "Study", "numbers_of", "record_of", "study", "summary_of"]
+
+ROOT = Path(__file__).resolve().parents[1]
+KEPT = ROOT / "build" / "tolerance-study"
+#: Trains of the whole study, and of the short one that a test runs.
+FULL, QUICK = 1000, 60
+#: The truth is asked for at this share of the tolerance.
+FINER = 0.01
+#: Change of the input that a sound answer does not feel.
+TINY = 1e-9
+#: Changes tried where a run says that it is sensitive.
+NUDGES = 3
+#: Step of the independent integrator: phase of the fastest mode, and the longest one. [rad, s]
+REFERENCE_ANGLE, REFERENCE_STEP = 0.25, 5e-5
+#: Torque below this share of the train's largest is rounding.
+NOTHING = 1e-9
+
+Record = dict[str, Any]
+
+
+# --- one train ------------------------------------------------------------------------------------
+
+
+def record_of(number: int) -> Record:
+    """Everything the study calculates of one train."""
+    train = study_train(number)
+    record: Record = {
+        "number": number,
+        "seed": train.seed,
+        "extras": list(train.extras),
+        "tolerance": list(train.tolerances),
+    }
+    began = time.perf_counter()
+    asked = run(train.case)
+    record["asked"] = _answers(asked, time.perf_counter() - began)
+    peak, starts = train.tolerances
+    began = time.perf_counter()
+    finer = run(replace(train.case, tolerance_peak=FINER * peak, tolerance_starts=FINER * starts))
+    record["truth"] = _answers(finer, time.perf_counter() - began)
+    if record["asked"]["events"]:
+        sensitive = (record["asked"]["sensitivity"] or {}).get("sensitive", False)
+        nudged = (run(_nudged(train, i)) for i in range(NUDGES if sensitive else 1))
+        record["nudged"] = [_answers(r, 0.0) for r in nudged]
+    if train.independent and asked.start is not None:
+        record["independent"] = _independent(train, asked.start, asked)
+    return record
+
+
+def _answers(found: Results, wall: float) -> Record:
+    """What a run reports, with the errors it states."""
+    start = found.start
+    assert start is not None
+    shafts = found.starts.shafts if found.starts is not None else ()
+    return {
+        "wall": wall,
+        "outcome": start.outcome.outcome,
+        "end": start.outcome.time,
+        "events": bool(found.plans[-1].events),
+        "met": start.met_tolerance,
+        "error": start.estimated_error,
+        "halvings": start.halvings,
+        "steps": start.trajectory.n_steps,
+        "step": start.step,
+        "impacts": sum(c.impacts for c in start.contacts),
+        "sensitivity": None
+        if found.sensitivity is None
+        else {"spread": found.sensitivity.spread, "sensitive": found.sensitivity.sensitive},
+        "peaks": {p.element: [p.maximum, p.minimum, p.error] for p in start.peaks},
+        "starts": {
+            s.element: [s.allowable_starts, e]
+            for s, (_, e) in zip(shafts, found.starts_error, strict=True)
+        },
+    }
+
+
+def _nudged(train: StudyTrain, which: int) -> Case:
+    """Every inertia a billionth larger or smaller."""
+    signs = np.random.default_rng((train.seed, 21, which)).choice([-1.0, 1.0], 1000)
+    stations = [
+        replace(s, inertia=(s.inertia or 0.0) * (1.0 + TINY * float(sign)))
+        for s, sign in zip(train.case.stations, signs, strict=False)
+    ]
+    return replace(train.case, stations=tuple(stations))
+
+
+def _independent(train: StudyTrain, start: Start, found: Results) -> Record | None:
+    """Peaks by the independent integrator at two steps; None if a damper was left uncoupled."""
+    from tests.hard_cases.reference import Clearance, integrate
+
+    if start.uncoupled_dampers:
+        return None
+    case, end = train.case, start.outcome.time
+    clearances = {e: Clearance(gap) for e, gap in gaps_of(case).items()}
+    step = min(REFERENCE_ANGLE / float(found.modes.omega[-1]), REFERENCE_STEP)
+    record: Record = {"step": step, "end": end}
+    for name, h in (("peaks", step), ("coarser", 2.0 * step)):
+        answer = integrate(case, end, h, clearances=clearances)
+        record[name] = {}
+        for i, e in enumerate(case.elements):
+            touching = e.element in clearances  # whole tooth torque, damping included
+            high = answer.tooth_maximum if touching else answer.maximum
+            low = answer.tooth_minimum if touching else answer.minimum
+            record[name][str(e.element)] = [float(high[i]), float(low[i])]
+    return record
+
+
+# --- all of them ----------------------------------------------------------------------------------
+
+
+def numbers_of(count: int) -> list[int]:
+    """Numbers of a study of `count` trains."""
+    return list(range(count))
+
+
+def engine_print() -> str:
+    """Digest of everything that the records depend on."""
+    digest = hashlib.sha256()
+    sources = [*(ROOT / "engine").rglob("*.py"), Path(__file__), ROOT / "benchmarks/study_trains.py"]
+    sources += [ROOT / "tests" / f for f in ("random_starts.py", "random_effects.py")]
+    sources.append(ROOT / "tests" / "hard_cases" / "reference.py")
+    for path in sorted(sources):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def study(count: int, jobs: int, kept: Path | None = KEPT) -> list[Record]:
+    """Records of the first `count` trains, those at hand as they are."""
+    folder = None if kept is None else kept / engine_print()
+    done = {} if folder is None else dict(_at_hand(folder, count))
+    missing = [n for n in numbers_of(count) if n not in done]
+    for record in _calculated(missing, jobs):
+        done[record["number"]] = record
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+            partial = folder / f"{record['number']}.part"
+            partial.write_text(json.dumps(record), encoding="utf-8")
+            partial.replace(folder / f"{record['number']}.json")
+        if len(done) % 50 == 0:
+            print(f"… {len(done)} of {count} trains", file=sys.stderr, flush=True)
+    return [done[n] for n in sorted(done)]
+
+
+def _at_hand(folder: Path, count: int) -> Iterator[tuple[int, Record]]:
+    for path in folder.glob("*.json"):
+        record = json.loads(path.read_text(encoding="utf-8"))
+        if record["number"] < count:
+            yield record["number"], record
+
+
+def _calculated(numbers: Sequence[int], jobs: int) -> Iterator[Record]:
+    if jobs <= 1:
+        yield from map(_safely, numbers)
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        for future in as_completed([pool.submit(_safely, n) for n in numbers]):
+            yield future.result()
+
+
+def _safely(number: int) -> Record:
+    """A record; a run that raises is a finding."""
+    try:
+        return record_of(number)
+    except (TorsionError, ArithmeticError, AssertionError, ValueError) as wrong:
+        train = study_train(number)
+        return {
+            "number": number,
+            "seed": train.seed,
+            "extras": list(train.extras),
+            "tolerance": list(train.tolerances),
+            "failed": f"{type(wrong).__name__}: {wrong}",
+        }
