@@ -260,6 +260,7 @@ def _start(
         DROPPED * tolerance,
         script.maximum_time,
         effects,
+        implicit_dampers=True,
     )
     model = _event_model(case, train, modes, plain, effects, linear, tolerance)
     step = min(

@@ -380,7 +380,13 @@ def calculate_start(
 
         return run_event_start(case, model.train, model.modes, model.damping, effects, linear)
     if has_start(case):
-        return run_start(case, model.train, model.modes, model.damping, effects)
+        start = run_start(case, model.train, model.modes, model.damping, effects)
+        if start.uncoupled_dampers:  # too strong for explicit forces: the loop with events solves
+            from engine.backlash import run_event_start
+
+            plain = replace(effects, clearances=(), pull_in=False, aborted_start=False)
+            return run_event_start(case, model.train, model.modes, model.damping, plain, start)
+        return start
     return run_prescribed(case, model.train, model.modes, model.damping)
 
 

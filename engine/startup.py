@@ -109,6 +109,8 @@ SWITCHED_SHARE = 0.25
 DAMPER_STEP = 0.5
 #: Dampers that would need a step below this share of the usual one stay on each mode for itself.
 FINEST_DAMPER_STEP = 0.05
+#: A damper beside a spring is idle where its torque stays below this share of the tolerance.
+IDLE_DAMPER = 0.1
 #: Largest amplification of a mode when the force of a damper across it is estimated: what sweeping
 #: through a resonance leaves of it in practice.
 LARGEST_AMPLIFICATION = 20.0
@@ -419,6 +421,8 @@ def start_model(
     tolerance: float,
     maximum_time: float = 60.0,
     effects: StartEffects = PLAIN_START,
+    *,
+    implicit_dampers: bool = False,
 ) -> StartModel:
     """Arrays of a start, with as few modes as the tolerance allows.
 
@@ -446,6 +450,8 @@ def start_model(
     effects : StartEffects, optional
         Which electrical transients, dampers and modes count. Field, trip and clearances are events
         of the run; here only the sizes of their torques are taken into account. [flags]
+    implicit_dampers : bool, optional
+        True: the loop solves for the forces of dampers, so none is too strong for it. [flag]
 
     Returns
     -------
@@ -462,7 +468,7 @@ def start_model(
     line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
     fastest = 2.0 * line_omega
     shock = _shock(case, effects)
-    dampers = _candidate_dampers(train, effects)
+    dampers = _candidate_dampers(train, effects, tolerance, fastest)
     uncoupled: list[str] = []
     while True:
         forces = np.concatenate([index, dampers.nodes])  # stations first, then dampers to ground
@@ -479,7 +485,7 @@ def start_model(
         )
         gains = dampers.viscous * np.sum(all_reach[keep][:, len(index) :] ** 2, axis=0)
         held = _too_strong(dampers, gains, all_reach[keep][:, len(index) :], tolerance, fastest)
-        if not np.any(held):
+        if implicit_dampers or not np.any(held):
             break
         uncoupled += [dampers.names[i] for i in np.flatnonzero(held)]
         dampers = dampers.without(held)
@@ -543,12 +549,17 @@ class _Dampers:
         )
 
 
-def _candidate_dampers(train: Train, effects: StartEffects) -> _Dampers:
+def _candidate_dampers(
+    train: Train, effects: StartEffects, tolerance: float, fastest: float
+) -> _Dampers:
     """Dampers without a spring; where coupling is asked for all dampers."""
     loose = (train.stiffness == 0.0) & (train.viscous > 0.0)
     rows, nodes = np.flatnonzero(loose), np.zeros(0, dtype=np.int64)
     if effects.coupled_damping:
-        rows, nodes = np.flatnonzero(train.viscous > 0.0), np.flatnonzero(train.node_damping > 0.0)
+        # a damper beside a spring so stiff that it takes no share of the torque couples nothing
+        idle = FAR_ABOVE * fastest * train.viscous < IDLE_DAMPER * tolerance * train.stiffness
+        rows = np.flatnonzero((train.viscous > 0.0) & ~idle)
+        nodes = np.flatnonzero(train.node_damping > 0.0)
     names = [
         f"{train.stations[i]} (to ground)" if i < train.n_stations else f"node {i} (to ground)"
         for i in nodes
@@ -1099,16 +1110,23 @@ def worst_outputs(
 def _difference(a: Floats, b: Floats) -> float:
     """Largest difference of the extremes of two runs, the next smaller ones included.
 
-    Two curves that differ may by chance share their largest value; they hardly share six.
+    Two curves that differ may by chance share their largest value; they hardly share six. Those
+    after the largest are compared with the nearest of the other run, not rank by rank: where one
+    run has a ripple the other has not, all ranks below it would be compared with their neighbours.
     """
-    n = min(len(a), len(b), COMPARED_EXTREMES)
-    rise_a, rise_b = np.sort(a), np.sort(b)
-    return float(
-        max(
-            np.max(np.abs(rise_a[-n:] - rise_b[-n:])),
-            np.max(np.abs(rise_a[:n] - rise_b[:n])),
-        )
-    )
+    largest = abs(float(a.max()) - float(b.max())), abs(float(a.min()) - float(b.min()))
+    ends = [(np.sort(x)[::-1], np.sort(y)[::-1]) for x, y in ((a, b), (-a, -b))]
+    further = [
+        _distance(x[:COMPARED_EXTREMES], y[: 2 * COMPARED_EXTREMES])
+        for high, low in ends
+        for x, y in ((high, low), (low, high))
+    ]
+    return max(*largest, *further)
+
+
+def _distance(values: Floats, others: Floats) -> float:
+    """Largest distance of any of the values from the nearest of the others."""
+    return float(np.max(np.min(np.abs(values[:, None] - others[None, :]), axis=1)))
 
 
 def _first_step(settings: StartSettings, fastest: float) -> float:
