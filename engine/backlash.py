@@ -40,7 +40,6 @@ from engine.prescribed import prescribed_torques
 from engine.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
 from engine.rigid_runup import RigidRunup, rigid_runup
 from engine.startup import (
-    FADED,
     LONGEST_START,
     MAX_VALUES,
     NEGLIGIBLE,
@@ -91,6 +90,8 @@ DEFAULT_TOLERANCE = 1e-3
 COARSEST_EVENT_ANGLE = 0.8
 #: Share of the tolerance at which modes are dropped: impacts ring them more than a plain start.
 DROPPED = 0.1
+#: Ringing below this share of the tolerance is passed over in the first, coarsest run.
+VISIBLE = 0.4
 #: Halvings of the step before the answers are taken as they are.
 MAX_HALVINGS = 5
 #: After so many halvings without success the input is changed by `TINY` to see whether the answers
@@ -163,8 +164,12 @@ def run_event_start(
         setup = _start(case, train, modes, damping, effects, linear, tolerance)
     model, step, unseen = setup.model, setup.step, setup.truncation
 
+    first = step
+
     def at(h: float, changed: EventModel = model) -> _Run:
-        run = simulate_events(changed, h, setup.script, settled=setup.settled)
+        # what is not followed shrinks with the step, so that the change from h to h/2 shows it
+        seen = replace(changed, visible=VISIBLE * tolerance * (h / first) ** 2)
+        run = simulate_events(seen, h, setup.script, settled=setup.settled)
         end = float(run.trajectory.time[-1])
         trajectory, turning = read_turning(run.trajectory, end)
         return _Run(replace(run, trajectory=trajectory), end, turning)
@@ -177,16 +182,12 @@ def run_event_start(
         bound = unseen[output[output >= 0]]
         error, truncation = relative_errors(peaks, bound)
         met = error <= tolerance
-        if not met and halvings >= PATIENCE and sensitivity is None:
+        values = fine.events.trajectory.n_steps * len(unseen)
+        last = halvings >= MAX_HALVINGS or 2 * values > MAX_VALUES
+        if not met and sensitivity is None and (last or halvings >= PATIENCE):
             other = at(0.5 * step, _changed(model))
             sensitivity = _spread(train, fine, other, output, tolerance)
-        values = fine.events.trajectory.n_steps * len(unseen)
-        if (
-            met
-            or halvings >= MAX_HALVINGS
-            or 2 * values > MAX_VALUES
-            or (sensitivity is not None and sensitivity.sensitive)
-        ):
+        if met or last or (sensitivity is not None and sensitivity.sensitive):
             break
         halvings += 1
         step *= 0.5
@@ -214,6 +215,7 @@ def run_event_start(
         pull_in=pull_in,
         sensitivity=sensitivity,
         forces=force_histories(train, run),
+        load_angle=None if pull_in is None else 0.5 * run.phase[0],
     )
 
 
@@ -309,7 +311,7 @@ def _prescribed(
         phase=np.zeros(0),
         sampled=COARSEST_EVENT_ANGLE / step,
         limited=effects.contact_law == CONTACT_LAWS[0],
-        visible=FADED * tolerance,
+        visible=VISIBLE * tolerance,
     )
     script = Script(maximum_time=linear.outcome.time)
     return _Setup(model, script, step, np.zeros(len(pieces.output_element)), None, ())
@@ -386,7 +388,7 @@ def _event_model(
         phase=plain.phase,
         sampled=plain.pulsation_omega,
         limited=effects.contact_law == CONTACT_LAWS[0],
-        visible=FADED * tolerance,
+        visible=VISIBLE * tolerance,
     )
 
 

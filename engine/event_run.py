@@ -40,8 +40,6 @@ Settled = Callable[[Floats, Floats, Floats], bool]
 ROWS, LOGGED = 2048, 512
 #: Steps of one simulation, at the most.
 MOST_STEPS = 5_000_000
-#: Ringing below this share of the tolerance needs no fine steps any more (as in a plain start).
-FADED = 0.05
 
 
 @dataclass(frozen=True, eq=False)

@@ -273,6 +273,8 @@ class Start:
         Asked where the answers did not settle as the step was refined. [1]
     forces : ForceHistories or None, optional
         Tooth and bearing forces against time, where they were calculated. [N]
+    load_angle : ndarray, shape (n_times,), or None, optional
+        Unwrapped load angle at the samples, the motor lagging positive; None without a field. [rad]
     """
 
     outcome: StartOutcome
@@ -295,6 +297,7 @@ class Start:
     pull_in: PullIn | None = None
     sensitivity: Sensitivity | None = None
     forces: ForceHistories | None = None
+    load_angle: Floats | None = None
 
     def turning_of_element(self) -> dict[int, tuple[Floats, Floats]]:
         """Turning points by element index: times and torques. [s, N m]"""

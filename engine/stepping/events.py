@@ -171,7 +171,7 @@ def _first_fall(g0: float, d0: float, g1: float, d1: float) -> float:
 
     d0 and d1 are rates per step. A curve that starts at or below zero and rises is not falling.
     """
-    if g0 <= 0.0 and d0 < 0.0:
+    if g0 <= 0.0 and (d0 < 0.0 or (d0 == 0.0 and g1 < 0.0)):
         return 0.0
     rise = g1 - g0
     b = 3.0 * rise - 2.0 * d0 - d1

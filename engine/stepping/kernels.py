@@ -470,7 +470,8 @@ def turning_points(t: Floats, y: Floats, slope: Floats) -> tuple[Floats, Floats]
     for i in range(n - 1):
         h = t[i + 1] - t[i]
         if h <= 0.0:
-            if abs(y[i + 1] - y[i]) > 1e-9 * size or slope[i] * slope[i + 1] < 0.0:
+            # in free flight the slope is zero on one side: entry and exit are its turning points
+            if abs(y[i + 1] - y[i]) > 1e-9 * size or slope[i] * slope[i + 1] <= 0.0:
                 for j in range(i, i + 2):
                     when[found] = t[j]
                     value[found] = y[j]
