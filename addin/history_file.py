@@ -52,6 +52,12 @@ def write_history(calculation: Calculation, beside: Path, kind: str) -> tuple[Pa
     ):
         if output >= 0:
             columns[f"torque_N_m: {element}"] = trajectory.torque[output][inside]
+    forces = start.forces
+    if forces is not None:
+        for name, force in zip(forces.teeth, forces.tooth_force, strict=True):
+            columns[f"tooth_force_N: {name}"] = force[inside]
+        for name, force in zip(forces.bearings, forces.bearing_force, strict=True):
+            columns[f"bearing_force_N: {name}"] = force[inside]
     if kind == "npz":
         np.savez_compressed(target, **columns)  # type: ignore[arg-type]
     else:

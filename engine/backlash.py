@@ -48,6 +48,7 @@ from engine.startup import (
     StartOutcome,
     StartSettings,
     element_peaks,
+    keeps_history,
     outcome_of,
     relative_errors,
     run_length,
@@ -313,7 +314,7 @@ def _prescribed(
         limited=effects.contact_law == CONTACT_LAWS[0],
         visible=VISIBLE * tolerance,
     )
-    script = Script(maximum_time=linear.outcome.time)
+    script = Script(maximum_time=linear.outcome.time, keep_all=keeps_history(case))
     return _Setup(model, script, step, np.zeros(len(pieces.output_element)), None, ())
 
 
@@ -353,6 +354,7 @@ def _script(
         coast_end=COAST_END * synchronous,
         coast_time=COAST_TIME,
         look_every=LOOK_EVERY,
+        keep_all=keeps_history(case),
     )
 
 

@@ -103,6 +103,8 @@ class Script:
         Times at which a step is made to end. [s]
     keep_state : bool
         True: positions and velocities in the common basis are kept, too. [flag]
+    keep_all : bool
+        True: no sample is left out, however much memory that takes. [flag]
     """
 
     maximum_time: float
@@ -116,6 +118,7 @@ class Script:
     look_every: float = math.inf
     stops: tuple[float, ...] = ()
     keep_state: bool = False
+    keep_all: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +160,7 @@ class EventRun:
 class _Recorder:
     """Turns rows of modal states into rows of answers as they come."""
 
-    def __init__(self, model: EventModel, keep_state: bool) -> None:
+    def __init__(self, model: EventModel, keep_state: bool, keep_all: bool) -> None:
         self.model, self.keep_state = model, keep_state
         m = model.pieces.basis.vectors.shape[1]
         self.position: list[Floats] = [np.empty((m, 0))]
@@ -167,7 +170,7 @@ class _Recorder:
         self.largest = np.zeros((bodies, 2))  # bearing force and when
         self._phase: Floats | None = None
         self._samples = Recorder(
-            model.pieces.output_element, math.inf if keep_state else KEPT_VALUES
+            model.pieces.output_element, math.inf if keep_state or keep_all else KEPT_VALUES
         )
 
     def seen(self) -> tuple[Floats, Floats, Floats]:
@@ -313,7 +316,7 @@ class _Simulation:
         self.electrical = tuple(
             a.copy() if isinstance(a, np.ndarray) else a for a in model.electrical
         )
-        self.recorder = _Recorder(model, script.keep_state)
+        self.recorder = _Recorder(model, script.keep_state, script.keep_all)
         self.field_time: float | None = None
         self.trip_time: float | None = None
         self.steps = 0

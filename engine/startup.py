@@ -36,7 +36,7 @@ from engine.stepping.exponential import exponential_step
 from engine.stepping.newmark import newmark_step
 from engine.torque_curve import TorqueCurve
 from engine.train import Train
-from engine.trajectory import Recorder, Trajectory, read_turning, turning_of
+from engine.trajectory import KEPT_VALUES, Recorder, Trajectory, read_turning, turning_of
 from engine.validation import DEFAULT_END_SPEED
 
 __all__ = [
@@ -50,6 +50,7 @@ __all__ = [
     "Trajectory",
     "element_peaks",
     "has_start",
+    "keeps_history",
     "relative_errors",
     "run_start",
     "settings_of",
@@ -364,6 +365,22 @@ class StartModel:
     force_nodes: NDArray[np.int64]
     damper_rows: NDArray[np.int64]
     uncoupled_dampers: tuple[str, ...] = ()
+
+
+def keeps_history(case: CaseData) -> bool:
+    """Whether the case wants every sample of the start in a file.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    bool
+        True if KeepHistory names a kind of file.
+    """
+    return case.keep_history not in (None, "no")
 
 
 def has_start(case: CaseData) -> bool:
@@ -935,7 +952,13 @@ def _timed_arrays(
 
 
 def simulate(
-    model: StartModel, step: float, method: str, target_speed: float, maximum_time: float
+    model: StartModel,
+    step: float,
+    method: str,
+    target_speed: float,
+    maximum_time: float,
+    *,
+    keep_all: bool = False,
 ) -> Trajectory:
     """One start at a given step.
 
@@ -951,6 +974,8 @@ def simulate(
         Mean speed of the reference shaft at which to stop. [rad/s]
     maximum_time : float
         Time at which to stop at the latest. [s]
+    keep_all : bool, optional
+        True: no sample is left out, however much memory that takes. [flag]
 
     Returns
     -------
@@ -961,7 +986,7 @@ def simulate(
     q, v = np.zeros(n), np.zeros(n)
     phase = model.phase.copy()
     force, rate = _forces_at(model, 0.0, 0.0, q, v, phase)
-    recorder = Recorder(model.outputs.element)
+    recorder = Recorder(model.outputs.element, math.inf if keep_all else KEPT_VALUES)
     nothing = np.empty((0, 1))
     first = _torques(model, q[None], v[None], force[None], rate[None])
     recorder.add(np.zeros(1), np.zeros(1), *first, nothing)
@@ -1308,7 +1333,9 @@ def run_start(
     step = min(_first_step(settings, model.pulsation_omega), model.largest_step)
 
     def at(h: float) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
-        trajectory = simulate(model, h, settings.method, target, maximum)
+        trajectory = simulate(
+            model, h, settings.method, target, maximum, keep_all=keeps_history(case)
+        )
         end = _end_of(trajectory, target)
         thin, turning = read_turning(trajectory, end)
         return thin, end, turning

@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from engine import startup
+from engine.reversals import torque_reversals
+from engine.run import analyse, planned_start
 from engine.trajectory import Recorder, turning_of
+from tests.sample_case import sample_case
 
 ELEMENT = np.array([0, 1])
 
@@ -66,3 +70,25 @@ def test_a_jump_between_two_samples_of_one_time_is_a_turning_point():
     when, value = turning_of(recorder.trajectory(True, 3)[0], 2.0)[0]
     assert list(when) == [0.0, 1.0, 1.0, 2.0]
     assert list(value) == [0.0, 1.0, 5.0, 6.0]
+
+
+def test_answers_do_not_depend_on_what_is_kept(monkeypatch):
+    case = sample_case("proposed")
+    whole = planned_start(case, analyse(case))
+    monkeypatch.setattr(startup, "KEPT_VALUES", 20_000)
+    thin = planned_start(case, analyse(case))
+    assert thin.start.trajectory.thinned
+    assert len(thin.start.trajectory.time) < 0.5 * len(whole.start.trajectory.time)
+    for p, q in zip(thin.start.peaks, whole.start.peaks, strict=True):
+        assert (p.maximum, p.minimum, p.time, p.error) == (q.maximum, q.minimum, q.time, q.error)
+        assert p.speed == pytest.approx(q.speed, rel=1e-4)
+    a, b = (torque_reversals(case, p.model.train, p.start)[0] for p in (whole, thin))
+    assert a.reversals == b.reversals > 5
+    assert a.time_unloaded == pytest.approx(b.time_unloaded, rel=0.02)
+    assert a.minimum_torque == b.minimum_torque
+
+
+def test_a_wanted_history_is_kept_whole(monkeypatch):
+    monkeypatch.setattr(startup, "KEPT_VALUES", 20_000)
+    case = sample_case("proposed", keep_history="npz")
+    assert not planned_start(case, analyse(case)).start.trajectory.thinned
