@@ -332,7 +332,9 @@ def _passages(
     down, up = _spans(torque, hysteresis, ROUNDING * float(np.max(np.abs(torque))))
     t, y = start.trajectory.time, start.trajectory.torque[output]
     slope = start.trajectory.torque_rate[output]
-    if start.trajectory.thinned:  # all turning points are there, most samples are not
+    if start.trajectory.thinned:
+        # all turning points are there, most samples are not: instants are on the smooth step
+        # between two turning points, which changes durations by some per cent
         t, y, slope = when, torque, np.zeros(len(when))
     began = _roots(t, y, slope, when, torque, down)
     closed = up < len(torque)

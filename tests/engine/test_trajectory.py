@@ -84,7 +84,8 @@ def test_answers_do_not_depend_on_what_is_kept(monkeypatch):
         assert p.speed == pytest.approx(q.speed, rel=1e-4)
     a, b = (torque_reversals(case, p.model.train, p.start)[0] for p in (whole, thin))
     assert a.reversals == b.reversals > 5
-    assert a.time_unloaded == pytest.approx(b.time_unloaded, rel=0.02)
+    # the instants between two turning points are on the smooth step between them, not on samples
+    assert a.time_unloaded == pytest.approx(b.time_unloaded, rel=0.05)
     assert a.minimum_torque == b.minimum_torque
 
 
