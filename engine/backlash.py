@@ -165,7 +165,7 @@ def run_event_start(
         setup = _start(case, train, modes, damping, effects, linear, tolerance)
     model, step, unseen = setup.model, setup.step, setup.truncation
 
-    first = step
+    first, modelled = step, model.pieces.basis.flanks
 
     def at(h: float, changed: EventModel = model) -> _Run:
         # what is not followed shrinks with the step, so that the change from h to h/2 shows it
@@ -179,7 +179,9 @@ def run_event_start(
     halvings, sensitivity = 0, None
     while True:
         output = worst_outputs(train, fine.events.trajectory, fine.turning)
-        peaks = element_peaks(train, unseen, fine.plain, coarse.plain, output)
+        peaks = element_peaks(
+            train, unseen, fine.plain, coarse.plain, output, until_largest=bool(modelled)
+        )
         bound = unseen[output[output >= 0]]
         error, truncation = relative_errors(peaks, bound)
         met = error <= tolerance

@@ -1135,21 +1135,27 @@ def worst_outputs(
     return chosen
 
 
-def _difference(a: Floats, b: Floats) -> float:
+def _difference(
+    a: tuple[Floats, Floats], b: tuple[Floats, Floats], until_largest: bool = False
+) -> float:
     """Largest difference of the extremes of two runs, the next smaller ones included.
 
     Two curves that differ may by chance share their largest value; they hardly share six. Those
     after the largest are compared with the nearest of the other run, not rank by rank: where one
     run has a ripple the other has not, all ranks below it would be compared with their neighbours.
+    After many impacts two runs go their own ways; with `until_largest` what comes after the largest
+    value says nothing about it.
     """
-    largest = abs(float(a.max()) - float(b.max())), abs(float(a.min()) - float(b.min()))
-    ends = [(np.sort(x)[::-1], np.sort(y)[::-1]) for x, y in ((a, b), (-a, -b))]
-    further = [
-        _distance(x[:COMPARED_EXTREMES], y[: 2 * COMPARED_EXTREMES])
-        for high, low in ends
-        for x, y in ((high, low), (low, high))
-    ]
-    return max(*largest, *further)
+    worst = 0.0
+    for sign in (1.0, -1.0):
+        for (_, value), (_, other) in ((a, b), (b, a)):
+            x, y = sign * value, np.sort(sign * other)[::-1]
+            top = int(np.argmax(x))
+            before = x[: top + 1] if until_largest else x
+            largest = np.sort(before)[::-1][:COMPARED_EXTREMES]
+            worst = max(worst, abs(float(largest[0] - y[0])))
+            worst = max(worst, _distance(largest, y[: 2 * COMPARED_EXTREMES]))
+    return worst
 
 
 def _distance(values: Floats, others: Floats) -> float:
@@ -1423,6 +1429,8 @@ def element_peaks(
     fine: tuple[Trajectory, float, list[tuple[Floats, Floats]]],
     coarse: tuple[Trajectory, float, list[tuple[Floats, Floats]]],
     output: NDArray[np.int64],
+    *,
+    until_largest: bool = False,
 ) -> tuple[ElementPeak, ...]:
     """Extremes of every element; the error is the change from h to h/2 plus the truncation.
 
@@ -1440,6 +1448,8 @@ def element_peaks(
         Trajectory, end time and turning points at h/2 and at h. [SI]
     output : ndarray of int, shape (n_elements,)
         Output that stands for each element; −1 where there is none. [index]
+    until_largest : bool, optional
+        True: extremes after the largest do not count for the error (runs with impacts). [flag]
 
     Returns
     -------
@@ -1449,7 +1459,7 @@ def element_peaks(
     trajectory, _, turning = fine
     judged = [(element, int(i)) for element, i in enumerate(output) if i >= 0]
     size = np.array([float(np.max(np.abs(turning[i][1]))) for _, i in judged])
-    change = np.array([_difference(turning[i][1], coarse[2][i][1]) for _, i in judged])
+    change = np.array([_difference(turning[i], coarse[2][i], until_largest) for _, i in judged])
     floor = np.maximum(size, NEGLIGIBLE * np.max(size, initial=0.0))
     relative = change / np.where(floor > 0.0, floor, 1.0)
     least = max(SHARED_ERROR * float(np.max(relative, initial=0.0)), LEAST_ERROR)
