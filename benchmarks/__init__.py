@@ -16,6 +16,7 @@ module             responsibility
 `goals`            what was aimed at and what was reached
 `pages`            what is said about them
 `report`, `plots`  tables on the terminal, docs/benchmarks.md, docs/images/bench_*.png
+`mesh_picture`     docs/images/backlash_start.png; a program of its own
 =================  =============================================================================
 
 Nothing here is asserted: times are printed, never tested. SI and seconds.

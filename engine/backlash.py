@@ -36,7 +36,7 @@ from engine.load import loads_of
 from engine.modal import ModalDamping, Modes, stated_damping
 from engine.motor import electrical_arrays, motors_of, voltage_factor
 from engine.pieces import ForcePlaces, Pieces, piece_basis
-from engine.prescribed import prescribed_torques
+from engine.prescribed import prescribed_torques, run_prescribed
 from engine.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
 from engine.rigid_runup import RigidRunup, rigid_runup
 from engine.startup import (
@@ -48,6 +48,7 @@ from engine.startup import (
     StartOutcome,
     StartSettings,
     element_peaks,
+    has_start,
     keeps_history,
     outcome_of,
     relative_errors,
@@ -156,8 +157,10 @@ def run_event_start(
     ModelError
         If the train cannot turn or has no motor, or an effect lacks its data.
     """
-    if linear is None:
+    if linear is None and has_start(case):
         linear = run_start(case, train, modes, damping, replace(effects, clearances=()))
+    elif linear is None:
+        linear = run_prescribed(case, train, modes, damping)
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE
     if linear.runup is None:
         setup = _prescribed(case, train, modes, damping, effects, linear, tolerance)
@@ -184,7 +187,7 @@ def run_event_start(
         )
         bound = unseen[output[output >= 0]]
         error, truncation = relative_errors(peaks, bound)
-        met = error <= tolerance
+        met = error <= tolerance and not fine.events.gave_up
         values = fine.events.trajectory.n_steps * len(unseen)
         last = halvings >= MAX_HALVINGS or 2 * values > MAX_VALUES
         if not met and sensitivity is None and (last or halvings >= PATIENCE):
@@ -439,8 +442,19 @@ def _outcome(
     """Name the way the run ended."""
     speed, synchronous = float(run.trajectory.mean_speed[-1]), case.ratings.synchronous_speed
     if linear.runup is None or synchronous is None:
-        return replace(linear.outcome, end_speed=speed)
+        outcome = replace(linear.outcome, end_speed=speed)
+        if run.gave_up:
+            text = f"Given up after {run.trajectory.n_steps} steps at {end:.4g} s."
+            outcome = replace(outcome, outcome="time out", time=end, sentence=text)
+        return outcome
     share, rpm = speed / synchronous, speed * 30.0 / math.pi
+    if run.gave_up:
+        text = (
+            f"Time out: given up after {run.trajectory.n_steps} steps at {end:.4g} s ({share:.1%} "
+            f"speed), {len(run.log)} changes of contact so far. Check stiffness and damping of the "
+            "elements with a clearance."
+        )
+        return StartOutcome("time out", end, speed, text)
     if run.trip_time is not None:
         at = float(np.interp(run.trip_time, run.trajectory.time, run.trajectory.mean_speed))
         text = (

@@ -141,6 +141,8 @@ class EventRun:
         When the field was applied, when the motors tripped. [s]
     settled : bool
         True if the run ended because it had settled. [flag]
+    gave_up : bool
+        True if it took too many steps: what follows is missing. [flag]
     position, velocity : ndarray, shape (m, n_times)
         In the common basis; without columns unless the script asks for them. [SI]
     """
@@ -153,6 +155,7 @@ class EventRun:
     field_time: float | None
     trip_time: float | None
     settled: bool
+    gave_up: bool
     position: Floats
     velocity: Floats
 
@@ -467,6 +470,7 @@ class _Simulation:
             self.field_time,
             self.trip_time,
             settled,
+            self.steps > MOST_STEPS,
             np.concatenate(r.position, axis=1),
             np.concatenate(r.velocity, axis=1),
         )

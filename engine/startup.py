@@ -1148,14 +1148,20 @@ def _difference(
     """
     worst = 0.0
     for sign in (1.0, -1.0):
-        for (_, value), (_, other) in ((a, b), (b, a)):
-            x, y = sign * value, np.sort(sign * other)[::-1]
-            top = int(np.argmax(x))
-            before = x[: top + 1] if until_largest else x
-            largest = np.sort(before)[::-1][:COMPARED_EXTREMES]
-            worst = max(worst, abs(float(largest[0] - y[0])))
-            worst = max(worst, _distance(largest, y[: 2 * COMPARED_EXTREMES]))
+        x, y = (_highest(sign * value, until_largest) for _, value in (a, b))
+        worst = max(
+            worst,
+            abs(float(x[0] - y[0])),
+            _distance(x[:COMPARED_EXTREMES], y[: 2 * COMPARED_EXTREMES]),
+            _distance(y[:COMPARED_EXTREMES], x[: 2 * COMPARED_EXTREMES]),
+        )
     return worst
+
+
+def _highest(value: Floats, until_largest: bool) -> Floats:
+    """Values in falling order; on request those up to the largest in time."""
+    seen = value[: int(np.argmax(value)) + 1] if until_largest else value
+    return np.sort(seen)[::-1]
 
 
 def _distance(values: Floats, others: Floats) -> float:
