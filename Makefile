@@ -21,7 +21,7 @@ LOCK :=
 .PHONY: help demo test check format bench templates wheel smoke lock clean distclean moved
 
 help:
-	@echo "make demo       recalculate both example workbooks into build/demo"
+	@echo "make demo       recalculate two example workbooks into build/demo"
 	@echo "make test       run the tests"
 	@echo "make check      style, formatting and types"
 	@echo "make format     put the formatting right"

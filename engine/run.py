@@ -538,7 +538,8 @@ def _warnings(
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
-    if start.outcome.time > LONG_START and start.runup is not None:
+    tripped = start.outcome.outcome == "tripped"  # its time is that of the coast-down
+    if start.outcome.time > LONG_START and start.runup is not None and not tripped:
         yield (
             f"The start takes {start.outcome.time:.0f} s; most take less than {LONG_START:.0f} s. "
             "Check inertias and torques."

@@ -128,7 +128,9 @@ class Recorder:
             self._take_turning(whole)
             self._last = last
         phase = (self._samples - 1) % 2  # the last one stays, and rest
-        keep = np.unique(np.concatenate([[0], np.arange(phase, self._samples, 2)]))
+        keep = np.unique(np.concatenate([[0], np.arange(phase, self._samples, 2), _pairs(whole[0])]))
+        if len(keep) > 0.75 * self._samples:  # so many events that they must be thinned, too
+            keep = np.unique(np.concatenate([[0], np.arange(phase, self._samples, 2)]))
         self._blocks = [tuple(a[..., keep] for a in whole)]
         self._samples = len(self._blocks[0][0])
         self._offset += self._stride
@@ -183,6 +185,12 @@ class Recorder:
             Trajectory(time, speed, torque, rate, self._element, reached, n_steps, turning),
             further,
         )
+
+
+def _pairs(time: Floats) -> NDArray[np.int64]:
+    """Samples that share their time with a neighbour: the corners of the curve."""
+    same = np.flatnonzero(np.diff(time) == 0.0)
+    return np.concatenate([same, same + 1])
 
 
 def _joined(blocks: list[tuple[Floats, ...]]) -> tuple[Floats, ...]:

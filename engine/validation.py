@@ -1438,7 +1438,7 @@ def _effect_choices(case: CaseData) -> Iterator[Problem]:
                     row,
                     "Choice",
                     e.choice,
-                    f"auto or off while {cells} are blank",
+                    f"auto or off while {cells} {'are' if ' and ' in cells else 'is'} blank",
                     f"There is nothing to simulate: fill {cells}, or choose auto.",
                 )
 

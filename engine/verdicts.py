@@ -77,7 +77,7 @@ def verdicts_of(
     """
     checks = [_margin(margins), *_steady(steady)]
     if start is not None:
-        checks += [_outcome(start), *_peak_limits(case, start)]
+        checks += [_outcome(case, start), *_peak_limits(case, start)]
     checks += [_reversal(r) for r in reversals]
     checks += [*_yield(case, starts), *_starts(case, start, starts)]
     found = {c.verdict for c in checks}
@@ -134,11 +134,15 @@ OUTCOME_VERDICTS = {
 }
 
 
-def _outcome(start: Start) -> Verdict:
+def _outcome(case: CaseData, start: Start) -> Verdict:
     o = start.outcome
-    return Verdict(
-        "Start", o.outcome, "reached", "text", OUTCOME_VERDICTS.get(o.outcome, FAIL), o.sentence
-    )
+    verdict, wanted = OUTCOME_VERDICTS.get(o.outcome, FAIL), "reached"
+    off = any(c.effect == "pull-in" and c.choice == "off" for c in case.effect_choices)
+    if case.field_slip is not None and not off:
+        wanted = "synchronised"
+        if o.outcome == "asynchronous":  # it never came to the slip at which the field is applied
+            verdict = FAIL
+    return Verdict("Start", o.outcome, wanted, "text", verdict, o.sentence)
 
 
 def _peak_limits(case: CaseData, start: Start) -> Iterator[Verdict]:

@@ -16,7 +16,7 @@ from addin.chart_data import accuracy_block
 from addin.layout import ROOMS
 from addin.package import open_workbook
 from addin.template_files import template_path
-from addin.write_workbook import NO_STUDY, RunStamp, write_results, write_study
+from addin.write_workbook import ANALYSES, NO_STUDY, RunStamp, write_results, write_study
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
 SOURCE = template_path("example_proposed.xlsx")
@@ -152,7 +152,7 @@ def test_a_recalculation_after_a_study_leaves_nothing_of_it(written: Path, tmp_p
     again = write_results(target, tmp_path / "again.xlsx", made_up_run(), STAMP).path
     assert rows_of(again, "AccuracyCost") == rows_of(written, "AccuracyCost")
     sheet = openpyxl.load_workbook(again, data_only=True)["Accuracy"]
-    assert (sheet["B5"].value, sheet["B6"].value or "") == (NO_STUDY, "")
+    assert (sheet["B5"].value, sheet["B6"].value) == (NO_STUDY, ANALYSES)
 
 
 def test_the_chart_draws_methods_apart_and_no_error_of_zero() -> None:
