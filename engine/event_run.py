@@ -142,7 +142,8 @@ class EventRun:
     settled : bool
         True if the run ended because it had settled. [flag]
     gave_up : bool
-        True if it took too many steps: what follows is missing. [flag]
+        True if it took too many steps, or contacts changed without end at one instant: what follows
+        is missing. [flag]
     position, velocity : ndarray, shape (m, n_times)
         In the common basis; without columns unless the script asks for them. [SI]
     """
@@ -285,7 +286,7 @@ def simulate_events(
     Raises
     ------
     InternalError
-        If contacts change without end at one instant, or numbers cease to be finite.
+        If numbers cease to be finite.
     """
     return _Simulation(model, step, script, initial, contact).run(settled)
 
@@ -323,6 +324,7 @@ class _Simulation:
         self.field_time: float | None = None
         self.trip_time: float | None = None
         self.steps = 0
+        self.stuck = False
 
     def _enter(self) -> None:
         """Into the piece of the present contacts, from the common basis."""
@@ -352,7 +354,8 @@ class _Simulation:
             elif reason == events.ANGLE:
                 self._apply_field(t)
             elif reason == events.STUCK:
-                raise InternalError(f"the contacts of a clearance change without end at {t:.6g} s")
+                self.stuck = True
+                break
             elif reason == events.AT_TIME:
                 self.clock[1] = 2.0  # a table against time may jump here
                 if t >= end * (1.0 - 1e-14):
@@ -470,7 +473,7 @@ class _Simulation:
             self.field_time,
             self.trip_time,
             settled,
-            self.steps > MOST_STEPS,
+            self.stuck or self.steps > MOST_STEPS,
             np.concatenate(r.position, axis=1),
             np.concatenate(r.velocity, axis=1),
         )

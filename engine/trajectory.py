@@ -128,7 +128,9 @@ class Recorder:
             self._take_turning(whole)
             self._last = last
         phase = (self._samples - 1) % 2  # the last one stays, and rest
-        keep = np.unique(np.concatenate([[0], np.arange(phase, self._samples, 2), _pairs(whole[0])]))
+        keep = np.unique(
+            np.concatenate([[0], np.arange(phase, self._samples, 2), _pairs(whole[0])])
+        )
         if len(keep) > 0.75 * self._samples:  # so many events that they must be thinned, too
             keep = np.unique(np.concatenate([[0], np.arange(phase, self._samples, 2)]))
         self._blocks = [tuple(a[..., keep] for a in whole)]

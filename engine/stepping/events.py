@@ -592,7 +592,7 @@ def advance_pieces(
     damper_force: Any,
     electrical: tuple[Any, ...],
     piece: Any,
-    phase_of: Any,
+    contact_of: Any,
     q: Floats,
     v: Floats,
     phase: Floats,
@@ -637,7 +637,7 @@ def advance_pieces(
         As for `kernels.start_forces`. [SI]
     piece : ndarray of int, shape (1,)
         Present piece, updated. [index]
-    phase_of : ndarray of int, shape (n_flanks,)
+    contact_of : ndarray of int, shape (n_flanks,)
         Contact of each flank, updated; those of the piece wanted when it has to be made. [1]
     q, v : ndarray, shape (n_modes,)
         Modal state of the present piece, updated. [SI]
@@ -659,9 +659,9 @@ def advance_pieces(
     (keys, lam, rates, reaches, constants, means, flank_rows, dampers, shows, turns, frees,
      forceds, solvers, made) = tables  # fmt: skip
     gaps, stiffnesses, dampings, scales = contacts
-    flanks = (phase_of, gaps, stiffnesses, reaches.shape[1] - len(gaps))
+    flanks = (contact_of, gaps, stiffnesses, reaches.shape[1] - len(gaps))
     viscous = dampers[piece[0]].copy()
-    limit_key = _flank_dampers(phase_of, dampings, viscous)
+    limit_key = _flank_dampers(contact_of, dampings, viscous)
     room = len(out_t)
     nf, n = reaches.shape[1], reaches.shape[2]
     nc = len(gaps)
@@ -749,7 +749,7 @@ def advance_pieces(
         for c in range(nc):
             if dwell:
                 break
-            state = phase_of[c]
+            state = contact_of[c]
             k, damping, gap = stiffnesses[c], dampings[c], gaps[c]
             if math.isinf(gap):
                 continue
@@ -880,7 +880,7 @@ def advance_pieces(
             return rows, events, SPEED if which > -4 else ANGLE
         if not lost:
             continue  # the cubic saw a touch that the exact step does not have
-        before_contact = phase_of[which]
+        before_contact = contact_of[which]
         if kind_of == 0 or kind_of == 1:
             start_limited = kind_of == 0 and limited and dampings[which] > 0.0
             loaded = DRIVE if 2 * which < nc else BACK
@@ -893,14 +893,14 @@ def advance_pieces(
             after_contact = before_contact + 1
         else:
             after_contact = before_contact - 1
-        phase_of[which] = after_contact
+        contact_of[which] = after_contact
         log[events, 0], log[events, 1] = t, which % (nc // 2)
         log[events, 2], log[events, 3], log[events, 4] = before_contact, after_contact, flank_speed
         events += 1
-        limit_key = _flank_dampers(phase_of, dampings, viscous)
+        limit_key = _flank_dampers(contact_of, dampings, viscous)
         key = 0
         for c in range(nc - 1, -1, -1):
-            key = 2 * key + (1 if phase_of[c] != FREE else 0)  # limited or not: the same piece
+            key = 2 * key + (1 if contact_of[c] != FREE else 0)  # limited or not: the same piece
         other = -1
         for p in range(len(keys)):
             if keys[p] == key:
