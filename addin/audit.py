@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import datetime as dt
+import math
 import os
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
@@ -115,11 +116,31 @@ def audit_rows(
         *_settings(results),
         *_plans(results),
         *_accuracy(results),
-        *((f"Time spent: {name}", f"{1e3 * s:.1f} ms") for name, s in results.spent),
+        *_time_spent(results.spent),
         *((f"Warning {i}", text) for i, text in enumerate(warnings, start=1)),
         *((f"Equation: {name}", text) for name, text in EQUATIONS),
     ]
     return [{"item": item, "value": value} for item, value in pairs]
+
+
+def _time_spent(spent: Iterable[tuple[str, float]]) -> Iterator[tuple[str, str]]:
+    """Time of each analysis; one that was made in several steps is told once."""
+    total: dict[str, float] = {}
+    for name, seconds in spent:
+        total[name] = total.get(name, 0.0) + seconds
+    for name, seconds in total.items():
+        yield f"Time spent: {name}", f"{1e3 * seconds:.1f} ms"
+
+
+def _percent(share: float) -> str:
+    """A share in per cent with two digits, never in powers of ten."""
+    shown = 100.0 * share
+    if shown == 0.0:
+        return "0 %"
+    if abs(shown) < 1e-6:
+        return "less than 0.000001 %"
+    digits = max(0, 1 - math.floor(math.log10(abs(shown))))
+    return f"{shown:.{digits}f} %"
 
 
 @cache
@@ -163,14 +184,18 @@ def _plans(results: Results) -> Iterator[tuple[str, str]]:
         yield "Clearances modelled", ", ".join(reported.effects.clearances)
         yield "Contact law", reported.effects.contact_law
     if results.sensitivity is not None:
-        spread = f"a change of the input by 1e-9 changes a peak by {results.sensitivity.spread:.1e}"
+        spread = f"a change of the input by 1e-9 changes a peak by {_percent(results.sensitivity.spread)}"
         yield "Sensitive", f"{'yes' if results.sensitivity.sensitive else 'no'}: {spread}"
 
 
 def _left_out(decision: EffectDecision) -> str:
     if decision.bound is None:
         return f"{decision.effect}: no bound known"
-    bound = "exact" if decision.bound == 0.0 else f"changes at most {decision.bound:.1e}"
+    bound = (
+        "exact"
+        if decision.bound == 0.0
+        else f"changes an answer by at most {_percent(decision.bound)}"
+    )
     return f"{decision.effect}: {bound}"
 
 
@@ -179,21 +204,30 @@ def _accuracy(results: Results) -> Iterator[tuple[str, str]]:
     yield "Modes by", {"svd": "SVD", "jacobi": "one-sided Jacobi SVD"}[results.modes.algorithm]
     if results.segments:
         text = ", ".join(f"{name}: {n}" for name, n in results.segments)
-        yield "Shaft segments", f"{text}; estimated frequency error {results.frequency_error:.1e}"
+        yield (
+            "Shaft segments",
+            f"{text}; estimated frequency error {_percent(results.frequency_error)}",
+        )
     if results.damping.neglected > 0.0:
         yield (
             "Largest neglected damping term",
-            f"{results.damping.neglected:.3g} 1/s (coupling {results.damping.coupling:.2g})",
+            f"{results.damping.neglected:.3g} 1/s; it brings at most "
+            f"{_percent(results.damping.coupling)} of one mode into another",
         )
     if start is None:
         return
-    yield "Wanted error of peak torques", f"{case.tolerance_peak or 1e-3:.1e}"
-    yield "Estimated error of peak torques", f"{start.estimated_error:.1e} (change from h to h/2)"
-    yield "of which modes left out", f"{start.truncation_error:.1e}; {start.kept_modes} modes kept"
+    yield "Wanted error of peak torques", _percent(case.tolerance_peak or 1e-3)
+    yield (
+        "Estimated error of peak torques",
+        f"{_percent(start.estimated_error)} (change from step h to h/2)",
+    )
+    left_out = f"{_percent(start.truncation_error)}; {start.kept_modes} modes kept"
+    yield "of which modes left out", left_out
     yield (
         "Largest step",
-        f"{1e3 * start.step:.4g} ms, {start.trajectory.n_steps} steps, {start.halvings} halvings",
+        f"{1e3 * start.step:.4g} ms, {start.trajectory.n_steps:,} steps; halved {start.halvings} "
+        f"time{'' if start.halvings == 1 else 's'} to meet the wanted error",
     )
     for name, error in results.starts_error:
-        shown = "unlimited" if error is None else f"{error:.1e}"
+        shown = "unlimited" if error is None else _percent(error)
         yield f"Estimated error of starts, {name}", shown

@@ -10,12 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from addin.chart_rows import HISTORY_POINTS, Cell, Floats, Rows, decimate, plain, side_by_side
+from addin.effect_charts import (
+    EFFECT_LABELS,
+    FORCES,
+    event_rows,
+    pull_in_rows,
+    reversal_blocks,
+    waiting_labels,
+)
 from addin.run_view import RunView
 from engine.case import CaseData, ElementRow
 
@@ -37,22 +44,15 @@ __all__ = [
     "governing_shaft",
 ]
 
-Cell = float | int | str | None
-Rows = list[list[Cell]]
-Floats = NDArray[np.float64]
-
 #: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
 GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
 #: Methods whose error against time is drawn.
 METHODS = ("exponential", "newmark")
-#: Most rows of a drawn history: the least and the largest value of each of half as many intervals.
-HISTORY_POINTS = 1001
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 401
-#: Periods of the 2 × slip frequency drawn on each side of the deepest reversal, and the shortest
-#: and the longest time. [1, s]
-_REVERSAL_PERIODS, _REVERSAL_TIMES = 8.0, (0.05, 0.6)
 _SN_POINTS = 200
+#: Crossings nearer to each other than this share of synchronous speed have one name. [1]
+_SAME_LABEL = 0.06
 #: Title of a history chart without an element.
 _UNUSED = "unused: the train has no further element"
 #: A series whose name is a blank cell is called Series1 by Excel; a space is not.
@@ -101,8 +101,7 @@ LABELS: tuple[str, ...] = (
     *_numbered(("History caption",), HISTORIES),
     "One start",
     "S-N line",
-    "Reversal title",
-    "Reversal axis",
+    *EFFECT_LABELS,
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
@@ -151,6 +150,14 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         "Histories of the start: least and largest value of equal intervals of time.",
     ),
     ChartTable("ChartReversal", ("Time", "Torque"), "Torque around the deepest reversal."),
+    ChartTable("ChartBlow", ("Time", "Torque"), "Torque at its deepest moment, closely."),
+    ChartTable("ChartForces", _numbered(("Time", "Force"), FORCES), "Forces at that moment."),
+    ChartTable(
+        "ChartPullIn",
+        ("Angle time", "Load angle", "Slip time", "Slip"),
+        "Load angle in degrees and slip in % from field application on.",
+    ),
+    ChartTable("ChartEvents", ("Time", "Speed"), "Field application and trip: motor speed in rpm."),
     ChartTable(
         "ChartAccuracy",
         _of_methods(("peak name", "peak time", "peak", "starts name", "starts time", "starts")),
@@ -214,7 +221,9 @@ def chart_blocks(
     }
     blocks["ChartInterference"], blocks["ChartNames"] = _interference_rows(case, run, labels)
     blocks["ChartHistory"] = _history_rows(case, run, units, chosen, labels)
-    blocks["ChartReversal"] = _reversal_rows(run, units, labels)
+    blocks |= reversal_blocks(run, units, labels)
+    blocks["ChartPullIn"] = pull_in_rows(run, labels)
+    blocks["ChartEvents"] = event_rows(run, labels)
     blocks["ChartAccuracy"] = accuracy_block(_table(run, "AccuracyCost"))
     _shape_labels(run, labels)
     blocks["ChartLabels"] = [[key, labels.get(key)] for key in LABELS]
@@ -228,26 +237,10 @@ def _waiting_labels() -> dict[str, Cell]:
         labels[f"History title {k}"] = f"History {k} (not calculated yet)"
         labels[f"History axis {k}"] = "Torque"
         labels[f"History caption {k}"] = "not calculated yet"
-    labels["Reversal title"] = "Torque around the deepest reversal (not calculated yet)"
-    labels["Reversal axis"] = "Torque"
-    return labels | {f"Shape {k}": f"Mode {k}" for k in range(1, SHAPES + 1)}
+    return labels | waiting_labels() | {f"Shape {k}": f"Mode {k}" for k in range(1, SHAPES + 1)}
 
 
 # --- helpers --------------------------------------------------------------------------------------
-
-
-def _side_by_side(columns: Iterable[Sequence[Cell]]) -> Rows:
-    """Columns of unequal length as rows; at least one row."""
-    lists = [list(column) for column in columns]
-    rows: Rows = [list(row) for row in zip_longest(*lists)]
-    return rows or [[None] * len(lists)]
-
-
-def _plain(values: Iterable[float]) -> list[Cell]:
-    """Numbers of a chart: six digits are more than a chart shows, and keep the file small."""
-    if isinstance(values, np.ndarray):
-        values = values.tolist()
-    return [float(f"{value:.6g}") if math.isfinite(value) else None for value in values]
 
 
 def _segments(pieces: Iterable[Sequence[tuple[float, float]]]) -> tuple[list[Cell], list[Cell]]:
@@ -258,44 +251,9 @@ def _segments(pieces: Iterable[Sequence[tuple[float, float]]]) -> tuple[list[Cel
         if xs:
             xs.append(None)
             ys.append(None)
-        xs += _plain(x for x, _ in piece)
-        ys += _plain(y for _, y in piece)
+        xs += plain(x for x, _ in piece)
+        ys += plain(y for _, y in piece)
     return xs, ys
-
-
-def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArray[np.int64]:
-    """Indices that keep the picture of a history: extremes of equal intervals of time.
-
-    With intervals no wider than a pixel or two the drawn band is that of all points: bursts keep
-    their envelope, no peak is lost, and every point drawn is calculated.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n_times,)
-        Rising. [s]
-    value : ndarray, shape (n_times,)
-        The history. [any]
-    limit : int
-        Most indices returned. [count]
-
-    Returns
-    -------
-    ndarray of int
-        Rising indices, the first, the last and the global extremes among them.
-    """
-    n = time.size
-    if n <= limit:
-        return np.arange(n)
-    intervals = max(1, limit // 2 - 1)
-    edges = np.searchsorted(time, np.linspace(time[0], time[-1], intervals + 1))
-    begins = np.unique(edges[:-1])  # an interval without a point has none of its own
-    least, largest = np.minimum.reduceat(value, begins), np.maximum.reduceat(value, begins)
-    interval = np.searchsorted(begins, np.arange(n), side="right") - 1
-    ends = [np.array([0, n - 1])]
-    for extreme in (least, largest):
-        at = np.flatnonzero(value == extreme[interval])
-        ends.append(at[np.unique(interval[at], return_index=True)[1]])
-    return np.unique(np.concatenate(ends))
 
 
 # --- the train ------------------------------------------------------------------------------------
@@ -354,7 +312,7 @@ def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
         else:
             rows.append(row)
             continue
-        row[place], row[place + 1] = _plain([height, -height])
+        row[place], row[place + 1] = plain([height, -height])
         rows.append(row)
     return rows or [[None] * (1 + 4 * GROUPS + 2)]
 
@@ -401,7 +359,7 @@ def _torque_rows(case: CaseData) -> Rows:
 
     average, pulsating, opposing = total(motor, 1), total(motor, 2), total(load, 1)
     columns = (100.0 * grid, average, pulsating, opposing, average - opposing)
-    return _side_by_side([_plain(column) for column in columns])
+    return side_by_side([plain(column) for column in columns])
 
 
 def _curves(rows: Iterable[Any], names: Sequence[str]) -> dict[str, tuple[list[float], ...]]:
@@ -426,7 +384,7 @@ def _speed_time_rows(run: RunView | None) -> Rows:
         return [[None, None]]
     time, speed = run.speed_time
     keep = np.unique(np.searchsorted(time, np.linspace(time[0], time[-1], _CURVE_POINTS)))
-    return _side_by_side([_plain(time[keep]), _plain(map(_rpm, speed[keep]))])
+    return side_by_side([plain(time[keep]), plain(map(_rpm, speed[keep]))])
 
 
 def _crossing_rows(case: CaseData, run: RunView | None, labels: dict[str, Cell]) -> Rows:
@@ -434,9 +392,17 @@ def _crossing_rows(case: CaseData, run: RunView | None, labels: dict[str, Cell])
     rows: Rows = [[None, None] for _ in range(CROSSINGS)]
     speed = case.ratings.synchronous_speed or 0.0
     crossings = [c for c in _table(run, "StartupCrossings") if c.get("time") is not None]
+    named, last = -1, math.inf
     for k, crossing in enumerate(crossings[:CROSSINGS]):
-        rows[k] = _plain([crossing["time"], _rpm(speed * crossing["percent_speed"])])
-        labels[f"Crossing {k + 1}"] = f"Mode {crossing['mode']}: {crossing['frequency']:.1f} Hz"
+        rows[k] = plain([crossing["time"], _rpm(speed * crossing["percent_speed"])])
+        words = f"Mode {crossing['mode']}: {crossing['frequency']:.1f} Hz"
+        if abs(last - crossing["percent_speed"]) < _SAME_LABEL:  # two names would cover each other
+            labels[f"Crossing {named + 1}"] = (
+                f"{labels[f'Crossing {named + 1}']}; {words[0].lower()}{words[1:]}"
+            )
+        else:
+            named, last = k, crossing["percent_speed"]
+            labels[f"Crossing {k + 1}"] = words
     return rows
 
 
@@ -463,40 +429,11 @@ def _history_rows(
         time, torque = histories[name]
         value, words, axis = _drawn_quantity(case, name, torque, units)
         keep = decimate(time, value)
-        columns[2 * k], columns[2 * k + 1] = _plain(time[keep]), _plain(value[keep])
+        columns[2 * k], columns[2 * k + 1] = plain(time[keep]), plain(value[keep])
         labels[f"History title {k + 1}"] = f"{name}: {words}"
         labels[f"History axis {k + 1}"] = axis
         labels[f"History caption {k + 1}"] = f"{name}: {words} {axis[axis.find('[') :]}"
-    return _side_by_side(columns)
-
-
-def _reversal_rows(run: RunView | None, units: ShownUnits, labels: dict[str, Cell]) -> Rows:
-    """Torque of the mesh or geared coupling with the least margin, around its least torque."""
-    if run is None:
-        return [[None, None]]
-    histories = run.histories or {}
-    judged = [r for r in _table(run, "TorqueReversals") if r["element"] in histories]
-    unit = units.name("TorqueReversals", "Minimum torque")
-    labels["Reversal axis"] = f"Torque [{unit}]"
-    if not judged:
-        labels["Reversal title"] = "Torque around the deepest reversal: no mesh, no geared coupling"
-        return [[None, None]]
-    worst = min(judged, key=_depth)
-    time, torque = histories[worst["element"]]
-    at, (shortest, longest) = float(time[np.argmin(torque)]), _REVERSAL_TIMES
-    slip = worst.get("slip_frequency") or 0.0
-    half = min(max(_REVERSAL_PERIODS / slip if slip > 0.0 else longest, shortest), longest)
-    near = (time >= at - half) & (time <= at + half)
-    time, torque = time[near], torque[near] / units.factor("TorqueReversals", "Minimum torque")
-    keep = decimate(time, torque)
-    labels["Reversal title"] = f"{worst['element']}: torque around its least value in the start"
-    return _side_by_side([_plain(time[keep]), _plain(torque[keep])])
-
-
-def _depth(reversal: Mapping[str, Any]) -> tuple[float, float]:
-    """Margin to reversal; of elements without one the least torque."""
-    margin = reversal.get("margin")
-    return (math.inf if margin is None else margin), reversal["minimum_torque"]
+    return side_by_side(columns)
 
 
 def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:
@@ -520,9 +457,9 @@ def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:
         for error, words in (("error_peak", "peak torques"), ("error_starts", "allowable starts")):
             columns.append([f"{name}: {words}"])
             points = [r for r in of_method if (r.get(error) or 0.0) > 0.0]
-            columns.append(_plain(1e3 * r["time"] for r in points))
-            columns.append(_plain(100.0 * r[error] for r in points))
-    return _side_by_side(columns)
+            columns.append(plain(1e3 * r["time"] for r in points))
+            columns.append(plain(100.0 * r[error] for r in points))
+    return side_by_side(columns)
 
 
 def _drawn_elements(
@@ -570,7 +507,9 @@ def _elastic_modes(run: RunView | None) -> list[Mapping[str, Any]]:
 
 def _shape_labels(run: RunView | None, labels: dict[str, Cell]) -> None:
     for k, row in enumerate(_elastic_modes(run)[:SHAPES]):
-        labels[f"Shape {k + 1}"] = f"Mode {row['mode']}: {row['frequency']:.2f} Hz"
+        most = row.get("largest_strain_energy") or ""
+        sideways = f" ({most})" if most.startswith("bearing of ") else ""
+        labels[f"Shape {k + 1}"] = f"Mode {row['mode']}: {row['frequency']:.2f} Hz{sideways}"
 
 
 def _interference_rows(
@@ -590,10 +529,10 @@ def _interference_rows(
     running = [_rpm(case.minimum_speed or sync), _rpm(case.maximum_speed or sync)]
     columns: list[Sequence[Cell]] = [
         *_segments([[(0.0, f), (right, f)] for f in modes]),
-        _plain([right] * len(modes)),
-        _plain(modes),
-        _plain([0.0, _rpm(sync)]),
-        _plain([2.0 * line, 0.0]),
+        plain([right] * len(modes)),
+        plain(modes),
+        plain([0.0, _rpm(sync)]),
+        plain([2.0 * line, 0.0]),
         *_segments([[(n, 0.0), (n, top)] for n in dict.fromkeys(running)]),
     ]
     lines = [
@@ -607,11 +546,11 @@ def _interference_rows(
     for k, (name, ends, at) in enumerate(lines[:LINES]):
         (x0, y0), (x1, y1) = ends
         at = 1.0 if y1 == top else at
-        names[k] = _plain([x0 + at * (x1 - x0), y0 + at * (y1 - y0)])
-        columns += [_plain([x0, x1]), _plain([y0, y1])]
+        names[k] = plain([x0 + at * (x1 - x0), y0 + at * (y1 - y0)])
+        columns += [plain([x0, x1]), plain([y0, y1])]
         labels[f"Line {k + 1}"] = name
     columns += [[]] * (8 + 2 * LINES - len(columns))
-    return _side_by_side(columns), names
+    return side_by_side(columns), names
 
 
 #: Where along its line the name of an excitation stands: orders near the upper end, lines of fixed
@@ -646,11 +585,11 @@ def _sn_rows(
     if run is not None and shaft is not None:
         labels["S-N title"] = f"S-N line and the cycles of a start: {shaft}"
         exceeded, stress, labels["One start"] = _drawn_cycles(run, shaft)
-        columns[2], columns[3] = _plain(exceeded), _plain(stress / unit)
+        columns[2], columns[3] = plain(exceeded), plain(stress / unit)
         if case.starts_required:
-            columns[4], columns[5] = _plain(exceeded * case.starts_required), columns[3]
+            columns[4], columns[5] = plain(exceeded * case.starts_required), columns[3]
             labels["Starts required"] = f"{case.starts_required:,.0f} starts"
-    return _side_by_side(columns)
+    return side_by_side(columns)
 
 
 def _material_of(case: CaseData, shaft: str | None) -> str | None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .chart_data import CROSSINGS, GROUPS, LABELS, LINES, METHODS, SHAPES
+from .effect_charts import EVENTS, FORCES
 from .template_styles import FONT, PALETTE, SPEED_GROUPS
 
 __all__ = ["CHARTS", "Place", "Places", "make_chart"]
@@ -199,26 +200,31 @@ def _speed_time(workbook: Any, places: Places, _: int) -> Any:
         _xy(places, "ChartSpeedTime", "Time", "Speed", "Motor speed", line=_line("navy", 2.0))
     )
     for k in range(CROSSINGS):
-        chart.add_series(
-            {
-                "name": places.label(f"Crossing {k + 1}"),
-                "categories": places.cell("ChartCrossings", "Time", k),
-                "values": places.cell("ChartCrossings", "Speed", k),
-                "line": {"none": True},
-                "marker": _dot("rust", "diamond", 8),
-                "data_labels": {
-                    "series_name": True,
-                    "value": False,
-                    "position": "right",
-                    "font": _font(8, color=PALETTE["rust"]),
-                },
-            }
-        )
+        chart.add_series(_named_point(places, "Crossing", k, "rust", "right"))
+    for k in range(EVENTS):
+        chart.add_series(_named_point(places, "Event", k, "teal", "above"))
     _title(chart, "Start: motor speed against time, and where 2 × slip crosses a mode")
     chart.set_x_axis(_axis("Time [s]", min=0, num_format="General"))
     chart.set_y_axis(_axis("Motor speed [rpm]", min=0, num_format="#,##0"))
     chart.set_legend({"none": True})
     return chart
+
+
+def _named_point(places: Places, kind: str, k: int, colour: str, side: str) -> dict[str, Any]:
+    """A point of `ChartCrossings` or `ChartEvents` with its name beside it."""
+    return {
+        "name": places.label(f"{kind} {k + 1}"),
+        "categories": places.cell(f"Chart{kind}s", "Time", k),
+        "values": places.cell(f"Chart{kind}s", "Speed", k),
+        "line": {"none": True},
+        "marker": _dot(colour, "diamond", 8),
+        "data_labels": {
+            "series_name": True,
+            "value": False,
+            "position": side,
+            "font": _font(8, color=PALETTE[colour]),
+        },
+    }
 
 
 def _torque(workbook: Any, places: Places, _: int) -> Any:
@@ -365,17 +371,49 @@ def _history(workbook: Any, places: Places, number: int) -> Any:
     return chart
 
 
-def _reversal(workbook: Any, places: Places, _: int) -> Any:
-    """Torque of the worst mesh around its deepest moment: teeth part where it touches zero."""
+def _closely(table: str, key: str, number: str) -> Callable[[Any, Places, int], Any]:
+    """Torque of the worst mesh around its deepest moment: teeth part where it stays at zero."""
+
+    def make(workbook: Any, places: Places, _: int) -> Any:
+        chart = workbook.add_chart({"type": "scatter", "subtype": "straight"})
+        title = places.label(f"{key} title")
+        chart.add_series(_xy(places, table, "Time", "Torque", title, line=_line("navy", 1.25)))
+        _title(chart, title)
+        chart.set_x_axis(_axis("Time [s]", num_format=number, label_position="low"))
+        chart.set_y_axis(_axis(places.label(f"{key} axis"), num_format="#,##0"))
+        chart.set_legend({"none": True})
+        return chart
+
+    return make
+
+
+def _forces(workbook: Any, places: Places, _: int) -> Any:
+    """The blow in forces: of the teeth, and of the bearings that give way under it."""
     chart = workbook.add_chart({"type": "scatter", "subtype": "straight"})
-    title = places.label("Reversal title")
-    chart.add_series(
-        _xy(places, "ChartReversal", "Time", "Torque", title, line=_line("navy", 1.25))
-    )
-    _title(chart, title)
-    chart.set_x_axis(_axis("Time [s]", num_format="0.00", label_position="low"))
-    chart.set_y_axis(_axis(places.label("Reversal axis"), num_format="#,##0"))
-    chart.set_legend({"none": True})
+    for k, colour in zip(range(1, FORCES + 1), ("navy", "rust", "teal"), strict=True):
+        name, line = places.label(f"Force {k}"), _line(colour, 1.25)
+        chart.add_series(_xy(places, "ChartForces", f"Time {k}", f"Force {k}", name, line=line))
+    _title(chart, places.label("Force title"))
+    chart.set_x_axis(_axis("Time [s]", num_format="0.000", label_position="low"))
+    chart.set_y_axis(_axis(places.label("Force axis"), num_format="#,##0"))
+    _legend(chart)
+    return chart
+
+
+def _pull_in(workbook: Any, places: Places, _: int) -> Any:
+    """Load angle and slip while the motor pulls into step and swings, or slips poles."""
+    chart = workbook.add_chart({"type": "scatter", "subtype": "straight"})
+    for x, y, colour, more in (
+        ("Angle time", "Load angle", "navy", {}),
+        ("Slip time", "Slip", "rust", {"y2_axis": True}),
+    ):
+        line = _line(colour, 1.5)
+        chart.add_series(_xy(places, "ChartPullIn", x, y, y, line=line, **more))
+    _title(chart, places.label("Pull-in title"))
+    chart.set_x_axis(_axis("Time [s]", num_format="0.0", label_position="low"))
+    chart.set_y_axis(_axis(places.label("Pull-in axis"), num_format="0"))
+    chart.set_y2_axis(_axis("Slip [%]", num_format="0.0", major_gridlines={"visible": False}))
+    _legend(chart)
     return chart
 
 
@@ -388,10 +426,10 @@ def _accuracy(workbook: Any, places: Places, _: int) -> Any:
             name = places.cell("ChartAccuracy", f"{method} {error} name", 0)[:3]
             series = _xy(places, "ChartAccuracy", x, y, "", line=_line(colour, 1.5, dash))
             chart.add_series(series | {"name": name, "marker": _dot(colour, marker, 6)})
-    _title(chart, "Error against wall time")
+    _title(chart, "Error against wall time (torsionbook accuracy FILE)")
     chart.set_x_axis(_axis("Wall time [ms]", log_base=10, num_format="General", crossing="min"))
     chart.set_y_axis(
-        _axis("Error [%]", log_base=10, num_format="0E+0", crossing="min", label_position="low")
+        _axis("Error [%]", log_base=10, num_format="General", crossing="min", label_position="low")
     )
     _legend(chart)
     return chart
@@ -418,6 +456,9 @@ CHARTS: Mapping[str, Callable[[Any, Places, int], Any]] = {
     "shapes": _shapes,
     "interference": _interference,
     "history": _history,
-    "reversal": _reversal,
+    "reversal": _closely("ChartReversal", "Reversal", "0.00"),
+    "blow": _closely("ChartBlow", "Blow", "0.000"),
+    "forces": _forces,
+    "pull-in": _pull_in,
     "accuracy": _accuracy,
 }

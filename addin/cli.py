@@ -176,7 +176,7 @@ def recalc(
                 _recalculate(file, destination, json_file, in_place, overrides, ignore_lock, tell)
             )
     for one in done:
-        _list_problems(one.source, one.problems)
+        _list_problems(one.source, one.problems, bool(one.written))
         for sentence in one.warnings:
             typer.echo(f"{one.source}: note: {sentence}", err=True)
     _summary(done)
@@ -309,7 +309,7 @@ def _targets(
     destination = out / f"{file.stem}{ending}" if out is not None else None
     if destination is None and ending == ".results.json" and json is None:
         destination = file.with_name(f"{file.stem}.results.json")
-    folder = json is not None and (several or json.is_dir())
+    folder = json is not None and (several or json.is_dir() or json == out)
     json_file = json / f"{file.stem}.results.json" if json is not None and folder else json
     return destination, json_file
 
@@ -380,13 +380,14 @@ def _progress() -> Iterator[Callable[[str], None]]:
         yield tell
 
 
-def _list_problems(file: Path, problems: Sequence[CellProblem]) -> None:
+def _list_problems(
+    file: Path, problems: Sequence[CellProblem], something_written: bool = False
+) -> None:
     if not problems:
         return
     plural = "s" if len(problems) > 1 else ""
-    typer.echo(
-        f"{file}: {len(problems)} error{plural}, nothing was calculated or written:", err=True
-    )
+    what = "" if something_written else ", nothing was calculated or written"
+    typer.echo(f"{file}: {len(problems)} error{plural}{what}:", err=True)
     for problem in problems:
         typer.echo(f"  {problem.message}", err=True)
 
@@ -440,13 +441,21 @@ def _show_study(found: AccuracyStudy) -> None:
         table.add_column(header, justify="right")
     for row in found.rows:
         errors = [
-            "–" if e is None else f"{100.0 * e:.2g}" for e in (row.error_peak, row.error_starts)
+            "–" if e is None else _decimal(100.0 * e) for e in (row.error_peak, row.error_starts)
         ]
         took = "–" if row.time is None else f"{1e3 * row.time:.3g}"
         table.add_row(row.method, str(row.setting), *errors, took)
     Console(width=max(Console().width, TABLE_WIDTH)).print(table)
     typer.echo(found.sentence)
     typer.echo(f"Reference: {found.reference}")
+
+
+def _decimal(value: float) -> str:
+    """Two digits without powers of ten; what is smaller than a chart can show is a bound."""
+    if 0.0 < value < 1e-7:
+        return "< 0.0000001"
+    digits = 1 if value == 0.0 else max(0, 1 - math.floor(math.log10(value)))
+    return f"{value:.{digits}f}"
 
 
 def _summary_cells(one: Recalculated) -> list[str]:

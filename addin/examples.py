@@ -138,7 +138,7 @@ BACKLASH_PROVENANCE: tuple[tuple[str, str], ...] = (
         "Constructed, typical of such a train: 0.4 mm (0.0157 in) normal backlash; bearing "
         "stiffness 4e8 N/m (bull gear, 1,600 kg) and 3e8 N/m (pinion, 150 kg) with 10 % of "
         "critical damping; field at 3 % slip, field time constant 0.5 s, pull-out torque 2 pu; "
-        "transient at breaker closing of 2 pu, decaying in 60 ms. Only the gear-tooth behaviour "
+        "transient at breaker closing of 0.5 pu, decaying in 60 ms. Only the gear-tooth behaviour "
         "(Figure 4) is described in the paper, without numbers.",
     ),
 )

@@ -59,6 +59,7 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_Date", "Date of the calculation, UTC"),
     ("run_SHA256", "SHA-256 of the inputs"),
     ("run_Outcome", "How the start ended"),
+    ("run_OutcomeWord", "The same in a word or two"),
     ("run_StartTime", "Duration of the start [s]"),
     ("run_SynchronousSpeed", "Synchronous speed [rpm]"),
     ("run_LineFrequency", "Line frequency [Hz]"),

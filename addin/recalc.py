@@ -240,6 +240,8 @@ def _calculate(
         case = replace(read.case(), **overrides)
         if case.motor_torque and not is_compiled(advance_start):
             tell(COMPILING)
+            # its times would be those of the compiler: this run is thrown away
+            calculate(case)
         done = calculate(
             case,
             input_warnings=read.warnings,

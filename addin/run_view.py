@@ -13,6 +13,7 @@ from engine.case import CaseData
 
 if TYPE_CHECKING:
     from engine.results import Results
+    from engine.startup import ForceHistories
 
 __all__ = ["RunView", "view_of"]
 
@@ -47,6 +48,10 @@ class RunView:
         Number and reason of each plan, the reported one last. [words]
     contact_law : str or None
         Damping law of teeth in contact; None where no clearance was modelled. [word]
+    forces : ForceHistories or None
+        Tooth and bearing forces at the times of `speed_time`, where they were calculated. [N]
+    load_angle : tuple of ndarray or None
+        Time, unwrapped load angle and slip, where the field was applied. [s, rad, 1]
     """
 
     case: CaseData
@@ -59,6 +64,8 @@ class RunView:
     amplitudes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     plans: Rows = ()
     contact_law: str | None = None
+    forces: ForceHistories | None = None
+    load_angle: tuple[Floats, Floats, Floats] | None = None
 
 
 def view_of(results: Results, audit: Rows = ()) -> RunView:
@@ -92,7 +99,18 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
         amplitudes={s.element: (s.largest_amplitude, s.endurance) for s in shafts},
         plans=plan_details(results)["plans"],
         contact_law=effects.contact_law if effects is not None and effects.clearances else None,
+        forces=None if start is None else start.forces,
+        load_angle=_load_angle(results),
     )
+
+
+def _load_angle(results: Results) -> tuple[Floats, Floats, Floats] | None:
+    """Time, load angle and slip of a start in which the field was applied."""
+    start, synchronous = results.start, results.case.ratings.synchronous_speed
+    if start is None or start.load_angle is None or not synchronous:
+        return None
+    path = start.trajectory
+    return path.time, start.load_angle, 1.0 - path.mean_speed / synchronous
 
 
 def _histories(results: Results) -> dict[str, tuple[Floats, Floats]]:

@@ -131,15 +131,51 @@ REVERSAL_NOTES_AT = f"B{_BELOW_REVERSALS + ROOMS['BearingForces'] + 5}"
 _BELOW_EFFECTS = 8 + ROOMS["Effects"] + 1
 EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
 
+
+def _said(formula: str) -> str:
+    """Words that stand only in a calculated workbook."""
+    return f'=IF(run_SHA256="","",{formula})'
+
+
 #: Lines that show facts of the run: sheet, first and last cell, formula, style, height in points.
 FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
     (
         "Start-up",
         "B4",
         "O4",
-        BLANK_TEXT.format("run_Outcome"),
+        _said(
+            'IF(run_Outcome="","No start was calculated: neither motor torque nor torque against '
+            'time is given on sheet Torque.",run_Outcome&IF(COUNT(StartupCrossings[Mode])=0,'
+            '"   No crossings: no pulsating torque of the motor crosses a mode.",""))'
+        ),
         "fact",
         18.0,
+    ),
+    (
+        "Reversals",
+        "B4",
+        "Q4",
+        _said(
+            'IF(run_Outcome="","No start: no motor torque is given.",'
+            'IF(COUNTIF(TorqueReversals[Element],"?*")=0,"This train has no gear mesh and no geared coupling '
+            'with backlash: no teeth to judge.",'
+            'IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its bearings in this '
+            'start (bearing data on sheet Train, plan on sheet Effects).","")))'
+        ),
+        "note",
+        15.0,
+    ),
+    (
+        "Starts",
+        "B4",
+        "I4",
+        _said(
+            'IF(run_Outcome="","No start: no motor torque is given.",'
+            'IF(COUNTIF(AllowableStarts[Element],"?*")=0,"No shaft is judged: it takes Stress diameter and '
+            'Material on sheet Train, Endurance and S-N points on sheet Fatigue.",""))'
+        ),
+        "note",
+        15.0,
     ),
     ("Accuracy", "B5", "P5", BLANK_TEXT.format("run_AccuracySentence"), "sentence", 42.0),
     ("Accuracy", "B6", "P6", BLANK_TEXT.format("run_AccuracyReference"), "prose", 26.0),
@@ -237,10 +273,14 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Start-up",
         "result",
-        {"A": 1.5, "B": 20, "C:J": 9.7, "K": 20, "L:N": 10, "O": 52},
+        {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:N": 10.4, "O": 52},
         "O",
         {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
-        (ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 420),),
+        (
+            ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 284),
+            ChartAt("blow", f"K{24 + CROSSING_ROWS}", 736, 284),
+            ChartAt("pull-in", f"K{48 + CROSSING_ROWS}", 736, 284),
+        ),
     ),
     Sheet(
         "Histories",
@@ -254,10 +294,13 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Reversals",
         "result",
-        {"A": 1.5, "B": 22, "C:N": 9.2, "O": 11, "P": 10, "Q": 9.5, "R": 48, "S": 9},
+        {"A": 1.5, "B": 22, "C": 10.4, "D:N": 9.2, "O": 11, "P": 10, "Q": 9.5, "R": 48, "S": 9},
         "S",
         {"TorqueReversals": "B5", "BearingForces": f"K{_BELOW_REVERSALS}"},
-        (ChartAt("reversal", f"B{_BELOW_REVERSALS}", 660, 330),),
+        (
+            ChartAt("reversal", f"B{_BELOW_REVERSALS}", 660, 330),
+            ChartAt("forces", f"O{_BELOW_REVERSALS + 1}", 620, 310),
+        ),
     ),
     Sheet(
         "Starts",
@@ -395,7 +438,7 @@ KEY_NUMBERS: tuple[tuple[str, str, str, str, str], ...] = (
         "0.00",
     ),
     ("Duration of the start", BLANK_TEXT.format("run_StartTime"), "s",
-     BLANK_TEXT.format("run_Outcome"), "0.000"),
+     BLANK_TEXT.format("run_OutcomeWord"), "0.000"),
     (
         "Least mesh torque / transmitted",
         _extreme("TorqueReversals[Margin]", "MIN"),

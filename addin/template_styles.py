@@ -250,7 +250,12 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
 }
 
 _LARGE = "[>=1000]#,##0;[<=-1000]-#,##0;0.000"
-_SMALL = "[>=0.01]0.00;[>0]0.0E+00;0.00"
+#: For what may be negative: LibreOffice drops the sign of a negative number in any section but the
+#: first, and in that one shows it of itself.
+_SIGNED = "[<1000]#,##0.00;#,##0"
+_SMALL = "[>=0.01]0.00;[>0]0.00000;0.00"
+#: Errors of a study span many decades.
+_STUDIED = "[>=0.01]0.000;[>=0.000001]0.000000;0.0E+00"
 
 #: Number format of a result by its dimension; typed numbers stay as typed.
 _NUMBER_FORMATS: Mapping[str, str] = {
@@ -261,14 +266,19 @@ _NUMBER_FORMATS: Mapping[str, str] = {
     "ratio": "0.0000",
     "speed": "0.0",
     "time": "0.000",
-    "calculation time": "[>=100]#,##0;[>=1]0.0;0.000",
-    "deciding number": "[>=0.001]0.0000;[<=-0.001]-0.0000;0.0E+00",
+    "calculation time": "[>=100]#,##0;[>=1]0.0;0.00",
+    "deciding number": "[<0.01]0.00000;#,##0.000",
     "sweep rate": "0.000",
     "angular acceleration": "0.00",
 }
 
 #: Results whose size says nothing of their dimension.
 _COLUMN_FORMATS: Mapping[str, str] = {
+    "Minimum torque": _SIGNED,
+    "Maximum torque": _SIGNED,
+    "Mesh minimum torque": _SIGNED,
+    "Average torque": _SIGNED,
+    "Load torque": _SIGNED,
     "Damage": "0.000E+00",
     "Damage check": "0.000E+00",
     "Cycles": "#,##0.0",
@@ -277,15 +287,17 @@ _COLUMN_FORMATS: Mapping[str, str] = {
     "Paper count": "#,##0.0",
     "Starts check": "#,##0.0",
     "Starts to judge": "#,##0",
-    "Error": "[>=0.01]0.00;[>0]0.0E+00;0",
+    "Error": "[>=0.01]0.00;[>0]0.00000;0",
+    "Error peak": _STUDIED,
+    "Error starts": _STUDIED,
     "Percent speed": "0.00",
     "Percent speed check": "0.00",
     "Margin": "0.00",
     "Margin check": "0.00",
     "Required": "0.0",
     "Share": "0.0",
-    "Recontact speed": "[>=0.01]0.000;[>0]0.0E+00;0",
-    "Recontact speed angular": "[>=0.01]0.000;[>0]0.0E+00;0",
+    "Recontact speed": "[>=0.01]0.000;[>0]0.00000;0",
+    "Recontact speed angular": "[>=0.01]0.000;[>0]0.00000;0",
 }
 
 

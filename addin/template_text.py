@@ -128,7 +128,8 @@ EFFECT_NOTES: tuple[str, ...] = (
     "The plan is made before the start, from the linear analyses.",
     "Bound: the most that leaving an effect out changes an answer; 0 = exact;",
     "blank = it is on, or nothing is known of it (no input, forced off).",
-    "Time: what it cost in this run, or is estimated to cost when on.",
+    "Time: what it cost in this run, or is estimated to cost when on;",
+    "backlash, pull-in and trip share one run and each show the whole of it.",
 )
 
 #: Blocks of sheet `Notes`: heading, then term and text.
@@ -227,7 +228,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "Drawn histories",
-            "Charts show the least and the largest calculated value of 800 equal intervals of "
+            "Charts show the least and the largest calculated value of 500 equal intervals of "
             "the start, so that no peak is lost. Results never come from them; KeepHistory "
             "writes the full history to a file.",
         ),

@@ -23,6 +23,7 @@ from addin.chart_data import (
     accuracy_block,
     chart_blocks,
 )
+from addin.effect_charts import FORCES
 from addin.fields import Field, TableSpec
 from addin.layout import (
     CHECK_FORMULAS,
@@ -49,6 +50,7 @@ from addin.shown_units import shown_units
 from addin.start_cycles import start_cycle_facts, start_cycle_rows
 
 __all__ = [
+    "ANALYSES",
     "NO_STUDY",
     "RunStamp",
     "chart_tables",
@@ -71,6 +73,10 @@ _RPM = math.pi / 30.0
 #: Tables that workbooks made by earlier versions lack; nobody misses them there.
 _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartReversal",
+    "ChartBlow",
+    "ChartForces",
+    "ChartPullIn",
+    "ChartEvents",
     "ChartAccuracy",
 }
 #: Columns in which no number means that there is no limit.
@@ -81,6 +87,11 @@ _SWITCHES = frozenset({"On"})
 NO_STUDY = (
     "Errors are those this calculation estimates, times those it took. Error against time by the "
     "exponential and by the paper's method, for this very case: torsionbook accuracy FILE"
+)
+#: What the rows of a plain recalculation are, below `NO_STUDY`.
+ANALYSES = (
+    "Start: the linear start, all teeth in contact, from which the plan is made. Start with events: "
+    "the same with the effects that sheet Effects shows as on. Errors compare a step with its half."
 )
 
 
@@ -368,6 +379,7 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
         "run_Date": stamp.day,
         "run_SHA256": stamp.sha256,
         "run_Outcome": start.get("sentence") or start.get("outcome"),
+        "run_OutcomeWord": start.get("outcome"),
         "run_StartTime": start.get("time"),
         "run_SynchronousSpeed": speed / _RPM if speed else None,
         "run_LineFrequency": ratings.line_frequency,
@@ -383,7 +395,7 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
         "run_NmPerTransmitted": units.factor("TorqueReversals", "Transmitted torque"),
         "run_ContactLaw": run.contact_law,
         "run_AccuracySentence": NO_STUDY,
-        "run_AccuracyReference": None,
+        "run_AccuracyReference": ANALYSES,
         "run_AccuracyInputs": stamp.sentence,
     }
     rows = [[name, meaning, facts[name]] for name, meaning in RUN_FACTS]
@@ -413,6 +425,10 @@ _HISTORY_AXIS = r"(Tooth load|Nominal shear stress|Torque)( \[.*\])?"
 _SN_TITLE, _SN_AXIS = r"S-N line.*", r"Stress amplitude with SCF.*"
 _REVERSAL_TITLE = r".*: torque around its least value.*|Torque around the deepest reversal.*"
 _REVERSAL_AXIS = r"Torque( \[.*\])?"
+_BLOW_TITLE = r"Torque at its deepest moment.*|.*: (torque at its least value|teeth part).*"
+_FORCE_TITLE = r"Tooth and bearing forces.*|.*: (forces at its deepest moment|no forces drawn).*"
+_FORCE_AXIS = r"Force( \[.*\])?"
+_PULL_IN_TITLE, _PULL_IN_AXIS = r"Load angle and slip.*", r"Load angle.*"
 
 
 def _title_links(workbook: Workbook) -> list[TitleLink]:
@@ -431,6 +447,11 @@ def _title_links(workbook: Workbook) -> list[TitleLink]:
         ("ChartSN", ("Line", "One start", "Starts required"), "S-N title", "S-N axis", sn),
         ("ChartReversal", ("Torque",), "Reversal title", "Reversal axis",
          (_REVERSAL_TITLE, _REVERSAL_AXIS)),
+        ("ChartBlow", ("Torque",), "Blow title", "Blow axis", (_BLOW_TITLE, _REVERSAL_AXIS)),
+        ("ChartForces", tuple(f"Force {k + 1}" for k in range(FORCES)), "Force title", "Force axis",
+         (_FORCE_TITLE, _FORCE_AXIS)),
+        ("ChartPullIn", ("Load angle", "Slip"), "Pull-in title", "Pull-in axis",
+         (_PULL_IN_TITLE, _PULL_IN_AXIS)),
     ):  # fmt: skip
         table = workbook.tables.get(name)
         if table is None or not set(columns) <= set(table.columns) or table.sheet != labels.sheet:

@@ -17,6 +17,7 @@ from addin.run_view import RunView
 from addin.shown_units import shown_units
 from engine.case import CaseData
 from engine.effects import EFFECTS
+from engine.startup import ForceHistories
 
 FREQUENCIES = (30.0, 53.0, 86.0, 1067.38681, 1212.89755, 1264.60205, 1279.68229, 1452.8642)
 LINE = 60.0
@@ -67,6 +68,8 @@ def made_up_run(case: CaseData | None = None) -> RunView:
         cycles=(("HP compressor shaft", *_cycles()),),
         plans=PLANS,
         contact_law="limited",
+        forces=_forces(elements),
+        load_angle=_load_angle(),
     )  # fmt: skip
 
 
@@ -268,6 +271,21 @@ def _bearing_forces() -> list[dict[str, Any]]:
         {"station": "Bull gear", "force": 312e3, "time": 5.213},
         {"station": "Pinion", "force": 305e3, "time": 5.214},
     ]
+
+
+def _forces(elements: list[str]) -> ForceHistories:
+    """Tooth force in proportion to the torque of the mesh, bearing forces half as large."""
+    torque = _histories(elements).get("Mesh", (_time(), np.zeros(_time().size)))[1]
+    tooth = torque * (281000.0 / np.max(np.abs(torque))) if torque.any() else torque
+    bearing = np.abs(np.vstack([0.5 * tooth, 0.45 * tooth]))
+    return ForceHistories(("Mesh",), tooth[None, :], ("Bull gear", "Pinion"), bearing)
+
+
+def _load_angle() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A motor that turns through 260 cycles and comes to rest at 0.423 rad."""
+    time = _time()
+    angle = 0.423 + 2.0 * np.pi * 260.0 - 40.0 * np.maximum(7.95 - time, 0.0)
+    return time, angle, np.where(time < 7.95, 0.03, 0.0)
 
 
 def _starts() -> list[dict[str, Any]]:

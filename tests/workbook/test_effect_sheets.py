@@ -7,6 +7,7 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import openpyxl
 import pytest
 from made_up_run import PLANS, made_up_run
@@ -16,6 +17,7 @@ from addin.chart_data import accuracy_block
 from addin.layout import ROOMS
 from addin.package import open_workbook
 from addin.template_files import template_path
+from addin.template_styles import number_format
 from addin.write_workbook import ANALYSES, NO_STUDY, RunStamp, write_results, write_study
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
@@ -80,6 +82,96 @@ def test_the_chart_shows_the_worst_element_around_its_least_torque(written: Path
     assert drawn[-1]["Time"] - drawn[0]["Time"] <= 2.0 * 8.0 / 30.2 + 1e-3
     labels = {row["Key"]: row["Text"] for row in rows_of(written, "ChartLabels")}
     assert labels["Reversal title"].startswith("Mesh: ")
+
+
+def labels_of(path: Path) -> dict[str, str]:
+    """Words that charts show."""
+    return {row["Key"]: row["Text"] for row in rows_of(path, "ChartLabels")}
+
+
+def test_the_blow_is_drawn_closely_with_the_forces_of_the_same_moment(written: Path) -> None:
+    run = made_up_run()
+    time, torque = run.histories["Mesh"]
+    deepest = float(time[torque.argmin()])
+    near = [row for row in rows_of(written, "ChartBlow") if row["Time"] is not None]
+    assert near[-1]["Time"] - near[0]["Time"] <= 2.0 * 1.2 / 30.2 + 1e-3
+    assert near[0]["Time"] < deepest < near[-1]["Time"]
+    assert min(row["Torque"] for row in near) == pytest.approx(torque.min() / LBF_FT, rel=1e-5)
+    forces = rows_of(written, "ChartForces")
+    inside = (time >= near[0]["Time"]) & (time <= near[-1]["Time"])
+    for number, history in enumerate((run.forces.tooth_force[0], *run.forces.bearing_force), 1):
+        drawn = [row[f"Force {number}"] for row in forces if row[f"Force {number}"] is not None]
+        assert max(drawn) == pytest.approx(history[inside].max() / LBF, rel=1e-5)
+        assert min(drawn) == pytest.approx(history[inside].min() / LBF, rel=1e-5)
+    labels = labels_of(written)
+    assert "strike the back flank" in labels["Blow title"]
+    assert [labels[f"Force {k}"].split(":")[0] for k in (1, 2, 3)] == [
+        "Mesh",
+        "Bull gear",
+        "Pinion",
+    ]
+    assert labels["Force axis"] == "Force [lbf]"
+
+
+def test_load_angle_and_slip_are_drawn_from_field_application_on(written: Path) -> None:
+    rows = [row for row in rows_of(written, "ChartPullIn") if row["Angle time"] is not None]
+    assert 7.0 < rows[0]["Angle time"] < 7.93
+    assert rows[-1]["Load angle"] == pytest.approx(np.degrees(0.423), rel=1e-5)
+    assert rows[0]["Slip"] == pytest.approx(3.0)
+    events = rows_of(written, "ChartEvents")
+    assert events[0]["Time"] == pytest.approx(7.93)
+    labels = labels_of(written)
+    assert labels["Event 1"] == "Field on at 3.0% slip"
+    assert "pulls into step" in labels["Pull-in title"]
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "words"),
+    [
+        ({"load_angle": None}, "Pull-in title", "no field is applied"),
+        ({"forces": None}, "Force title", "no forces drawn"),
+        ({"histories": {}}, "Blow title", "no start was calculated"),
+    ],
+)
+def test_a_chart_without_lines_says_why(
+    change: dict[str, object], key: str, words: str, tmp_path: Path
+) -> None:
+    run = replace(made_up_run(), **change)
+    write_results(SOURCE, tmp_path / "out.xlsx", run, STAMP)
+    assert words in labels_of(tmp_path / "out.xlsx")[key]
+
+
+def test_a_trip_is_marked_where_the_speed_is_highest(tmp_path: Path) -> None:
+    run = made_up_run()
+    time, speed = run.speed_time
+    falling = np.minimum(speed, 2.0 * speed[20000] - speed)
+    startup = {"outcome": "tripped", "time": 8.0, "end_speed": 1.0, "sentence": "Tripped."}
+    run = replace(run, startup=startup, speed_time=(time, falling))
+    write_results(SOURCE, tmp_path / "out.xlsx", run, STAMP)
+    assert rows_of(tmp_path / "out.xlsx", "ChartEvents")[0]["Time"] == pytest.approx(time[20000])
+    assert labels_of(tmp_path / "out.xlsx")["Event 1"] == "Trip"
+
+
+def test_empty_tables_are_explained(written: Path, tmp_path: Path) -> None:
+    run = made_up_run()
+    empty = dict(run.tables) | {
+        "TorqueReversals": [],
+        "AllowableStarts": [],
+        "StartupCrossings": [],
+    }
+    write_results(SOURCE, tmp_path / "out.xlsx", replace(run, tables=empty), STAMP)
+    bare = openpyxl.load_workbook(tmp_path / "out.xlsx", data_only=True)
+    assert "no gear mesh" in bare["Reversals"]["B4"].value
+    assert "No shaft is judged" in bare["Starts"]["B4"].value
+    assert "No crossings" in bare["Start-up"]["B4"].value
+    full = openpyxl.load_workbook(written, data_only=True)
+    assert [full[name]["B4"].value or "" for name in ("Reversals", "Starts")] == ["", ""]
+
+
+def test_no_number_format_drops_the_sign_of_a_torque() -> None:
+    # LibreOffice shows a negative number without its sign in a section that is not the first
+    for column in ("Minimum torque", "Maximum torque", "Mesh minimum torque"):
+        assert number_format(column, "torque").startswith("[<1000]")
 
 
 def test_reversals_beyond_their_room_are_named_and_cut(tmp_path: Path) -> None:

@@ -1,0 +1,68 @@
+"""Rows of chart tables: columns side by side, few digits, few points and no lost peak."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from itertools import zip_longest
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Cell", "Floats", "HISTORY_POINTS", "Rows", "decimate", "plain", "side_by_side"]
+
+Cell = float | int | str | None
+Rows = list[list[Cell]]
+Floats = NDArray[np.float64]
+
+#: Most rows of a drawn history: the least and the largest value of each of half as many intervals.
+HISTORY_POINTS = 1001
+
+
+def side_by_side(columns: Iterable[Sequence[Cell]]) -> Rows:
+    """Columns of unequal length as rows; at least one row."""
+    lists = [list(column) for column in columns]
+    rows: Rows = [list(row) for row in zip_longest(*lists)]
+    return rows or [[None] * len(lists)]
+
+
+def plain(values: Iterable[float]) -> list[Cell]:
+    """Numbers of a chart: six digits are more than a chart shows, and keep the file small."""
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
+    return [float(f"{value:.6g}") if math.isfinite(value) else None for value in values]
+
+
+def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArray[np.int64]:
+    """Indices that keep the picture of a history: extremes of equal intervals of time.
+
+    With intervals no wider than a pixel or two the drawn band is that of all points: bursts keep
+    their envelope, no peak is lost, and every point drawn is calculated.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n_times,)
+        Rising. [s]
+    value : ndarray, shape (n_times,)
+        The history. [any]
+    limit : int
+        Most indices returned. [count]
+
+    Returns
+    -------
+    ndarray of int
+        Rising indices, the first, the last and the global extremes among them.
+    """
+    n = time.size
+    if n <= limit:
+        return np.arange(n)
+    intervals = max(1, limit // 2 - 1)
+    edges = np.searchsorted(time, np.linspace(time[0], time[-1], intervals + 1))
+    begins = np.unique(edges[:-1])  # an interval without a point has none of its own
+    least, largest = np.minimum.reduceat(value, begins), np.maximum.reduceat(value, begins)
+    interval = np.searchsorted(begins, np.arange(n), side="right") - 1
+    ends = [np.array([0, n - 1])]
+    for extreme in (least, largest):
+        at = np.flatnonzero(value == extreme[interval])
+        ends.append(at[np.unique(interval[at], return_index=True)[1]])
+    return np.unique(np.concatenate(ends))
