@@ -40,6 +40,7 @@ from engine.prescribed import prescribed_torques, run_prescribed
 from engine.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
 from engine.rigid_runup import RigidRunup, rigid_runup
 from engine.startup import (
+    COARSEST_FIRST,
     LONGEST_START,
     MAX_VALUES,
     NEGLIGIBLE,
@@ -87,8 +88,8 @@ def clearances_of(train: Train) -> tuple[Flank, ...]:
 
 #: Accuracy of peaks where the case leaves it blank. [1]
 DEFAULT_TOLERANCE = 1e-3
-#: Largest phase of the pulsation per step: finer than in a plain start, since events are looked
-#: for on the cubic between two samples. [rad]
+#: Largest phase of the pulsation per step at the default tolerance: finer than in a plain start,
+#: since events are looked for on the cubic between two samples. Its error is of fourth order. [rad]
 COARSEST_EVENT_ANGLE = 0.8
 #: Share of the tolerance at which modes are dropped: impacts ring them more than a plain start.
 DROPPED = 0.1
@@ -271,9 +272,8 @@ def _start(
         implicit_dampers=True,
     )
     model = _event_model(case, train, modes, plain, effects, linear, tolerance)
-    step = min(
-        linear.step * 2.0 ** (linear.halvings + 1), COARSEST_EVENT_ANGLE / plain.pulsation_omega
-    )
+    angle = min(COARSEST_EVENT_ANGLE * (tolerance / DEFAULT_TOLERANCE) ** 0.25, COARSEST_FIRST)
+    step = min(linear.step * 2.0 ** (linear.halvings + 1), angle / plain.pulsation_omega)
     judge = _settled_judge(case, waited, motors[0].pole_pairs, synchronous)
     return _Setup(model, script, step, plain.truncation, judge, plain.uncoupled_dampers)
 
