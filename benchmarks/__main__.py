@@ -75,7 +75,17 @@ def _peers(args: argparse.Namespace) -> tuple[list[Worker], list[Absent]]:
 
 
 def _measure(args: argparse.Namespace, workers: list[Worker], absent: list[Absent]) -> None:
-    from benchmarks import measure, modes, pages, problems, response, start, whole_run
+    from benchmarks import (
+        backlash_speed,
+        measure,
+        modes,
+        pages,
+        problems,
+        response,
+        scaling,
+        start,
+        whole_run,
+    )
 
     rounds = args.rounds or (2 if args.quick else 7)
     found: dict[str, Any] = {"machine": measure.machine()}
@@ -97,6 +107,13 @@ def _measure(args: argparse.Namespace, workers: list[Worker], absent: list[Absen
     found["starts"] = list(start.compare_starts(prepared, exact, rounds, args.quick))
     found["whole_start"] = start.whole_start(exact, rounds)
     found["growth"] = list(start.growth(rounds, args.quick))
+    _tell("starts with backlash, alone and beside ROSS")
+    found["teeth"] = list(backlash_speed.compare_starts_with_events(rounds))
+    found["pair"] = list(backlash_speed.compare_pair(workers, rounds, args.quick))
+    _tell("how cost grows")
+    found["loops"] = scaling.loop_times(rounds, args.quick)
+    found["basis"] = scaling.basis_times(rounds, args.quick)
+    found["memory"] = scaling.memory_of_long_starts()
     _tell("whole recalculation")
     repeats = 3 if args.quick else 15
     found["stages"] = {

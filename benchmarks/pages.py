@@ -15,6 +15,7 @@ from benchmarks.plots import draw_error_against_time, draw_modes
 from benchmarks.report import Section
 from benchmarks.response import points_of
 from benchmarks.start import EXPONENTIAL, start_points
+from benchmarks.study_pages import draw_effects, effect_goals, effect_sections
 
 __all__ = ["publish"]
 
@@ -59,6 +60,7 @@ def publish(
     draw_error_against_time(
         images / START_PICTURE, "A start of 15 s, 10 stations, speed-dependent torque", starts
     )
+    draw_effects(images, found)
     report.write_markdown(page, "Benchmarks", sections)
 
 
@@ -84,7 +86,7 @@ def _sections(
             "medians of calls that take turns in one run, after a warm-up; they are shown, never "
             "tested. Compare ratios, not milliseconds: another machine has others.\n\n"
             f"{machine}\n\n{_peers_line(workers, absent)}",
-            (report.goals_table(goals),),
+            (report.goals_table([*goals, *effect_goals(found)]),),
         ),
         Section(
             "Natural frequencies",
@@ -137,6 +139,7 @@ def _sections(
             "More stations (the last compressor split into discs), then more seconds.",
             (report.growth_table(found["growth"]),),
         ),
+        *effect_sections(found),
         Section(
             "A whole workbook",
             "The shipped example `proposed`, read, calculated and written. *Threads as found*: "

@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter  # noqa: E402
 from benchmarks.measure import Point  # noqa: E402
 from benchmarks.modes import ModesRow  # noqa: E402
 
-__all__ = ["draw_error_against_time", "draw_modes"]
+__all__ = ["draw_error_against_time", "draw_growth", "draw_modes", "draw_tolerances"]
 
 #: Colour and marker by the program a label begins with; the variants differ by line style.
 LOOK = {
@@ -153,5 +153,63 @@ def draw_modes(path: Path, rows: Sequence[ModesRow], calls: Sequence[str]) -> No
         frameon=False,
         fontsize=8.5,
     )
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def draw_tolerances(path: Path, groups: Mapping[str, Sequence[tuple[float, float]]]) -> None:
+    """Left: share of answers below an error over tolerance. Right: reported over true error."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.8, 4.6), dpi=150, layout="constrained")
+    colours = ("#0b6e4f", "#1f5fa8", "#7a3e9d", "#c2571a")
+    for (label, pairs), colour in zip(groups.items(), colours, strict=False):
+        for axes, place in ((left, 0), (right, 1)):
+            values = sorted(max(p[place], 1e-12) for p in pairs if p[place] < float("inf"))
+            share = [(i + 1) / len(pairs) for i in range(len(values))]
+            axes.step(values, share, where="post", color=colour, linewidth=1.6, label=label)
+    left.axvline(1.0, color=INK, linewidth=0.9, linestyle=(0, (4, 3)))
+    right.axvline(1.0, color=INK, linewidth=0.9, linestyle=(0, (4, 3)))
+    right.axvline(30.0, color="#999999", linewidth=0.9, linestyle=(0, (1, 3)))
+    left.set_xlim(1e-7, 30.0)
+    right.set_xlim(0.1, 1e5)
+    for axes, title in (
+        (left, "True error over tolerance"),
+        (right, "Reported error over true error"),
+    ):
+        axes.set_xscale("log")
+        axes.set_ylim(0.0, 1.02)
+        axes.set_title(title, loc="left", fontsize=11, color=INK)
+        axes.set_ylabel("Share of the answers", color=INK)
+        _plain(axes)
+    figure.legend(
+        *left.get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=4,
+        frameon=False,
+        fontsize=8.5,
+    )
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def draw_growth(path: Path, basis: Mapping[int, float], loop: Mapping[int, float]) -> None:
+    """Left: train and modes against stations. Right: one step against modes kept."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.8, 4.4), dpi=150, layout="constrained")
+    for axes, found, power in ((left, basis, 2), (right, loop, 1)):
+        size, seconds = list(found), list(found.values())
+        axes.plot(size, seconds, "-o", color="#0b6e4f", linewidth=1.6, label="torsionbook")
+        guide = [seconds[-1] * (n / size[-1]) ** power for n in size]
+        label = "n²" if power == 2 else "n"
+        axes.plot(size, guide, linestyle=(0, (4, 3)), color="#999999", linewidth=1.0, label=label)
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.set_xticks(size, [str(n) for n in size], fontsize=8.5)
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_major_formatter(FuncFormatter(_times))
+        axes.legend(frameon=False, fontsize=8.5)
+        _plain(axes)
+    left.set_xlabel("Stations of an unbranched train", color=INK)
+    left.set_title("Train and all its modes", loc="left", fontsize=11, color=INK)
+    right.set_xlabel("Modes kept", color=INK)
+    right.set_title("One step of the time loop", loc="left", fontsize=11, color=INK)
     figure.savefig(path)
     plt.close(figure)

@@ -31,6 +31,8 @@ APART = 10_000
 TEETH = (300.0, 3000.0)
 #: Damping ratio of one element between its two ends alone. [1]
 DAMPED = (0.005, 0.05)
+#: Rate at which a damper alone slows its two ends, at the most. [1/s]
+FASTEST_DAMPER = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +88,7 @@ def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
         stiffest = max(e.stiffness or 1e6 for e in case.elements)
         elastic = [replace(e, stiffness=e.stiffness or stiffest) for e in case.elements]
         case = replace(case, elements=tuple(elastic), damping_ratio=None)
+        case = _from_the_motor(case)
     elif rng.random() < 0.3 and (held := with_bearings(case, seed, 10.0 ** rng.uniform(-1.0, 1.0))):
         case = held
         extras.append("bearings")
@@ -111,6 +114,24 @@ def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
     return case, tuple(extras)
 
 
+def _from_the_motor(case: Case) -> Case:
+    """Every element from the motor outwards, as the independent integrator takes its flanks."""
+    ratio = {s.station: s.speed_ratio or 1.0 for s in case.stations}
+    reached, turned = {case.motor_torque[0].station}, {}
+    while len(turned) < len(case.elements):
+        for e in case.elements:
+            if e.element in turned:
+                continue
+            if e.from_ in reached:
+                turned[e.element] = e
+                reached.add(e.to)
+            elif e.to in reached:
+                stiffness = (e.stiffness or 0.0) * (ratio[e.from_] / ratio[e.to]) ** 2
+                turned[e.element] = replace(e, from_=e.to, to=e.from_, stiffness=stiffness)
+                reached.add(e.from_)
+    return replace(case, elements=tuple(turned[e.element] for e in case.elements))
+
+
 def _with_teeth(case: Case, rng: np.random.Generator) -> Case:
     """Teeth as machines have them: they ring at `TEETH` at the most, nine in ten are damped."""
     parting = {m.element for m in case.meshes if m.backlash or m.angular_backlash}
@@ -132,7 +153,9 @@ def _with_dampers(case: Case, rng: np.random.Generator) -> Case:
     for e in case.elements:
         ratio = float(np.exp(rng.uniform(*np.log(DAMPED))))
         if e.stiffness and not e.damping:
-            e = replace(e, damping=2.0 * ratio * math.sqrt(e.stiffness * _between(case, e)))
+            mass = _between(case, e)
+            damping = 2.0 * ratio * math.sqrt(e.stiffness * mass)
+            e = replace(e, damping=min(damping, FASTEST_DAMPER * mass))
         elements.append(e)
     stations = [
         replace(s, damping=float(s.inertia or 0.0) * float(rng.uniform(0.0, 0.02)))

@@ -13,7 +13,7 @@ import numpy as np
 
 from engine.case import CaseData, case_digest
 from engine.crossings import Crossing, start_crossings
-from engine.effects import StartEffects
+from engine.effects import Sensitivity, StartEffects
 from engine.evidence import (
     DEFAULT_TOLERANCE_PEAK,
     Evidence,
@@ -419,16 +419,27 @@ def judged_starts(
     starts, errors = starts_of(case, start, always_count=always)
     for _ in range(MAX_STARTS_REFINEMENTS):
         worst = max((e for _, e in errors if e is not None), default=0.0)
-        if worst <= tolerance or start.runup is None:
+        sensitive = start.sensitivity is not None and start.sensitivity.sensitive
+        if worst <= tolerance or start.runup is None or sensitive:
             break
         tighter = replace(case, tolerance_peak=max(start.estimated_error / 16.0, 1e-9))
         linear = planned.linear if planned.plan.events else None
         finer = calculate_start(tighter, planned.model, planned.plan.effects, linear)
         if finer.step >= start.step:
             break
-        start = finer
+        start = _as_asked(finer, case.tolerance_peak or DEFAULT_TOLERANCE_PEAK)
         starts, errors = starts_of(case, start, always_count=always)
     return start, starts, errors
+
+
+def _as_asked(start: Start, tolerance: float) -> Start:
+    """A start that was refined for the sake of its cycles, judged by the tolerance of its peaks."""
+    spread = None if start.sensitivity is None else start.sensitivity.spread
+    return replace(
+        start,
+        met_tolerance=start.estimated_error <= tolerance,
+        sensitivity=None if spread is None else Sensitivity(spread, spread > tolerance),
+    )
 
 
 def _measured(plan: Plan, spent: list[tuple[str, float]]) -> dict[str, float]:

@@ -112,6 +112,70 @@ def forced(step: float, torques: str, out: str) -> dict[str, Any]:
     return {}
 
 
+class Pair:
+    """The gear pair with backlash the calls below work on."""
+
+    data: dict[str, float]
+
+
+def pair_rotor() -> Any:
+    """Two shafts of two nodes: a gear on a bearing, a disk on another; teeth with backlash.
+
+    ROSS keeps what it has seen of the mesh in the model and deletes it after a run, so that every
+    run needs a model of its own.
+    """
+    d = Pair.data
+    light = ross.Material("weightless", rho=1e-3, E=2e11, G_s=SHEAR_MODULUS)
+    diameter = (32.0 * d["shaft_stiffness"] / (SHEAR_MODULUS * math.pi)) ** 0.25
+    rotors = []
+    for gear, disk in (("drive", "motor"), ("driven", "load")):
+        mass = d[f"{gear}_mass"]
+        inertia = d[f"{gear}_inertia"]
+        teeth = ross.GearElement(
+            n=0, m=mass, Id=inertia, Ip=inertia, n_teeth=50, pr_angle=d["pressure_angle"],
+            pitch_diameter=2.0 * d["pitch_radius"],
+        )  # fmt: skip
+        shaft = ross.ShaftElement(L=1.0, idl=0.0, odl=diameter, material=light, n=0)
+        rotating = ross.DiskElement(n=1, m=mass, Id=d[f"{disk}_inertia"], Ip=d[f"{disk}_inertia"])
+        k, c = d["bearing_stiffness"], d["bearing_damping"]
+        bearings = [ross.BearingElement(n=n, kxx=k, cxx=c, kzz=k, czz=c) for n in (0, 1)]
+        rotors.append(ross.Rotor([shaft], [teeth, rotating], bearings))
+    return ross.MultiRotor(
+        *rotors,
+        coupled_nodes=(0, 0),
+        gear_mesh_stiffness=d["mesh_stiffness"],
+        mesh_damping_ratio=d["mesh_damping_ratio"],
+        backlash={
+            "enable": True, "initial_value": 0.5 * d["gap"], "error_amp": 0.0,
+            "smooth_operator": False, "sigma": 1e5,
+        },
+    )  # fmt: skip
+
+
+def pair(
+    variant: str, step: float, duration: float, knots: float, out: str, **data: float
+) -> dict[str, Any]:
+    """One run of the gear pair; the mesh force at every step goes to `out`."""
+    Pair.data = data
+    rotor = pair_rotor()
+    times = step * np.arange(round(duration / step) + 1)
+    force = np.zeros((len(times), rotor.ndof))
+    mean, swing = data["mean_torque"], data["swing_torque"]
+    at = np.arange(0.0, duration + knots, knots)
+    force[:, 6 + 5] = np.interp(times, at, mean + swing * np.cos(data["omega"] * at))
+    force[:, 18 + 5] = mean
+    result, laps = timed(
+        lambda: rotor.run_time_response(
+            data["speed"], force, times, method="newmark", newmark_type=variant
+        ),
+        0.0,
+        1,
+    )
+    mesh = np.asarray(result.mesh_dynamics["mesh_force"])
+    np.save(out, np.stack([times[len(times) - len(mesh) :], mesh]))
+    return {"laps": laps, "dof": rotor.ndof}
+
+
 def hello() -> dict[str, Any]:
     return {
         "versions": {name: version(name) for name in ("ross-rotordynamics", "numpy", "scipy")},
@@ -120,4 +184,7 @@ def hello() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    serve(ANSWERS, hello(), {"load": load, "modes": modes, "response": response, "forced": forced})
+    HANDLERS = {
+        "load": load, "modes": modes, "response": response, "forced": forced, "pair": pair,
+    }  # fmt: skip
+    serve(ANSWERS, hello(), HANDLERS)

@@ -1,0 +1,96 @@
+"""Stated tolerances are honoured: a short tolerance study, and how its records are judged."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from benchmarks.study_trains import gaps_of, study_train
+from benchmarks.tolerance_study import QUICK, classes_of, study, summary_of
+
+
+def record(**changes: object) -> dict[str, object]:
+    """A made-up record: peak wrong by 1 in 1000, starts by 1 in 100, both as stated."""
+    asked = {
+        "events": True,
+        "step": 1e-3,
+        "sensitivity": None,
+        "peaks": {"A": [1001.0, -10.0, 2.0]},
+        "starts": {"A": [99.0, 0.02], "B": [None, None]},
+    }
+    truth = {
+        "step": 1e-4,
+        "peaks": {"A": [1000.0, -10.0, 0.0]},
+        "starts": {"A": [100.0, 0.0], "B": [None, None]},
+    }
+    made: dict[str, object] = {
+        "number": 1,
+        "extras": ["clearances"],
+        "tolerance": [1e-3, 2e-2],
+        "asked": asked,
+        "truth": truth,
+    }
+    return made | changes
+
+
+def test_errors_are_relative_to_the_truth() -> None:
+    peak, starts = summary_of([record()]).answers  # unlimited starts have no error
+    assert (peak.true, peak.stated, peak.ratio) == pytest.approx((1e-3, 2e-3, 2.0))
+    assert (starts.true, starts.stated, starts.ratio) == pytest.approx((1e-2, 2e-2, 2.0))
+    assert peak.within
+    assert starts.within
+
+
+def test_finite_starts_that_should_be_unlimited_are_wrong() -> None:
+    truth = {
+        "step": 1e-4,
+        "peaks": {"A": [1000.0, -10.0, 0.0]},
+        "starts": {"A": [None, None], "B": [None, None]},
+    }
+    _, starts = summary_of([record(truth=truth)]).answers
+    assert math.isinf(starts.true)
+    assert not starts.within
+
+
+@pytest.mark.parametrize("says", [True, False])
+@pytest.mark.parametrize("peak", [1001.1, 1010.0])
+def test_sensitive_trains_are_counted_apart(says: bool, peak: float) -> None:
+    made = record(nudged=[{"peaks": {"A": [peak, -10.0, 0.0]}}])
+    made["asked"]["sensitivity"] = {"spread": 1.0, "sensitive": says}  # type: ignore[index]
+    found, felt = summary_of([made]), peak > 1005.0
+    assert found.sensitive == ([1] if says else [])
+    assert found.felt == ([1] if says and felt else [])
+    assert found.unfelt == ([1] if felt and not says else [])
+    assert len(found.answers) == (0 if says else 2)
+
+
+@pytest.mark.parametrize("number", [1, 21, 41])
+def test_what_is_integrated_independently_has_its_teeth_on_the_side_of_the_motor(
+    number: int,
+) -> None:
+    train = study_train(number)
+    assert train.independent
+    assert gaps_of(train.case)
+    reached = {train.case.motor_torque[0].station}
+    left = list(train.case.elements)
+    while left:
+        inner = [e for e in left if e.from_ in reached]
+        assert inner
+        reached |= {e.to for e in inner}
+        left = [e for e in left if e not in inner]
+
+
+@pytest.mark.slow
+def test_stated_tolerances_are_honoured() -> None:
+    found = summary_of(study(QUICK, 2))
+    assert not found.failed
+    everything = classes_of(found)[0]
+    assert everything.answers > 4 * QUICK
+    assert found.events > QUICK // 3
+    assert everything.share >= 0.99
+    assert everything.ratio <= 30.0
+    assert not found.unfelt
+    assert len(found.sensitive) <= 0.2 * found.events
+    own = [a for a in found.independent if not a.within]
+    assert len(own) <= 0.01 * len(found.independent)
