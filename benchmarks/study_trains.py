@@ -27,6 +27,8 @@ __all__ = ["StudyTrain", "gaps_of", "study_train"]
 STARTS_TOLERANCE = {1e-3: 2e-2, 1e-2: 1e-1, 1e-4: 2e-3}
 #: Numbers of one generator are so far apart that two trains share none.
 APART = 10_000
+#: Clearances of one train, at the most.
+MOST_CLEARANCES = 2
 #: Frequency at which the two ends of a clearance ring on its teeth, at the most. [Hz]
 TEETH = (300.0, 3000.0)
 #: Damping ratio of one element between its two ends alone. [1]
@@ -96,7 +98,7 @@ def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
         parting = with_clearances(case, seed)
         if parting is None:
             return None, ()
-        case = _with_teeth(parting, rng)
+        case = _with_teeth(_at_most(MOST_CLEARANCES, parting), rng)
         several = sum(1 for m in case.meshes if m.backlash or m.angular_backlash) > 1
         extras += ["clearances", "several clearances"] if several else ["clearances"]
     if independent or rng.random() < 0.4:
@@ -112,6 +114,18 @@ def _drawn(number: int, seed: int) -> tuple[Case | None, tuple[str, ...]]:
     peak = {4: 1e-2, 5: 1e-2, 6: 1e-4, 7: 1e-4}.get(number % 20, 1e-3)
     case = replace(case, tolerance_peak=peak, tolerance_starts=STARTS_TOLERANCE[peak])
     return case, tuple(extras)
+
+
+def _at_most(count: int, case: Case) -> Case:
+    """The first clearances only: chatter of many at once takes minutes a train."""
+    gaps = [m for m in case.meshes if m.backlash or m.angular_backlash]
+    dropped = {m.element for m in gaps[count:]}
+    closed = [
+        replace(m, backlash=None) if m.element in dropped else m
+        for m in case.meshes
+        if m.element not in dropped or m.backlash
+    ]
+    return replace(case, meshes=tuple(closed))
 
 
 def _from_the_motor(case: Case) -> Case:
