@@ -104,7 +104,7 @@ TINY = 1e-9
 #: End of a coast-down, over synchronous speed, and the longest one followed. [1, s]
 COAST_END, COAST_TIME = 0.02, 60.0
 #: A field that waits for a load angle waits for one slip cycle at the most, of this length. [s]
-LONGEST_SLIP_CYCLE = 5.0
+LONGEST_SLIP_CYCLE = 20.0
 #: How often a motor with its field on is asked whether it has settled. [s]
 LOOK_EVERY = 0.5
 
@@ -462,8 +462,23 @@ def _outcome(
             f"{share:.1%} speed ({rpm:.1f} rpm) until {end:.3f} s."
         )
         return StartOutcome("tripped", end, speed, text)
+    if pull_in is not None and not (pull_in.synchronised or run.settled):
+        text = (
+            f"Time out: field applied after {pull_in.field_time:.3f} s at a slip of "
+            f"{pull_in.field_slip:.2%}; neither in step nor surely out of it after {end:.3f} s, at "
+            f"{share:.2%} speed. Raise MaximumTime."
+        )
+        return StartOutcome("time out", end, speed, text)
     if pull_in is not None:
         return pull_in_outcome(pull_in, end, speed, synchronous)
+    if run.waits_for_angle:
+        angle = math.degrees(case.field_angle or 0.0)
+        text = (
+            f"Not synchronised: the field was never applied. Its slip was reached, but the load "
+            f"angle did not come to FieldAngle ({angle:.4g} degrees) until {end:.3f} s, at "
+            f"{share:.2%} speed."
+        )
+        return StartOutcome("not synchronised", end, speed, text)
     return outcome_of(linear.runup, settings_of(case), run.trajectory, end, synchronous)
 
 
@@ -536,7 +551,8 @@ def _pull_in(run: EventRun, case: CaseData) -> PullIn | None:
     synchronous = case.ratings.synchronous_speed
     if run.field_time is None or synchronous is None:
         return None
-    t, speed = run.trajectory.time, run.trajectory.mean_speed
+    connected = run.trajectory.time <= (math.inf if run.trip_time is None else run.trip_time)
+    t, speed = run.trajectory.time[connected], run.trajectory.mean_speed[connected]
     slip = 1.0 - speed / synchronous
     at = float(np.interp(run.field_time, t, slip))
-    return judge_pull_in(t, 0.5 * run.phase[0], slip, run.field_time, at)
+    return judge_pull_in(t, 0.5 * run.phase[0][connected], slip, run.field_time, at)

@@ -119,7 +119,11 @@ def start_crossings(
     if runup is None:
         return ()
     highest = 2.0 * line_frequency * (1.0 + INITIAL_SHOCK_ZONE)
-    below = [r for r in range(modes.n_rigid, modes.n_modes) if modes.frequency[r] <= highest]
+    below = [
+        r
+        for r in range(modes.n_rigid, modes.n_modes)
+        if modes.frequency[r] <= highest and modes.twists[r]
+    ]
     frequencies = [float(modes.frequency[r]) for r in below]
     found = []
     for i, r in enumerate(below):

@@ -144,6 +144,8 @@ class EventRun:
     gave_up : bool
         True if it took too many steps, or contacts changed without end at one instant: what follows
         is missing. [flag]
+    waits_for_angle : bool
+        True if the field was still waiting for its load angle. [flag]
     position, velocity : ndarray, shape (m, n_times)
         In the common basis; without columns unless the script asks for them. [SI]
     """
@@ -157,6 +159,7 @@ class EventRun:
     trip_time: float | None
     settled: bool
     gave_up: bool
+    waits_for_angle: bool
     position: Floats
     velocity: Floats
 
@@ -366,7 +369,7 @@ class _Simulation:
                     if is_settled:
                         break
             if self.trip_time is not None:
-                end = min(script.maximum_time, self.trip_time + script.coast_time)
+                end, look = min(script.maximum_time, self.trip_time + script.coast_time), math.inf
             elif self.field_time is not None:
                 end, look = script.maximum_time, min(look, t + script.look_every)
         return self._result(is_settled, reached)
@@ -474,6 +477,7 @@ class _Simulation:
             self.trip_time,
             settled,
             self.stuck or self.steps > MOST_STEPS,
+            self._waits_for_angle and self.field_time is None,
             np.concatenate(r.position, axis=1),
             np.concatenate(r.velocity, axis=1),
         )

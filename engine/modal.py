@@ -55,6 +55,9 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
+#: A mode with less strain in the elements than this is sideways motion of gears alone.
+SIDEWAYS_ALONE = 1e-9
+
 #: Above this bound on the relative error of the lowest frequency the Jacobi SVD is used.
 SVD_ERROR_LIMIT = 5e-13
 #: From this many degrees of freedom on the plain SVD is also kept where its bound is at most this
@@ -148,6 +151,11 @@ class Modes:
     def n_modes(self) -> int:
         """Number of modes. [count]"""
         return len(self.omega)
+
+    @property
+    def twists(self) -> NDArray[np.bool_]:
+        """Which modes strain an element; the others are sideways motion of gears alone. [mask]"""
+        return np.asarray(self.strain_share.sum(axis=0) > SIDEWAYS_ALONE)
 
     @property
     def elastic_frequency(self) -> Floats:

@@ -353,11 +353,23 @@ def _pull_in(case: CaseData, e: Evidence) -> _Finding:
         return _Finding(False, False, None, None, None, EVENT_COST, why)
     limit = case.field_slip
     wanted = e.field_slip <= limit + NEARLY_REACHED
+    if wanted and _trips_first(case):
+        why = "TripSpeed comes before the speed at which the field is applied."
+        return _Finding(False, True, e.field_slip, limit, 0.0, EVENT_COST, why)
     why = (
         f"The rigid train reaches a slip of {e.field_slip:.2%}; the field is applied at "
         f"{limit:.2%}" + ("." if wanted else ", which it does not reach.")
     )
     return _Finding(wanted, True, e.field_slip, limit, 0.0, EVENT_COST, why)
+
+
+def _trips_first(case: CaseData) -> bool:
+    """Whether the motor trips before its field is applied."""
+    synchronous = case.ratings.synchronous_speed
+    off = any(c.effect == "aborted start" and c.choice == "off" for c in case.effect_choices)
+    if off or not case.trip_speed or not synchronous or case.field_slip is None:
+        return False
+    return case.trip_speed <= (1.0 - case.field_slip) * synchronous
 
 
 def _aborted_start(case: CaseData, e: Evidence) -> _Finding:
@@ -428,7 +440,10 @@ def _cycle_counting(e: Evidence) -> _Finding:
         why = "Decided by the stresses of the start."
         return _Finding(True, True, None, 1.0, None, COUNTING_COST, why)
     number, wanted = latest.stress_ratio, latest.must_count
-    why = f"The largest possible stress amplitude, with its error, is {number:.3g} of endurance"
+    why = (
+        "The largest possible stress amplitude of the linear start, with its error, is "
+        f"{number:.3g} of endurance"
+    )
     if wanted and number <= 1.0:
         why += ", but the material is damaged below endurance."
     else:

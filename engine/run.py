@@ -102,11 +102,14 @@ class Analysed:
         Their train and damping: with bearings where their data is given. [SI]
     torsional : Model
         Gears held sideways; the same where there is no bearing data. [SI]
+    coupled : Model or None
+        Gears on their bearings, whether reported or not; None without bearing data. [SI]
     """
 
     found: SubdividedModes
     reported: Model
     torsional: Model
+    coupled: Model | None
 
     def of(self, plan: Plan) -> Model:
         """The model that a plan calls for.
@@ -272,11 +275,15 @@ def analyse(case: CaseData) -> Analysed:
         Modes and damping. [SI]
     """
     choice = next((c.choice for c in case.effect_choices if c.effect == "bearings"), None)
-    sideways = has_bearings(case) and choice != "off"
-    found = natural_modes(case, lateral=sideways)
-    reported = _model(case, found)
-    torsional = _model(case, natural_modes(case, lateral=False)) if sideways else reported
-    return Analysed(found, reported, torsional)
+    found = natural_modes(case)
+    coupled = _model(case, found)
+    if not has_bearings(case):
+        return Analysed(found, coupled, coupled, None)
+    plain = natural_modes(case, lateral=False)
+    torsional = _model(case, plain)
+    if choice == "off":
+        return Analysed(plain, torsional, torsional, coupled)
+    return Analysed(found, coupled, torsional, coupled)
 
 
 def _model(case: CaseData, found: SubdividedModes) -> Model:
@@ -285,8 +292,8 @@ def _model(case: CaseData, found: SubdividedModes) -> Model:
 
 def _evidence(case: CaseData, analysed: Analysed) -> Evidence:
     """Evidence before the start."""
-    t, c = analysed.torsional, analysed.reported
-    coupled = None if c is t else (c.train, c.modes, c.damping)
+    t, c = analysed.torsional, analysed.coupled
+    coupled = None if c is None else (c.train, c.modes, c.damping)
     return gather(case, t.train, t.modes, t.damping, coupled)
 
 

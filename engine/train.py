@@ -522,12 +522,23 @@ def _drive_ends(case: CaseData, a: _Assembly) -> tuple[Floats, NDArray[np.bool_]
     """Orientation of each element, its driven side, and a station of the reference shaft."""
     sides = _driven_side(a.edges, len(case.stations), len(case.elements))
     motors = sorted({a.index[m.station] for m in case.motor_torque if m.station in a.index})
+    drivers = motors or _drivers(case, a)  # without either, From is the drive end
     orientation = np.ones(len(case.elements))
-    if motors:
-        reversed_ = sides[:, motors].all(axis=1)
+    if drivers:
+        reversed_ = sides[:, drivers].all(axis=1)
         orientation[reversed_] = -1.0
         sides[reversed_] = ~sides[reversed_]
     return orientation, sides, motors[0] if motors else 0
+
+
+def _drivers(case: CaseData, a: _Assembly) -> list[int]:
+    """Stations whose prescribed torque drives, on the average of its rows."""
+    total: dict[int, float] = {}
+    for p in case.torque_time:
+        if p.station in a.index:
+            station = a.index[p.station]
+            total[station] = total.get(station, 0.0) + float(p.torque or 0.0)
+    return sorted(station for station, torque in total.items() if torque > 0.0)
 
 
 # --- gears on bearings, flanks --------------------------------------------------------------------

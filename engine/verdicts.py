@@ -134,14 +134,19 @@ OUTCOME_VERDICTS = {
 }
 
 
+#: Outcomes after which the cycles are those of a whole start.
+WHOLE_STARTS = frozenset({"reached", "synchronised", "asynchronous", "completed"})
+
+
 def _outcome(case: CaseData, start: Start) -> Verdict:
     o = start.outcome
     verdict, wanted = OUTCOME_VERDICTS.get(o.outcome, FAIL), "reached"
     off = any(c.effect == "pull-in" and c.choice == "off" for c in case.effect_choices)
     if case.field_slip is not None and not off:
         wanted = "synchronised"
-        if o.outcome == "asynchronous":  # it never came to the slip at which the field is applied
-            verdict = FAIL
+        if o.outcome in ("reached", "asynchronous"):
+            where = f"{o.sentence} The slip at which the field is applied was not reached."
+            return Verdict("Start", o.outcome, wanted, "text", FAIL, where)
     return Verdict("Start", o.outcome, wanted, "text", verdict, o.sentence)
 
 
@@ -184,7 +189,7 @@ def _starts(
     if start is None or starts is None or not starts.shafts:
         yield Verdict("Allowable starts", None, required, "count", NOT_JUDGED, "")
         return
-    if OUTCOME_VERDICTS.get(start.outcome.outcome) is None:
+    if start.outcome.outcome not in WHOLE_STARTS:
         where = f"not a whole start: {start.outcome.outcome}"
         yield Verdict("Allowable starts", None, required, "count", NOT_JUDGED, where)
         return

@@ -649,7 +649,10 @@ def test_steady_state_judges_elements_and_an_undamped_sideways_mode_is_no_resona
     damping = modal_damping(case, train, modes)
     excitations = excitations_of(case, train)
     margins = separation_margins(case, train, modes, excitations)
-    assert {r.mode for r in margins.rows} == set(range(1, modes.n_modes))
+    # motion across the line of action, without any twist, is judged by no torque
+    across_only = [i for i in range(1, modes.n_modes) if modes.strain_share[:, i].sum() < 1e-12]
+    assert len(across_only) == 2
+    assert {r.mode for r in margins.rows} == set(range(1, modes.n_modes)) - set(across_only)
     steady = steady_state(case, train, modes, damping, excitations, margins)
     assert {r.element for r in steady.rows} == set(train.elements)
     across = np.array([math.sqrt(BEARING[name] / MASS[name]) for name in "PW"])
