@@ -43,7 +43,7 @@ __all__ = [
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / "build" / "tolerance-study"
 #: Trains of the whole study, and of the short one that a test runs.
-FULL, QUICK = 1000, 60
+FULL, QUICK = 1000, 20
 #: The truth is asked for at this share of the tolerance.
 FINER = 0.01
 #: Change of the input that a sound answer does not feel.

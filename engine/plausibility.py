@@ -6,6 +6,7 @@ slip is, because a wrong unit changes a verdict without any error.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from engine.case import CaseData
@@ -17,6 +18,9 @@ SHEAR_MODULUS = (20e9, 130e9)
 DENSITY = (1000.0, 20000.0)
 ULTIMATE_STRENGTH = (100e6, 2500e6)
 DAMPING_RATIO = (0.001, 0.10)
+#: Backlash over pitch radius, angular backlash, voltage and trip speed beyond which a unit looks
+#: wrong. [1, rad, 1, 1]
+LARGEST_BACKLASH, LARGEST_ANGULAR_BACKLASH, LOWEST_VOLTAGE, LOWEST_TRIP = 0.01, 0.05, 0.3, 0.05
 #: A curve should reach this share of synchronous speed where EndSpeed is blank.
 CURVE_REACH = 0.97
 
@@ -34,7 +38,13 @@ def implausible(case: CaseData) -> tuple[str, ...]:
     tuple of str
         A sentence a slip; empty if everything looks usual.
     """
-    return (*_materials(case), *_damping(case), *_curves(case))
+    return (
+        *_materials(case),
+        *_damping(case),
+        *_curves(case),
+        *_clearances(case),
+        *_switching(case),
+    )
 
 
 def _outside(value: float | None, usual: tuple[float, float]) -> bool:
@@ -74,6 +84,35 @@ def _damping(case: CaseData) -> Iterator[str]:
         yield (
             f"DampingRatio of {100 * zeta:.3g} % of critical is unusual (0.5 % to 3 % for a train, "
             "more only with elastomer couplings). Check the percent sign."
+        )
+
+
+def _clearances(case: CaseData) -> Iterator[str]:
+    for m in case.meshes:
+        radius = m.pitch_radius_drive
+        if m.backlash and radius and m.backlash > LARGEST_BACKLASH * radius:
+            yield (
+                f"'{m.element}': a backlash of {1e3 * m.backlash:.4g} mm is unusual for a pitch "
+                f"radius of {1e3 * radius:.4g} mm (tenths of a millimetre). Check its unit."
+            )
+        if m.angular_backlash and m.angular_backlash > LARGEST_ANGULAR_BACKLASH:
+            yield (
+                f"'{m.element}': an angular backlash of {math.degrees(m.angular_backlash):.3g} "
+                "degrees is unusual (geared couplings: below 1 degree). Check its unit."
+            )
+
+
+def _switching(case: CaseData) -> Iterator[str]:
+    if case.voltage is not None and case.voltage < LOWEST_VOLTAGE:
+        yield (
+            f"A voltage of {100 * case.voltage:.3g} % leaves {100 * case.voltage**2:.3g} % of the "
+            "motor torque. Check the percent sign."
+        )
+    synchronous = case.ratings.synchronous_speed
+    if case.trip_speed and synchronous and case.trip_speed < LOWEST_TRIP * synchronous:
+        yield (
+            f"TripSpeed is {100 * case.trip_speed / synchronous:.3g} % of synchronous speed: the "
+            "motor trips as soon as it turns. Check its unit."
         )
 
 

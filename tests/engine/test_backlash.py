@@ -58,7 +58,7 @@ def test_random_starts(seed: int, bearings: bool, law: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", CONTACT_LAWS)
 @pytest.mark.parametrize("bearings", [False, True])
-@pytest.mark.parametrize("seed", [8, 24, 25, 29, 35, 36, 38])
+@pytest.mark.parametrize("seed", [8, 24, 25, 35, 36, 38])
 def test_more_random_starts(seed: int, bearings: bool, law: str) -> None:
     compared(seed, bearings, law)
 

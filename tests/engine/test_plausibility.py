@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from sample_case import sample_case
 
+from engine.case import CaseData, MeshRow
 from engine.plausibility import implausible
 from engine.run import run
 
@@ -82,3 +83,16 @@ def test_round_off_is_not_a_reversal():
     assert "stays positive" in verdict.where
     reversing = next(v for v in run(case).verdicts if v.check == "Torque reversal")
     assert "reverses; no Reversal limit entered" in reversing.where
+
+
+def test_clearance_voltage_and_trip_in_a_wrong_unit_are_noted():
+    mesh = MeshRow("Mesh", pitch_radius_drive=0.2, backlash=0.0076, angular_backlash=0.3)
+    case = CaseData(line_frequency=60.0, poles=4, meshes=(mesh,), voltage=0.008, trip_speed=0.9)
+    notes = " ".join(implausible(case))
+    assert "a backlash of 7.6 mm is unusual for a pitch radius of 200 mm" in notes
+    assert "an angular backlash of 17.2 degrees" in notes
+    assert "A voltage of 0.8 % leaves 0.0064 %" in notes
+    assert "TripSpeed is 0.477 % of synchronous speed" in notes
+    usual = MeshRow("Mesh", pitch_radius_drive=0.2, backlash=4e-4)
+    case = CaseData(line_frequency=60.0, poles=4, meshes=(usual,), voltage=0.8, trip_speed=90.0)
+    assert not [n for n in implausible(case) if "unusual" in n or "Trip" in n or "voltage" in n]

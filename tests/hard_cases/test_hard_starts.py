@@ -52,7 +52,9 @@ def test_peaks_are_within_the_tolerance_and_the_reported_error(name: str) -> Non
 def test_the_truth_agrees_with_itself_at_twice_the_step(name: str) -> None:
     hard = STARTS[name]
     end = 0.1 if name == THOUSAND else default_start(hard).start.outcome.time
-    fine, coarse = (start_truth(hard, end, coarser=c) for c in (0.5 if name == THOUSAND else 1, 2))
+    fine, coarse = (
+        start_truth(hard, end, coarser=c) for c in ((0.5, 1) if name == THOUSAND else (1, 2))
+    )
     size = np.maximum(np.abs(fine.maximum), np.abs(fine.minimum))
     assert np.max(np.abs(fine.maximum - coarse.maximum) / size) <= TRUTH
     assert np.max(np.abs(fine.minimum - coarse.minimum) / size) <= TRUTH
