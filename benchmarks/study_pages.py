@@ -134,8 +134,8 @@ def _about_sensitive(found: Study) -> str:
     return (
         "A start with clearances may be chaotic: after many impacts a billionth of a change gives "
         "another, equally right answer. Such a run reports `sensitive` with the spread. Each start "
-        "with events is repeated here with every inertia changed by a billionth (three times where "
-        "it says that it is sensitive)."
+        "with events that says so, and every third of the others, is repeated here with every inertia "
+        "changed by a billionth."
     )
 
 
