@@ -26,7 +26,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case import CaseData
-from engine.evidence import DEFAULT_TOLERANCE_PEAK
 from engine.fatigue import RESIDUES, shaft_fatigue
 from engine.load import loads_of
 from engine.motor import motors_of
@@ -34,6 +33,7 @@ from engine.results import AccuracyRow
 from engine.run import Planned, analyse, calculate_start, planned_start
 from engine.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, sn_curve_of
 from engine.startup import (
+    DEFAULT_TOLERANCE_PEAK,
     MAX_VALUES,
     Start,
     StartModel,

@@ -28,7 +28,7 @@ from engine.event_run import (
     EventRun,
     Script,
     Settled,
-    no_motors,
+    no_machines,
     simulate_events,
     torque_tables,
 )
@@ -41,6 +41,7 @@ from engine.pull_in import has_failed, has_settled, judge_pull_in, swing_frequen
 from engine.rigid_runup import RigidRunup, rigid_runup
 from engine.startup import (
     COARSEST_FIRST,
+    DEFAULT_TOLERANCE_PEAK,
     LONGEST_START,
     MAX_VALUES,
     NEGLIGIBLE,
@@ -86,8 +87,6 @@ def clearances_of(train: Train) -> tuple[Flank, ...]:
 
 # --- a start ------------------------------------------------------------------------------------
 
-#: Accuracy of peaks where the case leaves it blank. [1]
-DEFAULT_TOLERANCE = 1e-3
 #: Largest phase of the pulsation per step at the default tolerance: finer than in a plain start,
 #: since events are looked for on the cubic between two samples. Its error is of fourth order. [rad]
 COARSEST_EVENT_ANGLE = 0.8
@@ -162,7 +161,7 @@ def run_event_start(
         linear = run_start(case, train, modes, damping, replace(effects, clearances=()))
     elif linear is None:
         linear = run_prescribed(case, train, modes, damping)
-    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     if linear.runup is None:
         setup = _prescribed(case, train, modes, damping, effects, linear, tolerance)
     else:
@@ -193,7 +192,7 @@ def run_event_start(
         last = halvings >= MAX_HALVINGS or 2 * values > MAX_VALUES
         if not met and sensitivity is None and (last or halvings >= PATIENCE):
             other = at(0.5 * step, _changed(model))
-            sensitivity = _spread(train, fine, other, output, tolerance)
+            sensitivity = _spread(fine, other, output, tolerance)
         if met or last or (sensitivity is not None and sensitivity.sensitive):
             break
         halvings += 1
@@ -272,7 +271,7 @@ def _start(
         implicit_dampers=True,
     )
     model = _event_model(case, train, modes, plain, effects, linear, tolerance)
-    angle = min(COARSEST_EVENT_ANGLE * (tolerance / DEFAULT_TOLERANCE) ** 0.25, COARSEST_FIRST)
+    angle = min(COARSEST_EVENT_ANGLE * (tolerance / DEFAULT_TOLERANCE_PEAK) ** 0.25, COARSEST_FIRST)
     step = min(linear.step * 2.0 ** (linear.halvings + 1), angle / plain.pulsation_omega)
     judge = _settled_judge(case, waited, motors[0].pole_pairs, synchronous)
     return _Setup(model, script, step, plain.truncation, judge, plain.uncoupled_dampers)
@@ -308,9 +307,7 @@ def _prescribed(
     step = linear.step * 2.0 ** (linear.halvings + 1)
     model = EventModel(
         pieces=pieces,
-        curves=(np.zeros((0, 1)), np.zeros((0, 1, 4)), np.zeros(0, dtype=np.int64)),
-        motors=no_motors(),
-        loads=(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)),
+        **no_machines(),
         timed=torque_tables(torques, stations),
         damper_force=np.arange(len(stations), n + 2 * len(flanks)),
         electrical=electrical_arrays((), case),
@@ -421,13 +418,11 @@ def _changed(model: EventModel) -> EventModel:
     return replace(model, curves=(knots, cubics * (1.0 + TINY), counts))
 
 
-def _spread(train: Train, fine: _Run, other: _Run, output: Ints, tolerance: float) -> Sensitivity:
+def _spread(fine: _Run, other: _Run, output: Ints, tolerance: float) -> Sensitivity:
     """Largest relative change of the peaks between two runs."""
-    none = np.zeros(len(fine.turning))
-    peaks = element_peaks(train, none, other.plain, fine.plain, output)
     spread = 0.0
-    size = max((max(abs(p.maximum), abs(p.minimum)) for p in peaks), default=0.0)
     judged = [int(i) for i in output if i >= 0]
+    size = max((float(np.max(np.abs(other.turning[i][1]))) for i in judged), default=0.0)
     for i in judged:
         a, b = fine.turning[i][1], other.turning[i][1]
         largest = max(float(np.max(np.abs(a))), NEGLIGIBLE * size, 1e-300)

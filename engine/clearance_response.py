@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 
 from engine.case import CaseData
 from engine.effects import CONTACT_LAWS
-from engine.event_run import EventModel, EventRun, Script, no_motors, simulate_events, torque_tables
+from engine.event_run import (
+    EventModel,
+    EventRun,
+    Script,
+    no_machines,
+    simulate_events,
+    torque_tables,
+)
 from engine.modal import Modes
 from engine.motor import electrical_arrays
 from engine.pieces import ForcePlaces, PieceBasis, Pieces, piece_basis
@@ -121,9 +128,7 @@ def clearance_response(
     nc = len(basis.flanks)
     model = EventModel(
         pieces=pieces,
-        curves=(np.zeros((0, 1)), np.zeros((0, 1, 4)), np.zeros(0, dtype=np.int64)),
-        motors=no_motors(),
-        loads=(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)),
+        **no_machines(),
         timed=_from_first_time(torque_tables(torques, stations), float(t[0])),
         damper_force=np.arange(len(stations), len(stations) + 2 * nc),
         electrical=electrical_arrays((), CaseData()),

@@ -26,7 +26,7 @@ __all__ = [
     "EventRun",
     "Script",
     "Settled",
-    "no_motors",
+    "no_machines",
     "simulate_events",
     "torque_tables",
 ]
@@ -483,16 +483,20 @@ class _Simulation:
         )
 
 
-def no_motors() -> tuple[Any, ...]:
-    """Motor arrays of a run without any.
+def no_machines() -> dict[str, tuple[Any, ...]]:
+    """Curves, motors and loads of a run without any.
 
     Returns
     -------
-    tuple
-        As for the compiled loop. [SI]
+    dict
+        Fields of `EventModel`. [SI]
     """
-    none = np.zeros(0, dtype=np.int64)
-    return none, none, none, np.zeros(0), np.zeros(0), 0.0, none
+    none, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
+    return {
+        "curves": (np.zeros((0, 1)), np.zeros((0, 1, 4)), none),
+        "motors": (none, none, none, nothing, nothing, 0.0, none),
+        "loads": (none, none, nothing, nothing),
+    }
 
 
 def torque_tables(torques: Sequence[PrescribedTorque], stations: Sequence[int]) -> tuple[Any, ...]:

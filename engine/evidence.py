@@ -21,11 +21,17 @@ from engine.start_fatigue import (
     sn_slope,
     stress_over_endurance,
 )
-from engine.startup import LONGEST_START, NEGLIGIBLE, Start, has_start, settings_of
+from engine.startup import (
+    DEFAULT_TOLERANCE_PEAK,
+    LONGEST_START,
+    NEGLIGIBLE,
+    Start,
+    has_start,
+    settings_of,
+)
 from engine.train import Train
 
 __all__ = [
-    "DEFAULT_TOLERANCE_PEAK",
     "NEARLY_REACHED",
     "ElementMinimum",
     "Evidence",
@@ -39,8 +45,6 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
-#: Accuracy of peak torques where the case leaves it blank. [1]
-DEFAULT_TOLERANCE_PEAK = 1e-3
 #: A mode with bearings is the same as one without if they share this much of their shape.
 SAME_MODE = 0.9
 #: A rigid train that comes this close to the slip of the field, or to the trip speed, may reach it:

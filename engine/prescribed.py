@@ -14,6 +14,7 @@ from engine.errors import ModelError
 from engine.modal import ModalDamping, Modes
 from engine.outputs import force_reach, torque_outputs
 from engine.startup import (
+    DEFAULT_TOLERANCE_PEAK,
     Start,
     StartOutcome,
     Trajectory,
@@ -68,7 +69,7 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
         raise ModelError(
             "The prescribed torques end at time 0; MaximumTime must say how long to follow the train."
         )
-    tolerance = case.tolerance_peak or 1e-3
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     step, keep, truncation = _first_step(train, modes, torques, tolerance, end)
     most = _most_samples(train)
 

@@ -15,7 +15,6 @@ from engine.case import CaseData, case_digest
 from engine.crossings import Crossing, start_crossings
 from engine.effects import Sensitivity, StartEffects
 from engine.evidence import (
-    DEFAULT_TOLERANCE_PEAK,
     Evidence,
     gather,
     has_bearings,
@@ -41,7 +40,7 @@ from engine.prescribed import run_prescribed
 from engine.results import AccuracyRow, Results
 from engine.reversals import Reversal, torque_reversals
 from engine.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, starts_of
-from engine.startup import Start, has_start, run_start
+from engine.startup import DEFAULT_TOLERANCE_PEAK, Start, has_start, run_start
 from engine.steady_state import steady_state
 from engine.train import Train
 from engine.validation import GEAR_MESH
@@ -449,11 +448,17 @@ def _as_asked(start: Start, tolerance: float) -> Start:
     )
 
 
-def _measured(plan: Plan, spent: list[tuple[str, float]]) -> dict[str, float]:
-    """Wall time of the effects that have an analysis of their own."""
+def _totals(spent: list[tuple[str, float]]) -> dict[str, float]:
+    """Wall time of each analysis, its repetitions added up."""
     total: dict[str, float] = {}
     for name, wall in spent:
         total[name] = total.get(name, 0.0) + wall
+    return total
+
+
+def _measured(plan: Plan, spent: list[tuple[str, float]]) -> dict[str, float]:
+    """Wall time of the effects that have an analysis of their own."""
+    total = _totals(spent)
     of = {"resonance sweep": "crossings", "cycle counting": "fatigue"}
     of |= dict.fromkeys(("pull-in", "aborted start", "backlash"), "start with events")
     return {
@@ -470,9 +475,7 @@ def _accuracy(
     spent: list[tuple[str, float]],
 ) -> tuple[AccuracyRow, ...]:
     """Estimated error and time of each analysis of this run."""
-    total: dict[str, float] = {}
-    for name, wall in spent:
-        total[name] = total.get(name, 0.0) + wall
+    total = _totals(spent)
     last = "start with events" if "start with events" in total else "start"
     rows = []
     for name, wall in total.items():

@@ -41,6 +41,7 @@ from engine.validation import DEFAULT_END_SPEED
 
 __all__ = [
     "DEFAULT_END_SPEED",
+    "DEFAULT_TOLERANCE_PEAK",
     "ElementPeak",
     "ForceHistories",
     "NOTABLE_REVERSAL",
@@ -64,6 +65,8 @@ Floats = NDArray[np.float64]
 
 #: No effect beyond the plain start is simulated.
 PLAIN_START = StartEffects()
+#: Accuracy of peak torques where the case leaves it blank. [1]
+DEFAULT_TOLERANCE_PEAK = 1e-3
 #: An equilibrium at or above this share of synchronous speed is `asynchronous`, below `stalled`.
 ASYNCHRONOUS_ABOVE = 0.95
 #: A torque below zero by less than this share of the largest torque is not called a reversal.
@@ -422,7 +425,7 @@ def settings_of(case: CaseData) -> StartSettings:
         raise ModelError("A start needs the synchronous speed.")
     return StartSettings(
         case.method or "exponential",
-        case.tolerance_peak or 1e-3,
+        case.tolerance_peak or DEFAULT_TOLERANCE_PEAK,
         case.end_speed or DEFAULT_END_SPEED * synchronous,
         case.maximum_time,
     )
