@@ -21,6 +21,13 @@ __all__ = ["EQUATIONS", "Stamp", "audit_rows"]
 #: Libraries whose numbers or files enter the result.
 LIBRARIES = ("numpy", "scipy", "numba", "rainflow", "pint", "lxml", "formualizer")
 
+#: In words, how the modes were calculated.
+MODES_BY = {
+    "svd": "SVD",
+    "jacobi": "one-sided Jacobi SVD",
+    "chain": "bidiagonal values, twisted factorisation",
+}
+
 #: What was calculated by which equation, and where it comes from.
 EQUATIONS: tuple[tuple[str, str], ...] = (
     ("Shaft stiffness", "k = G π (D⁴ − d⁴) / 32 L (strength of materials)"),
@@ -201,7 +208,7 @@ def _left_out(decision: EffectDecision) -> str:
 
 def _accuracy(results: Results) -> Iterator[tuple[str, str]]:
     case, start = results.case, results.start
-    yield "Modes by", {"svd": "SVD", "jacobi": "one-sided Jacobi SVD"}[results.modes.algorithm]
+    yield "Modes by", MODES_BY[results.modes.algorithm]
     if results.segments:
         text = ", ".join(f"{name}: {n}" for name, n in results.segments)
         yield (

@@ -96,6 +96,9 @@ DROPPED = 0.1
 VISIBLE = 0.4
 #: Halvings of the step before the answers are taken as they are.
 MAX_HALVINGS = 5
+#: Steps of all simulations of one start together. A halving that would exceed them is not made: the
+#: answers stand as they are, their errors said. (Steps that follow ringing grow faster than 1/h.)
+MOST_STEPS_IN_ALL = 8_000_000
 #: After so many halvings without success the input is changed by `TINY` to see whether the answers
 #: are defined that well at all.
 PATIENCE = 2
@@ -115,6 +118,10 @@ class _Run:
     events: EventRun
     end: float
     turning: list[tuple[Floats, Floats]]
+
+    @property
+    def n_steps(self) -> int:
+        return self.events.trajectory.n_steps
 
     @property
     def plain(self) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
@@ -179,7 +186,7 @@ def run_event_start(
         return _Run(replace(run, trajectory=trajectory), end, turning)
 
     coarse, fine = _light(at(step)), at(0.5 * step)
-    halvings, sensitivity = 0, None
+    halvings, sensitivity, taken = 0, None, coarse.n_steps + fine.n_steps
     while True:
         output = worst_outputs(train, fine.events.trajectory, fine.turning)
         peaks = element_peaks(
@@ -188,16 +195,25 @@ def run_event_start(
         bound = unseen[output[output >= 0]]
         error, truncation = relative_errors(peaks, bound)
         met = error <= tolerance and not fine.events.gave_up
-        values = fine.events.trajectory.n_steps * len(unseen)
-        last = halvings >= MAX_HALVINGS or 2 * values > MAX_VALUES
+        values = fine.n_steps * len(unseen)
+        next_steps = fine.n_steps * max(2.0, fine.n_steps / coarse.n_steps)
+        last = (
+            halvings >= MAX_HALVINGS
+            or 2 * values > MAX_VALUES
+            or taken + next_steps > MOST_STEPS_IN_ALL
+        )
+        if fine.events.gave_up:
+            break  # a finer run would only give up sooner
         if not met and sensitivity is None and (last or halvings >= PATIENCE):
             other = at(0.5 * step, _changed(model))
             sensitivity = _spread(fine, other, output, tolerance)
+            taken += other.n_steps
         if met or last or (sensitivity is not None and sensitivity.sensitive):
             break
         halvings += 1
         step *= 0.5
         coarse, fine = _light(fine), at(0.5 * step)
+        taken += fine.n_steps
     run = fine.events
     pull_in = _pull_in(run, case)
     return Start(

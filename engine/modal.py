@@ -2,21 +2,7 @@
 
 Natural frequencies are the singular values of D = √k · B · 1/√m (incidence form): K is never
 formed, so neither a rigid link nor a tiny hub costs digits, and the rigid-body modes are exactly
-the ones the topology says. The plain SVD is the fast path; where its norm-wise error bound is
-not good enough for the smallest frequency, the one-sided Jacobi SVD (LAPACK dgejsv) takes over,
-which is nearly always accurate to the relative rounding of each entry. "Nearly" is then made
-"always" by counting: an open train is an acyclic graph, so eliminating it from its leaves inward
-tells without cancellation how many frequencies lie below a given one; a value the count
-contradicts is bisected. (With gears on bearings, whose meshes join more than two degrees of
-freedom, there is no such count: the Jacobi SVD stands alone.)
-
-References
-----------
-Demmel, Gu, Eisenstat, Slapničar, Veselić, Drmač, "Computing the singular value decomposition with
-high relative accuracy", Linear Algebra Appl. 299 (1999) 21-80; Drmač & Veselić, "New fast and
-accurate Jacobi SVD algorithm I, II", SIAM J. Matrix Anal. Appl. 29 (2008); Demmel & Gragg, "On
-computing accurate singular values and eigenvalues of matrices with acyclic graphs", Linear
-Algebra Appl. 185 (1993) 203-217.
+the ones the topology says. `engine.singular_values` finds them, each to its own rounding.
 """
 
 from __future__ import annotations
@@ -26,10 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack
 
 from engine.case import CaseData, ElementRow
-from engine.errors import InternalError
+from engine.singular_values import singular_triplets
 from engine.train import (
     Train,
     build_train,
@@ -57,21 +42,8 @@ Floats = NDArray[np.float64]
 
 #: A mode with less strain in the elements than this is sideways motion of gears alone.
 SIDEWAYS_ALONE = 1e-9
-
-#: Above this bound on the relative error of the lowest frequency the Jacobi SVD is used.
-SVD_ERROR_LIMIT = 5e-13
-#: From this many degrees of freedom on the plain SVD is also kept where its bound is at most this
-#: and the counts confirm every value: the Jacobi SVD of a large train takes five times as long.
-LARGE_TRAIN, LARGE_TRAIN_LIMIT = 64, 1e-10
-#: A frequency is right if the counts at this relative distance confirm it.
-COUNT_TOLERANCE = 2e-13
-#: Below this ratio of largest to smallest frequency the Jacobi SVD needs no confirmation.
-CONFIDENT_SPAN = 1e6
-#: Enough to bisect any bracket of doubles to neighbours.
-MAX_BISECTIONS = 120
 #: Rotations below this share of the largest of their mode are rounding, not motion.
 STANDSTILL = 1e-12
-TINY = float(np.finfo(float).tiny)
 #: Wanted relative accuracy of frequencies where shaft inertia is distributed.
 SUBDIVISION_TOLERANCE = 1e-3
 #: At most this many modes are refined, and this many segments are used for all shafts together.
@@ -128,7 +100,7 @@ class Modes:
     sideways_share : ndarray, shape (n_bodies, n_modes)
         Share of the kinetic energy in the sideways motion of that gear. [1]
     algorithm : str
-        ``svd`` or ``jacobi``. [word]
+        ``svd``, ``jacobi`` or ``chain``; of several parts the last that is no ``svd``. [word]
     """
 
     omega: Floats
@@ -199,8 +171,8 @@ def modes_of(train: Train) -> Modes:
             shape[dofs, 0] = ratio / math.sqrt(float(np.sum(train.inertia[dofs] * ratio**2)))
         if count:
             D = scaled if len(parts) == 1 and len(rows) == n_rows else scaled[np.ix_(rows, dofs)]
-            u, elastic, v, used = _singular_triplets(D, count)
-            algorithm = used if used == "jacobi" else algorithm
+            u, elastic, v, used = singular_triplets(D, count)
+            algorithm = algorithm if used == "svd" else used
             sigma[-count:] = elastic
             shape[dofs, -count:] = v / root_mass[dofs, None]
             torque[rows, -count:] = root_k[rows, None] * u * elastic
@@ -251,157 +223,6 @@ def _components(train: Train) -> list[tuple[NDArray[np.int64], NDArray[np.int64]
         )
         for h in sorted(dofs)
     ]
-
-
-def _singular_triplets(D: Floats, count: int) -> tuple[Floats, Floats, Floats, str]:
-    """The `count` largest singular triplets of D, ascending, and the algorithm used."""
-    u, sigma, vt = np.linalg.svd(D, full_matrices=False)
-    v = vt.T
-    loss, smallest = np.finfo(float).eps * max(D.shape) * sigma[0], sigma[count - 1]
-    large = max(D.shape) >= LARGE_TRAIN and loss <= LARGE_TRAIN_LIMIT * smallest
-    good = loss <= SVD_ERROR_LIMIT * smallest
-    if good or (large and not _contradicted(D, sigma[:count][::-1])):
-        used = "svd"
-    else:
-        used = "jacobi"
-        u, sigma, v = _jacobi(D)
-    u, sigma, v = u[:, :count][:, ::-1], sigma[:count][::-1], v[:, :count][:, ::-1]
-    if not (np.all(np.isfinite(sigma)) and sigma[0] > 0.0):
-        raise InternalError(
-            f"expected {count} elastic modes, the smallest singular value is {sigma[0]:.3g}"
-        )
-    if used == "jacobi" and sigma[-1] > CONFIDENT_SPAN * sigma[0]:
-        sigma = _corrected(D, sigma)
-    return u, sigma, v, used
-
-
-def _jacobi(D: Floats) -> tuple[Floats, Floats, Floats]:
-    """Jacobi SVD of D in falling order; LAPACK wants at least as many rows as columns.
-
-    joba = G: both sides may be scaled arbitrarily (D1·C·D2 with C well conditioned).
-    """
-    wide = D.shape[0] < D.shape[1]
-    A = np.array(D.T if wide else D, order="F")
-    sva, u, v, work, _, info = lapack.dgejsv(A, joba=3, jobu=0, jobv=0, jobr=0, jobt=0, jobp=0)
-    if info != 0:
-        raise InternalError(f"the Jacobi SVD did not converge (LAPACK info {info})")
-    sigma = np.asarray(sva) * (work[0] / work[1])
-    u = np.asarray(u)[:, : A.shape[1]]
-    return (np.asarray(v), sigma, u) if wide else (u, sigma, np.asarray(v))
-
-
-def _contradicted(D: Floats, sigma: Floats) -> bool:
-    """True if a count contradicts a singular value (all of them given, rising)."""
-    tree = _leaves_first(D)
-    return tree is None or len(_contradictions(tree, sigma)) > 0
-
-
-def _contradictions(tree: list[_Hanging], sigma: Floats) -> NDArray[np.int64]:
-    """Indices of singular values (rising, the zeros left out) that the counts contradict."""
-    n = len(sigma)
-    around = np.concatenate([sigma * (1 - COUNT_TOLERANCE), sigma * (1 + COUNT_TOLERANCE)])
-    below = _count_below(tree, around)
-    index = np.arange(n)
-    return np.flatnonzero((below[:n] > index) | (below[n:] <= index))
-
-
-def _corrected(D: Floats, sigma: Floats) -> Floats:
-    """Singular values (rising) that the counts contradict are bisected; the others stay."""
-    tree = _leaves_first(D)
-    wrong = _contradictions(tree, sigma) if tree is not None else np.zeros(0, dtype=np.int64)
-    if tree is None or not len(wrong):
-        return sigma
-    low, high = sigma[wrong], sigma[wrong]
-    for reach in (1e-11, 1e-8, 1e-4, 1e-1, 1e1, 1e4, 1e8):
-        low = np.where(_count_below(tree, low) > wrong, low / (1.0 + reach), low)
-        high = np.where(_count_below(tree, high) <= wrong, high * (1.0 + reach), high)
-    for _ in range(MAX_BISECTIONS):
-        wide = high > 2.0 * low
-        middle = np.where(wide, np.sqrt(low) * np.sqrt(high), low + 0.5 * (high - low))
-        if np.all((middle <= low) | (middle >= high)):
-            break
-        above = _count_below(tree, middle) > wrong
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    sigma = sigma.copy()
-    sigma[wrong] = 0.5 * (low + high)
-    return sigma
-
-
-@dataclass(frozen=True)
-class _Hanging:
-    """One column of D in the order of elimination: what is joined to it and already eliminated.
-
-    `onward` is its own entry and the parent's, squared, of the row that leads to the parent;
-    `grounded` are the squared entries of rows that have no other.
-    """
-
-    column: int
-    parent: int
-    onward: tuple[float, float]
-    grounded: tuple[float, ...]
-
-
-def _leaves_first(D: Floats) -> list[_Hanging] | None:
-    """Order in which the acyclic graph of D is eliminated; None if it has circuits.
-
-    Rows side by side between the same two columns are one row first: their squares add.
-    """
-    near: list[dict[int, tuple[float, float]]] = [{} for _ in range(D.shape[1])]
-    ground: list[list[float]] = [[] for _ in range(D.shape[1])]
-    for row in D:
-        ends = np.flatnonzero(row).tolist()
-        square = [float(row[i]) ** 2 for i in ends]
-        if len(ends) == 1:
-            ground[ends[0]].append(square[0])
-        elif len(ends) == 2:
-            a, b = ends
-            old = near[a].get(b, (0.0, 0.0))
-            near[a][b] = (old[0] + square[0], old[1] + square[1])
-            near[b][a] = near[a][b][::-1]
-        else:
-            return None
-    order: list[_Hanging] = []
-    parent = {0: -1}
-    stack = [0]
-    while stack:
-        column = stack.pop()
-        up = parent[column]
-        onward = near[column][up] if up >= 0 else (0.0, 0.0)
-        order.append(_Hanging(column, up, onward, tuple(ground[column])))
-        for other in near[column]:
-            if other != up:
-                if other in parent:
-                    return None
-                parent[other] = column
-                stack.append(other)
-    return order[::-1] if len(order) == D.shape[1] else None
-
-
-def _count_below(tree: list[_Hanging], values: Floats) -> NDArray[np.int64]:
-    """How many of the singular values that are not zero lie below each of some positive values.
-
-    Negative pivots of [[−s, Dᵀ], [D, −s]], whose eigenvalues are ±σ and zeros. Every rounding
-    error is a relative one in s or in an entry of D, so the count is right to a few roundings.
-    """
-    pivot = np.tile(-values, (len(tree), 1))
-    negative = np.zeros(len(values), dtype=np.int64)
-    n_rows = 0
-    with np.errstate(over="ignore", divide="ignore"):
-        for node in tree:
-            d = pivot[node.column]
-            for square in node.grounded:
-                n_rows += 1
-                negative += 1
-                d += square / values
-            d[d == 0.0] = -TINY
-            negative += d < 0.0
-            if node.parent >= 0:
-                n_rows += 1
-                e = -values - node.onward[0] / d
-                e[e == 0.0] = -TINY
-                negative += e < 0.0
-                pivot[node.parent] -= node.onward[1] / e
-    return negative - max(n_rows, len(tree))
 
 
 def _with_energies(

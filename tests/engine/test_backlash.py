@@ -212,3 +212,33 @@ def test_a_graze_is_no_catastrophe() -> None:
         assert (len(back) > 0) is touches
         first = found.log[(found.log[:, 2] == 0) & (found.log[:, 3] <= 2)]
         assert first[0, 0] == pytest.approx(0.2, rel=1e-2)
+
+
+# --- how long it may take -------------------------------------------------------------------------
+
+
+def test_all_simulations_of_a_start_share_one_number_of_steps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A halving that would exceed it is not made; what stands is said to be less accurate."""
+    case = replace(with_teeth(backlash=2e-4), tolerance_peak=1e-7)
+    free = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
+    assert free.halvings >= 1
+    first = free.trajectory.n_steps / 2.0 ** (free.halvings + 1)
+    monkeypatch.setattr("engine.backlash.MOST_STEPS_IN_ALL", int(6.0 * first))
+    short = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
+    assert short.halvings < free.halvings
+    assert not short.met_tolerance
+    assert short.estimated_error > case.tolerance_peak
+    assert short.outcome.outcome == free.outcome.outcome
+
+
+def test_a_start_that_takes_too_many_steps_is_given_up_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = with_teeth(backlash=2e-4)
+    monkeypatch.setattr("engine.event_run.MOST_STEPS", 2500)
+    start = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
+    assert start.outcome.outcome == "time out"
+    assert "steps" in start.outcome.sentence
+    assert (start.halvings, start.met_tolerance) == (0, False)

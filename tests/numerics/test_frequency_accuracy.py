@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from high_precision import ReferredTree
 
-import engine.modal
+import engine.singular_values
 from engine.case import CaseData, ElementRow, MotorTorqueRow, StationRow
 from engine.modal import modes_of
 from engine.train import build_train
@@ -185,7 +185,7 @@ def test_the_plain_svd_alone_would_not_do():
 def test_counts_find_and_correct_a_wrong_value(monkeypatch):
     """A Jacobi SVD that errs on purpose is put right."""
     case = everything(np.random.default_rng(3), 30)
-    honest = engine.modal._jacobi
+    honest = engine.singular_values._jacobi
 
     def erring(D):
         u, sigma, v = honest(D)
@@ -195,7 +195,7 @@ def test_counts_find_and_correct_a_wrong_value(monkeypatch):
         sigma[28] *= 1 + 3e-5
         return u, sigma, v
 
-    monkeypatch.setattr(engine.modal, "_jacobi", erring)
+    monkeypatch.setattr(engine.singular_values, "_jacobi", erring)
     check(case)
 
 
