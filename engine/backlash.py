@@ -99,8 +99,8 @@ MAX_HALVINGS = 5
 #: Steps of all simulations of one start together. A halving that would exceed them is not made: the
 #: answers stand as they are, their errors said. (Steps that follow ringing grow faster than 1/h.)
 MOST_STEPS_IN_ALL = 8_000_000
-#: After so many halvings without success the input is changed by `TINY` to see whether the answers
-#: are defined that well at all.
+#: Where so many halvings were needed, the input is changed by `TINY` to see whether the answers are
+#: defined that well at all: two runs may also agree by chance.
 PATIENCE = 2
 TINY = 1e-9
 #: End of a coast-down, over synchronous speed, and the longest one followed. [1, s]
@@ -204,7 +204,8 @@ def run_event_start(
         )
         if fine.events.gave_up:
             break  # a finer run would only give up sooner
-        if not met and sensitivity is None and (last or halvings >= PATIENCE):
+        doubtful = halvings >= PATIENCE or (last and not met)
+        if doubtful and sensitivity is None:
             other = at(0.5 * step, _changed(model))
             sensitivity = _spread(fine, other, output, tolerance)
             taken += other.n_steps

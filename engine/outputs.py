@@ -2,7 +2,8 @@
 
 torque = Y_q q + Y_v q̇ + Y_f f, with q in modal coordinates and f the torques at the force
 stations. Elastic elements report their elastic torque k·twist; an element of stiffness 0 its
-viscous torque; a rigid mesh what the equilibrium of its To side demands, inertias included.
+viscous torque; one with a clearance the sum of both; a rigid mesh what the equilibrium of its To side
+demands, inertias included.
 The rows of bearings belong to no element and are left out.
 Damping appears in that equilibrium exactly as it does in the equations of motion: with its full
 matrix (`damping` given), or only on each mode for itself, as in a start.
@@ -106,9 +107,9 @@ def torque_outputs(
     own = train.element_rows
     element = [train.row_element[own]]
     sign = train.orientation[element[0]][:, None]
-    elastic = train.stiffness[own, None] > 0.0
+    elastic, shown = train.stiffness[own, None] > 0.0, train.viscous_shown[own, None]
     position = sign * np.where(elastic, modes.row_torque[own], 0.0)
-    velocity = sign * np.where(elastic, 0.0, train.viscous[own, None] * modes.row_twist[own])
+    velocity = sign * np.where(shown, train.viscous[own, None] * modes.row_twist[own], 0.0)
     rows_q, rows_v = [position], [velocity]
     rows_f = [np.zeros((len(own), reach.shape[1]))]
     for mesh in train.rigid_meshes:

@@ -536,10 +536,10 @@ def _outputs(
     basis, places = pieces.basis, pieces.places
     train, flanks = basis.train, basis.flanks
     n_forces = reach.shape[1]
-    elastic = (train.stiffness > 0.0)[:, None]
+    shown = train.viscous_shown[:, None]
     rows = basis.rows @ turn
     torque_q = stiffness[:, None] * rows
-    torque_v = np.where(elastic, 0.0, train.viscous[:, None] * rows)
+    torque_v = np.where(shown, train.viscous[:, None] * rows, 0.0)
     torque_f = np.zeros((train.n_rows, n_forces))
     torque_0 = np.zeros(train.n_rows)
     if basis.left_shape.shape[1]:
@@ -551,7 +551,7 @@ def _outputs(
         row, sign = flank.drive_row, float(basis.drive_sign[i])
         back = basis.back_rows[i] @ turn
         torque_q[row] -= sign * back_stiffness[i] * back
-        torque_f[row] = 0.0
+        torque_f[row] = torque_v[row] = 0.0
         torque_f[row, places.n_forces + i] = -sign  # the damping of the drive flank
         torque_f[row, places.n_forces + len(flanks) + i] = sign
         torque_0[row] = sign * hold[i]

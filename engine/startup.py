@@ -10,6 +10,7 @@ output, a cubic between samples, so a peak between two samples is not missed.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -500,7 +501,7 @@ def start_model(
         )
         of_stations = _force_sizes(case, train, motors, loads, column, effects)
         sizes = _with_dampers(of_stations, train, modes, damping, dampers, all_reach, fastest)
-        outputs = _outputs(train, modes, forces, dampers)
+        outputs = _outputs(train, modes, forces, dampers, uncoupled)
         ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
         keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest, effects)
         windows = _windows(
@@ -531,7 +532,7 @@ def start_model(
         np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
         np.ascontiguousarray(all_reach[keep]),
         np.ascontiguousarray(mean[keep]),
-        _outputs(train, modes, forces, dampers, keep),
+        _outputs(train, modes, forces, dampers, uncoupled, keep),
         motors=_motor_arrays(motors, column, curves, line_omega, effects),
         loads=_load_arrays(loads, column, curves),
         timed=_timed_arrays(case, timed_names, timed_stations, column),
@@ -637,13 +638,20 @@ def _outputs(
     modes: Modes,
     forces: NDArray[np.int64],
     dampers: _Dampers,
+    uncoupled: Sequence[str],
     keep: NDArray[np.bool_] | None = None,
 ) -> TorqueOutputs:
     """Element torques; a rigid mesh also feels the dampers that act as forces on its To side.
 
-    Those without a spring are in the torque of their row already.
+    Those without a spring are in the torque of their row already. A damper too strong to be coupled
+    acts on every mode for itself; its torque between its own ends is then not c times their speed.
     """
     outputs = torque_outputs(train, modes, forces, keep, dampers=dampers.rows)
+    if uncoupled:
+        modal = np.isin(
+            outputs.element, [train.elements.index(n) for n in uncoupled if n in train.elements]
+        )
+        outputs = replace(outputs, velocity=np.where(modal[:, None], 0.0, outputs.velocity))
     if not train.rigid_meshes or np.all(dampers.needed):
         return outputs
     force = outputs.force.copy()

@@ -226,6 +226,17 @@ class Train:
         return len(self.stations)
 
     @property
+    def viscous_shown(self) -> NDArray[np.bool_]:
+        """Rows whose reported torque includes their viscous part, shape (n_rows,). [mask]
+
+        Dampers without a spring, and elements with a clearance: teeth part when their whole torque
+        is zero, and what they pass on must not depend on whether they are simulated as parting.
+        """
+        shown = self.stiffness <= 0.0
+        shown[[f.drive_row for f in self.flanks if f.gap]] = True
+        return np.asarray(shown)
+
+    @property
     def element_rows(self) -> Ints:
         """Rows that belong to an element: all but those of the bearings. [indices]"""
         return np.flatnonzero(self.row_element != NO_ELEMENT)

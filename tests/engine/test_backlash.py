@@ -95,6 +95,28 @@ def test_teeth_that_never_part_start_like_the_linear_train() -> None:
     assert found.sensitivity is None or not found.sensitivity.sensitive
 
 
+def test_the_torque_of_teeth_does_not_depend_on_whether_their_clearance_is_simulated() -> None:
+    """Contact damping is part of it either way: here a thousandth."""
+    calm = with_teeth(backlash=2e-4, mesh_damping=3e5)
+    calm = replace(
+        calm,
+        motor_torque=tuple(replace(r, pulsating=0.3 * r.pulsating) for r in calm.motor_torque),
+        contact_law="no adhesion",  # linear as long as nothing parts
+    )
+    model = prepared(calm)
+    plain = run_start(calm, *model, StartEffects(coupled_damping=True))
+    effects = StartEffects(clearances=("Mesh",), coupled_damping=True, contact_law=calm.contact_law)
+    found = run_event_start(calm, *model, effects, plain)
+    tight = replace(calm, meshes=(replace(calm.meshes[0], backlash=None),))
+    elastic = run_start(tight, *prepared(tight), StartEffects(coupled_damping=True))
+    assert found.contacts[0].time_unloaded == 0.0
+    mesh = [i for i, p in enumerate(plain.peaks) if p.element == "Mesh"][0]
+    size = plain.peaks[mesh].maximum
+    assert found.peaks[mesh].maximum == pytest.approx(size, abs=1e-5 * size)
+    assert found.peaks[mesh].minimum == pytest.approx(plain.peaks[mesh].minimum, abs=1e-5 * size)
+    assert abs(elastic.peaks[mesh].maximum - size) > 5e-4 * size
+
+
 def test_no_clearance_is_no_clearance() -> None:
     assert clearances_of(build_train(with_teeth(backlash=0.0))) == ()
     assert clearances_of(build_train(with_teeth())) == ()
