@@ -39,6 +39,7 @@ __all__ = [
     "SHAPES",
     "ShownUnits",
     "accuracy_block",
+    "accuracy_title",
     "chart_blocks",
     "decimate",
     "governing_shaft",
@@ -102,7 +103,12 @@ LABELS: tuple[str, ...] = (
     "One start",
     "S-N line",
     *EFFECT_LABELS,
+    "Accuracy title",
+    "Accuracy axis",
 )
+
+#: Axis of the chart of sheet Accuracy.
+_ACCURACY_AXIS = "Error [%]"
 
 CHART_TABLES: tuple[ChartTable, ...] = (
     ChartTable("ChartLabels", ("Key", "Text"), "Words shown by charts."),
@@ -225,6 +231,8 @@ def chart_blocks(
     blocks["ChartPullIn"] = pull_in_rows(run, labels)
     blocks["ChartEvents"] = event_rows(run, labels)
     blocks["ChartAccuracy"] = accuracy_block(_table(run, "AccuracyCost"))
+    drawn = any(cell for row in blocks["ChartAccuracy"] for cell in row[1::3])
+    labels |= {"Accuracy title": accuracy_title(drawn), "Accuracy axis": _ACCURACY_AXIS}
     _shape_labels(run, labels)
     blocks["ChartLabels"] = [[key, labels.get(key)] for key in LABELS]
     return {table.name: blocks[table.name] for table in CHART_TABLES}
@@ -460,6 +468,28 @@ def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:
             columns.append(plain(1e3 * r["time"] for r in points))
             columns.append(plain(100.0 * r[error] for r in points))
     return side_by_side(columns)
+
+
+def accuracy_title(drawn: bool, studied: bool = False) -> str:
+    """Title of the chart of sheet `Accuracy`, which says why where it is empty.
+
+    Parameters
+    ----------
+    drawn : bool
+        Whether it draws anything. [flag]
+    studied : bool
+        Whether the study has been run. [flag]
+
+    Returns
+    -------
+    str
+        The title. [words]
+    """
+    if drawn:
+        return "Error against wall time, as measured in this study"
+    if studied:
+        return "Error against wall time: nothing to study, see the sentence above"
+    return "Error against wall time: no study yet, run torsionbook accuracy FILE"
 
 
 def _drawn_elements(

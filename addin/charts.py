@@ -426,10 +426,16 @@ def _accuracy(workbook: Any, places: Places, _: int) -> Any:
             name = places.cell("ChartAccuracy", f"{method} {error} name", 0)[:3]
             series = _xy(places, "ChartAccuracy", x, y, "", line=_line(colour, 1.5, dash))
             chart.add_series(series | {"name": name, "marker": _dot(colour, marker, 6)})
-    _title(chart, "Error against wall time (torsionbook accuracy FILE)")
+    _title(chart, places.label("Accuracy title"))
     chart.set_x_axis(_axis("Wall time [ms]", log_base=10, num_format="General", crossing="min"))
     chart.set_y_axis(
-        _axis("Error [%]", log_base=10, num_format="General", crossing="min", label_position="low")
+        _axis(
+            places.label("Accuracy axis"),
+            log_base=10,
+            num_format="General",
+            crossing="min",
+            label_position="low",
+        )
     )
     _legend(chart)
     return chart

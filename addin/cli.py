@@ -360,10 +360,14 @@ def _recalculate(
 @contextmanager
 def _progress() -> Iterator[Callable[[str], None]]:
     """A line that says what is being done, where somebody watches; a rare long wait is always told."""
-    from addin.recalc import COMPILING
+    from addin.recalc import is_compiling
+
+    told: set[str] = set()
 
     def rare(text: str) -> None:
-        if COMPILING in text:
+        stage = text.rpartition(": ")[2]
+        if is_compiling(stage) and stage not in told:
+            told.add(stage)
             typer.echo(f"{text} …", err=True)
 
     if not sys.stderr.isatty():

@@ -454,8 +454,9 @@ SCALARS: tuple[Field, ...] = (
     _number(
         "MaximumTime",
         "time",
-        "Longest simulated time.",
-        blank="from the rigid-body run-up",
+        "Longest simulated time. A start still on its way then has the outcome time out, with its "
+        "speed, and its starts are not judged; one that settles or arrives ends by itself before.",
+        blank="600 s, or to the end of TorqueTime",
         group=_START,
     ),
     _number("StartsRequired", "count", "Starts the train must survive.", group=_START),
@@ -1025,7 +1026,15 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         _number("Tooth force", "force", "Largest normal tooth force."),
         _number("Longest reversal", "time", "Longest single reversal."),
         _number("First time", "time", "When the torque first falls below zero."),
-        _number("Slip frequency", "frequency", "2 × slip frequency at the least torque."),
+        replace(
+            _number(
+                "2 × slip frequency",
+                "frequency",
+                "Frequency of the pulsation, twice the slip frequency, at the least torque; to "
+                "compare with the modes.",
+            ),
+            key="slip_frequency",  # as it is in the JSON
+        ),
         _number("Transmitted torque", "torque", "Torque in continuous operation.", us="lbf*ft"),
         _number("Margin", "fraction", "Least torque over the transmitted torque; < 0 reverses."),
         _number("Limit", "torque", "The maker's Reversal limit of table Elements.", us="lbf*ft"),

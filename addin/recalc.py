@@ -27,6 +27,7 @@ __all__ = [
     "Recalculated",
     "Unreadable",
     "COMPILING",
+    "is_compiling",
     "WORKBOOK_ENDINGS",
     "of_case",
     "of_file",
@@ -241,7 +242,7 @@ def _calculate(
         if case.motor_torque and not is_compiled(advance_start):
             tell(COMPILING)
             # its times would be those of the compiler: this run is thrown away
-            calculate(case)
+            calculate(case, on_stage=lambda stage: tell(stage) if is_compiling(stage) else None)
         done = calculate(
             case,
             input_warnings=read.warnings,
@@ -252,6 +253,22 @@ def _calculate(
     except (CaseError, ModelError) as wrong:
         return None, of_case(wrong)
     return done, ()
+
+
+def is_compiling(stage: str) -> bool:
+    """Whether a stage is one of the long waits that come once on a machine.
+
+    Parameters
+    ----------
+    stage : str
+        Name of a stage. [words]
+
+    Returns
+    -------
+    bool
+        True for `COMPILING` and the engine's `COMPILING_EVENTS`.
+    """
+    return stage.startswith("compiling the ")
 
 
 def of_case(wrong: CaseError | ModelError) -> tuple[CellProblem, ...]:

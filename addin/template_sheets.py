@@ -277,9 +277,10 @@ SHEETS: tuple[Sheet, ...] = (
         "O",
         {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
         (
-            ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 284),
-            ChartAt("blow", f"K{24 + CROSSING_ROWS}", 736, 284),
-            ChartAt("pull-in", f"K{48 + CROSSING_ROWS}", 736, 284),
+            # low enough for the three to fit below the crossings on the first printed page
+            ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 224),
+            ChartAt("blow", f"K{20 + CROSSING_ROWS}", 736, 224),
+            ChartAt("pull-in", f"K{32 + CROSSING_ROWS}", 736, 224),
         ),
     ),
     Sheet(

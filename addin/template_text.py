@@ -125,7 +125,7 @@ REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
 
 #: Notes of sheet `Effects`, below its table.
 EFFECT_NOTES: tuple[str, ...] = (
-    "The plan is made before the start, from the linear analyses.",
+    "The plan is made from modes, damping, rigid run-up and the linear start.",
     "Bound: the most that leaving an effect out changes an answer; 0 = exact;",
     "blank = it is on, or nothing is known of it (no input, forced off).",
     "Time: what it cost in this run, or is estimated to cost when on;",

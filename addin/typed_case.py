@@ -6,9 +6,11 @@ counted as in `CaseData` (blank rows left out); the readers know which row that 
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TypeGuard
 
 from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
 from addin.problems import CellProblem, nearest, shortened
@@ -20,7 +22,7 @@ from addin.units import (
     UnitScale,
 )
 from engine.case import GROUND, TABLES, Case, CaseData, Ratings
-from engine.errors import Problem
+from engine.errors import Problem, Quoted
 from engine.validation import find_problems
 
 __all__ = [
@@ -227,6 +229,8 @@ def told_as_typed(problem: Problem, typed: TypedCase) -> Problem:
         ``found -12 lbf*in/rad = -1.36 N m/rad; it must be positive. ...``
     """
     entry = typed.entry((problem.table, problem.row, problem.column))
+    for quoted in problem.quoted:
+        problem = _quoted_as_typed(problem, quoted, entry, typed)
     if not isinstance(entry, Typed) or not isinstance(problem.found, (int, float)):
         return problem
     if entry.scale == UnitScale(1.0):
@@ -235,6 +239,32 @@ def told_as_typed(problem: Problem, typed: TypedCase) -> Problem:
     if not message.startswith((f"{head};", f"{head},")):
         message = message.replace("found ", f"{head} = ", 1)
     return replace(problem, found=str(entry), message=message)
+
+
+def _quoted_as_typed(
+    problem: Problem, quoted: Quoted, own: Entry | None, typed: TypedCase
+) -> Problem:
+    """Another quantity of the sentence as it was typed, or else in the unit of what was found."""
+    there = None if quoted.place is None else typed.entry(quoted.place)
+    if isinstance(there, Typed):
+        shown = "" if there.scale == UnitScale(1.0) else str(there)
+    elif isinstance(own, Typed) and own.scale != UnitScale(1.0) and _is_number(problem.found):
+        # of the kind of what was found, so that their ratio is the same in every unit
+        shown = f"{quoted.value * own.number / problem.found:.6g} {own.unit}".rstrip()
+    else:
+        shown = ""
+    if not shown:
+        return problem
+    alone = re.compile(rf"(?<![\d.]){re.escape(quoted.text)}(?![\w/])")
+    return replace(
+        problem,
+        allowed=alone.sub(lambda _: shown, problem.allowed),
+        message=alone.sub(lambda _: shown, problem.message),
+    )
+
+
+def _is_number(found: object) -> TypeGuard[float]:
+    return isinstance(found, (int, float)) and not isinstance(found, bool) and found != 0
 
 
 # --- words --------------------------------------------------------------------------------------

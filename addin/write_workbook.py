@@ -19,8 +19,10 @@ from addin.chart_data import (
     CHART_TABLES,
     HISTORIES,
     LABELS,
+    METHODS,
     ShownUnits,
     accuracy_block,
+    accuracy_title,
     chart_blocks,
 )
 from addin.effect_charts import FORCES
@@ -235,6 +237,11 @@ def write_study(
     for name, text in facts.items():
         if name in workbook.defined_names:
             workbook.set_name(name, text)
+    labels = workbook.tables.get("ChartLabels")
+    if labels is not None and _has_label(labels, _ACCURACY_TITLE):
+        cell = _label_cell(labels, _ACCURACY_TITLE)
+        workbook.set_cell(labels.sheet, cell, accuracy_title(bool(rows), studied=True))
+        workbook.link_chart_titles(_title_links(workbook, _ACCURACY_TITLE))
     return workbook.save(destination, in_place=destination is None)
 
 
@@ -428,10 +435,12 @@ _REVERSAL_AXIS = r"Torque( \[.*\])?"
 _BLOW_TITLE = r"Torque at its deepest moment.*|.*: (torque at its least value|teeth part).*"
 _FORCE_TITLE = r"Tooth and bearing forces.*|.*: (forces at its deepest moment|no forces drawn).*"
 _FORCE_AXIS = r"Force( \[.*\])?"
+_ACCURACY_TITLE = "Accuracy title"
+_ACCURACY_LINES = tuple(f"{method} {error}" for method in METHODS for error in ("peak", "starts"))
 _PULL_IN_TITLE, _PULL_IN_AXIS = r"Load angle and slip.*", r"Load angle.*"
 
 
-def _title_links(workbook: Workbook) -> list[TitleLink]:
+def _title_links(workbook: Workbook, only: str = "") -> list[TitleLink]:
     """Cells of the titles of our charts: a spreadsheet program may have made fixed words of them."""
     labels = workbook.tables.get("ChartLabels")
     if labels is None:
@@ -452,11 +461,15 @@ def _title_links(workbook: Workbook) -> list[TitleLink]:
          (_FORCE_TITLE, _FORCE_AXIS)),
         ("ChartPullIn", ("Load angle", "Slip"), "Pull-in title", "Pull-in axis",
          (_PULL_IN_TITLE, _PULL_IN_AXIS)),
+        ("ChartAccuracy", _ACCURACY_LINES, _ACCURACY_TITLE, "Accuracy axis",
+         (r"Error against wall time.*", r"Error \[%\]")),
     ):  # fmt: skip
+        if only not in ("", title):
+            continue
         table = workbook.tables.get(name)
         if table is None or not set(columns) <= set(table.columns) or table.sheet != labels.sheet:
             continue
-        if labels.data.bottom < labels.data.top + max(map(LABELS.index, (title, axis))):
+        if not (_has_label(labels, title) and _has_label(labels, axis)):
             continue  # a workbook of an earlier version
         lefts = [table.ref.left + table.column_index(column) for column in columns]
         links.append(
@@ -469,6 +482,10 @@ def _title_links(workbook: Workbook) -> list[TitleLink]:
             )
         )
     return links
+
+
+def _has_label(labels: Table, key: str) -> bool:
+    return bool(labels.data.bottom >= labels.data.top + LABELS.index(key))
 
 
 def _label_cell(labels: Table, key: str) -> str:

@@ -5,7 +5,8 @@ paper's average acceleration (Newmark), and compared with the exponential step a
 finest step: at fourth order 256 times finer. A second reference at twice that step tells how far
 the first can be trusted. A start with clearances or other events is calculated to a range of wanted
 tolerances instead, against one a hundred times finer; Newmark has no events and is then studied on
-the linear train.
+the linear train. Prescribed torques without clearances are exact at their samples: there is nothing
+to study.
 
 Error of the peaks: largest change of a maximum or minimum over the larger of the two, over all
 elements. Error of the starts: largest relative change of the allowable starts of a judged shaft;
@@ -19,6 +20,7 @@ import math
 import statistics
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -117,21 +119,28 @@ def accuracy_study(
         Rows and sentences; without rows where no step decides the accuracy. [1, s]
     """
     tell = on_progress or (lambda words: None)
-    if not has_start(case):
+
+    @contextmanager
+    def stage(words: str) -> Iterator[None]:
+        tell(words)
+        yield
+
+    if not has_start(case) and not case.torque_time:
         return _nothing(case)
     tell("start as planned")
-    planned = planned_start(case, analyse(case))
+    planned = planned_start(case, analyse(case), stage)
     if planned.plan.events:
         return _event_study(case, planned, rounds, tell)
-    return _linear_study(case, planned, rounds, tell)
+    return _linear_study(case, planned, rounds, tell) if has_start(case) else _nothing(case)
 
 
 def _nothing(case: CaseData) -> AccuracyStudy:
     """No start, or prescribed torques alone."""
     if case.torque_time:
         sentence = (
-            "Nothing to study: the response to prescribed torques is exact at its samples, so no "
-            "time step decides its accuracy."
+            "Nothing to study: the response to prescribed torques (TorqueTime) is exact at its "
+            "samples, so no time step decides its accuracy. Only teeth that part make a step matter: "
+            "with a clearance that the torque calls for, or backlash forced on, it is studied."
         )
     else:
         sentence = "Nothing to study: the case has no motor torque curve, so there is no start."
@@ -248,9 +257,16 @@ def _event_study(
         answers, wall = _timed_runs(partial(answers_at, tolerance), rounds)
         peak, starts = _errors(answers, reference)
         rows.append(AccuracyRow(EVENTS, f"tolerance {tolerance:.2g}", peak, starts, wall))
-    ladder = _Ladder(case, planned)
-    linear, _ = ladder.references(tell)
-    rows += ladder.rows(NEWMARK, NEWMARK_LINEAR, linear, rounds, tell)
+    if has_start(case):
+        ladder = _Ladder(case, planned)
+        linear, _ = ladder.references(tell)
+        rows += ladder.rows(NEWMARK, NEWMARK_LINEAR, linear, rounds, tell)
+        papers = (
+            "The paper's method has no events: it is studied on the linear train, against the "
+            "linear reference. "
+        )
+    else:
+        papers = "The paper's method has no events and starts of motors alone: it is not studied. "
     text = (
         f"Starts with events are compared with one calculated to {EVENT_REFERENCE * finest:.2g}, "
         f"{1.0 / EVENT_REFERENCE:.0f} times finer than the finest setting"
@@ -259,10 +275,7 @@ def _event_study(
         text += ". " + _checked(off)
     else:
         text += f", or as near to it as a step of {best.step:.2g} s comes. "
-    text += (
-        "The paper's method has no events: it is studied on the linear train, against the linear "
-        "reference. " + _timed(rounds)
-    )
+    text += papers + _timed(rounds)
     sentence = _sentence(case, rows, EVENTS, NEWMARK_LINEAR, " (without clearances and events)")
     return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])
 
@@ -337,8 +350,13 @@ def _sentence(
     at = f"{100.0 * wanted:.3g} %"
     return (
         f"You asked for {at} on {answer}: {_cost(rows, ours, wanted, on_starts)}; "
-        f"{10.0 * wanted:.3g} % would cost {_cost(rows, ours, 0.1 * wanted, on_starts)}; "
-        f"the paper's method at {at} costs {_cost(rows, papers, wanted, on_starts)}{papers_note}."
+        f"{10.0 * wanted:.3g} % would cost {_cost(rows, ours, 0.1 * wanted, on_starts)}"
+        + (
+            f"; the paper's method at {at} costs {_cost(rows, papers, wanted, on_starts)}"
+            f"{papers_note}."
+            if any(r.method == papers for r in rows)
+            else "."
+        )
     )
 
 

@@ -435,7 +435,7 @@ class CaseData:
     end_speed : float or None
         Speed of the reference shaft where the start ends; blank = 97 % of synchronous. [rad/s]
     maximum_time : float or None
-        Longest simulated time; blank = from the rigid-body run-up. [s]
+        Longest simulated time; blank = 600 s, or the end of `torque_time`. [s]
     starts_required : float or None
         Starts the shaft must survive. [count]
     starts_factor : float or None

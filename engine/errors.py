@@ -12,7 +12,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["CaseError", "InternalError", "ModelError", "Problem", "TorsionError"]
+__all__ = ["CaseError", "InternalError", "ModelError", "Problem", "Quoted", "TorsionError"]
+
+
+@dataclass(frozen=True)
+class Quoted:
+    """A quantity in the sentence of a problem, beside the one found.
+
+    The engine says it in SI; whoever knows what was typed can say it in that unit.
+
+    Parameters
+    ----------
+    text : str
+        As it stands in the sentence, such as ``182.841 rad/s``. [SI]
+    value : float
+        The quantity. [SI]
+    place : tuple of (str, int or None, str) or None
+        Table, row and column where it was typed; None = a limit of the kind of what was found.
+        [names]
+    """
+
+    text: str
+    value: float
+    place: tuple[str, int | None, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -35,6 +57,8 @@ class Problem:
         What would be accepted. [sentence]
     message : str
         The whole sentence: what is wrong and what to do. [sentence]
+    quoted : tuple of Quoted
+        Quantities that `allowed` and `message` name beside `found`. [SI]
     """
 
     table: str
@@ -43,6 +67,7 @@ class Problem:
     found: object
     allowed: str
     message: str
+    quoted: tuple[Quoted, ...] = ()
 
 
 class TorsionError(Exception):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from engine.case import CaseData
 from engine.load import loads_of
 from engine.modal import ModalDamping, Modes
-from engine.motor import Motor, motors_of
+from engine.motor import Motor, motors_of, voltage_factor
 from engine.outputs import force_reach, torque_outputs
 from engine.rigid_runup import RigidRunup, rigid_runup
 from engine.start_fatigue import (
@@ -71,7 +71,9 @@ class ElementMinimum:
     largest : float
         Largest magnitude of its torque. [N m]
     clearance : bool
-        Whether its clearance is given. [flag]
+        Whether its clearance is given, and not zero. [flag]
+    tight : bool
+        Whether a clearance of zero is given for it. [flag]
     """
 
     element: str
@@ -79,6 +81,7 @@ class ElementMinimum:
     error: float
     largest: float
     clearance: bool
+    tight: bool = False
 
     @property
     def lowest(self) -> float:
@@ -108,6 +111,8 @@ class StartEvidence:
         Whether any cycle may damage. [flag]
     wall_time : float
         What it cost. [s]
+    n_modes : int or None
+        Modes of the train it was calculated with; None = as many as are integrated. [count]
     """
 
     minima: tuple[ElementMinimum, ...]
@@ -118,6 +123,7 @@ class StartEvidence:
     stress_ratio: float | None
     must_count: bool
     wall_time: float
+    n_modes: int | None = None
 
 
 @dataclass(frozen=True)
@@ -149,8 +155,8 @@ class Evidence:
     trip_share : float or None
         Highest speed of the rigid train, or of its start, over the trip speed. [1]
     shock_share : float or None
-        Shock amplitude over the motor torque at standstill, times its largest amplification; None
-        without shock data. [1]
+        Shock of all motors over the least motor torque at standstill, times its largest
+        amplification; None without shock data or motor. [1]
     judged : int
         Shafts whose fatigue is judged. [count]
     clearances : tuple of str
@@ -237,7 +243,6 @@ def gather(
                 highest = synchronous
             trip_share = highest / case.trip_speed
     line_omega = 2.0 * math.pi * (ratings.line_frequency or 0.0)
-    drive = sum(float(m.average(0.0)) + float(m.pulsating(0.0)) for m in motors)
     return Evidence(
         tolerance=_tolerance(case),
         start=bool(motors) or bool(case.torque_time),
@@ -257,9 +262,9 @@ def gather(
         longest_time=case.maximum_time or LONGEST_START,
         field_slip=field_slip,
         trip_share=trip_share,
-        shock_share=_shock_share(case, line_omega, drive),
+        shock_share=_shock_share(case, line_omega, motors),
         judged=len(judged_shafts(case)),
-        clearances=tuple(train.elements[f.element] for f in train.flanks if f.gap is not None),
+        clearances=tuple(train.elements[f.element] for f in train.flanks if f.gap),
     )
 
 
@@ -276,16 +281,24 @@ def _reached(runup: RigidRunup, target: float) -> float:
     return target if runup.equilibrium is None else min(runup.equilibrium, target)
 
 
-def _shock_share(case: CaseData, line_omega: float, drive: float) -> float | None:
-    """Largest torque of the shock over that at standstill.
+def _shock_share(case: CaseData, line_omega: float, motors: Sequence[Motor]) -> float | None:
+    """Largest torque of the shocks over that at standstill.
 
     A decaying sinusoid drives a mode of frequency ω to at most ω ∫ e^(−t/τ) dt = ωτ times its
-    static answer, and no less than twice where it is sudden.
+    static answer, and no less than twice where it is sudden. Every motor has the stated amplitude
+    at its own shaft, and like its curves it goes with the square of the voltage. Where there are
+    several, an element may feel all the shocks and only the weakest motor: so they are compared,
+    as torques of one shaft.
     """
-    if not case.shock_amplitude or not case.shock_time_constant:
+    if not case.shock_amplitude or not case.shock_time_constant or not motors:
         return None
+    amplitude = voltage_factor(case) * abs(case.shock_amplitude)
+    shock = sum(amplitude * m.synchronous_speed for m in motors)
+    drive = min(
+        (float(m.average(0.0)) + float(m.pulsating(0.0))) * m.synchronous_speed for m in motors
+    )
     grown = 2.0 + line_omega * case.shock_time_constant
-    return abs(case.shock_amplitude) * grown / drive if drive > 0.0 else math.inf
+    return shock * grown / drive if drive > 0.0 else math.inf
 
 
 def _bearing_number(
@@ -399,18 +412,17 @@ def element_minima(case: CaseData, train: Train, start: Start) -> tuple[ElementM
     error = {p.element: p.error for p in start.peaks}
     turning = start.turning_of_element()
     toothed = {m.element for m in case.meshes} | {train.elements[f.element] for f in train.flanks}
-    given = {train.elements[f.element] for f in train.flanks if f.gap is not None}
+    given = {train.elements[f.element] for f in train.flanks if f.gap}
+    zero = {m.element for m in case.meshes if 0.0 in (m.backlash, m.angular_backlash)}
     found = []
     for i, name in enumerate(train.elements):
         if name in toothed and i in turning:
             value = turning[i][1]
             after = value[1:] if len(value) > 1 else value
             largest = float(np.max(np.abs(value)))
-            found.append(
-                ElementMinimum(
-                    name, float(after.min()), error.get(name, 0.0), largest, name in given
-                )
-            )
+            lowest, off = float(after.min()), error.get(name, 0.0)
+            tight = name in zero and name not in given
+            found.append(ElementMinimum(name, lowest, off, largest, name in given, tight))
     return tuple(found)
 
 
@@ -478,4 +490,5 @@ def _told(case: CaseData, train: Train, start: Start, wall_time: float) -> Start
         stress_ratio=None if stress is None else stress[0],
         must_count=stress is not None and stress[1],
         wall_time=wall_time,
+        n_modes=train.n_dof,
     )

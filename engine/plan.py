@@ -44,6 +44,12 @@ EVENT_COST, COUPLING_COST, SHOCK_COST, COAST_COST = 10.0, 0.3, 0.2, 1.0
 #: Wall time of reading crossings and of counting cycles over that of the linear start.
 SWEEP_COST, COUNTING_COST = 0.02, 0.5
 
+#: What a reader of an empty table of bearing forces needs to know.
+NO_FORCES = (
+    "Table BearingForces stays empty while bearings are off in the start: choose on for bearings "
+    "in EffectChoices to have the forces."
+)
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -214,8 +220,10 @@ def _plan(
     chosen = {str(c.effect).strip().casefold(): c.choice for c in case.effect_choices if c.choice}
     wall = evidence.linear.wall_time if evidence.linear is not None else None
     decisions, warnings = [], []
-    for effect, finding in _findings(case, evidence, kept):
+    for effect, finding in _findings(case, evidence, kept, chosen):
         decision, warning = _decided(effect, chosen.get(effect) or "auto", finding, wall)
+        if effect == "bearings" and finding.possible and evidence.start and not decision.on:
+            decision = replace(decision, why=f"{decision.why} {NO_FORCES}")
         decisions.append(decision)
         warnings += warning
     on = {d.effect: d.on for d in decisions}
@@ -265,20 +273,20 @@ def _decided(
         why = f"Forced on; the evidence says off: {f.why}"
     elif choice == "off":
         why = f"Forced off, as the evidence says: {f.why}"
-    time = None if wall is None else f.cost * wall
+    time = None if wall is None or not f.possible else f.cost * wall
     number = f.number if f.number is not None and math.isfinite(f.number) else None
     return EffectDecision(effect, choice, on, number, f.limit, bound, time, why), warnings
 
 
 def _findings(
-    case: CaseData, evidence: Evidence, kept: tuple[str, ...]
+    case: CaseData, evidence: Evidence, kept: tuple[str, ...], chosen: Mapping[str, str | None]
 ) -> Iterator[tuple[str, _Finding]]:
     """One finding an effect, in the order of `EFFECTS`."""
     found = {
         "bearings": _bearings(evidence),
         "coupled damping": _coupled_damping(evidence),
-        "fast modes": _fast_modes(evidence),
-        "breaker closing": _breaker_closing(evidence),
+        "fast modes": _fast_modes(evidence, chosen.get("fast modes") == "on"),
+        "breaker closing": _breaker_closing(case, evidence),
         "pull-in": _pull_in(case, evidence),
         "aborted start": _aborted_start(case, evidence),
         "backlash": _backlash(evidence, kept),
@@ -302,12 +310,28 @@ def _bearings(e: Evidence) -> _Finding:
     number, limit = e.bearing_number, e.tolerance / BEARING_GAIN
     wanted = number > limit
     why = (
-        f"Bearings change a mode by {number:.2g} (frequency, shape or damping), "
-        f"{'above' if wanted else 'at most'} the limit {limit:.2g}."
+        f"{_bearing_words(number)}, {'above' if wanted else 'at most'} the limit {_percent(limit)}."
     )
     cost = max(e.n_coupled_modes / max(e.n_modes, 1) - 1.0, 0.0)
     bound = BEARING_GAIN * number
     return _Finding(wanted, True, number, limit, bound if bound < 1.0 else None, cost, why)
+
+
+def _bearing_words(number: float) -> str:
+    """What the bearings do to a mode, from the number that decided."""
+    if math.isinf(number):
+        return "Bearings damp a mode that has no damping without them"
+    if number == 1.0:
+        return "Bearings change a mode altogether (100 %: no mode without them is like it)"
+    return f"Bearings change the frequency, shape or damping of a mode by up to {_percent(number)}"
+
+
+def _percent(share: float) -> str:
+    """A share in per cent with two digits, without powers of ten down to a millionth."""
+    percent = 100.0 * share
+    if percent == 0.0 or not 1e-4 <= abs(percent) < 1e4:
+        return f"{percent:.2g} %"
+    return f"{float(f'{percent:.2g}'):.10f}".rstrip("0").rstrip(".") + " %"
 
 
 def _coupled_damping(e: Evidence) -> _Finding:
@@ -323,26 +347,39 @@ def _coupled_damping(e: Evidence) -> _Finding:
     return _Finding(wanted, True, number, limit, COUPLING_GAIN * number, COUPLING_COST, why)
 
 
-def _fast_modes(e: Evidence) -> _Finding:
+def _fast_modes(e: Evidence, forced: bool) -> _Finding:
     if e.linear is None:
         why = f"Modes are kept until those left out change peaks by a tenth of {e.tolerance:.2g}."
         return _Finding(False, True, None, e.tolerance, None, 0.0, why)
     number, kept = e.linear.truncation_error, e.linear.kept_modes
-    n = max(e.n_coupled_modes, e.n_modes, kept)
+    n = max(e.linear.n_modes or 0, kept)
     why = f"{kept} of {n} modes integrated; the others follow statically and add at most {number:.2g}."
-    if number > e.tolerance:
+    if kept == n:
+        why = f"All {n} modes integrated."
+    elif forced:
+        why += (
+            " Although all modes were asked for these are not followed: they are so fast that it "
+            "would take absurdly short steps."
+        )
+    elif number > e.tolerance:
         why += " Following them would take absurdly short steps."
     return _Finding(False, True, number, e.tolerance, number, n / max(kept, 1) - 1.0, why)
 
 
-def _breaker_closing(e: Evidence) -> _Finding:
+def _breaker_closing(case: CaseData, e: Evidence) -> _Finding:
+    if e.shock_share is None and case.shock_amplitude and not case.motor_torque:
+        why = "No motor curve: there is no breaker to close."
+        return _Finding(False, False, None, None, 0.0, SHOCK_COST, why)
     if e.shock_share is None:
         why = "ShockAmplitude and ShockTimeConstant are not given: nothing is known of it."
         return _Finding(False, False, None, None, None, SHOCK_COST, why)
     wanted = e.shock_share > e.tolerance
+    several = len({p.station for p in case.motor_torque}) > 1
+    compared = "least motor torque" if several else "motor torque"
     why = (
-        f"At resonance the transient could bring at most {e.shock_share:.2g} times the motor torque "
-        f"at standstill, {'above' if wanted else 'at most'} the tolerance {e.tolerance:.2g}."
+        f"At resonance the transient{'s' if several else ''} could bring at most "
+        f"{e.shock_share:.2g} times the {compared} at standstill, "
+        f"{'above' if wanted else 'at most'} the tolerance {e.tolerance:.2g}."
     )
     return _Finding(wanted, True, e.shock_share, e.tolerance, e.shock_share, SHOCK_COST, why)
 
@@ -394,7 +431,9 @@ def _backlash(e: Evidence, kept: tuple[str, ...]) -> _Finding:
         )
     worst, limit = min(minima, key=lambda m: m.lowest), -e.tolerance / BACKLASH_GAIN
     bound: float | None
-    number, bound = worst.lowest, BACKLASH_GAIN * max(-worst.lowest, 0.0)
+    # without any gap the linear train is the answer
+    depth = max((-m.lowest for m in minima if not m.tight), default=0.0)
+    number, bound = worst.lowest, BACKLASH_GAIN * max(depth, 0.0)
     why = f"Lowest torque less its error: {number:.3g} of the largest, at '{worst.element}'"
     names = kept or tuple(m.element for m in _called_for(minima, e.tolerance))
     if names:
@@ -405,11 +444,21 @@ def _backlash(e: Evidence, kept: tuple[str, ...]) -> _Finding:
     elif number >= limit:
         why += f", not below the limit {limit:.2g}: teeth do not part for long enough to matter."
     else:
-        bound = None
-        why += (
-            f"; no clearance is given for {_quoted(m.element for m in minima if m.lowest < limit)}:"
-            " fill Backlash (or Angular backlash) and a mesh stiffness to model it."
-        )
+        deep = [m for m in minima if m.lowest < limit]
+        tight = [m.element for m in deep if m.tight]
+        blank = [m.element for m in deep if not m.tight]
+        if tight:
+            why += (
+                f"; the clearance given for {_quoted(tight)} is 0, so that without a gap the linear "
+                "solution holds there"
+            )
+        if blank:
+            bound = None
+            why += (
+                f"; no clearance is given for {_quoted(blank)}: fill Backlash (or Angular backlash)"
+                " and a mesh stiffness to model it"
+            )
+        why += "."
     return _Finding(False, possible, number, limit, bound, EVENT_COST, why)
 
 

@@ -244,6 +244,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
                     *margins.warnings,
                     *steady.warnings,
                     *_warnings(case, analysed.reported, start, starts, plans[-1], settled),
+                    *_pulling_teeth(case, plans[-1], reversals),
                 ]
             )
         ),
@@ -588,6 +589,20 @@ def _warnings(
         yield from shaft.notes
     if math.isfinite(case.starts_factor or 1.0) and (case.starts_factor or 1.0) != 1.0:
         yield f"Allowable starts are divided by StartsFactor {case.starts_factor:g} when judged."
+
+
+def _pulling_teeth(case: CaseData, plan: Plan, reversals: tuple[Reversal, ...]) -> Iterator[str]:
+    """Teeth without a gap on bearings: a negative torque pulls them along the drive flank."""
+    meshes = {e.element for e in case.elements if e.kind == GEAR_MESH}
+    gaps = {m.element for m in case.meshes if m.backlash}
+    for r in reversals:
+        if plan.lateral and r.reversals and r.element in meshes - gaps:
+            yield (
+                f"'{r.element}': the torque falls to {float(f'{r.minimum_torque:.4g}'):,g} N m, but "
+                "without Backlash its teeth cannot part in the calculation: they pull along the drive "
+                "flank instead of pushing on the back flank, and the bearing forces of its gears "
+                "are those of a pull. Fill Backlash in table Meshes to have the teeth part."
+            )
 
 
 def _of_the_run(start: Start, settled: bool) -> Iterator[str]:

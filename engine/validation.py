@@ -16,7 +16,7 @@ from typing import Any
 from engine.case import GROUND, TABLES, CaseData, ElementRow, MeshRow, Ratings
 from engine.effects import CHOICES as EFFECT_CHOICES
 from engine.effects import CONTACT_LAWS, EFFECTS
-from engine.errors import Problem
+from engine.errors import Problem, Quoted
 
 __all__ = ["DEFAULT_END_SPEED", "GEAR_MESH", "KINDS", "SPRING_TO_GROUND", "find_problems"]
 
@@ -59,6 +59,10 @@ POSITIVE_SCALARS = {
     "trip_speed": ("TripSpeed", "rad/s"),
     "pull_out_torque": ("PullOutTorque", "N m"),
 }
+#: What to do where a blank means what a zero was meant to say.
+POSITIVE_ACTIONS = {
+    "field_time_constant": "Leave the cell blank if the field is at full strength at once.",
+}
 #: Numbers of any sign, that only have to be numbers.
 FINITE_SCALARS = {
     "shock_amplitude": ("ShockAmplitude", "N m"),
@@ -81,6 +85,7 @@ def _wrong(
     allowed: str,
     action: str,
     unit: str = "",
+    quoted: tuple[Quoted, ...] = (),
 ) -> Problem:
     """A problem whose sentence is: found …; it must be …. What to do."""
     return Problem(
@@ -90,7 +95,15 @@ def _wrong(
         found,
         allowed,
         f"found {_number(found, unit)}; it must be {allowed}. {action}",
+        quoted,
     )
+
+
+def _quote(
+    value: float, unit: str, place: tuple[str, int | None, str] | None = None
+) -> tuple[Quoted, ...]:
+    """A quantity named in a sentence as `_number` writes it."""
+    return (Quoted(_number(value, unit), value, place),)
 
 
 def _missing(table: str, row: int | None, column: str, allowed: str, action: str) -> Problem:
@@ -151,7 +164,9 @@ def _whole_poles(case: CaseData) -> bool:
 
 def _scalars(case: CaseData) -> Iterator[Problem]:
     for key, (name, unit) in POSITIVE_SCALARS.items():
-        yield from _check("Case", None, name, getattr(case, key), _positive, "positive", unit)
+        action = POSITIVE_ACTIONS.get(key, "Correct the cell.")
+        value = getattr(case, key)
+        yield from _check("Case", None, name, value, _positive, "positive", unit, action)
     for key, (name, unit) in FINITE_SCALARS.items():
         value = getattr(case, key)
         yield from _check("Case", None, name, value, _any_number, "a finite number", unit)
@@ -273,6 +288,7 @@ def _trip(case: CaseData) -> Iterator[Problem]:
             f"at most synchronous speed ({synchronous:.6g} rad/s)",
             "The start is aborted when the motor comes to this speed.",
             "rad/s",
+            _quote(synchronous, "rad/s"),
         )
         return
     end = case.end_speed or DEFAULT_END_SPEED * synchronous
@@ -287,6 +303,7 @@ def _trip(case: CaseData) -> Iterator[Problem]:
             "Without field the start ends there and would never trip. Lower TripSpeed, raise "
             "EndSpeed, or give FieldSlip and PullOutTorque.",
             "rad/s",
+            _quote(end, "rad/s", ("Case", None, "EndSpeed")),
         )
 
 
@@ -323,6 +340,7 @@ def _ratings(case: CaseData) -> Iterator[Problem]:
                 f"found {case.rated_torque:.6g} N m, but {case.rated_power:.6g} W at "
                 f"{speed * 30 / math.pi:.6g} rpm make {torque:.6g} N m. Correct RatedTorque or "
                 "RatedPower, or leave one of them blank.",
+                _quote(torque, "N m") + _quote(case.rated_power, "W", ("Case", None, "RatedPower")),
             )
 
 
@@ -341,9 +359,11 @@ def _speed_range(case: CaseData) -> Iterator[Problem]:
             name,
             found,
             "at most MaximumSpeed" if name == "MinimumSpeed" else "at least MinimumSpeed",
-            f"The range is {low:.6g} to {high:.6g} rad/s; where one of them is blank it is the "
-            "synchronous speed.",
+            f"The range is {low:.6g} rad/s to {high:.6g} rad/s; where one of them is blank it is "
+            "the synchronous speed.",
             "rad/s",
+            _quote(low, "rad/s", ("Case", None, "MinimumSpeed"))
+            + _quote(high, "rad/s", ("Case", None, "MaximumSpeed")),
         )
     if case.end_speed and synchronous and case.end_speed > synchronous * (1 + 1e-12):
         yield _wrong(
@@ -354,6 +374,7 @@ def _speed_range(case: CaseData) -> Iterator[Problem]:
             f"at most synchronous speed ({synchronous:.6g} rad/s)",
             "Without field a motor settles below synchronism; blank = 97 %.",
             "rad/s",
+            _quote(synchronous, "rad/s"),
         )
 
 
@@ -505,9 +526,9 @@ def _geometry(row: int, e: ElementRow) -> Iterator[Problem]:
         yield from _check(table, row, column, value, _not_negative, "zero or positive", unit)
     if e.scf is not None and 0 < e.scf < 1:
         yield _wrong(table, row, "SCF", e.scf, "1 or more", "A notch never lowers the stress.")
-    for outer, inner, column in (
-        (e.od, e.id, "ID"),
-        (e.stress_diameter, e.stress_bore, "Stress bore"),
+    for outer, inner, column, outside in (
+        (e.od, e.id, "ID", "OD"),
+        (e.stress_diameter, e.stress_bore, "Stress bore", "Stress diameter"),
     ):
         if outer and inner and inner >= outer:
             yield _wrong(
@@ -518,6 +539,7 @@ def _geometry(row: int, e: ElementRow) -> Iterator[Problem]:
                 f"below the outer diameter {outer:.6g} m",
                 "Correct one of them.",
                 "m",
+                _quote(outer, "m", (table, row, outside)),
             )
     yield from _stiffness(row, e)
 
@@ -790,10 +812,10 @@ def _mesh_numbers(row: int, m: MeshRow) -> Iterator[Problem]:
 
 
 def _mesh_ratio(case: CaseData, row: int, m: MeshRow, e: ElementRow) -> Iterator[Problem]:
-    """Pitch radii against speed ratios."""
+    """Pitch radii against speed ratios; a ring gear against its pinion."""
     stations = {s.station: (i, s.speed_ratio) for i, s in enumerate(case.stations, start=1)}
     drive, driven = m.pitch_radius_drive, m.pitch_radius_driven
-    if drive is None or driven is None or not (_is_fine(drive) and _is_fine(driven)):
+    if not (_is_fine(drive) and _is_fine(driven)):
         return
     if e.from_ not in stations or e.to not in stations:
         return
@@ -801,6 +823,30 @@ def _mesh_ratio(case: CaseData, row: int, m: MeshRow, e: ElementRow) -> Iterator
     if not all(_is_fine(r) for r in ratios):
         return
     by_speed = float(ratios[1] or 0.0) / float(ratios[0] or 1.0)
+    if drive is None and driven is None:
+        return  # a ratio and a sense of rotation alone, without size
+    by_radii = drive / driven if drive is not None and driven is not None else by_speed
+    if m.gear_type == "internal" and abs(by_radii - 1.0) <= RADIUS_TOLERANCE:
+        equal = f"its pitch radius is {drive or driven:.6g} m and both stations turn equally fast"
+        if drive is not None and driven is not None:
+            equal = f"its pitch radii are {drive:.6g} m and {driven:.6g} m"
+        yield Problem(
+            "Meshes",
+            row,
+            "Gear type",
+            m.gear_type,
+            "external for two gears of the same size",
+            f"found internal, but {equal}: the pinion of an internal mesh turns inside its ring, "
+            "which must be larger. Choose external, or correct the pitch radii and Speed ratios; "
+            "a geared coupling is an element of kind coupling.",
+            tuple(
+                Quoted(_number(radius, "m"), radius, ("Meshes", row, f"Pitch radius {side}"))
+                for side, radius in (("drive", drive), ("driven", driven))
+                if radius is not None
+            ),
+        )
+    if drive is None or driven is None:
+        return
     if abs(drive / driven / by_speed - 1.0) > RADIUS_TOLERANCE:
         yield Problem(
             "Meshes",
@@ -813,6 +859,8 @@ def _mesh_ratio(case: CaseData, row: int, m: MeshRow, e: ElementRow) -> Iterator
             f"row {stations[e.from_][0]}, and '{e.to}', row {stations[e.to][0]}) make "
             f"{by_speed:.6g}. They must agree to 0.1 %: correct a pitch radius, or the Speed "
             f"ratio of '{e.to}' and of everything beyond it.",
+            _quote(drive, "m", ("Meshes", row, "Pitch radius drive"))
+            + _quote(drive / by_speed, "m"),
         )
 
 
@@ -845,6 +893,7 @@ def _mesh_line_of_action(
                 f"positive where {column} is given",
                 f"the cell is blank, but {column} is {_number(value, unit)}, along the line of "
                 "action: without a radius it says nothing about the torque. Type the radius.",
+                _quote(value, unit, (table, row, column)),
             )
             break
     if e.stiffness is not None and m.mesh_stiffness is not None:
@@ -857,6 +906,7 @@ def _mesh_line_of_action(
             f"found {_number(m.mesh_stiffness, 'N/m')}, but table Elements, row {element_row}, "
             f"gives '{e.element}' a Stiffness of {_number(e.stiffness, 'N m/rad')} as well. Keep "
             "one of the two.",
+            _quote(e.stiffness, "N m/rad", ("Elements", element_row, "Stiffness")),
         )
     rigid = e.stiffness is None and m.mesh_stiffness is None
     blank = (
@@ -875,7 +925,7 @@ def _mesh_line_of_action(
         )
     if e.stiffness == 0 and m.backlash:
         yield _clearance_without_stiffness(
-            (row, "Backlash"), _number(m.backlash, "m"), element_row, e, "Teeth"
+            (row, "Backlash"), (m.backlash, "m"), element_row, e, "Teeth"
         )
     if rigid and m.mesh_damping:
         yield Problem(
@@ -905,21 +955,21 @@ def _angular_clearance(row: int, m: MeshRow, element_row: int, e: ElementRow) ->
                 unit,
             )
     if e.stiffness == 0 and m.angular_backlash:
-        found = _number(m.angular_backlash, "rad")
+        found = (m.angular_backlash, "rad")
         yield _clearance_without_stiffness((row, "Angular backlash"), found, element_row, e, "Ends")
 
 
 def _clearance_without_stiffness(
-    cell: tuple[int, str], found: str, element_row: int, e: ElementRow, what: str
+    cell: tuple[int, str], found: tuple[float, str], element_row: int, e: ElementRow, what: str
 ) -> Problem:
     """A clearance in an element that has nothing to meet again with."""
     return Problem(
         "Meshes",
         cell[0],
         cell[1],
-        found,
+        found[0],
         "used with a positive stiffness",
-        f"found {found}, but Stiffness of '{e.element}' (table Elements, row {element_row}) is 0. "
+        f"found {_number(*found)}, but Stiffness of '{e.element}' (table Elements, row {element_row}) is 0. "
         f"{what} that part need a stiffness to meet again: type it, or clear the "
         f"{cell[1].lower()}.",
     )
@@ -931,6 +981,7 @@ BODY = (
     ("Bearing stiffness", "bearing_stiffness"),
     ("Bearing damping", "bearing_damping"),
 )
+BODY_UNITS = {"mass": "kg", "bearing_stiffness": "N/m", "bearing_damping": "N s/m"}
 
 
 def _one_body(case: CaseData) -> Iterator[Problem]:
@@ -940,6 +991,7 @@ def _one_body(case: CaseData) -> Iterator[Problem]:
     for row, m in enumerate(case.meshes, start=1):
         for side, station in zip(("drive", "driven"), ends.get(m.element, ()), strict=False):
             for header, key in BODY:
+                unit = BODY_UNITS[key]
                 value = getattr(m, f"{key}_{side}")
                 if value is None or station is None:
                     continue
@@ -951,9 +1003,11 @@ def _one_body(case: CaseData) -> Iterator[Problem]:
                         row,
                         column,
                         value,
-                        f"{seen[2]:.6g} as in row {seen[0]}, {seen[1]}",
+                        f"{_number(seen[2], unit)} as in row {seen[0]}, {seen[1]}",
                         f"Both are of the gear '{station}', which is one body; leave one of them "
                         "blank or make them equal.",
+                        unit,
+                        _quote(seen[2], unit, ("Meshes", seen[0], seen[1])),
                     )
 
 
@@ -985,7 +1039,6 @@ def _bodies(case: CaseData) -> Iterator[Problem]:
 
 def _whole_body(station: str, gear: dict[str, tuple[int, str, float]]) -> Iterator[Problem]:
     """Mass, bearing stiffness and bearing damping of one gear: which of them need which."""
-    units = {"mass": "kg", "bearing_stiffness": "N/m", "bearing_damping": "N s/m"}
     for needed, header, action in (
         (
             "bearing_stiffness",
@@ -1010,7 +1063,8 @@ def _whole_body(station: str, gear: dict[str, tuple[int, str, float]]) -> Iterat
             None,
             f"positive where {column} is given",
             f"the cell is blank, but {column} of the gear '{station}' is "
-            f"{_number(value, units[key])}. {action}, or clear the {column}.",
+            f"{_number(value, BODY_UNITS[key])}. {action}, or clear the {column}.",
+            _quote(value, BODY_UNITS[key], ("Meshes", row, column)),
         )
 
 
@@ -1438,7 +1492,8 @@ def _effect_choices(case: CaseData) -> Iterator[Problem]:
                     row,
                     "Choice",
                     e.choice,
-                    f"auto or off while {cells} {'are' if ' and ' in cells else 'is'} blank",
+                    f"auto or off while {cells} {'are' if ' and ' in cells else 'is'} "
+                    + ("blank or 0" if effect == "backlash" else "blank"),
                     f"There is nothing to simulate: fill {cells}, or choose auto.",
                 )
 

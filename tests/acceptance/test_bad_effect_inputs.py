@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +12,7 @@ import openpyxl
 import pytest
 from typer.testing import CliRunner
 
+from addin.case_json import case_to_json, read_case_json
 from addin.cli import app
 from addin.template_files import template_path
 
@@ -80,6 +83,69 @@ def test_a_wrong_input_has_its_cell_and_its_sentence(
     line = next((line for line in said.splitlines() if place in line), "")
     assert line, said
     assert words in line
+
+
+@pytest.mark.parametrize(
+    ("changes", "column", "said", "unsaid"),
+    [
+        ({"Meshes/1/Mass driven": None}, "Mass driven", "{Meshes/1/Bearing stiffness driven} lbf/in",
+         "N/m"),
+        ({"TripSpeed": 98, "FieldSlip": None, "PullOutTorque": None, "FieldTimeConstant": None,
+          "PullInDamping": None, "FieldAngle": None},
+         "TripSpeed", "97 %.", "182."),
+        ({"TripSpeed": 120}, "TripSpeed", "synchronous speed (100 %)", "(188."),
+        ({"EndSpeed": 104}, "EndSpeed", "synchronous speed (100 %)", "(188."),
+        ({"Meshes/1/Pitch radius drive": None}, "Pitch radius drive",
+         "Backlash is {Meshes/1/Backlash} in,", " m,"),
+    ],
+    ids=lambda value: ", ".join(value) if isinstance(value, dict) else "",
+)  # fmt: skip
+def test_what_is_quoted_beside_a_wrong_cell_is_in_the_units_typed(
+    tmp_path: Path, changes: Mapping[str, Any], column: str, said: str, unsaid: str
+) -> None:
+    """The example is in US customary units: limits and other cells are told in them."""
+    _, output = checked(typed(tmp_path / "wrong.xlsx", changes))
+    line = next(line for line in output.splitlines() if f", {column} (cell " in line)
+    for place in re.findall(r"\{(.*?)\}", said):
+        said = said.replace(f"{{{place}}}", f"{cell_value(place):.10g}")
+    assert said in line
+    assert unsaid not in line
+
+
+def cell_value(place: str) -> Any:
+    """A number of the example as it stands in its cell."""
+    table, row, column = place.split("/")
+    book = openpyxl.load_workbook(SOURCE)
+    sheet = next(ws for ws in book.worksheets if table in ws.tables)
+    at = next(c for c in next(iter(sheet[sheet.tables[table].ref])) if c.value == column)
+    return sheet.cell(at.row + int(row), at.column).value
+
+
+def test_names_of_effects_may_be_typed_with_capitals_and_blanks(tmp_path: Path) -> None:
+    typed_in = {
+        "EffectChoices/1/Effect": " BEARINGS ",
+        "EffectChoices/1/Choice": "ON",
+        "EffectChoices/4/Effect": "Breaker  Closing",
+        "EffectChoices/4/Choice": " Off\u00a0",
+    }
+    path = typed(tmp_path / "loud.xlsx", typed_in)
+    status, said = checked(path)
+    assert (status, "no errors" in said) == (0, True), said
+    case = tmp_path / "loud.json"
+    assert CliRunner().invoke(app, ["export", str(path), str(case)]).exit_code == 0
+    content = json.loads(case.read_text(encoding="utf-8"))
+    chosen = [
+        {"effect": "bearings", "choice": "on"},
+        {"effect": "breaker closing", "choice": "off"},
+    ]
+    assert content["effect_choices"] == chosen
+    content["effect_choices"] = [
+        {"effect": "Bearings ", "choice": " on"},
+        {"effect": "BREAKER CLOSING", "choice": "OFF"},
+    ]
+    again = read_case_json(content)
+    assert again.problems == ()
+    assert case_to_json(again.data)["effect_choices"] == chosen
 
 
 def test_one_unreadable_stiffness_is_one_error(tmp_path: Path) -> None:

@@ -13,9 +13,12 @@ import openpyxl
 import pandas as pd
 import pytest
 
+from addin import cli, recalc
 from addin.json_schemas import results_schema
+from addin.recalc import COMPILING
 from addin.template_files import template_path
 from engine.effects import EFFECTS
+from engine.run import COMPILING_EVENTS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -251,6 +254,27 @@ def test_the_first_compilation_says_what_it_is_doing(tmp_path, monkeypatch):
     second = torsionbook("recalc", "train.xlsx", cwd=tmp_path)
     assert second.returncode == 0, second.stderr
     assert "compiling" not in second.stderr
+
+
+def test_each_compilation_is_told_once_where_nobody_watches(capsys):
+    with cli._progress() as tell:
+        for stage in ("reading", COMPILING, "plan", COMPILING_EVENTS, COMPILING_EVENTS, "start"):
+            tell(f"train.xlsx: {stage}")
+        tell(f"other.xlsx: {COMPILING}")
+    said = capsys.readouterr().err.splitlines()
+    assert said == [f"train.xlsx: {COMPILING} …", f"train.xlsx: {COMPILING_EVENTS} …"]
+
+
+def test_the_run_that_only_compiles_tells_of_the_second_compilation(monkeypatch):
+    def calculate(case, *, on_stage=None, **_):
+        for stage in ("plan", COMPILING_EVENTS, "start with events"):
+            on_stage(stage)
+
+    monkeypatch.setattr("addin.calculation.calculate", calculate)
+    monkeypatch.setattr("engine.stepping.compiling.is_compiled", lambda kernel: False)
+    said = []
+    recalc._calculate(recalc.read_checked(template_path("example_backlash.xlsx")), {}, said.append)
+    assert said[:2] == [COMPILING, COMPILING_EVENTS]
 
 
 def test_json_holds_energy_shares_and_nodes_of_every_mode(example):

@@ -8,7 +8,7 @@ import pytest
 
 from engine.accuracy import AccuracyRow, AccuracyStudy, accuracy_study
 from engine.accuracy import _cost as cost
-from engine.case import TorqueTimeRow
+from engine.case import MeshRow, TorqueTimeRow
 from tests.sample_case import sample_case
 from tests.trains import geared, motor
 
@@ -96,7 +96,29 @@ def test_where_no_step_decides_there_is_nothing_to_study():
     prescribed = replace(
         case, torque_time=(TorqueTimeRow("Motor", 0.0, 1e3), TorqueTimeRow("Motor", 1.0, 1e3))
     )
-    assert "exact at its samples" in accuracy_study(prescribed).sentence
+    found = accuracy_study(prescribed)
+    assert found.rows == ()
+    assert "exact at its samples" in found.sentence
+    assert "backlash forced on" in found.sentence  # and what would make it worth a study
+
+
+def test_prescribed_torques_that_part_teeth_are_studied():
+    rows = (TorqueTimeRow("Motor", 0.0, 1e4), TorqueTimeRow("Motor", 0.3, -1e4))
+    case = replace(
+        geared(motor_torque=(), load_torque=(), torque_time=rows),
+        elements=tuple(
+            replace(e, stiffness=1e8) if e.kind == "gear mesh" else e for e in geared().elements
+        ),
+        meshes=(MeshRow("Mesh", None, 0.3, 0.1, backlash=5e-4),),
+    )
+    found = accuracy_study(case, rounds=1)
+    events = of(found, "exponential with events")
+    assert len(found.rows) == len(events) == 5
+    assert events[-1].error_peak <= 3e-4
+    assert events[-1].error_peak <= events[0].error_peak
+    assert found.sentence.startswith("You asked for 0.1 % on peak torques: ")
+    assert "paper" not in found.sentence
+    assert "not studied" in found.reference
 
 
 def test_progress_is_told():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -17,7 +18,7 @@ from engine.run import MAX_PLANS, Planned, analyse, planned_start, run
 from tests.random_effects import with_bearings, with_dampers, with_judged_shafts
 from tests.random_starts import random_start
 from tests.sample_case import sample_case
-from tests.trains import RATED, geared, motor, prepared
+from tests.trains import MOTOR, RATED, geared, motor, prepared
 
 
 def chosen(case: Case, **choices: str) -> Case:
@@ -143,6 +144,62 @@ def test_bearings_that_give_are_simulated(softness, on):
     assert analyse(case).reported.train.bodies
 
 
+@pytest.mark.parametrize("choice", ["auto", "off"])
+def test_bearings_left_out_say_why_there_are_no_forces(choice):
+    case = with_bearings(geared(), 3, 1e-9)
+    out = run(chosen(case, bearings=choice))
+    assert out.bearing_forces == ()
+    why = out.plans[-1].decision("bearings").why
+    assert "BearingForces" in why
+    assert "EffectChoices" in why
+    forced = run(chosen(case, bearings="on"))
+    assert {f.station for f in forced.bearing_forces} == {"Bull gear", "Pinion"}
+    assert "BearingForces" not in forced.plans[-1].decision("bearings").why
+    assert "BearingForces" not in run(geared()).plans[-1].decision("bearings").why
+
+
+def test_a_mode_that_bearings_change_altogether_is_told_in_words():
+    d = first_plan(CASE, replace(EVIDENCE, bearing_number=1.0)).decision("bearings")
+    assert (d.deciding_number, d.on) == (1.0, True)
+    assert d.why.startswith("Bearings change a mode altogether (100 %")
+    d = first_plan(CASE, replace(EVIDENCE, bearing_number=0.0312)).decision("bearings")
+    assert "by up to 3.1 %, above the limit 0.002 %" in d.why
+    d = first_plan(CASE, replace(EVIDENCE, bearing_number=math.inf)).decision("bearings")
+    assert (d.deciding_number, d.on) == (None, True)
+    assert "no damping without them" in d.why
+
+
+def pulled(pulsating: float = 1.5, **mesh: Any) -> Case:
+    """Gears on bearings and so much pulsation that the torque of the mesh reverses."""
+    rows = motor(curve=[(x, a, pulsating) for x, a, _ in MOTOR])
+    case = with_bearings(geared(motor_torque=rows), 3, 1e-2)
+    return replace(case, meshes=tuple(replace(m, **mesh) for m in case.meshes))
+
+
+@pytest.mark.parametrize("gap", [None, 0.0])
+def test_teeth_that_pull_for_want_of_a_gap_are_told(gap):
+    results = run(pulled(backlash=gap))
+    note = next(w for w in results.warnings if "cannot part" in w)
+    lowest = min(p.minimum for p in results.start.peaks if p.element == "Mesh")
+    assert lowest < 0.0
+    assert note.startswith("'Mesh': the torque falls to -")
+    told = float(note.split("falls to ")[1].split(" N m")[0].replace(",", ""))
+    assert told == pytest.approx(lowest, rel=1e-3)
+    assert "without Backlash its teeth cannot part" in note
+    assert "Fill Backlash in table Meshes" in note
+
+
+def test_teeth_that_do_not_pull_are_not_told_of():
+    for case in (
+        pulled(backlash=2e-4),  # they part
+        chosen(pulled(), bearings="off"),  # nothing moves sideways
+        replace(pulled(0.0), damping_ratio=0.1),  # the torque does not reverse
+    ):
+        results = run(case)
+        assert results.start is not None
+        assert not any("cannot part" in w for w in results.warnings)
+
+
 def test_bearings_forced_off_leave_the_modes_torsional():
     case = chosen(with_bearings(geared(), 3, 1e-2), bearings="off")
     results = run(case)
@@ -159,6 +216,64 @@ def test_the_shock_is_followed_unless_it_is_too_small_to_see():
     d = planned(tiny).plan.decision("breaker closing")
     assert not d.on
     assert d.bound == d.deciding_number <= d.limit
+
+
+def test_the_shock_goes_with_the_square_of_the_voltage_like_the_torque_it_is_compared_with():
+    """Both sides of the ratio fall alike, so that half the voltage decides nothing else."""
+    shock = {"shock_amplitude": 0.3 * RATED, "shock_time_constant": 0.05}
+    # 0.6 + 0.25 of rated torque at standstill; 2 + 120 π · 0.05 times as much at resonance
+    expected = 0.3 * (2.0 + 120.0 * math.pi * 0.05) / 0.85
+    for voltage in (None, 0.5, 1.4):
+        share = evidence_of(geared(voltage=voltage, **shock)).shock_share
+        assert share == pytest.approx(expected, rel=1e-12), voltage
+
+
+def test_the_shocks_of_several_motors_add_and_are_compared_with_the_weakest():
+    """A second motor of a tenth of the torque, on the shaft that turns three times as fast."""
+    shock = {"shock_amplitude": 0.3 * RATED, "shock_time_constant": 0.05}
+    rows = (*motor(), *motor("Load", 0.1 * RATED))
+    share = evidence_of(geared(motor_torque=rows, **shock)).shock_share
+    at_motor_shaft = 0.3 * (1.0 + 3.0)  # of RATED: the stated amplitude at each motor's own shaft
+    grown = 2.0 + 120.0 * math.pi * 0.05
+    assert share == pytest.approx(at_motor_shaft * grown / (0.1 * 3.0 * 0.85), rel=1e-12)
+
+
+def test_without_a_motor_no_breaker_closes():
+    case = geared(
+        motor_torque=(),
+        load_torque=(),
+        torque_time=(TorqueTimeRow("Motor", 0.0, 1e4), TorqueTimeRow("Motor", 0.5, 2e4)),
+        shock_amplitude=RATED,
+        shock_time_constant=0.05,
+    )
+    d = run(case).plans[-1].decision("breaker closing")
+    assert (d.on, d.bound, d.time) == (False, 0.0, None)
+    assert "No motor curve" in d.why
+
+
+def test_an_effect_without_anything_to_simulate_shows_no_time():
+    decisions = run(geared()).plans[-1].decisions
+    blank = {d.effect for d in decisions if d.time is None}
+    assert blank == {
+        "bearings", "breaker closing", "pull-in", "aborted start", "backlash", "cycle counting"
+    }  # fmt: skip
+
+
+def test_fast_modes_forced_on_says_which_it_cannot_follow():
+    """A link of 1e14 N m/rad without damping rings at over a million Hz until the end."""
+    case = geared(damping_ratio=None)
+    elements = tuple(
+        replace(e, stiffness=1e14) if e.element == "Low-speed shaft" else e for e in case.elements
+    )
+    forced = run(chosen(replace(case, elements=elements), fast_modes="on"))
+    d = forced.plans[-1].decision("fast modes")
+    assert forced.start.kept_modes == forced.modes.n_modes - 1 == 2
+    assert d.on
+    assert "2 of 3 modes integrated" in d.why
+    assert "not followed" in d.why
+    assert f"{d.deciding_number:.2g}" in d.why
+    whole = run(chosen(geared(), fast_modes="on")).plans[-1].decision("fast modes")
+    assert "All 3 modes" in whole.why
 
 
 def test_run_length_states_the_rigid_run_up():
@@ -288,6 +403,24 @@ def test_a_reversal_without_a_clearance_names_what_to_fill_in():
     d = first_plan(CASE, e).decision("backlash")
     assert (d.on, d.bound) == (False, None)
     assert "no clearance is given for 'Mesh'" in d.why
+
+
+def test_a_reversal_with_a_clearance_of_zero_leaves_nothing_out():
+    tight = replace(minimum("Mesh", -0.3, clearance=False), tight=True)
+    d = first_plan(CASE, replace(EVIDENCE, linear=told((tight,)))).decision("backlash")
+    assert (d.on, d.bound) == (False, 0.0)
+    assert "the clearance given for 'Mesh' is 0" in d.why
+    assert "no clearance is given" not in d.why
+    both = (tight, minimum("Other", -0.2, clearance=False))
+    d = first_plan(CASE, replace(EVIDENCE, linear=told(both))).decision("backlash")
+    assert d.bound is None
+    assert "no clearance is given for 'Other'" in d.why
+    # typed as 0, not left blank
+    rows = motor(curve=[(x, a, 1.5) for x, a, _ in MOTOR])
+    zero = tuple(replace(m, backlash=0.0) for m in CASE.meshes)
+    typed = run(replace(CASE, meshes=zero, motor_torque=rows)).plans[-1].decision("backlash")
+    assert "is 0" in typed.why
+    assert typed.bound == 0.0
 
 
 def test_a_run_that_finds_a_plan_wrong_makes_a_new_one():

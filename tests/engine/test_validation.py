@@ -186,7 +186,11 @@ SCALARS = [
     (good(rated_power=3e6), "RatedTorque", ["10000 N m", "15915.5 N m", "1800 rpm"]),
     (good(rated_power=0.0), "RatedPower", ["positive"]),
     (good(rated_torque=-1.0), "RatedTorque", ["positive"]),
-    (good(minimum_speed=200.0), "MinimumSpeed", ["at most MaximumSpeed", "200 to 188.496"]),
+    (
+        good(minimum_speed=200.0),
+        "MinimumSpeed",
+        ["at most MaximumSpeed", "200 rad/s to 188.496 rad/s"],
+    ),
     (good(maximum_speed=100.0), "MaximumSpeed", ["at least MinimumSpeed", "synchronous"]),
     (good(minimum_speed=190.0, maximum_speed=180.0), "MinimumSpeed", ["found 190 rad/s"]),
     (good(end_speed=200.0), "EndSpeed", ["at most synchronous speed", "97 %"]),
@@ -219,6 +223,7 @@ SCALARS = [
     (good(pull_out_torque=2e4), "FieldSlip", ["PullOutTorque is given", "clear PullOutTorque"]),
     (good(pull_in_damping=100.0), "FieldSlip", ["PullInDamping is given"]),
     (good(field_time_constant=0.5), "FieldSlip", ["FieldTimeConstant is given"]),
+    (good(**FIELD, field_time_constant=0.0), "FieldTimeConstant", ["blank", "at once"]),
     (good(field_angle=0.5), "FieldSlip", ["FieldAngle is given"]),
     (good(shock_amplitude=1e3), "ShockTimeConstant", ["ShockAmplitude is given", "dies out"]),
     (good(shock_time_constant=0.1), "ShockAmplitude", ["clear ShockTimeConstant"]),
@@ -515,7 +520,7 @@ def test_a_gear_in_several_meshes_is_one_body():
     mesh = MeshRow("mesh 2", None, 1.6, 0.8, mass_driven=501.0)
     (problem,) = find_problems(good(**fields, meshes=(first, mesh)))
     assert (problem.table, problem.row, problem.column) == ("Meshes", 2, "Mass driven")
-    for word in ("501", "500 as in row 1, Mass drive", "'gear'", "one body"):
+    for word in ("501", "500 kg as in row 1, Mass drive", "'gear'", "one body"):
         assert word in problem.message
 
 
@@ -530,6 +535,31 @@ def test_mesh_damping_needs_a_stiffness():
 def test_pitch_radii_may_differ_from_the_ratio_by_a_thousandth():
     assert find_problems(row(M, 1, pitch_radius_driven=0.2 * 1.0009)) == ()
     assert find_problems(row(M, 1, pitch_radius_driven=0.2 * 1.0012)) != ()
+
+
+@pytest.mark.parametrize("radii", [(0.4, 0.4), (0.4, 0.4003), (0.4, None)])
+def test_an_internal_mesh_of_two_equal_gears_is_refused(radii):
+    case = good(meshes=(MeshRow("mesh", "internal", *radii),))
+    equal = tuple(replace(s, speed_ratio=1.0) for s in case.stations)
+    (problem,) = find_problems(replace(case, stations=equal))
+    assert (problem.table, problem.row, problem.column) == ("Meshes", 1, "Gear type")
+    assert "ring" in problem.message
+    assert "0.4 m" in problem.message
+    outside = tuple(replace(m, gear_type="external") for m in case.meshes)
+    assert find_problems(replace(case, stations=equal, meshes=outside)) == ()
+    # a sense of rotation without sizes, and 4 : 1 with radii that agree
+    plain = (MeshRow("mesh", "internal"),)
+    assert find_problems(replace(case, stations=equal, meshes=plain)) == ()
+    right = MeshRow("mesh", "internal", 0.8, 0.2)
+    assert find_problems(replace(case, meshes=(right,))) == ()
+
+
+def test_backlash_forced_on_with_a_gap_of_zero_is_told_that_it_is_zero():
+    choice = (EffectChoiceRow("backlash", "on"),)
+    case = replace(good(), effect_choices=choice)
+    tight = tuple(replace(m, backlash=0.0) for m in case.meshes)
+    (problem,) = find_problems(replace(case, meshes=tight))
+    assert "blank or 0" in problem.message
 
 
 def test_contradicting_ratings_name_what_would_agree():

@@ -132,6 +132,27 @@ def clearances(seed: int) -> Case | None:
     return replace(case, motor_torque=rows, damping_ratio=0.1)
 
 
+def shocks(seed: int) -> Case | None:
+    """Two motors, the second a weaker one at another station, on reduced or raised voltage."""
+    case = shock(seed)
+    assert case is not None
+    rng = np.random.default_rng(seed + 6_000_000)
+    others = [s for s in case.stations if s.station != case.motor_torque[0].station]
+    second = others[int(rng.integers(len(others)))]
+    share = float(10.0 ** rng.uniform(-1.0, 0.0)) / float(second.speed_ratio or 1.0)
+    rows = tuple(
+        replace(
+            p,
+            station=second.station,
+            average=share * (p.average or 0.0),
+            pulsating=share * (p.pulsating or 0.0),
+        )
+        for p in case.motor_torque
+    )
+    voltage = float(rng.uniform(0.8, 1.5))
+    return replace(case, motor_torque=(*case.motor_torque, *rows), voltage=voltage)
+
+
 CASES: dict[str, Callable[[int], Case | None]] = {
     "coupled damping": dampers,
     "bearings": bearings,
@@ -141,11 +162,13 @@ CASES: dict[str, Callable[[int], Case | None]] = {
 }
 
 
-def check(effect: str, seeds: range) -> tuple[int, int]:
+def check(
+    effect: str, seeds: range, make: Callable[[int], Case | None] | None = None
+) -> tuple[int, int]:
     """Every seed both ways; how many cases there were, and in how many the effect was left out."""
     tried = left_out = 0
     for seed in seeds:
-        case = CASES[effect](seed)
+        case = (make or CASES[effect])(seed)
         if case is None:
             continue
         tried += 1
@@ -172,6 +195,12 @@ def test_leaving_an_effect_out_by_plan_changes_nothing_that_counts(effect):
     tried, left_out = check(effect, range(12))
     assert tried >= 6
     assert left_out >= 2  # else nothing was compared
+
+
+def test_leaving_out_the_shocks_of_several_motors_changes_nothing_that_counts():
+    tried, left_out = check("breaker closing", range(12), shocks)
+    assert tried >= 6
+    assert left_out >= 2
 
 
 @pytest.mark.slow

@@ -231,6 +231,45 @@ def test_a_study_changes_nothing_but_its_own_cells(written: Path, tmp_path: Path
     assert len([part for part in others if part.startswith("xl/charts/")]) == 1
 
 
+def accuracy_chart(path: Path) -> str:
+    """The chart of sheet Accuracy, with the words it keeps of its title."""
+    with zipfile.ZipFile(path) as archive:
+        charts = [archive.read(n).decode() for n in archive.namelist() if "charts/chart" in n]
+    (chart,) = [text for text in charts if "Wall time" in text]
+    return chart
+
+
+def test_the_chart_says_that_there_is_no_study_yet(tmp_path: Path) -> None:
+    run = made_up_run()
+    plain = [{"method": "start", "setting": "", "error_peak": 1e-3, "time": 0.004}]
+    calculated, studied = tmp_path / "calculated.xlsx", tmp_path / "study.xlsx"
+    run = replace(run, tables={**run.tables, "AccuracyCost": plain})
+    write_results(SOURCE, calculated, run, STAMP)
+    for path in (SOURCE, calculated):
+        assert labels_of(path)["Accuracy title"].endswith("run torsionbook accuracy FILE")
+        assert "no study yet" in accuracy_chart(path)
+    write_study(open_workbook(calculated, read_only=True), studied, STUDY, WORDS, STAMP, 58400.0)
+    assert labels_of(studied)["Accuracy title"].endswith("as measured in this study")
+    assert "as measured in this study" in accuracy_chart(studied)
+    again = write_results(studied, tmp_path / "again.xlsx", run, STAMP).path
+    assert "no study yet" in accuracy_chart(again)
+
+
+def test_a_study_without_rows_says_that_there_was_nothing_to_study(
+    written: Path, tmp_path: Path
+) -> None:
+    target = tmp_path / "study.xlsx"
+    write_study(open_workbook(written, read_only=True), target, [], WORDS, STAMP, 58400.0)
+    assert "nothing to study" in labels_of(target)["Accuracy title"]
+
+
+def test_the_slip_frequency_of_the_pulsation_is_headed_as_twice_the_slip(written: Path) -> None:
+    mesh = rows_of(written, "TorqueReversals")[0]
+    (of_run,) = [r for r in made_up_run().tables["TorqueReversals"] if r["element"] == "Mesh"]
+    assert mesh["2 × slip frequency"] == pytest.approx(of_run["slip_frequency"])
+    assert "Slip frequency" not in mesh
+
+
 def different_parts(one: Path, other: Path) -> set[str]:
     """Parts of two packages that differ."""
     with zipfile.ZipFile(one) as a, zipfile.ZipFile(other) as b:
