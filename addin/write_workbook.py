@@ -58,6 +58,7 @@ __all__ = [
     "chart_tables",
     "read_shown_units",
     "result_blocks",
+    "shown_cell",
     "write_results",
     "write_study",
 ]
@@ -328,13 +329,30 @@ def _result_block(
     spec: TableSpec, results: Sequence[Mapping[str, Any]], units: ShownUnits
 ) -> TableData:
     columns = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
-    rows = [[_shown(spec, f, row, units) for f in columns] for row in results]
+    rows = [[shown_cell(spec, f, row, units) for f in columns] for row in results]
     formulas = {f.name: CHECK_FORMULAS[spec.name, f.name] for f in spec.extra_columns if rows}
     return TableData(spec.name, rows, [f.name for f in columns], formulas)
 
 
-def _shown(spec: TableSpec, field: Field, row: Mapping[str, Any], units: ShownUnits) -> Any:
-    """The cell of one result."""
+def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: ShownUnits) -> Any:
+    """What a cell shows of one result.
+
+    Parameters
+    ----------
+    spec : TableSpec
+        Its table. [table]
+    field : Field
+        Its column. [field]
+    row : mapping
+        The row by JSON key. [SI]
+    units : ShownUnits
+        Units shown. [units]
+
+    Returns
+    -------
+    object
+        A number in the shown unit, words, or None for a blank.
+    """
     value = row.get(field.key)
     if value is None:
         return "unlimited" if field.name in _STARTS else None

@@ -15,7 +15,7 @@ import numpy as np
 from engine.effects import EffectDecision
 from engine.fatigue import shear_stress
 from engine.margins import percent_speed
-from engine.results import AccuracyRow, Results
+from engine.results import AccuracyRow, AtSpeed, Results
 from engine.reversals import Reversal
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "modal_details",
     "plan_details",
     "result_tables",
+    "speed_tables",
     "reversal_rows",
     "start_summary",
 ]
@@ -46,10 +47,7 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
     """
     return {
         "Verdicts": [asdict(v) for v in results.verdicts],
-        "NaturalFrequencies": _frequencies(results),
-        "ModeShapes": _mode_shapes(results),
-        "SeparationMargins": [_margin_row(r) for r in results.margins.rows],
-        "SteadyState": [asdict(r) for r in results.steady.rows],
+        **speed_tables(results),
         "StartupPeaks": _peaks(results),
         "StartupCrossings": [
             asdict(c) | {"percent_speed": _fraction(c.percent_speed)} for c in results.crossings
@@ -58,6 +56,27 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         "AllowableStarts": _starts(results),
         "Effects": effect_rows(results.plans[-1].decisions if results.plans else ()),
         "AccuracyCost": accuracy_rows(results.accuracy),
+    }
+
+
+def speed_tables(found: AtSpeed) -> dict[str, list[Row]]:
+    """The result tables that need no start.
+
+    Parameters
+    ----------
+    found : AtSpeed
+        Modes, margins and forced response. [SI]
+
+    Returns
+    -------
+    dict of str to list of dict
+        Table name → rows with JSON keys. [SI]
+    """
+    return {
+        "NaturalFrequencies": _frequencies(found),
+        "ModeShapes": _mode_shapes(found),
+        "SeparationMargins": [_margin_row(r) for r in found.margins.rows],
+        "SteadyState": [asdict(r) for r in found.steady.rows],
     }
 
 
@@ -107,13 +126,13 @@ def plan_details(results: Results) -> Row:
     return details
 
 
-def modal_details(results: Results) -> Row:
+def modal_details(results: AtSpeed) -> Row:
     """What the sheets have no table for: energy shares, nodes, damped eigenvalues.
 
     Parameters
     ----------
-    results : Results
-        A complete run. [SI]
+    results : AtSpeed
+        A complete run, or one without a start. [SI]
 
     Returns
     -------
@@ -229,7 +248,7 @@ def accuracy_rows(rows: Iterable[AccuracyRow]) -> list[Row]:
     ]
 
 
-def _sideways(results: Results, mode: int) -> Row:
+def _sideways(results: AtSpeed, mode: int) -> Row:
     """Energy shares of the gears on bearings; nothing where there are none."""
     bodies = [results.train.stations[b.station] for b in results.train.bodies]
     if not bodies:
@@ -249,7 +268,7 @@ def _fraction(percent: float | None) -> float | None:
     return None if percent is None else percent / 100.0
 
 
-def _frequencies(results: Results) -> list[Row]:
+def _frequencies(results: AtSpeed) -> list[Row]:
     modes, line = results.modes, results.case.ratings.line_frequency
     train = results.train
     names = [*train.elements, *(f"bearing of {train.stations[b.station]}" for b in train.bodies)]
@@ -274,7 +293,7 @@ def _frequencies(results: Results) -> list[Row]:
     return rows
 
 
-def _mode_shapes(results: Results) -> list[Row]:
+def _mode_shapes(results: AtSpeed) -> list[Row]:
     """Twist of each station in its physical sense, the largest of a mode = 1."""
     train, modes = results.train, results.modes
     n = train.n_stations

@@ -25,7 +25,7 @@ from engine.steady_state import SteadyState
 from engine.train import Train
 from engine.verdicts import Verdict
 
-__all__ = ["AccuracyRow", "Results"]
+__all__ = ["AccuracyRow", "AtSpeed", "Results"]
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ class AccuracyRow:
 
 
 @dataclass(frozen=True, eq=False)
-class Results:
-    """Everything one run answers.
+class AtSpeed:
+    """What holds without any start: modes, margins, forced response.
 
     Parameters
     ----------
@@ -86,6 +86,29 @@ class Results:
         Lines of the interference diagram. [Hz]
     steady : SteadyState
         Forced response. [SI]
+    """
+
+    case: CaseData
+    case_sha256: str
+    train: Train
+    modes: Modes
+    nodes: tuple[Node, ...]
+    segments: tuple[tuple[str, int], ...]
+    frequency_error: float
+    damping: ModalDamping
+    eigenvalues: NDArray[np.complex128] | None
+    excitations: tuple[Excitation, ...]
+    margins: SeparationMargins
+    interference: Interference
+    steady: SteadyState
+
+
+@dataclass(frozen=True, eq=False)
+class Results(AtSpeed):
+    """Everything one run answers: what `AtSpeed` holds, and the start.
+
+    Parameters
+    ----------
     start : Start or None
         The start, or the response to prescribed torques. [SI]
     crossings : tuple of Crossing
@@ -114,19 +137,6 @@ class Results:
         Estimated error and time of each analysis, as calculated. [1, s]
     """
 
-    case: CaseData
-    case_sha256: str
-    train: Train
-    modes: Modes
-    nodes: tuple[Node, ...]
-    segments: tuple[tuple[str, int], ...]
-    frequency_error: float
-    damping: ModalDamping
-    eigenvalues: NDArray[np.complex128] | None
-    excitations: tuple[Excitation, ...]
-    margins: SeparationMargins
-    interference: Interference
-    steady: SteadyState
     start: Start | None
     crossings: tuple[Crossing, ...]
     starts: AllowableStarts | None

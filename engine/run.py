@@ -37,7 +37,7 @@ from engine.motor import motors_of
 from engine.plan import Plan, first_plan, revised_plan, with_times
 from engine.plausibility import implausible
 from engine.prescribed import run_prescribed
-from engine.results import AccuracyRow, Results
+from engine.results import AccuracyRow, AtSpeed, Results
 from engine.reversals import Reversal, torque_reversals
 from engine.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, starts_of
 from engine.startup import DEFAULT_TOLERANCE_PEAK, Start, has_start, run_start
@@ -51,6 +51,7 @@ __all__ = [
     "Model",
     "Planned",
     "analyse",
+    "at_speed",
     "calculate_start",
     "judged_starts",
     "planned_start",
@@ -187,17 +188,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         yield
         spent.append((name, time.perf_counter() - began))
 
-    with stage("natural frequencies"):
-        analysed = analyse(case)
-        train, modes = analysed.reported.train, analysed.reported.modes
-        damping = analysed.reported.damping
-    with stage("separation margins"):
-        excitations = excitations_of(case, train)
-        margins = separation_margins(case, train, modes, excitations)
-        diagram = interference(case, train, modes, excitations)
-    with stage("steady state"):
-        steady = steady_state(case, train, modes, damping, excitations, margins)
-        margins = judge(margins, steady.rows)
+    analysed, known = _at_speed(case, stage)
     start: Start | None = None
     starts: AllowableStarts | None = None
     crossings: tuple[Crossing, ...] = ()
@@ -219,30 +210,18 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     if start is not None:
         reversals = torque_reversals(case, planned.model.train, start, start.contacts)
     return Results(
-        case=case,
-        case_sha256=case_digest(case),
-        train=train,
-        modes=modes,
-        nodes=nodes_of(train, modes),
-        segments=analysed.found.segments,
-        frequency_error=analysed.found.frequency_error,
-        damping=damping,
-        eigenvalues=damped_eigenvalues(train, modes) if damping.neglected > 0.0 else None,
-        excitations=excitations,
-        margins=margins,
-        interference=diagram,
-        steady=steady,
+        **known.__dict__,
         start=start,
         crossings=crossings,
         starts=starts,
         starts_error=errors,
-        verdicts=verdicts_of(case, margins, steady, start, starts, reversals),
+        verdicts=verdicts_of(case, known.margins, known.steady, start, starts, reversals),
         warnings=tuple(
             dict.fromkeys(
                 [
                     *implausible(case),
-                    *margins.warnings,
-                    *steady.warnings,
+                    *known.margins.warnings,
+                    *known.steady.warnings,
                     *_warnings(case, analysed.reported, start, starts, plans[-1], settled),
                     *_pulling_teeth(case, plans[-1], reversals),
                 ]
@@ -255,6 +234,55 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         pull_in=None if start is None else start.pull_in,
         sensitivity=None if start is None else start.sensitivity,
         accuracy=_accuracy(case, start, errors, spent),
+    )
+
+
+def at_speed(case: CaseData) -> AtSpeed:
+    """Modes, margins and forced response of a case, without a start.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+
+    Returns
+    -------
+    AtSpeed
+        The same numbers as those of `run`. [SI]
+
+    Raises
+    ------
+    ModelError
+        If the train as a whole cannot be calculated; the sentence says why.
+    """
+    return _at_speed(case, lambda _: nullcontext())[1]
+
+
+def _at_speed(case: CaseData, stage: Stage) -> tuple[Analysed, AtSpeed]:
+    with stage("natural frequencies"):
+        analysed = analyse(case)
+        train, modes = analysed.reported.train, analysed.reported.modes
+        damping = analysed.reported.damping
+    with stage("separation margins"):
+        excitations = excitations_of(case, train)
+        margins = separation_margins(case, train, modes, excitations)
+        diagram = interference(case, train, modes, excitations)
+    with stage("steady state"):
+        steady = steady_state(case, train, modes, damping, excitations, margins)
+    return analysed, AtSpeed(
+        case=case,
+        case_sha256=case_digest(case),
+        train=train,
+        modes=modes,
+        nodes=nodes_of(train, modes),
+        segments=analysed.found.segments,
+        frequency_error=analysed.found.frequency_error,
+        damping=damping,
+        eigenvalues=damped_eigenvalues(train, modes) if damping.neglected > 0.0 else None,
+        excitations=excitations,
+        margins=judge(margins, steady.rows),
+        interference=diagram,
+        steady=steady,
     )
 
 

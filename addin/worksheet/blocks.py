@@ -1,0 +1,276 @@
+"""Ranges of a sheet → a case: a row of units, a row of headers, rows of values.
+
+The same names, units and sentences as in a workbook that is read as a whole; a range only lacks
+the sheet and the address it came from, so a place is table, row and column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from addin.cells import Cell as SheetCell
+from addin.cells import Fault, read_number, read_text
+from addin.fields import (
+    INPUT_TABLES,
+    SCALAR_TABLE,
+    SCALARS,
+    Field,
+    TableSpec,
+    input_table,
+)
+from addin.problems import CellProblem, nearest
+from addin.typed_case import (
+    CaseInput,
+    Entry,
+    Findings,
+    Place,
+    Typed,
+    TypedCase,
+    all_problems,
+    to_case_data,
+    told_as_typed,
+    word_entry,
+)
+from addin.units import UnitError, UnitScale, parse_unit
+from addin.worksheet.registry import Block, Cell, FunctionError
+
+__all__ = ["case_of", "problems_in_words"]
+
+#: A header is looked for in so many rows from the top: title, units, headers.
+HEADER_ROWS = 3
+#: Problems told in one cell.
+MOST_TOLD = 5
+
+
+def case_of(blocks: Mapping[str, Block]) -> CaseInput:
+    """Read a case from ranges.
+
+    Parameters
+    ----------
+    blocks : mapping of str to rows of cells
+        ``Case`` for scalars, else the name of an input table → its range. [as typed]
+
+    Returns
+    -------
+    CaseInput
+        Data, problems and entries as typed. [SI]
+
+    Raises
+    ------
+    FunctionError
+        If a range is no such table at all.
+    """
+    reading = _Reading()
+    for name, block in blocks.items():
+        if name == SCALAR_TABLE:
+            reading.scalars(block)
+        else:
+            reading.table(input_table(name), block)
+    return reading.result()
+
+
+def problems_in_words(found: CaseInput) -> str:
+    """Everything wrong, for one cell.
+
+    Parameters
+    ----------
+    found : CaseInput
+        What was read. [SI]
+
+    Returns
+    -------
+    str
+        Sentences, the first `MOST_TOLD` of them; empty if nothing is wrong.
+    """
+    told = []
+    for problem in found.problems[:MOST_TOLD]:
+        told.append(problem.message)
+    if len(found.problems) > MOST_TOLD:
+        told.append(f"And {len(found.problems) - MOST_TOLD} more.")
+    return " ".join(told)
+
+
+class _Reading:
+    """What has been found so far."""
+
+    def __init__(self) -> None:
+        self.typed = TypedCase()
+        self.findings = Findings()
+        self.rows: dict[str, list[int]] = {}
+
+    # ---- scalars -------------------------------------------------------------------------------
+
+    def scalars(self, block: Block) -> None:
+        """Name, value and unit side by side, anywhere in the range."""
+        names = {_folded(spec.name): spec for spec in SCALARS}
+        for row in block:
+            for i, cell in enumerate(row):
+                spec = names.get(_folded(cell)) if isinstance(cell, str) else None
+                if spec is None or i + 1 >= len(row):
+                    continue
+                before = row[i - 1] if i else None
+                if isinstance(before, str) and _folded(before) in names:
+                    continue  # the value of the name before it
+                unit = row[i + 2] if i + 2 < len(row) else None
+                entry = self._entry(
+                    spec, row[i + 1], unit, (SCALAR_TABLE, None, spec.name), "right of it"
+                )
+                if entry is not None:
+                    self.typed.scalars[spec.name] = entry
+
+    # ---- tables --------------------------------------------------------------------------------
+
+    def table(self, spec: TableSpec, block: Block) -> None:
+        """A range with its headers."""
+        at = self._header_row(spec, block)
+        columns = self._columns(spec, block, at)
+        scales = {
+            j: self._scale(column, block[at - 1][j] if at else None, (spec.name, None, column.name))
+            for j, column in columns.items()
+            if column.is_number
+        }
+        units = {j: _text(block[at - 1][j]) if at else "" for j in columns}
+        entries: list[dict[str, Entry]] = []
+        self.typed.tables[spec.name] = entries
+        self.rows[spec.name] = []
+        for number, row in enumerate(block[at + 1 :], start=1):
+            filled = {j for j in columns if row[j] is not None}
+            stated = {columns[j].name for j in filled}
+            if not filled or (spec.states and spec.states not in stated):
+                continue
+            self.rows[spec.name].append(number)
+            line: dict[str, Entry] = {}
+            entries.append(line)
+            for j in sorted(filled):
+                column = columns[j]
+                place = (spec.name, len(entries), column.name)
+                entry = self._cell(column, row[j], scales.get(j), units[j], place)
+                if entry is not None:
+                    line[column.name] = entry
+
+    def _header_row(self, spec: TableSpec, block: Block) -> int:
+        known = {_folded(column.name) for column in spec.columns}
+        for i, row in enumerate(block[:HEADER_ROWS]):
+            hits = sum(1 for cell in row if isinstance(cell, str) and _folded(cell) in known)
+            if hits >= 2 or hits == len(spec.columns):
+                return i
+        names = ", ".join(column.name for column in spec.columns[:4])
+        raise FunctionError(
+            f"{spec.name}: the range has no headers. Select the table with its headers ({names}, "
+            "...) and the row of units above them."
+        )
+
+    def _columns(self, spec: TableSpec, block: Block, at: int) -> dict[int, Field]:
+        known = {_folded(column.name): column for column in spec.columns}
+        extra = {_folded(column.name) for column in spec.extra_columns}
+        columns: dict[int, Field] = {}
+        for j, cell in enumerate(block[at]):
+            if not isinstance(cell, str) or _folded(cell) in extra:
+                continue
+            column = known.get(_folded(cell))
+            if column is None:
+                meant = nearest(cell, [c.name for c in spec.columns])
+                hint = f" Did you mean '{meant}'?" if meant else ""
+                self.findings.add(
+                    (spec.name, None, cell),
+                    cell,
+                    "a header of the table",
+                    f"the header '{cell}' is not known.{hint}",
+                )
+            elif column in columns.values():
+                self.findings.add(
+                    (spec.name, None, column.name),
+                    cell,
+                    "each header once",
+                    f"the header '{column.name}' stands twice. Select one table only.",
+                )
+            else:
+                columns[j] = column
+        return columns
+
+    # ---- cells ---------------------------------------------------------------------------------
+
+    def _entry(
+        self, spec: Field, value: Cell, unit: Cell, place: Place, unit_place: str
+    ) -> Entry | None:
+        if value is None:
+            return None
+        scale = self._scale(spec, unit, place, unit_place) if spec.is_number else None
+        return self._cell(spec, value, scale, _text(unit), place)
+
+    def _scale(
+        self, spec: Field, unit: Cell, place: Place, unit_place: str = "above the header"
+    ) -> UnitScale | None:
+        """What one unit is worth; a unit that cannot be read is noted."""
+        if not spec.has_unit:
+            return UnitScale(1.0)
+        try:
+            return parse_unit(_text(unit), spec.dimension)
+        except UnitError as error:
+            message = error.message
+            if unit is None:
+                message = f"there is no unit {unit_place}. {message} Select the units too."
+            self.findings.add(place, _text(unit) or None, error.allowed, message)
+            return None
+
+    def _cell(
+        self, spec: Field, value: Cell, scale: UnitScale | None, unit: str, place: Place
+    ) -> Entry | None:
+        cell = SheetCell(value)
+        if not spec.is_number:
+            words = read_text(cell, spec)
+            if isinstance(words, Fault):
+                self.findings.add(place, words.found, words.allowed, words.message)
+                return None
+            return None if words is None else word_entry(words, spec, place, self.findings)
+        number = read_number(cell, spec, "in the cell above the header")
+        if isinstance(number, Fault):
+            self.findings.add(place, number.found, number.allowed, number.message)
+            return None
+        if scale is None:
+            self.findings.silence(place)
+            return None
+        return None if number is None else Typed(number, scale, unit)
+
+    # ---- all -----------------------------------------------------------------------------------
+
+    def result(self) -> CaseInput:
+        """Everything read and checked."""
+        for table in INPUT_TABLES:
+            self.typed.tables.setdefault(table.name, [])
+        data = to_case_data(self.typed, self.findings)
+        told = []
+        for problem in all_problems(data, self.findings):
+            typed = told_as_typed(problem, self.typed)
+            rows = self.rows.get(problem.table, [])
+            row = problem.row
+            if row is not None and row <= len(rows):
+                row = rows[row - 1]
+            where = [problem.table if problem.table != SCALAR_TABLE else "Case"]
+            where += [f"row {row}"] if row is not None else []
+            where += [problem.column] if problem.column else []
+            typed = replace(typed, row=row)
+            told.append(
+                CellProblem(
+                    "",
+                    typed.table,
+                    typed.row,
+                    typed.column,
+                    typed.found,
+                    typed.allowed,
+                    f"{', '.join(where)}: {typed.message}",
+                )
+            )
+        return CaseInput(data=data, problems=tuple(told), warnings=(), typed=self.typed)
+
+
+def _text(cell: Cell) -> str:
+    if isinstance(cell, str):
+        return cell
+    return f"{cell:.15g}" if isinstance(cell, float) else ""
+
+
+def _folded(text: str) -> str:
+    """A name without blanks and capitals: ``End speed`` is ``EndSpeed``."""
+    return "".join(text.split()).casefold()

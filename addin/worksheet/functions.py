@@ -1,0 +1,469 @@
+"""The worksheet functions: short, each a question to the engine and a table of the contract.
+
+A table comes with its headers in one row, the unit of a column in brackets, in the units of the
+template that the model's tables are typed in (SI or US customary) unless `Units` says otherwise.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from typing import Any
+
+from addin import fields
+from addin.chart_data import ShownUnits
+from addin.fields import Field, TableSpec, result_table
+from addin.units import UnitError, parse_unit
+from addin.worksheet.blocks import case_of, problems_in_words
+from addin.worksheet.models import MODELS, Model
+from addin.worksheet.registry import Argument, Block, FunctionError, registered
+
+__all__: list[str] = []
+
+Rows = list[list[Any]]
+
+MODEL = Argument("Model", "model", "The cell with =TV_MODEL(...).")
+UNITS = Argument("Units", "text", "SI or US; blank = as the model's tables are typed.", True)
+HEADERS = Argument("Headers", "flag", "FALSE leaves the row of headers out.", True)
+#: Argument of TV_MODEL → input table.
+TABLES = (
+    "Stations", "Elements", "Meshes", "ModeDamping", "MotorTorque", "LoadTorque", "TorqueTime",
+    "Materials", "SNPoints", "Excitations", "EffectChoices",
+)  # fmt: skip
+#: Points of a decimated curve, unless asked otherwise; and the most. [count]
+USUAL_POINTS, MOST_POINTS = 501, 20_001
+
+
+# --- shown units ----------------------------------------------------------------------------------
+
+
+def _system(units: str | None, model: Model | None) -> str:
+    if units is None:
+        return model.system if model is not None else "SI"
+    word = units.casefold()
+    if word in ("si", "us"):
+        return word.upper()
+    raise FunctionError(f"Units: found '{units[:40]}'; give SI or US, or leave it out.")
+
+
+@cache
+def _units(system: str) -> ShownUnits:
+    """The units of the shipped templates."""
+    from addin.shown_units import shown_units
+
+    names = {}
+    for table in (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES):
+        repeated = () if table.repeated is None else (table.repeated,)
+        for field in (*table.columns, *repeated, *table.extra_columns):
+            if field.has_unit:
+                names[table.name, field.name] = field.unit_us if system == "US" else field.unit_si
+    found, problems = shown_units(names, None)
+    assert not problems, problems
+    return found
+
+
+def _table(
+    spec: TableSpec,
+    rows: Iterable[Mapping[str, Any]],
+    system: str,
+    headers: bool | None,
+    columns: Sequence[Field] | None = None,
+) -> Rows:
+    """Rows of a result table, cell for cell as a workbook shows them."""
+    from addin.write_workbook import shown_cell
+
+    units = _units(system)
+    columns = spec.columns if columns is None else columns
+    found: Rows = [[shown_cell(spec, c, row, units) for c in columns] for row in rows]
+    if headers is False:
+        return found
+    return [[_header(c, units.name(spec.name, c.name)) for c in columns], *found]
+
+
+def _header(field: Field, unit: str) -> str:
+    return f"{field.name} [{unit}]" if unit else field.name
+
+
+def _si(dimension: str, system: str) -> tuple[str, float]:
+    """Unit of a dimension in a system of units, and its size in SI."""
+    known = fields.DIMENSIONS[dimension]
+    unit = known.unit_us if system == "US" else known.unit_si
+    return unit, parse_unit(unit, dimension).factor
+
+
+# --- what is calculated, once a model -------------------------------------------------------------
+
+
+def _at_speed(handle: str) -> tuple[Model, Mapping[str, Any]]:
+    """Tables that need no start."""
+    model = MODELS.of(handle)
+
+    def calculate(case: Any) -> Mapping[str, Any]:
+        from engine.report import modal_details, speed_tables
+        from engine.run import at_speed
+
+        found = at_speed(case)
+        return speed_tables(found) | modal_details(found)
+
+    return model, MODELS.result(model, "at speed", calculate)
+
+
+def _run(handle: str) -> tuple[Model, Any]:
+    """The whole calculation of a model."""
+    model = MODELS.of(handle)
+
+    def calculate(case: Any) -> Any:
+        from addin.calculation import calculate as whole
+
+        return whole(case)
+
+    return model, MODELS.result(model, "run", calculate)
+
+
+def _run_table(
+    name: str, handle: str, units: str | None, headers: bool | None, missing: str
+) -> Rows:
+    model, run = _run(handle)
+    rows = run.tables.get(name) or ()
+    if not rows:
+        raise FunctionError(missing, "#N/A")
+    return _table(result_table(name), rows, _system(units, model), headers)
+
+
+NO_START = "The case has no start: fill MotorTorque (and LoadTorque) or TorqueTime."
+
+
+# --- the model ------------------------------------------------------------------------------------
+
+
+@registered(
+    "TV_MODEL",
+    Argument("Stations", "block", "Table Stations with headers and the row of units above."),
+    Argument("Elements", "block", "Table Elements with headers and units."),
+    Argument("Case", "block", "Names, values and units of sheet Case, side by side.", True),
+    *(
+        Argument(name, "block", f"Table {name} with headers and units.", True)
+        for name in TABLES[2:]
+    ),
+    scalar=True,
+    example="=TV_MODEL(Train!B6:G20, Train!B26:V40, Case!B5:J60)",
+)
+def tv_model(stations: Block, elements: Block, case: Block | None, *others: Block | None) -> str:
+    """Check a case and give its handle, which the other functions take.
+
+    Equal cases have equal handles. What is wrong with the tables is said in its place.
+    """
+    blocks = {"Stations": stations, "Elements": elements}
+    if case is not None:
+        blocks[fields.SCALAR_TABLE] = case
+    for name, block in zip(TABLES[2:], others, strict=True):
+        if block is not None:
+            blocks[name] = block
+    found = case_of(blocks)
+    if found.problems:
+        raise FunctionError(problems_in_words(found))
+    return MODELS.add(found).handle
+
+
+# --- modes ----------------------------------------------------------------------------------------
+
+
+@registered("TV_FREQUENCIES", MODEL, UNITS, HEADERS, example='=TV_FREQUENCIES(A1, "SI")')
+def tv_frequencies(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Natural frequencies with damping, start-up crossing and the element that strains most.
+
+    Rigid-body modes come first with frequency 0.
+    """
+    found, tables = _at_speed(model)
+    rows = tables["NaturalFrequencies"]
+    return _table(result_table("NaturalFrequencies"), rows, _system(units, found), headers)
+
+
+@registered(
+    "TV_MODE",
+    MODEL,
+    Argument("Mode", "count", "Number of the elastic mode, counted from 1."),
+    HEADERS,
+    example="=TV_MODE(A1, 2)",
+)
+def tv_mode(model: str, mode: int, headers: bool | None) -> Rows:
+    """Shape of one mode: relative twist of each station, the largest = 1."""
+    _, tables = _at_speed(model)
+    key = f"mode_{mode}"
+    rows = tables["ModeShapes"]
+    _existing(mode, len(tables["modes"]))
+    found: Rows = [[row["station"], row[key]] for row in rows]
+    return found if headers is False else [["Station", f"Mode {mode}"], *found]
+
+
+@registered(
+    "TV_ENERGY",
+    MODEL,
+    Argument("Mode", "count", "Number of the elastic mode; blank = all.", True),
+    HEADERS,
+    example="=TV_ENERGY(A1)",
+)
+def tv_energy(model: str, mode: int | None, headers: bool | None) -> Rows:
+    """Energy shares: of each element in the strain and of each station in the kinetic energy."""
+    _, tables = _at_speed(model)
+    modes = tables["modes"]
+    if mode is not None:
+        _existing(mode, len(modes))
+        modes = [modes[mode - 1]]
+    if not modes:
+        raise FunctionError("The train has no elastic mode: it has one station only.", "#N/A")
+    found: Rows = []
+    for kind, words in (("strain_energy", "strain"), ("kinetic_energy", "kinetic")):
+        for name in modes[0][kind]:
+            found.append([name, words, *(m[kind][name] for m in modes)])
+    head = ["Name", "Energy", *(f"Mode {m['mode']} [1]" for m in modes)]
+    return found if headers is False else [head, *found]
+
+
+def _existing(mode: int, count: int) -> None:
+    if mode > count:
+        raise FunctionError(f"Mode: found {mode}; the train has {count} elastic modes.", "#N/A")
+
+
+@registered(
+    "TV_STIFFNESS",
+    Argument("OD", "number", "Outer diameter [mm or in]."),
+    Argument("ID", "number", "Bore [mm or in]; blank = solid.", blank=True),
+    Argument("Length", "number", "Length [mm or in]."),
+    Argument("Shear modulus", "number", "Shear modulus [MPa or psi]."),
+    Argument("Units", "text", "SI (mm, MPa, N*m/rad; default) or US (in, psi, lbf*in/rad).", True),
+    scalar=True,
+    example="=TV_STIFFNESS(200, 0, 500, 79300)",
+)
+def tv_stiffness(
+    outer: float, bore: float | None, length: float, modulus: float, units: str | None
+) -> float:
+    """Torsional stiffness of a round shaft, k = G π (D⁴ − d⁴) / 32 L."""
+    from engine.train import shaft_stiffness
+
+    system = _system(units, None)
+    _, metre = _si("length", system)
+    _, pascal = _si("pressure", system)
+    _, newton_metre = _si("torsional stiffness", system)
+    for name, value in (("OD", outer), ("Length", length), ("Shear modulus", modulus)):
+        if value <= 0.0:
+            raise FunctionError(f"{name}: found {value:.10g}; it must be above 0.", "#NUM!")
+    inner = 0.0 if bore is None else bore
+    if not 0.0 <= inner < outer:
+        raise FunctionError(
+            f"ID: found {inner:.10g}; it must be at least 0 and below OD {outer:.10g}.", "#NUM!"
+        )
+    return float(
+        shaft_stiffness(outer * metre, inner * metre, length * metre, modulus * pascal)
+        / newton_metre
+    )
+
+
+# --- running --------------------------------------------------------------------------------------
+
+
+@registered("TV_MARGINS", MODEL, UNITS, HEADERS, example="=TV_MARGINS(A1)")
+def tv_margins(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Separation margin of every mode from every excitation, with its verdict."""
+    found, tables = _at_speed(model)
+    rows = tables["SeparationMargins"]
+    if not rows:
+        raise FunctionError("Nothing is judged: the case states no speed and no line.", "#N/A")
+    return _table(result_table("SeparationMargins"), rows, _system(units, found), headers)
+
+
+@registered("TV_STEADY", MODEL, UNITS, HEADERS, example="=TV_STEADY(A1)")
+def tv_steady(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Forced response where a margin is not kept: torque, stress and UTS/25."""
+    found, tables = _at_speed(model)
+    rows = tables["SteadyState"]
+    if not rows:
+        raise FunctionError("Every margin is kept, so no forced response is needed.", "#N/A")
+    return _table(result_table("SteadyState"), rows, _system(units, found), headers)
+
+
+# --- the start ------------------------------------------------------------------------------------
+
+
+def _points(points: int | None) -> int:
+    if points is not None and not 3 <= points <= MOST_POINTS:
+        raise FunctionError(f"Points: found {points}; give 3 to {MOST_POINTS}.", "#NUM!")
+    return USUAL_POINTS if points is None else points
+
+
+@registered(
+    "TV_SPEED_TIME",
+    MODEL,
+    Argument("Points", "count", f"Rows at the most, {USUAL_POINTS} unless said.", True),
+    HEADERS,
+    long=True,
+    example="=TV_SPEED_TIME(A1, 200)",
+)
+def tv_speed_time(model: str, points: int | None, headers: bool | None) -> Rows:
+    """Mean speed of the motor against time during the start."""
+    from addin.chart_rows import decimate
+
+    limit = _points(points)
+    _, run = _run(model)
+    if run.view.speed_time is None or not run.case.ratings.synchronous_speed:
+        raise FunctionError(NO_START, "#N/A")
+    time, speed = run.view.speed_time
+    kept = decimate(time, speed, limit)
+    share = speed / run.case.ratings.synchronous_speed
+    found: Rows = [
+        [float(time[i]), float(speed[i]) * 30.0 / math.pi, 100.0 * float(share[i])] for i in kept
+    ]
+    return found if headers is False else [["Time [s]", "Speed [rpm]", "Speed [%]"], *found]
+
+
+@registered("TV_PEAKS", MODEL, UNITS, HEADERS, long=True, example="=TV_PEAKS(A1)")
+def tv_peaks(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Largest and least torque of every element in the start, with the estimated error."""
+    return _run_table("StartupPeaks", model, units, headers, NO_START)
+
+
+@registered(
+    "TV_HISTORY",
+    MODEL,
+    Argument("Element", "text", "Name of the element."),
+    Argument("Points", "count", f"Rows at the most, {USUAL_POINTS} unless said.", True),
+    UNITS,
+    HEADERS,
+    long=True,
+    example='=TV_HISTORY(A1, "LS coupling", 1000)',
+)
+def tv_history(
+    model: str, element: str, points: int | None, units: str | None, headers: bool | None
+) -> Rows:
+    """Torque of an element against time; thinned so that every interval keeps its extremes."""
+    from addin.chart_rows import decimate
+
+    limit = _points(points)
+    found, run = _run(model)
+    histories = run.view.histories or {}
+    if not histories:
+        raise FunctionError(NO_START, "#N/A")
+    name = next((n for n in histories if n.casefold() == element.casefold()), None)
+    if name is None:
+        known = ", ".join(list(histories)[:20])
+        raise FunctionError(f"Element: found '{element[:60]}'; there are: {known}.", "#N/A")
+    shown, place = _units(_system(units, found)), ("StartupPeaks", "Maximum torque")
+    unit, factor = shown.name(*place), shown.factor(*place)
+    time, torque = histories[name]
+    kept = decimate(time, torque, limit)
+    rows: Rows = [[float(time[i]), float(torque[i]) / factor] for i in kept]
+    return rows if headers is False else [["Time [s]", f"Torque [{unit}]"], *rows]
+
+
+@registered("TV_REVERSALS", MODEL, UNITS, HEADERS, long=True, example="=TV_REVERSALS(A1)")
+def tv_reversals(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Torque reversals, impacts and tooth force of meshes and geared couplings."""
+    missing = "There is no start, or the train has no gear mesh and no geared coupling."
+    return _run_table("TorqueReversals", model, units, headers, missing)
+
+
+@registered("TV_CYCLES", MODEL, UNITS, HEADERS, long=True, example="=TV_CYCLES(A1)")
+def tv_cycles(model: str, units: str | None, headers: bool | None) -> Rows:
+    """The most damaging cycles of one start of the governing shaft: n, N and n/N."""
+    from addin.start_cycles import start_cycle_rows
+
+    found, run = _run(model)
+    rows = start_cycle_rows(run.view)
+    if not rows:
+        raise FunctionError("No shaft is judged for fatigue, or no cycle damages it.", "#N/A")
+    spec = next(t for t in fields.WORKBOOK_TABLES if t.name == "StartCycles")
+    return _table(spec, rows, _system(units, found), headers)
+
+
+@registered("TV_STARTS", MODEL, UNITS, HEADERS, long=True, example="=TV_STARTS(A1)")
+def tv_starts(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Damage of one start and allowable starts of every judged shaft."""
+    missing = "No shaft is judged: give Material, Stress diameter and S-N points, and a start."
+    return _run_table("AllowableStarts", model, units, headers, missing)
+
+
+@registered(
+    "TV_SN_LIFE",
+    MODEL,
+    Argument("Material", "text", "Name in table Materials."),
+    Argument("Stress", "numbers", "Zero-to-peak stress, nominal times SCF [MPa or psi]."),
+    UNITS,
+    example='=TV_SN_LIFE(A1, "4340", 200)',
+)
+def tv_sn_life(model: str, material: str, stress: Rows, units: str | None) -> Rows:
+    """Cycles to failure at a stress, on the S-N line in torsion; below endurance 'unlimited'."""
+    from engine.errors import ModelError
+    from engine.fatigue import sn_curve_for
+
+    found = MODELS.of(model)
+    case = found.case
+    row = next(
+        (m for m in case.materials if str(m.material).casefold() == material.casefold()), None
+    )
+    if row is None:
+        known = ", ".join(str(m.material) for m in case.materials) or "none"
+        raise FunctionError(f"Material: found '{material[:60]}'; there are: {known}.", "#N/A")
+    try:
+        curve = sn_curve_for(row, case.sn_points)
+    except ModelError as wrong:
+        raise FunctionError(str(wrong), "#NUM!") from None
+    _, pascal = _si("pressure", _system(units, found))
+    answer: Rows = []
+    for line in stress:
+        lives: list[Any] = []
+        for value in line:
+            if value is not None and value < 0.0:
+                raise FunctionError(f"Stress: found {value:.10g}; give 0 or more.", "#NUM!")
+            life = None if value is None else float(curve.cycles_to_failure(value * pascal))
+            lives.append(life if life is None or math.isfinite(life) else "unlimited")
+        answer.append(lives)
+    return answer
+
+
+@registered("TV_EFFECTS", MODEL, UNITS, HEADERS, long=True, example="=TV_EFFECTS(A1)")
+def tv_effects(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Which effects the calculation simulates, with the number that decided each."""
+    return _run_table("Effects", model, units, headers, NO_START)
+
+
+# --- units ----------------------------------------------------------------------------------------
+
+
+@registered(
+    "TV_CONVERT",
+    Argument("Value", "numbers", "A number, or a range of them."),
+    Argument("From", "text", "Unit of the value, such as lb*ft^2."),
+    Argument("To", "text", "Unit wanted, such as kg*m^2."),
+    example='=TV_CONVERT(10900, "lb*ft^2", "kg*m^2")',
+)
+def tv_convert(value: Rows, given: str, wanted: str) -> Rows:
+    """Convert numbers from one unit to another of the same dimension."""
+    factor = _factor(given, wanted)
+    return [[None if v is None else v * factor for v in row] for row in value]
+
+
+@cache
+def _factor(given: str, wanted: str) -> float:
+    first = ""
+    for name, dimension in fields.DIMENSIONS.items():
+        if not dimension.units or name == "cycles per minute":  # frequency holds its unit
+            continue
+        try:
+            a = parse_unit(given, name)
+        except UnitError as wrong:
+            first = first or wrong.message
+            continue
+        try:
+            b = parse_unit(wanted, name)
+        except UnitError:
+            first = f"'{given[:40]}' is {_named(name)}, '{wanted[:40]}' is not."
+            continue
+        if a.base == b.base:
+            return a.factor / b.factor
+        first = f"'{given[:40]}' and '{wanted[:40]}' are shares of different things."
+    raise FunctionError(first or f"'{given[:40]}' is not a known unit.")
+
+
+def _named(dimension: str) -> str:
+    return f"{'an' if dimension[0] in 'aeiou' else 'a'} {dimension}"

@@ -1,0 +1,333 @@
+"""What a worksheet function is: name, arguments, help; cells in, rows of cells out."""
+
+from __future__ import annotations
+
+import datetime as dt
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from addin.package.values import ERROR_CODES, ErrorValue
+
+__all__ = [
+    "Argument", "Block", "CATEGORY", "FUNCTIONS", "FunctionError", "Function", "call",
+    "registered", "rows_of",
+]  # fmt: skip
+
+#: Category in the function wizard of a spreadsheet program.
+CATEGORY = "torsionbook"
+#: Kinds of argument.
+KINDS = ("block", "model", "number", "numbers", "text", "flag", "count")
+#: Most cells one argument may hold: a whole column by mistake is refused in time.
+MOST_CELLS = 250_000
+#: Longest text a cell holds.
+LONGEST_TEXT = 32_000
+
+Value = None | bool | float | str
+
+
+Cell = Value | ErrorValue
+Block = list[list[Cell]]
+
+
+class FunctionError(Exception):
+    """Why a function has no answer, told to the user.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong and what to do. [sentence]
+    code : str
+        What a cell shows that can only show codes. [code]
+    """
+
+    def __init__(self, message: str, code: str = "#VALUE!") -> None:
+        super().__init__(message)
+        self.message = message
+        self.code = code
+
+
+@dataclass(frozen=True)
+class Argument:
+    """One argument of a function.
+
+    Parameters
+    ----------
+    name : str
+        As the wizard shows it. [name]
+    kind : str
+        One of `KINDS`: a range with headers, a handle of `TV_MODEL`, one number, a range of
+        numbers, a text, TRUE or FALSE, a positive whole number. [word]
+    help : str
+        What to give. [sentence]
+    optional : bool
+        Whether it may be left out or blank: the function then gets None. [flag]
+    blank : bool
+        Whether the cell given may be blank although others follow. [flag]
+    """
+
+    name: str
+    kind: str
+    help: str
+    optional: bool = False
+    blank: bool = False
+
+    def __post_init__(self) -> None:
+        assert self.kind in KINDS, self.kind
+
+
+@dataclass(frozen=True)
+class Function:
+    """One worksheet function.
+
+    Parameters
+    ----------
+    name : str
+        In capitals, as in the contract. [name]
+    help : str
+        First sentence of its documentation. [sentence]
+    arguments : tuple of Argument
+        In order; the optional ones last.
+    answer : callable
+        Takes the values of the arguments, gives a value or rows. [SI inside, shown units outside]
+    scalar : bool
+        Whether the answer is one cell. [flag]
+    long : bool
+        Whether it may have to calculate a start. [flag]
+    example : str
+        A formula. [text]
+    """
+
+    name: str
+    help: str
+    arguments: tuple[Argument, ...]
+    answer: Callable[..., Any]
+    scalar: bool = False
+    long: bool = False
+    example: str = ""
+
+
+#: Every function by name, in the order of the contract.
+FUNCTIONS: dict[str, Function] = {}
+
+
+def registered(
+    name: str, *arguments: Argument, scalar: bool = False, long: bool = False, example: str = ""
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Enter a function into the registry.
+
+    Parameters
+    ----------
+    name : str
+        In capitals. [name]
+    *arguments : Argument
+        As many as the function takes.
+    scalar, long : bool
+        Whether its answer is one cell; whether it may calculate a start. [flags]
+    example : str
+        A formula. [text]
+
+    Returns
+    -------
+    callable
+        Decorator that leaves the function as it is.
+    """
+
+    def enter(answer: Callable[..., Any]) -> Callable[..., Any]:
+        optional = [a.optional for a in arguments]
+        assert optional == sorted(optional), f"{name}: optional arguments come last"
+        text = " ".join((answer.__doc__ or "").split("\n\n")[0].split())
+        assert text, f"{name} has no documentation"
+        FUNCTIONS[name] = Function(name, text, arguments, answer, scalar, long, example)
+        return answer
+
+    return enter
+
+
+# --- cells in -------------------------------------------------------------------------------------
+
+
+def rows_of(raw: Any) -> Block:
+    """Whatever a front hands over, as rows of cells.
+
+    Blanks are None, whatever the front takes for one (None, an empty text, NaN); numbers are
+    doubles; error values stay errors.
+
+    Parameters
+    ----------
+    raw : object
+        One value, a list (one row) or a list of rows; of the Office.js host also objects of type
+        ``Error``, ``Double``, ``String``, ``Boolean`` and ``Empty``. [as typed]
+
+    Returns
+    -------
+    list of list
+        All rows equally long.
+    """
+    rows = raw if isinstance(raw, (list, tuple)) else [[raw]]
+    if not rows or not isinstance(rows[0], (list, tuple)):
+        rows = [rows]
+    if sum(len(row) if isinstance(row, (list, tuple)) else 1 for row in rows) > MOST_CELLS:
+        raise FunctionError(
+            f"An argument holds more than {MOST_CELLS:,} cells. Give the table, not whole columns."
+        )
+    found = [
+        [_cell(value) for value in (row if isinstance(row, (list, tuple)) else [row])]
+        for row in rows
+    ]
+    width = max((len(row) for row in found), default=0)
+    return [row + [None] * (width - len(row)) for row in found]
+
+
+def _cell(value: Any) -> Cell:
+    """One cell as handed over."""
+    if isinstance(value, dict):
+        kind = str(value.get("type", ""))
+        if kind == "Error":
+            return _error(str(value.get("basicValue")))
+        value = value.get("basicValue")
+    if value is None or isinstance(value, ErrorValue):
+        return value
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, (dt.datetime, dt.date, dt.time)):
+        return f"date {value.isoformat()}"
+    if isinstance(value, str):
+        text = value.strip()
+        if text in ERROR_CODES:
+            return ErrorValue(text)
+        return text[:LONGEST_TEXT] or None
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        return str(value)[:LONGEST_TEXT]
+    return None if math.isnan(number) else number
+
+
+def _error(code: str) -> ErrorValue:
+    """An error value; one that is not known shows as the commonest."""
+    return ErrorValue(code if code in ERROR_CODES else "#VALUE!")
+
+
+def _bound(argument: Argument, raw: Any) -> Any:
+    """The value of one argument."""
+    rows = rows_of(raw)
+    if argument.kind == "block":
+        filled = any(cell is not None for row in rows for cell in row)
+        if filled:
+            return rows
+        return _absent(argument)
+    if argument.kind == "numbers":
+        return [[_number(argument, c, i, j) for j, c in enumerate(r)] for i, r in enumerate(rows)]
+    if sum(len(row) for row in rows) != 1:
+        raise FunctionError(f"{argument.name}: give one cell, not a range. {argument.help}")
+    cell = rows[0][0]
+    if cell is None:
+        return _absent(argument)
+    if isinstance(cell, ErrorValue):
+        raise FunctionError(f"{argument.name}: the cell shows {cell.code}. Correct it.", cell.code)
+    if argument.kind in ("model", "text"):
+        if isinstance(cell, bool):
+            raise _unfit(argument, "TRUE" if cell else "FALSE", "a text")
+        return cell if isinstance(cell, str) else f"{cell:.15g}"
+    if argument.kind == "flag":
+        return _flag(argument, cell)
+    number = _number(argument, cell, 0, 0)
+    if argument.kind == "count":
+        if number is None or number < 1.0 or number != math.floor(number):
+            raise _unfit(argument, cell, "a whole number from 1 on")
+        return int(number)
+    return number
+
+
+def _absent(argument: Argument) -> None:
+    if not (argument.optional or argument.blank):
+        raise FunctionError(f"{argument.name} is blank. {argument.help}")
+
+
+def _number(argument: Argument, cell: Cell, row: int, column: int) -> float | None:
+    """A number of a range; None for a blank, which never becomes zero."""
+    where = "" if row == column == 0 else f"row {row + 1}, column {column + 1}"
+    if cell is None:
+        return None
+    if isinstance(cell, ErrorValue):
+        raise FunctionError(
+            f"{argument.name}{', ' + where if where else ''}: the cell shows {cell.code}. "
+            "Correct it.",
+            cell.code,
+        )
+    if isinstance(cell, float) and math.isfinite(cell):
+        return cell
+    shown = {True: "TRUE", False: "FALSE"}.get(cell, cell) if isinstance(cell, bool) else cell
+    raise _unfit(argument, shown, "a number", where)
+
+
+def _flag(argument: Argument, cell: Value) -> bool:
+    if isinstance(cell, bool):
+        return cell
+    if cell in (0.0, 1.0):
+        return bool(cell)
+    word = str(cell).casefold()
+    if word in ("true", "yes", "false", "no"):
+        return word in ("true", "yes")
+    raise _unfit(argument, cell, "TRUE or FALSE")
+
+
+def _unfit(argument: Argument, found: object, wanted: str, where: str = "") -> FunctionError:
+    place = f"{argument.name}, {where}" if where else argument.name
+    shown = f"{found:.10g}" if isinstance(found, float) else str(found)[:60]
+    return FunctionError(f"{place}: found '{shown}'; give {wanted}. {argument.help}")
+
+
+# --- one call -------------------------------------------------------------------------------------
+
+
+def call(name: str, raw: Sequence[Any]) -> list[list[Value]]:
+    """Call a function with what a front hands over.
+
+    Parameters
+    ----------
+    name : str
+        Name of the function. [name]
+    raw : sequence
+        Its arguments, missing ones at the end left out or None. [as typed]
+
+    Returns
+    -------
+    list of list
+        Rows of cells: doubles, texts, flags, None for a blank. [shown units]
+
+    Raises
+    ------
+    FunctionError
+        With the sentence for the user.
+    """
+    from addin.worksheet import functions  # noqa: F401  (enters the functions)
+
+    function = FUNCTIONS.get(name.upper())
+    if function is None:
+        raise FunctionError(f"There is no function {name[:60]}.", "#NAME?")
+    if len(raw) > len(function.arguments):
+        raise FunctionError(
+            f"{function.name} takes at most {len(function.arguments)} arguments, not {len(raw)}."
+        )
+    given = list(raw) + [None] * (len(function.arguments) - len(raw))
+    values = [_bound(a, v) for a, v in zip(function.arguments, given, strict=True)]
+    return _shown(function.answer(*values))
+
+
+def _shown(answer: Any) -> list[list[Value]]:
+    """Rows of plain cells."""
+    rows = answer if isinstance(answer, list) else [[answer]]
+    if not rows:
+        return [[None]]
+    return [[_plain(value) for value in row] for row in rows]
+
+
+def _plain(value: Any) -> Value:
+    if value is None or isinstance(value, (bool, str)):
+        return value
+    number = float(value)
+    assert math.isfinite(number), "an answer holds a number that is not finite"
+    return number

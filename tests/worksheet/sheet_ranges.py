@@ -1,0 +1,39 @@
+"""Ranges of a shipped workbook as a spreadsheet program hands them to a function."""
+
+from functools import cache
+from pathlib import Path
+
+import openpyxl
+from openpyxl.utils import range_boundaries
+
+from addin.worksheet.functions import TABLES
+
+TEMPLATES = Path(__file__).resolve().parents[2] / "templates"
+
+
+@cache
+def workbook(name):
+    return openpyxl.load_workbook(TEMPLATES / f"{name}.xlsx", data_only=True)
+
+
+def table(book, name):
+    """Units, headers and rows of an Excel table."""
+    for sheet in book:
+        if name in sheet.tables:
+            left, top, right, bottom = range_boundaries(sheet.tables[name].ref)
+            return [
+                [sheet.cell(row, column).value for column in range(left, right + 1)]
+                for row in range(top - 1, bottom + 1)
+            ]
+    raise KeyError(name)
+
+
+def model_arguments(name="example_proposed"):
+    """What `TV_MODEL` is given: every input table, and sheet Case as one range."""
+    book = workbook(name)
+    case = [
+        [cell.value for cell in row]
+        for row in book["Case"].iter_rows(min_row=5, max_row=70, min_col=2, max_col=12)
+    ]
+    rest = [table(book, one) for one in TABLES[2:]]
+    return [table(book, "Stations"), table(book, "Elements"), case, *rest]

@@ -1,0 +1,281 @@
+"""Worksheet functions say what the workbook says, and refuse what is wrong in words.
+
+The reference is the other way to the same numbers: the workbook read as a file, recalculated and
+read again with openpyxl. Both must give the same doubles.
+"""
+
+import math
+
+import openpyxl
+import pytest
+from sheet_ranges import TEMPLATES, model_arguments, table
+
+from addin.read_workbook import read_workbook
+from addin.recalc import recalculate
+from addin.worksheet import functions
+from addin.worksheet.functions import TABLES
+from addin.worksheet.registry import FUNCTIONS, FunctionError, call
+from engine.case import case_digest
+from engine.fatigue import sn_curve_for
+
+CONTRACT = (
+    "TV_FREQUENCIES TV_MODE TV_ENERGY TV_STIFFNESS TV_MARGINS TV_STEADY TV_MODEL TV_SPEED_TIME "
+    "TV_PEAKS TV_HISTORY TV_REVERSALS TV_CYCLES TV_STARTS TV_SN_LIFE TV_CONVERT TV_EFFECTS"
+).split()
+
+#: Function → result table of the workbook with the same cells.
+SAME_CELLS = {
+    "TV_FREQUENCIES": "NaturalFrequencies",
+    "TV_MARGINS": "SeparationMargins",
+    "TV_STEADY": "SteadyState",
+    "TV_PEAKS": "StartupPeaks",
+    "TV_REVERSALS": "TorqueReversals",
+    "TV_STARTS": "AllowableStarts",
+    "TV_CYCLES": "StartCycles",
+}
+
+
+@pytest.fixture(scope="module")
+def handle():
+    return call("TV_MODEL", model_arguments())[0][0]
+
+
+@pytest.fixture(scope="module")
+def recalculated(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recalculated")
+    recalculate(TEMPLATES / "example_proposed.xlsx", destination=folder / "done.xlsx")
+    return openpyxl.load_workbook(folder / "done.xlsx", data_only=True)
+
+
+def test_every_function_of_the_contract_is_there_and_no_other():
+    assert sorted(FUNCTIONS) == sorted(CONTRACT)
+
+
+def test_every_function_is_documented_for_a_wizard():
+    for function in FUNCTIONS.values():
+        assert 20 <= len(function.help) <= 255, function.name  # what Excel's wizard shows
+        assert function.example.startswith("=" + function.name)
+        for argument in function.arguments:
+            assert 3 < len(argument.help) <= 255, (function.name, argument.name)
+
+
+def test_the_handle_is_the_digest_of_the_workbook(handle):
+    digest = case_digest(read_workbook(TEMPLATES / "example_proposed.xlsx").case())
+    assert handle == f"tv:{digest[:16]}-US"
+    assert call("TV_MODEL", model_arguments())[0][0] == handle
+
+
+@pytest.mark.parametrize("name", SAME_CELLS)
+def test_cells_are_those_of_the_recalculated_workbook(name, handle, recalculated):
+    head, *rows = call(name, [handle])
+    there = table(recalculated, SAME_CELLS[name])
+    columns = {header: j for j, header in enumerate(there[1])}
+    written = [row for row in there[2:] if any(cell is not None for cell in row)]
+    compared = 0
+    assert rows
+    for j, header in enumerate(head):
+        column = columns[header.split(" [")[0]]
+        unit = there[0][column]
+        assert header == (f"{there[1][column]} [{unit}]" if unit else there[1][column])
+        for mine, its in zip(rows, written, strict=False):
+            assert mine[j] == its[column], (header, mine[j], its[column])
+            compared += 1
+    assert compared >= len(rows[0])
+
+
+def test_modes_are_those_of_the_sheet(handle, recalculated):
+    there = table(recalculated, "ModeShapes")
+    shape = call("TV_MODE", [handle, 2.0, False])
+    column = there[1].index("Mode 2")
+    assert shape == [[row[0], row[column]] for row in there[2 : 2 + len(shape)]]
+
+
+def test_energy_shares_add_up_and_name_the_largest(handle):
+    head, *rows = call("TV_ENERGY", [handle])
+    largest = [row[5] for row in call("TV_FREQUENCIES", [handle, None, False])[1:]]
+    for mode in range(2, len(head)):
+        for kind in ("strain", "kinetic"):
+            shares = {row[0]: row[mode] for row in rows if row[1] == kind}
+            assert math.fsum(shares.values()) == pytest.approx(1.0, abs=1e-12)
+            if kind == "strain":
+                assert max(shares, key=shares.get) == largest[mode - 2]
+
+
+def test_histories_hold_the_peaks_and_the_number_of_rows_asked_for(handle):
+    for name, highest, lowest in (row[:3] for row in call("TV_PEAKS", [handle, None, False])):
+        rows = call("TV_HISTORY", [handle, str(name).upper(), 101.0, None, False])
+        torque = [row[1] for row in rows]
+        assert len(rows) <= 101
+        assert (max(torque), min(torque)) == (highest, lowest)
+    time = [row[0] for row in call("TV_SPEED_TIME", [handle, 50.0, False])]
+    assert len(time) <= 50
+    assert time == sorted(time)
+
+
+def test_units_and_headers_are_as_asked(handle):
+    us, si = (call("TV_PEAKS", [handle, unit]) for unit in ("us", "SI"))
+    assert "lbf*ft" in us[0][1]
+    assert "N*m" in si[0][1]
+    assert si[1][1] / us[1][1] == pytest.approx(4.4482216152605 * 0.3048, rel=1e-12)
+    assert call("TV_PEAKS", [handle, "SI", False]) == si[1:]
+
+
+def test_stiffness_is_that_of_the_textbook():
+    """k = G π (D⁴ − d⁴) / 32 L, by hand."""
+    solid = call("TV_STIFFNESS", [200.0, None, 500.0, 79300.0])[0][0]
+    assert solid == pytest.approx(79300e6 * math.pi * 0.2**4 / (32 * 0.5), rel=1e-14)
+    hollow = call("TV_STIFFNESS", [8.0, "", 20.0, 11.5e6, "US"])[0][0]
+    assert hollow == pytest.approx(11.5e6 * math.pi * 8.0**4 / (32 * 20.0), rel=1e-9)
+
+
+def test_conversion_of_ranges_keeps_blanks():
+    rows = call("TV_CONVERT", [[[1.0, None], ["", -2.0]], "lbf*in", "N*m"])
+    assert rows == [
+        [pytest.approx(0.112984829027617, rel=1e-9), None],
+        [None, pytest.approx(-0.225969658, rel=1e-8)],
+    ]
+    assert call("TV_CONVERT", [30.0, "Hz", "cpm"]) == [[1800.0]]
+
+
+def test_life_is_that_of_the_s_n_line(handle):
+    case = read_workbook(TEMPLATES / "example_proposed.xlsx").case()
+    material = case.materials[0]
+    curve = sn_curve_for(material, case.sn_points)
+    stress = 1.7 * curve.endurance
+    life = call("TV_SN_LIFE", [handle, material.material, [[stress / 6894.757293168361, 1.0]]])
+    assert life[0][0] == pytest.approx(float(curve.cycles_to_failure(stress)), rel=1e-9)
+    assert life[0][1] == "unlimited"
+
+
+# --- what is wrong --------------------------------------------------------------------------------
+
+
+def refused(name, *raw):
+    with pytest.raises(FunctionError) as told:
+        call(name, list(raw))
+    assert "Traceback" not in told.value.message
+    return told.value
+
+
+def test_a_wrong_cell_is_named_with_table_row_and_column():
+    arguments = model_arguments()
+    stations = [list(row) for row in arguments[0]]
+    stations[4][stations[1].index("Inertia")] = -3.0
+    told = refused("TV_MODEL", stations, *arguments[1:])
+    for word in ("Stations", "row 3", "Inertia", "-3"):
+        assert word in told.message
+
+
+@pytest.mark.parametrize("blank", [None, "", "  ", math.nan, {"type": "Empty", "basicValue": ""}])
+def test_a_blank_never_becomes_zero(blank):
+    arguments = model_arguments()
+    stations = [list(row) for row in arguments[0]]
+    at = stations[1].index("Inertia")
+    stations[2][at] = blank
+    told = refused("TV_MODEL", stations, *arguments[1:])
+    assert "Stations, row 1, Inertia" in told.message
+    elements = [list(row) for row in arguments[1]]
+    stiff = elements[1].index("Stiffness")
+    number = next(i for i, row in enumerate(elements[2:]) if isinstance(row[stiff], float))
+    elements[2 + number][stiff] = blank
+    told = refused("TV_MODEL", arguments[0], elements, *arguments[2:])
+    assert f"Elements, row {number + 1}" in told.message
+
+
+@pytest.mark.parametrize("value", ["#DIV/0!", {"type": "Error", "basicValue": "#DIV/0!"}])
+def test_an_error_value_is_told_where_it_stands(value):
+    arguments = model_arguments()
+    stations = [list(row) for row in arguments[0]]
+    stations[3][stations[1].index("Inertia")] = value
+    told = refused("TV_MODEL", stations, *arguments[1:])
+    assert "Stations, row 2, Inertia" in told.message
+    assert "#DIV/0!" in told.message
+
+
+def test_tables_without_units_are_not_guessed_at():
+    arguments = model_arguments()
+    told = refused("TV_MODEL", arguments[0][1:], *arguments[1:])
+    assert "no unit" in told.message
+    assert "Inertia" in told.message
+
+
+def test_wrong_tables_and_handles_are_told():
+    arguments = model_arguments()
+    assert "no headers" in refused("TV_MODEL", [[1.0, 2.0], [3.0, 4.0]], arguments[1]).message
+    assert "no headers" in refused("TV_MODEL", arguments[2], arguments[1]).message
+    assert refused("TV_PEAKS", "tv:0123456789abcdef").code == "#N/A"
+    assert "TV_MODEL" in refused("TV_PEAKS", "Stations, row 3: wrong").message
+    assert refused("TV_PEAKS", "#REF!").code == "#REF!"
+    assert refused("TV_NOTHING").code == "#NAME?"
+    assert "at most" in refused("TV_CONVERT", 1, "m", "mm", 1, 1).message
+
+
+@pytest.mark.parametrize(
+    ("name", "raw", "words"),
+    [
+        ("TV_STIFFNESS", [200.0, 250.0, 500.0, 79300.0], "below OD"),
+        ("TV_STIFFNESS", [200.0, 0.0, None, 79300.0], "Length is blank"),
+        ("TV_STIFFNESS", ["wide", 0.0, 500.0, 79300.0], "OD: found 'wide'"),
+        ("TV_STIFFNESS", [200.0, 0.0, 500.0, 79300.0, "metric"], "give SI or US"),
+        ("TV_STIFFNESS", [[[1.0, 2.0]], 0.0, 500.0, 79300.0], "one cell"),
+        ("TV_CONVERT", [1.0, "lb*ft^2", "N*m"], "is not"),
+        ("TV_CONVERT", [1.0, "florps", "m"], "florps"),
+        ("TV_CONVERT", [[["a"]], "m", "mm"], "found 'a'"),
+        ("TV_CONVERT", [True, "m", "mm"], "TRUE"),
+    ],
+)
+def test_wrong_arguments_are_told(name, raw, words):
+    assert words in refused(name, *raw).message
+
+
+def test_modes_and_elements_that_are_not_there(handle):
+    assert "elastic modes" in refused("TV_MODE", handle, 99.0).message
+    assert "whole number" in refused("TV_MODE", handle, 1.5).message
+    told = refused("TV_HISTORY", handle, "Nowhere").message
+    assert "LS coupling" in told
+    assert "give 3 to" in refused("TV_HISTORY", handle, "LS coupling", 1e6).message
+
+
+def test_a_case_without_a_start_says_so():
+    arguments = model_arguments()
+    without = [
+        None if "Torque" in name else one
+        for name, one in zip(TABLES[2:], arguments[3:], strict=True)
+    ]
+    bare = call("TV_MODEL", [*arguments[:3], *without])[0][0]
+    assert len(call("TV_FREQUENCIES", [bare])) > 2
+    for name in ("TV_PEAKS", "TV_STARTS", "TV_SPEED_TIME"):
+        assert refused(name, bare).code == "#N/A"
+
+
+# --- kept within bounds ---------------------------------------------------------------------------
+
+
+def test_a_start_is_calculated_once_for_every_cell(handle, monkeypatch):
+    call("TV_PEAKS", [handle])
+    monkeypatch.setattr("addin.calculation.calculate", None)  # would raise
+    assert len(call("TV_STARTS", [handle])) > 1
+
+
+def test_results_are_dropped_and_calculated_again_when_memory_is_short(monkeypatch):
+    models = functions.MODELS.__class__(most_cases=3, most_memory=1)
+    monkeypatch.setattr(functions, "MODELS", models)
+    first = call("TV_MODEL", model_arguments())[0][0]
+    second = call("TV_MODEL", model_arguments("example_modified"))[0][0]
+    rows = call("TV_FREQUENCIES", [first])
+    call("TV_PEAKS", [first])
+    held = models.memory
+    assert held > 1e4
+    call("TV_PEAKS", [second])
+    assert models.of(first).kept == {}
+    assert models.memory < 2.0 * held
+    assert call("TV_FREQUENCIES", [first]) == rows
+
+
+def test_only_so_many_cases_are_remembered(monkeypatch):
+    models = functions.MODELS.__class__(most_cases=2)
+    monkeypatch.setattr(functions, "MODELS", models)
+    names = ("example_proposed", "example_modified", "example_backlash")
+    handles = [call("TV_MODEL", model_arguments(name))[0][0] for name in names]
+    assert refused("TV_FREQUENCIES", handles[0]).code == "#N/A"
+    assert len(call("TV_FREQUENCIES", [handles[2]])) > 2
