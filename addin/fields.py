@@ -1061,7 +1061,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         _number("Deciding number", "deciding number", "The number that decided."),
         _number("Limit", "deciding number", "What it was compared with."),
         _number("Bound", "fraction", "Most that leaving it out changes an answer; 0 = exact."),
-        _number("Time", "calculation time", "What it cost, or would have cost when on."),
+        _number(
+            "Time",
+            "calculation time",
+            "What it cost, or would cost when on: measured where it has a run of its own (backlash, "
+            "pull-in and aborted start share one), else estimated from the linear start.",
+        ),
         _text("Why", "The decision in words."),
     ),
     _table(

@@ -277,6 +277,12 @@ def _event_study(
         text += f", or as near to it as a step of {best.step:.2g} s comes. "
     text += papers + _timed(rounds)
     sentence = _sentence(case, rows, EVENTS, NEWMARK_LINEAR, " (without clearances and events)")
+    felt = planned.start.sensitivity
+    if felt is not None and felt.sensitive:
+        sentence = (
+            "This start is sensitive: a change of the input by 1e-9 changes a peak torque by "
+            f"{100.0 * felt.spread:.2g} %, so that no setting buys a smaller error. {sentence}"
+        )
     return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])
 
 

@@ -289,8 +289,12 @@ def _start(
     )
     model = _event_model(case, train, modes, plain, effects, linear, tolerance)
     angle = min(COARSEST_EVENT_ANGLE * (tolerance / DEFAULT_TOLERANCE_PEAK) ** 0.25, COARSEST_FIRST)
-    step = min(linear.step * 2.0 ** (linear.halvings + 1), angle / plain.pulsation_omega)
-    judge = _settled_judge(case, waited, motors[0].pole_pairs, synchronous)
+    step = angle / plain.pulsation_omega
+    if linear.method == "exponential":  # Newmark's steps are shorter than these runs need
+        step = min(linear.step * 2.0 ** (linear.halvings + 1), step)
+    judge: Settled | None = _settled_judge(case, waited, motors[0].pole_pairs, synchronous)
+    if effects.full_length and case.maximum_time:
+        judge = None  # asked to go on to MaximumTime although the train has settled
     return _Setup(model, script, step, plain.truncation, judge, plain.uncoupled_dampers)
 
 

@@ -282,14 +282,17 @@ def _findings(
     case: CaseData, evidence: Evidence, kept: tuple[str, ...], chosen: Mapping[str, str | None]
 ) -> Iterator[tuple[str, _Finding]]:
     """One finding an effect, in the order of `EFFECTS`."""
+    bearings = _bearings(evidence)
+    choice = chosen.get("bearings")
+    sideways = bearings.possible and (choice == "on" or (choice != "off" and bearings.wanted))
     found = {
-        "bearings": _bearings(evidence),
+        "bearings": bearings,
         "coupled damping": _coupled_damping(evidence),
         "fast modes": _fast_modes(evidence, chosen.get("fast modes") == "on"),
         "breaker closing": _breaker_closing(case, evidence),
         "pull-in": _pull_in(case, evidence),
         "aborted start": _aborted_start(case, evidence),
-        "backlash": _backlash(evidence, kept),
+        "backlash": _backlash(evidence, kept, sideways),
         "resonance sweep": _sweep(evidence),
         "cycle counting": _cycle_counting(evidence),
         "run length": _run_length(evidence),
@@ -370,6 +373,8 @@ def _breaker_closing(case: CaseData, e: Evidence) -> _Finding:
     if e.shock_share is None and case.shock_amplitude and not case.motor_torque:
         why = "No motor curve: there is no breaker to close."
         return _Finding(False, False, None, None, 0.0, SHOCK_COST, why)
+    if case.shock_amplitude == 0.0:
+        return _Finding(False, False, None, None, 0.0, SHOCK_COST, "ShockAmplitude is 0.")
     if e.shock_share is None:
         why = "ShockAmplitude and ShockTimeConstant are not given: nothing is known of it."
         return _Finding(False, False, None, None, None, SHOCK_COST, why)
@@ -387,6 +392,8 @@ def _breaker_closing(case: CaseData, e: Evidence) -> _Finding:
 def _pull_in(case: CaseData, e: Evidence) -> _Finding:
     if e.field_slip is None or case.field_slip is None:
         why = "FieldSlip and PullOutTorque are not given: the start ends without field."
+        if case.field_slip is not None and case.pull_out_torque is not None:
+            why = "No motor curve: there is no motor whose field could be applied."
         return _Finding(False, False, None, None, None, EVENT_COST, why)
     limit = case.field_slip
     wanted = e.field_slip <= limit + NEARLY_REACHED
@@ -410,6 +417,9 @@ def _trips_first(case: CaseData) -> bool:
 
 
 def _aborted_start(case: CaseData, e: Evidence) -> _Finding:
+    if e.trip_share is None and case.trip_speed:
+        why = "No motor curve: there is no motor that could trip."
+        return _Finding(False, False, None, None, 0.0, COAST_COST, why)
     if e.trip_share is None:
         return _Finding(False, False, None, None, 0.0, COAST_COST, "TripSpeed is not given.")
     wanted = e.trip_share >= 1.0 - NEARLY_REACHED
@@ -419,7 +429,7 @@ def _aborted_start(case: CaseData, e: Evidence) -> _Finding:
     return _Finding(wanted, True, e.trip_share, 1.0, 0.0, COAST_COST, why)
 
 
-def _backlash(e: Evidence, kept: tuple[str, ...]) -> _Finding:
+def _backlash(e: Evidence, kept: tuple[str, ...], sideways: bool) -> _Finding:
     possible = bool(e.clearances)
     if e.linear is None:
         why = "Decided by the lowest torques of the linear start."
@@ -447,7 +457,14 @@ def _backlash(e: Evidence, kept: tuple[str, ...]) -> _Finding:
         deep = [m for m in minima if m.lowest < limit]
         tight = [m.element for m in deep if m.tight]
         blank = [m.element for m in deep if not m.tight]
-        if tight:
+        if tight and sideways:  # the back flank pushes along a line of its own, whatever the gap
+            bound = None
+            why += (
+                f"; the clearance given for {_quoted(tight)} is 0, so that its teeth do not part but "
+                "pull along the drive flank; with gears on bearings that is not the push of the "
+                "back flank: give a small clearance"
+            )
+        elif tight:
             why += (
                 f"; the clearance given for {_quoted(tight)} is 0, so that without a gap the linear "
                 "solution holds there"
@@ -510,5 +527,7 @@ def _run_length(e: Evidence) -> _Finding:
     why = f"The rigid train {taken}; the run ends when it is there or has settled"
     settled = e.linear is not None and e.linear.outcome != "reached"
     why += "." if not settled else ", and cycles counted are those until then."
+    if not settled:
+        why += " Forced on it changes nothing in a start that reaches its end speed."
     cost = max(e.longest_time / e.linear.time - 1.0, 0.0) if e.linear and e.linear.time else 0.0
     return _Finding(False, True, finite, e.longest_time, None if settled else 0.0, cost, why)

@@ -74,7 +74,15 @@ def _materials(case: CaseData) -> Iterator[str]:
 def _damping(case: CaseData) -> Iterator[str]:
     has_motor = bool(case.motor_torque)
     zeta = case.damping_ratio
-    source = bool(case.mode_damping) or any(e.damping or e.loss_factor for e in case.elements)
+    source = (
+        bool(case.mode_damping)
+        or any(e.damping or e.loss_factor for e in case.elements)
+        or any(s.damping for s in case.stations)
+        or any(
+            m.mesh_damping or m.bearing_damping_drive or m.bearing_damping_driven
+            for m in case.meshes
+        )
+    )
     if not zeta and not source and has_motor:
         yield (
             "No damping is stated: resonances in the start are limited by the sweep alone. Geared "
@@ -108,6 +116,8 @@ def _switching(case: CaseData) -> Iterator[str]:
             f"A voltage of {100 * case.voltage:.3g} % leaves {100 * case.voltage**2:.3g} % of the "
             "motor torque. Check the percent sign."
         )
+    if case.voltage is not None and case.voltage != 1.0 and not case.motor_torque:
+        yield "Voltage has no effect without motor curves: prescribed torques are taken as they are."
     synchronous = case.ratings.synchronous_speed
     if case.trip_speed and synchronous and case.trip_speed < LOWEST_TRIP * synchronous:
         yield (

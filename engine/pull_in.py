@@ -41,6 +41,9 @@ FAILED_CYCLES = 5
 STEADY_CYCLES = 0.01
 #: and slip has not approached zero while its least value is above this share of its mean.
 NEAR_ZERO_SLIP = 0.05
+#: A load angle that moves by less over this share of the time since it last slipped, and for at
+#: least so long, stands still. [rad, 1, s]
+STILL_ANGLE, STILL_SHARE, STILL_TIME = 0.02, 0.2, 0.2
 #: Slip below this share of that at field application is at rest: a motor that creeps into step.
 AT_REST = 0.01
 #: Zero crossings of slip count while it swings by more than this share of its first swing.
@@ -111,7 +114,7 @@ def judge_pull_in(
     turned = abs(float(np.interp(last, t, angle)) - float(angle[0])) / (2.0 * math.pi)
     inside = t >= last
     swings = _swings(t[inside], s[inside])
-    in_step = len(swings) >= 2 or _rests(angle[inside], s[inside], field_slip)
+    in_step = len(swings) >= 2 or _rests(t[inside], angle[inside], s[inside], field_slip)
     return PullIn(
         field_time=field_time,
         field_slip=field_slip,
@@ -148,11 +151,17 @@ def _swings(time: Floats, slip: Floats) -> Floats:
     return found[: int(np.flatnonzero(seen)[-1]) + 1]
 
 
-def _rests(angle: Floats, slip: Floats, field_slip: float) -> bool:
-    """Whether slip has died out where more lag means more torque."""
+def _rests(time: Floats, angle: Floats, slip: Floats, field_slip: float) -> bool:
+    """Whether slip has died out where more lag means more torque.
+
+    The angle itself says so too: gears that sway on very soft bearings leave a little mean speed
+    in the train although its motor stands still against the field.
+    """
     middle = 2.0 * math.pi * round(float(angle[-1]) / (2.0 * math.pi))
     stable = abs(float(angle[-1]) - middle) < 0.5 * math.pi
-    return stable and abs(float(slip[-1])) < AT_REST * abs(field_slip)
+    window = STILL_SHARE * (time[-1] - time[0])
+    still = window > STILL_TIME and float(np.ptp(angle[time >= time[-1] - window])) < STILL_ANGLE
+    return stable and (still or abs(float(slip[-1])) < AT_REST * abs(field_slip))
 
 
 def _frequency(swings: Floats) -> float | None:

@@ -248,7 +248,7 @@ def _reversal(
     element = case.elements[index]
     when, torque = turning
     lowest = int(np.argmin(torque))
-    minimum, time = float(torque[lowest]), float(when[lowest])
+    minimum, time = float(torque[lowest]) + 0.0, float(when[lowest])  # no minus zero
     largest = float(np.max(np.abs(torque)))
     hysteresis = NOTABLE_REVERSAL * largest
     began, ended = _passages(start, int(start.output_of_element[index]), when, torque, hysteresis)
@@ -319,7 +319,8 @@ def _slip_frequency(case: CaseData, start: Start, time: float) -> float | None:
     if start.runup is None or not ratings.line_frequency or not ratings.synchronous_speed:
         return None
     speed = float(np.interp(time, start.trajectory.time, start.trajectory.mean_speed))
-    return 2.0 * (1.0 - speed / ratings.synchronous_speed) * ratings.line_frequency
+    # above synchronism, in the swing after pull-in, the frequency is that of the slip's magnitude
+    return 2.0 * abs(1.0 - speed / ratings.synchronous_speed) * ratings.line_frequency
 
 
 def _passages(

@@ -64,6 +64,8 @@ LOW_FREQUENCY, LONG_START = 1.0, 60.0
 MAX_STARTS_REFINEMENTS = 3
 #: Stage in which the loop of runs with events is compiled: its time is no analysis's.
 COMPILING_EVENTS = "compiling the routines for clearances and pull-in, once on this machine"
+#: The paper's method, as `Method` names it.
+NEWMARK = "newmark"
 #: Plans of one run: each new one adds a clearance, and more than these are never seen.
 MAX_PLANS = 5
 
@@ -223,6 +225,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
                     *known.margins.warnings,
                     *known.steady.warnings,
                     *_warnings(case, analysed.reported, start, starts, plans[-1], settled),
+                    *_accuracy_of_starts(case, start, errors),
                     *_pulling_teeth(case, plans[-1], reversals),
                 ]
             )
@@ -606,7 +609,12 @@ def _warnings(
     if not start.met_tolerance:
         yield (
             f"The wanted accuracy of peak torques was not met: estimated error "
-            f"{start.estimated_error:.2g} at a step of {start.step:.3g} s."
+            f"{start.estimated_error:.2g} at a step of {start.step:.3g} s." + _why_not_met(start)
+        )
+    if case.method == NEWMARK and start.method != NEWMARK:
+        yield (
+            "Method newmark has no clearances, field or trip: the start that is reported was "
+            "calculated by the exponential method."
         )
     if starts is None and judged_shafts(case):
         return
@@ -619,6 +627,32 @@ def _warnings(
         yield f"Allowable starts are divided by StartsFactor {case.starts_factor:g} when judged."
 
 
+def _why_not_met(start: Start) -> str:
+    """What kept a start from a finer step."""
+    sensitive = start.sensitivity is not None and start.sensitivity.sensitive
+    if sensitive or start.sensitivity is None:  # said elsewhere, or a plain start
+        return ""
+    return (
+        " A finer step would take more steps than one calculation is given; raise TolerancePeak, or "
+        "look for modes that ring at every impact."
+    )
+
+
+def _accuracy_of_starts(
+    case: CaseData, start: Start | None, errors: tuple[tuple[str, float | None], ...]
+) -> Iterator[str]:
+    """Allowable starts that are less accurate than wanted; of a sensitive start that is said."""
+    if start is None or (start.sensitivity is not None and start.sensitivity.sensitive):
+        return
+    wanted = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
+    for shaft, error in errors:
+        if error is not None and error > wanted:
+            yield (
+                f"The wanted accuracy of allowable starts of '{shaft}' was not met: estimated error "
+                f"{100.0 * error:.2g} %, wanted {100.0 * wanted:.2g} %."
+            )
+
+
 def _pulling_teeth(case: CaseData, plan: Plan, reversals: tuple[Reversal, ...]) -> Iterator[str]:
     """Teeth without a gap on bearings: a negative torque pulls them along the drive flank."""
     meshes = {e.element for e in case.elements if e.kind == GEAR_MESH}
@@ -627,9 +661,9 @@ def _pulling_teeth(case: CaseData, plan: Plan, reversals: tuple[Reversal, ...]) 
         if plan.lateral and r.reversals and r.element in meshes - gaps:
             yield (
                 f"'{r.element}': the torque falls to {float(f'{r.minimum_torque:.4g}'):,g} N m, but "
-                "without Backlash its teeth cannot part in the calculation: they pull along the drive "
-                "flank instead of pushing on the back flank, and the bearing forces of its gears "
-                "are those of a pull. Fill Backlash in table Meshes to have the teeth part."
+                "with Backlash blank or 0 its teeth cannot part in the calculation: they pull along "
+                "the drive flank instead of pushing on the back flank, and the bearing forces of its "
+                "gears are those of a pull. Give its Backlash in table Meshes to have the teeth part."
             )
 
 

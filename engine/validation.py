@@ -395,7 +395,9 @@ def _names(table: str, column: str, names: Sequence[str | None], what: str) -> I
                 column,
                 name,
                 f"a name used once (row {first[name]} has it already)",
-                "Rename one of the two.",
+                "Rename one of the two."
+                if table in ("Stations", "Elements", "Materials", "Excitations")
+                else "Clear one of the two rows.",
             )
         else:
             first[name] = row

@@ -185,8 +185,8 @@ def test_teeth_that_pull_for_want_of_a_gap_are_told(gap):
     assert note.startswith("'Mesh': the torque falls to -")
     told = float(note.split("falls to ")[1].split(" N m")[0].replace(",", ""))
     assert told == pytest.approx(lowest, rel=1e-3)
-    assert "without Backlash its teeth cannot part" in note
-    assert "Fill Backlash in table Meshes" in note
+    assert "with Backlash blank or 0 its teeth cannot part" in note
+    assert "Give its Backlash in table Meshes" in note
 
 
 def test_teeth_that_do_not_pull_are_not_told_of():
@@ -522,3 +522,78 @@ def test_plans_are_made_no_more_than_five_times(monkeypatch):
     assert not found.settled
     Stage(monkeypatch, QUIET)
     assert any(w.startswith("After 5 plans") for w in conductor.run(case).warnings)
+
+
+# --- what else is said ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("bearings", "bound"), [("on", None), ("off", 0.0)])
+def test_a_gap_of_zero_is_the_linear_train_only_where_gears_are_held(bearings, bound):
+    """With bearings the back flank pushes along a line of its own: then nothing is bounded."""
+    case = chosen(pulled(backlash=0.0), bearings=bearings)
+    decision = run(case).plans[-1].decision("backlash")
+    assert decision.deciding_number < decision.limit
+    assert (decision.on, decision.bound) == (False, bound)
+    assert ("give a small clearance" in decision.why) == (bound is None)
+
+
+def test_what_needs_a_motor_says_so_without_one():
+    case = replace(
+        geared(motor_torque=(), load_torque=()),
+        torque_time=(TorqueTimeRow("Motor", 0.0, 1e4), TorqueTimeRow("Motor", 0.5, 2e4)),
+        trip_speed=100.0,
+        field_slip=0.03,
+        pull_out_torque=RATED,
+        voltage=0.8,
+    )
+    results = run(case)
+    plan = results.plans[-1]
+    assert "no motor that could trip" in plan.decision("aborted start").why
+    assert "no motor whose field" in plan.decision("pull-in").why
+    assert any("Voltage has no effect" in w for w in results.warnings)
+    quiet = run(geared(shock_amplitude=0.0, shock_time_constant=0.05)).plans[-1]
+    shock = quiet.decision("breaker closing")
+    assert (shock.on, shock.bound, shock.why) == (False, 0.0, "ShockAmplitude is 0.")
+
+
+def test_newmark_is_not_replaced_silently_and_does_not_set_the_step():
+    """Its tiny steps are no business of a run with events."""
+    case = with_clearance(geared())
+    case = chosen(case, backlash="on")
+    found, papers = run(case), run(replace(case, method="newmark"))
+    assert papers.start.method == "exponential"
+    assert any("Method newmark has no clearances" in w for w in papers.warnings)
+    assert not any("newmark" in w for w in found.warnings)
+    assert papers.start.step >= 0.5 * found.start.step
+
+
+def test_starts_that_miss_their_accuracy_are_told(monkeypatch):
+    case = with_judged_shafts(geared(), 3, 2.0)
+    quiet = run(case)
+    assert quiet.starts is not None
+    assert not any("accuracy of allowable starts" in w for w in quiet.warnings)
+    monkeypatch.setattr(conductor, "MAX_STARTS_REFINEMENTS", 0)
+    rough = run(replace(case, tolerance_starts=1e-9))
+    worst = max((e for _, e in rough.starts_error if e is not None), default=0.0)
+    assert worst > 1e-9
+    assert any("accuracy of allowable starts" in w for w in rough.warnings)
+
+
+def test_dampers_of_bearings_and_to_ground_are_damping():
+    bare = replace(geared(), damping_ratio=None)
+    bare = replace(bare, elements=tuple(replace(e, damping=None) for e in bare.elements))
+    said = [any("No damping is stated" in w for w in run(bare).warnings)]
+    grounded = tuple(replace(s, damping=1.0) for s in bare.stations)
+    said.append(any("No damping" in w for w in run(replace(bare, stations=grounded)).warnings))
+    said.append(any("No damping" in w for w in run(with_bearings(bare, 3, 1.0)).warnings))
+    assert said == [True, False, False]
+
+
+def test_run_length_forced_on_goes_on_after_pull_in_where_a_time_is_given():
+    case = geared(field_slip=0.05, pull_out_torque=1.5 * RATED)
+    settled = run(case).start.outcome
+    longer = replace(case, maximum_time=settled.time + 1.5)
+    forced = run(chosen(longer, run_length="on")).start.outcome
+    assert run(longer).start.outcome.time == pytest.approx(settled.time, rel=1e-9)
+    assert forced.time == pytest.approx(settled.time + 1.5, rel=1e-9)
+    assert forced.outcome == settled.outcome == "synchronised"

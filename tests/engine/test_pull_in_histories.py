@@ -172,3 +172,17 @@ def test_linear_swing_frequency() -> None:
     assert swing_frequency_linear(pull_out, 1.01 * pull_out, inertia, pairs) is None
     assert swing_decay_time(400.0, 1600.0) == pytest.approx(0.5)
     assert swing_decay_time(400.0, 0.0) == math.inf
+
+
+def test_a_motor_that_stands_still_against_the_field_is_in_step_whatever_the_train_sways() -> None:
+    """A little mean speed of gears on soft bearings is not slip; a motor that creeps is slipping."""
+    time = np.arange(0.0, 6.0, 1e-3)
+    pulled = FIELD_TIME + 0.05
+    angle = np.where(time < pulled, FIELD_SLIP * LINE * (time - FIELD_TIME), 0.4)
+    angle = np.where(time < FIELD_TIME, 0.0, np.minimum(angle, 0.4))
+    swaying = np.where(time < pulled, FIELD_SLIP, 0.05 * FIELD_SLIP)
+    found = judge_pull_in(time, angle, swaying, FIELD_TIME, FIELD_SLIP)
+    assert found.synchronised
+    assert found.load_angle == pytest.approx(0.4, abs=1e-9)
+    creeping = angle + np.where(time > pulled, 0.05 * FIELD_SLIP * LINE * (time - pulled), 0.0)
+    assert not judge_pull_in(time, creeping, swaying, FIELD_TIME, FIELD_SLIP).synchronised
