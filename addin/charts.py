@@ -202,7 +202,7 @@ def _speed_time(workbook: Any, places: Places, _: int) -> Any:
     for k in range(CROSSINGS):
         chart.add_series(_named_point(places, "Crossing", k, "rust", "right"))
     for k in range(EVENTS):
-        chart.add_series(_named_point(places, "Event", k, "teal", "above"))
+        chart.add_series(_named_point(places, "Event", k, "teal", "below"))
     _title(chart, "Start: motor speed against time, and where 2 × slip crosses a mode")
     chart.set_x_axis(_axis("Time [s]", min=0, num_format="General"))
     chart.set_y_axis(_axis("Motor speed [rpm]", min=0, num_format="#,##0"))

@@ -277,11 +277,11 @@ SHEETS: tuple[Sheet, ...] = (
         "O",
         {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
         (
-            # low enough for the three to fit below the crossings on the first printed page
-            ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 224),
-            ChartAt("blow", f"K{20 + CROSSING_ROWS}", 736, 224),
-            ChartAt("pull-in", f"K{32 + CROSSING_ROWS}", 736, 224),
+            ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 304),
+            ChartAt("blow", f"K{25 + CROSSING_ROWS}", 736, 284),
+            ChartAt("pull-in", f"K{40 + CROSSING_ROWS}", 736, 284),
         ),
+        one_page=True,
     ),
     Sheet(
         "Histories",
