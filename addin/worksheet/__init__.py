@@ -6,6 +6,7 @@
 | `blocks` | ranges of a sheet (units, headers, rows) → a case |
 | `models` | handles of cases, their results calculated once and kept within bounds |
 | `functions` | the functions themselves |
+| `reference` | their page in the documentation |
 
 Plain values go in and come out: a front hands over what its cells hold, row by row, and shows the
 rows it gets back. Nothing here knows a spreadsheet program.

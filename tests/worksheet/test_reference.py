@@ -1,0 +1,7 @@
+"""The function reference is that of the registry."""
+
+from addin.worksheet.reference import PAGE, reference
+
+
+def test_the_page_is_up_to_date():
+    assert PAGE.read_text(encoding="utf-8") == reference()
