@@ -103,6 +103,8 @@ MOST_STEPS_IN_ALL = 8_000_000
 #: defined that well at all: two runs may also agree by chance.
 PATIENCE = 2
 TINY = 1e-9
+#: One halving is enough to ask after so many changes of contact.
+MANY_CONTACTS = 300
 #: End of a coast-down, over synchronous speed, and the longest one followed. [1, s]
 COAST_END, COAST_TIME = 0.02, 60.0
 #: A field that waits for a load angle waits for one slip cycle at the most, of this length. [s]
@@ -204,7 +206,11 @@ def run_event_start(
         )
         if fine.events.gave_up:
             break  # a finer run would only give up sooner
-        doubtful = halvings >= PATIENCE or (last and not met)
+        doubtful = (
+            halvings >= PATIENCE
+            or (last and not met)
+            or (halvings >= 1 and len(fine.events.log) > MANY_CONTACTS)
+        )
         if doubtful and sensitivity is None:
             other = at(0.5 * step, _changed(model))
             sensitivity = _spread(fine, other, output, tolerance)
@@ -449,7 +455,7 @@ def _spread(fine: _Run, other: _Run, output: Ints, tolerance: float) -> Sensitiv
         largest = max(float(np.max(np.abs(a))), NEGLIGIBLE * size, 1e-300)
         change = max(abs(float(a.max() - b.max())), abs(float(a.min() - b.min())))
         spread = max(spread, change / largest)
-    return Sensitivity(spread, spread > tolerance)
+    return Sensitivity.of(spread, tolerance)
 
 
 def _outcome(

@@ -191,6 +191,10 @@ class PullIn:
     swing_frequency: float | None
 
 
+#: A start is sensitive if one tiny change shows this share of the tolerance: others show more.
+NEARLY_FELT = 1.0 / 3.0
+
+
 @dataclass(frozen=True)
 class Sensitivity:
     """Change of the answers under a change of the input by 1e-9.
@@ -200,8 +204,27 @@ class Sensitivity:
     spread : float
         Largest relative change of a peak torque. [1]
     sensitive : bool
-        True if it exceeds the tolerance: the answer is one of many equally right ones. [flag]
+        True if another such change may well exceed the tolerance: the answer is one of many equally
+        right ones. [flag]
     """
 
     spread: float
     sensitive: bool
+
+    @classmethod
+    def of(cls, spread: float, tolerance: float) -> Sensitivity:
+        """Judge one change: the spread that it shows is one sample of many.
+
+        Parameters
+        ----------
+        spread : float
+            Largest relative change of a peak torque. [1]
+        tolerance : float
+            Wanted relative error of the peaks. [1]
+
+        Returns
+        -------
+        Sensitivity
+            Sensitive from `NEARLY_FELT` of the tolerance on. [1]
+        """
+        return cls(spread, spread > NEARLY_FELT * tolerance)

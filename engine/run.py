@@ -476,7 +476,7 @@ def _as_asked(start: Start, tolerance: float) -> Start:
     return replace(
         start,
         met_tolerance=start.estimated_error <= tolerance,
-        sensitivity=None if spread is None else Sensitivity(spread, spread > tolerance),
+        sensitivity=None if spread is None else Sensitivity.of(spread, tolerance),
     )
 
 
