@@ -147,6 +147,7 @@ def recalculate(
     overrides: Mapping[str, Any] | None = None,
     ignore_lock: bool = False,
     on_stage: Callable[[str], None] | None = None,
+    on_written: Callable[[Workbook], None] | None = None,
 ) -> Recalculated:
     """Calculate one input and write its results.
 
@@ -167,6 +168,8 @@ def recalculate(
         Work on although a lock file says somebody has the workbook open. [flag]
     on_stage : callable, optional
         Called with the name of each stage as it begins.
+    on_written : callable, optional
+        Called with the workbook once its results are in the file.
 
     Returns
     -------
@@ -199,6 +202,8 @@ def recalculate(
                 new = None if in_place else target
                 notes = _write_workbook(read.workbook, new, calculation, ignore_lock)
                 files.append(target)
+                if on_written is not None:
+                    on_written(read.workbook)
             files += _write_history(calculation, target)
         except (PackageError, HistoryUnavailable, OSError) as wrong:
             calculation, problems = None, (of_file(source, wrong),)

@@ -21,6 +21,7 @@ module                  responsibility
 ``dependents``          which formulas hang on changed cells
 ``calculator_copy``     the copy that the calculator of formulas is given
 ``formulas``            cached values of formulas: renewed or removed, never stale
+``macros``              a VBA project and a hidden sheet of settings: .xlsx → .xlsm
 ``locks``               lock files of spreadsheet programs
 ``save``                writing whole or not at all
 ``references``          A1 arithmetic

@@ -122,9 +122,10 @@ class Container:
         replaced: Mapping[str, bytes],
         dropped: Collection[str] = (),
         *,
+        added: Mapping[str, bytes] | None = None,
         compress: bool = True,
     ) -> None:
-        """Write the workbook with some parts replaced and some left out.
+        """Write the workbook with some parts replaced, some left out and some added.
 
         Every other entry is copied as it is stored. Dates, attributes and order are copied too, hence equal input gives
         equal bytes.
@@ -137,6 +138,8 @@ class Container:
             New content of parts, by stored name.
         dropped : collection of str
             Parts to leave out.
+        added : mapping of str to bytes, optional
+            New parts, which come last.
         compress : bool
             Whether replaced parts are compressed or merely stored.
         """
@@ -153,6 +156,14 @@ class Container:
                 payload = self.stored(entry)
                 sizes = (entry.CRC, len(payload), entry.file_size)
                 local, central = _headers(entry, entry.compress_type, sizes, position)
+            stream.write(local)
+            stream.write(payload)
+            directory.append(central)
+            position += len(local) + len(payload)
+        for name, data in (added or {}).items():
+            entry = zipfile.ZipInfo(name, _FIXED_DATE)
+            entry.create_system = 0  # the same bytes on every system
+            local, central, payload = _packed_entry(entry, data, compress, position)
             stream.write(local)
             stream.write(payload)
             directory.append(central)

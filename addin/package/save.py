@@ -35,7 +35,7 @@ class SaveReport:
     backup : Path or None
         Copy of the original, when it was replaced.
     parts : tuple of str
-        Parts that differ from the original; all others are byte-identical.
+        Parts that are new or differ from the original; all others are byte-identical.
     dropped : tuple of str
         Parts left out (the calculation chain, which spreadsheet programs make anew).
     caches : CacheReport
@@ -64,6 +64,8 @@ def save_package(
     check: Check,
     caches: CacheReport,
     notes: tuple[str, ...] = (),
+    added: Mapping[str, bytes] | None = None,
+    suffix: str = "",
 ) -> SaveReport:
     """Write a changed package.
 
@@ -85,20 +87,26 @@ def save_package(
         Names the cells that read back wrongly from the changed parts.
     caches, notes
         Passed on into the report.
+    added : mapping of str to bytes, optional
+        New parts.
+    suffix : str
+        Ending of the new file's name, where the change makes another kind of workbook of it.
 
     Raises
     ------
     SaveRefused
         When nothing was written, with the reason.
     """
-    target = _target(container.path, destination, in_place, read_only)
+    added = added or {}
+    kind = suffix or container.path.suffix
+    target = _target(container.path, destination, in_place, read_only, kind)
     if not ignore_lock:
         check_not_open(target)
     _check_source(container)
     payload = io.BytesIO()
-    container.write(payload, replaced, dropped)
+    container.write(payload, replaced, dropped, added=added)
     package = payload.getvalue()
-    _verify(container, package, replaced, dropped, check)
+    _verify(container, package, replaced, dropped, added, check)
     with _Temporary(target) as temporary:
         temporary.write(package, _mode(target, container.path))
         if temporary.path.read_bytes() != package:
@@ -109,11 +117,13 @@ def save_package(
         backup = _keep_original(container, target) if in_place else None
         temporary.put(target)
     return SaveReport(
-        target, backup, tuple(sorted(replaced)), tuple(sorted(dropped)), caches, notes
+        target, backup, tuple(sorted([*replaced, *added])), tuple(sorted(dropped)), caches, notes
     )
 
 
-def _target(source: Path, destination: Path | None, in_place: bool, read_only: bool) -> Path:
+def _target(
+    source: Path, destination: Path | None, in_place: bool, read_only: bool, suffix: str
+) -> Path:
     if read_only:
         raise SaveRefused(f"{source.name} was opened for reading only.")
     if destination is None and not in_place:
@@ -129,9 +139,10 @@ def _target(source: Path, destination: Path | None, in_place: bool, read_only: b
         raise SaveRefused(
             f"{source.name} shall be replaced, but another file was named: {target.name}."
         )
-    if target.suffix.lower() != source.suffix.lower():
+    if target.suffix.lower() != suffix.lower():
+        what = "the kind of the workbook stays" if suffix == source.suffix else "it is of that kind"
         raise SaveRefused(
-            f"{target.name} must end in {source.suffix}: the kind of the workbook stays, and Excel opens no file "
+            f"{target.name} must end in {suffix}: {what}, and Excel opens no file "
             "whose name says otherwise."
         )
     if target.exists() and not os.access(target, os.W_OK):
@@ -146,13 +157,14 @@ def _verify(
     package: bytes,
     replaced: Mapping[str, bytes],
     dropped: Collection[str],
+    added: Mapping[str, bytes],
     check: Check,
 ) -> None:
     """Compare the new package with the old one, part by part, and read the written cells again."""
     archive = zipfile.ZipFile(io.BytesIO(package))
     entries = {entry.filename: entry for entry in archive.infolist()}
     expected = [name for name in container.names if name not in dropped]
-    if list(entries) != expected:
+    if list(entries) != [*expected, *added]:
         raise SaveRefused("Nothing was written: the new workbook would lack parts of the original.")
     parts: dict[str, bytes] = {}
     for entry in container.entries:
@@ -162,7 +174,8 @@ def _verify(
         # Equal stored bytes, sizes and check sum: the part inflates to the same bytes as before.
         elif name not in dropped and not _identical(container, entry, package, entries[name]):
             raise SaveRefused(f"Nothing was written: the part {name} would have changed.")
-    wrong = [name for name, data in replaced.items() if parts.get(name) != data]
+    parts |= {name: archive.read(name) for name in added}
+    wrong = [name for name, data in (*replaced.items(), *added.items()) if parts.get(name) != data]
     wrong += check(parts)
     if wrong:
         raise SaveRefused(

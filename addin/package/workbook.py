@@ -515,6 +515,11 @@ class Workbook:
         """Cells whose values changed."""
         return self._changed
 
+    @property
+    def written(self) -> Mapping[str, Sequence[Written]]:
+        """Rectangles written so far, by sheet, in the order they were written."""
+        return self._written
+
     def sheet_part(self, sheet: str) -> SheetPart:
         """Cells of a sheet."""
         return self._sheet(sheet)

@@ -1,0 +1,285 @@
+"""The macro `Recalculate`: calculate the open workbook, fill its result cells.
+
+A copy is saved and goes the way of every workbook (`addin.recalc`); what that wrote into the copy is
+then written, rectangle by rectangle, into the open one: result cells only, tables resized, nothing
+else touched. The workbook is handed in as an xlwings book, so that this module needs no xlwings.
+Like any macro it empties Excel's list of steps to undo.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from addin.package import ErrorValue, Formula, Table, Workbook
+from addin.package.references import Rect, parse_range
+from addin.problems import CellProblem
+from addin.recalc import recalculate
+
+__all__ = ["Results", "excel_value", "refill", "results_of"]
+
+TITLE = "torsionbook"
+#: Most cells handed to Excel at once; between two portions the status bar moves on.
+PORTION = 20_000
+#: Problems told in the message box.
+MOST_TOLD = 10
+_PASTE_FORMATS = -4122
+
+
+@dataclass(frozen=True)
+class Results:
+    """What shall stand in the result cells.
+
+    Parameters
+    ----------
+    blocks : tuple of (str, Rect, tuple)
+        Sheet, rectangle and its rows, in the order they were written.
+    tables : tuple of Table
+        Result tables with the size they have then.
+    """
+
+    blocks: tuple[tuple[str, Rect, Sequence[Sequence[Any]]], ...]
+    tables: tuple[Table, ...]
+
+    @property
+    def cells(self) -> int:
+        """How many cells that are."""
+        return sum(rect.width * rect.height for _, rect, _ in self.blocks)
+
+
+@dataclass
+class _Collected:
+    """The results, once the copy has them."""
+
+    found: Results = field(default_factory=lambda: Results((), ()))
+
+    def take(self, workbook: Workbook) -> None:
+        self.found = results_of(workbook)
+
+
+def results_of(workbook: Workbook) -> Results:
+    """What was written into a workbook.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        After its results were written.
+
+    Returns
+    -------
+    Results
+        Rectangles and tables.
+    """
+    blocks = tuple(
+        (sheet, one.rect, tuple(one.grid))
+        for sheet, written in workbook.written.items()
+        for one in written
+    )
+    tables = tuple(
+        table
+        for table in workbook.tables.values()
+        if any(sheet == table.sheet and rect.meets(table.ref) for sheet, rect, _ in blocks)
+    )
+    return Results(blocks, tables)
+
+
+def refill(book: Any) -> None:
+    """Calculate an open workbook and fill its result cells.
+
+    Parameters
+    ----------
+    book : xlwings.Book
+        The workbook whose macro called. Progress goes to its status bar, what is wrong into a
+        message box; then nothing is written.
+    """
+    started = time.perf_counter()
+    app = book.app
+    collected = _Collected()
+    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+        copy = Path(folder, book.name)
+        book.api.SaveCopyAs(str(copy))
+        done = recalculate(
+            copy,
+            destination=Path(folder, "results", book.name),
+            ignore_lock=True,
+            on_stage=lambda stage: _tell(app, stage),
+            on_written=collected.take,
+        )
+        if done.problems:
+            _tell(app, "the inputs have errors; nothing was written")
+            app.alert(_told(done.problems), TITLE, mode="critical")
+            return
+        histories = [path for path in done.written if path.name != book.name]
+        notes = [*done.warnings, *_kept(histories, book)]
+    locked = _protected(book, collected.found)
+    if locked:
+        _tell(app, "nothing was written")
+        app.alert(
+            f"Nothing was written: sheet {locked} is protected. Remove the protection (Review, "
+            "Unprotect Sheet) and run Recalculate again.",
+            TITLE,
+            mode="critical",
+        )
+        return
+    with _quiet(app):
+        _fill(book, collected.found, lambda text: _tell(app, text))
+    took = time.perf_counter() - started
+    _tell(app, f"results written in {took:.1f} s. A macro cannot be undone in Excel.")
+    if notes:
+        app.alert("\n\n".join(notes[:MOST_TOLD]), TITLE, mode="info")
+
+
+# --- into Excel -----------------------------------------------------------------------------------
+
+
+def _fill(book: Any, results: Results, tell: Callable[[str], None]) -> None:
+    """Tables to their size, then all rectangles in portions."""
+    for table in results.tables:
+        _resize(book, table, results)
+    total, done = max(results.cells, 1), 0
+    for sheet, rect, rows in results.blocks:
+        step = max(1, PORTION // rect.width)
+        for top in range(rect.top, rect.bottom + 1, step):
+            bottom = min(top + step - 1, rect.bottom)
+            some = _rows(rows, rect, top, bottom)
+            book.sheets[sheet].range((top, rect.left), (bottom, rect.right)).value = some
+            done += rect.width * len(some)
+            tell(f"writing results, {100 * done // total} %")
+
+
+def _rows(
+    rows: Sequence[Sequence[Any]], rect: Rect, top: int, bottom: int
+) -> list[list[str | bool | float | None]]:
+    """Rows of a rectangle as Excel takes them; what was not given is blank."""
+    found = []
+    for number in range(top - rect.top, bottom - rect.top + 1):
+        row = list(rows[number]) if number < len(rows) else []
+        found.append([excel_value(v) for v in row + [None] * (rect.width - len(row))])
+    return found
+
+
+def _resize(book: Any, table: Table, results: Results) -> None:
+    """A table to its new size: new rows get the formats of its first, rows given up are cleared."""
+    sheet = book.sheets[table.sheet]
+    live = sheet.tables[table.name]
+    first, last = _ends(live.range.address)
+    new = table.ref
+    if (first, last) == ((new.top, new.left), (new.bottom, new.right)):
+        return
+    if first != (new.top, new.left):
+        raise RuntimeError(f"table {table.name} stands elsewhere in Excel than in its copy")
+    old_bottom = last[0] - table.has_totals
+    if old_bottom > table.data.bottom:
+        for left, right in _written_columns(table, results):
+            sheet.range((table.data.bottom + 1, left), (old_bottom, right)).clear_contents()
+    live.resize(sheet.range((new.top, new.left), (new.bottom, new.right)))
+    if table.data.bottom > old_bottom:
+        top = table.data.top
+        sheet.range((top, new.left), (top, new.right)).api.Copy()
+        added = sheet.range((old_bottom + 1, new.left), (table.data.bottom, new.right))
+        added.api.PasteSpecial(_PASTE_FORMATS)
+        book.app.api.CutCopyMode = False
+
+
+def _written_columns(table: Table, results: Results) -> Iterator[tuple[int, int]]:
+    """First and last column of each piece of a table that results stand in."""
+    pieces = {
+        (max(rect.left, table.ref.left), min(rect.right, table.ref.right))
+        for sheet, rect, _ in results.blocks
+        if sheet == table.sheet and rect.meets(table.data)
+    }
+    yield from sorted(pieces)
+
+
+def _ends(address: str) -> tuple[tuple[int, int], tuple[int, int]]:
+    """``$B$4:$D$9`` → first and last cell as (row, column)."""
+    rect = parse_range(address.replace("$", ""))
+    return (rect.top, rect.left), (rect.bottom, rect.right)
+
+
+def excel_value(value: Any) -> str | bool | float | None:
+    """A cell as it is handed to Excel.
+
+    Excel reads a text that comes from a program as if it had been typed: ``3-4`` would become a
+    date and ``=...`` a formula. A leading apostrophe, which is not part of the text, prevents it.
+
+    Parameters
+    ----------
+    value : None, bool, int, float, str, ErrorValue or Formula
+        As it was written into the copy. [shown units]
+
+    Returns
+    -------
+    None, bool, float or str
+        Formulas begin with ``=``. [shown units]
+    """
+    if isinstance(value, Formula):
+        return "=" + value.text.replace("_xlfn._xlws.", "").replace("_xlfn.", "")
+    if isinstance(value, ErrorValue):
+        return value.code
+    if value == "":
+        return None
+    if isinstance(value, str):
+        plain = value[:1].isalpha() and not any(sign.isdigit() for sign in value)
+        return value if plain and value.casefold() not in ("true", "false") else f"'{value}"
+    return value if value is None or isinstance(value, bool) else float(value)
+
+
+@contextmanager
+def _quiet(app: Any) -> Iterator[None]:
+    """Excel without redrawing, events and calculation; put back whatever happens."""
+    names = ("screen_updating", "enable_events", "calculation")
+    before = {name: getattr(app, name) for name in names}
+    # Excel would carry formulas down tables and let tables grow over what is written below them.
+    helps = app.api.AutoCorrect
+    helping = helps.AutoFillFormulasInLists, helps.AutoExpandListRange
+    try:
+        app.screen_updating = app.enable_events = False
+        app.calculation = "manual"
+        helps.AutoFillFormulasInLists = helps.AutoExpandListRange = False
+        yield
+    finally:
+        helps.AutoFillFormulasInLists, helps.AutoExpandListRange = helping
+        for name in reversed(names):
+            setattr(app, name, before[name])
+
+
+def _protected(book: Any, results: Results) -> str:
+    """The first protected sheet that results go to; empty if there is none."""
+    for name in dict.fromkeys(sheet for sheet, _, _ in results.blocks):
+        if book.sheets[name].api.ProtectContents:
+            return name
+    return ""
+
+
+def _kept(files: Sequence[Path], book: Any) -> list[str]:
+    """Histories beside the workbook; a sentence where that is no folder."""
+    told = []
+    folder = Path(str(book.api.FullName)).parent  # an address, where OneDrive keeps the workbook
+    for path in files:
+        if folder.is_dir():
+            shutil.copyfile(path, folder / path.name)
+        else:
+            told.append(
+                f"The histories {path.name} are not kept: {book.name} is not in a folder of this "
+                "computer. Save it on a local disk, or run torsionbook recalc."
+            )
+    return told
+
+
+def _tell(app: Any, text: str) -> None:
+    app.status_bar = f"{TITLE}: {text}"
+
+
+def _told(problems: Sequence[CellProblem]) -> str:
+    """The message box: what is wrong, and that nothing was written."""
+    lines = [problem.message for problem in problems[:MOST_TOLD]]
+    if len(problems) > MOST_TOLD:
+        lines.append(f"And {len(problems) - MOST_TOLD} more.")
+    return "Nothing was calculated or written.\n\n" + "\n\n".join(lines)

@@ -1,0 +1,124 @@
+"""The registry's functions under names that VBA and Python allow.
+
+A parameter of a VBA function may not be a word of the language, whatever its capitals, and shows in
+Excel's function wizard; so its name is made of the argument's by the rule of the JSON keys.
+"""
+
+from __future__ import annotations
+
+import inspect
+import keyword
+from dataclasses import dataclass
+
+from addin.fields import json_key
+from addin.worksheet import functions as _entered  # noqa: F401  (enters the functions)
+from addin.worksheet.registry import FUNCTIONS
+
+__all__ = ["ExcelArgument", "ExcelFunction", "MOST_HELP", "excel_functions"]
+
+#: Longest help that the function wizard shows of a function or of an argument.
+MOST_HELP = 255
+#: Arguments whose own name is a word of VBA or Python.
+RENAMED = {"case": "case_cells", "from": "from_unit", "to": "to_unit"}
+#: Words of VBA that are no names, and `caller`, which xlwings keeps for itself.
+RESERVED = frozenset(
+    """
+    abs access addressof alias and any append array as attribute base begin binary boolean byref
+    byte byval caller call case cbool cbyte ccur cdate cdbl cdec cint clng clnglng clngptr close
+    compare const csng cstr currency cvar cverr date debug decimal declare defbool defbyte defcur
+    defdate defdbl defint deflng defobj defsng defstr defvar dim do doevents double each else
+    elseif empty end endif enum eqv erase error event exit explicit false fix for friend function
+    get global go gosub goto if imp implements in input inputb int integer is lbound len lenb let
+    lib like line local lock long longlong longptr loop lset me mid midb mod module name new next
+    not nothing null object on open option optional or output paramarray preserve print private
+    property pset public put raiseevent random randomize read redim rem reset resume return rset
+    scale seek select set sgn shared single spc static step stop string sub tab text then time to
+    true type typeof ubound unlock until variant wend while width with withevents write xor
+    """.split()
+)
+
+
+@dataclass(frozen=True)
+class ExcelArgument:
+    """One parameter of a function in Excel.
+
+    Parameters
+    ----------
+    name : str
+        Valid in VBA and in Python. [name]
+    help : str
+        What to give, as the wizard shows it. [sentence]
+    optional : bool
+        Whether the formula may leave it out. [flag]
+    """
+
+    name: str
+    help: str
+    optional: bool
+
+
+@dataclass(frozen=True)
+class ExcelFunction:
+    """One function as Excel knows it.
+
+    Parameters
+    ----------
+    name : str
+        In capitals, as in the contract. [name]
+    help : str
+        As the wizard shows it. [sentence]
+    arguments : tuple of ExcelArgument
+        In order.
+    """
+
+    name: str
+    help: str
+    arguments: tuple[ExcelArgument, ...]
+
+    @property
+    def signature(self) -> inspect.Signature:
+        """The Python signature, from which xlwings makes the VBA one."""
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+        return inspect.Signature(
+            [
+                inspect.Parameter(a.name, kind, default=None if a.optional else inspect._empty)
+                for a in self.arguments
+            ]
+        )
+
+
+def excel_functions() -> tuple[ExcelFunction, ...]:
+    """All functions of the registry.
+
+    Returns
+    -------
+    tuple of ExcelFunction
+        In the order of their names, which is the order xlwings writes them in.
+    """
+    return tuple(
+        ExcelFunction(
+            one.name,
+            _cut(one.help),
+            tuple(ExcelArgument(_name(a.name), _cut(a.help), a.optional) for a in one.arguments),
+        )
+        for _, one in sorted(FUNCTIONS.items())
+    )
+
+
+def _name(argument: str) -> str:
+    """``Shear modulus`` → ``shear_modulus``; words of a language get a name of their own."""
+    name = json_key(argument)
+    name = RENAMED.get(name, name)
+    usable = name.isidentifier() and not keyword.iskeyword(name) and name not in RESERVED
+    assert usable, f"argument {argument}: enter a name for it in RENAMED"
+    return name
+
+
+def _cut(text: str) -> str:
+    """A help text that the wizard takes: its first sentences, as many as fit."""
+    while len(text) > MOST_HELP:
+        shorter = text.rstrip(".").rpartition(". ")[0]
+        if not shorter:
+            return text[: MOST_HELP - 1] + "…"
+        text = shorter + "."
+    return text

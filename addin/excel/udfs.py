@@ -1,0 +1,78 @@
+"""What desktop Excel calls: one function per entry of the registry, and the macro `Recalculate`.
+
+The only module that imports xlwings. Excel hands cells over COM: doubles, texts, flags, dates, None for
+a blank; error cells come as their text, since xlwings would make blanks of them. A classic function
+cannot return one of Excel's error values: where there is no answer the cell shows the sentence
+that says why, so formulas that hang on it test with ISNUMBER, not with ISERROR. Blank cells of an
+answer are empty texts, which Excel shows as nothing.
+
+On other systems than Windows the module can be imported, and xlwings' decorators do nothing.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable
+from typing import Any
+
+# As in addin/cli.py. The libraries of linear algebra read it when they are loaded, so here it holds for
+# scipy's only: xlwings has loaded numpy before.
+for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import xlwings as xw  # noqa: E402
+
+from addin.excel.signatures import ExcelFunction, excel_functions  # noqa: E402
+from addin.worksheet.registry import CATEGORY, FunctionError, call  # noqa: E402
+
+__all__ = ["recalculate"]
+
+logger = logging.getLogger(__name__)
+
+
+def _answer(name: str, cells: tuple[Any, ...]) -> list[list[Any]]:
+    """Rows for Excel; where there is no answer, the sentence why."""
+    try:
+        rows = call(name, cells)
+    except FunctionError as wrong:
+        return [[wrong.message]]
+    except Exception as wrong:  # the last resort: a cell must not show the lines of a program
+        logger.exception("%s failed", name)
+        return [
+            [
+                f"{name} failed inside torsionbook ({type(wrong).__name__}: {wrong}). "
+                "Please report it with the workbook."
+            ]
+        ]
+    return [["" if value is None else value for value in row] for row in rows]
+
+
+def _exported(one: ExcelFunction) -> Callable[..., Any]:
+    """A function as xlwings wants it: with its name, signature and help."""
+
+    def function(*cells: Any) -> list[list[Any]]:
+        return _answer(one.name, cells)
+
+    function.__name__ = function.__qualname__ = one.name
+    function.__doc__ = one.help
+    function.__annotations__ = {}  # xlwings would choose its converters by them
+    function.__signature__ = one.signature  # type: ignore[attr-defined]
+    for argument in one.arguments:
+        # The shape is always asked for: xlwings' default depends on the size of the range, and
+        # its version 1 shall change it.
+        decorate = xw.arg(argument.name, ndim=2, err_to_str=True, doc=argument.help)
+        function = decorate(function)
+    return xw.func(category=CATEGORY)(function)
+
+
+for _one in excel_functions():
+    globals()[_one.name] = _exported(_one)
+    __all__ += [_one.name]  # noqa: PLE0604
+
+
+def recalculate() -> None:
+    """Fill the result cells of the workbook whose macro called; see `addin.excel.refill`."""
+    from addin.excel.refill import refill
+
+    refill(xw.Book.caller())
