@@ -25,6 +25,8 @@ module               responsibility
 `template_files`     where the shipped workbooks are
 `examples`           the two filled examples
 `recalc`             one input file in, its results out
+`worksheet`          the worksheet functions, one registry for every front
+`server`             the functions and the recalculation over HTTP; `client` asks it from Python
 `cli`                the command line
 `version`            the version as installed
 `package`            writing into somebody's workbook without damaging it

@@ -15,6 +15,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from addin.excel.commands import excel
+from addin.server.commands import serve
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -44,6 +47,9 @@ app = typer.Typer(
         "that file), 2 wrong usage, 3 an error inside torsionbook."
     ),
 )
+
+app.add_typer(excel)
+app.command()(serve)
 
 Files = Annotated[
     list[Path],

@@ -16,7 +16,7 @@ from addin.chart_data import ShownUnits
 from addin.fields import Field, TableSpec, result_table
 from addin.units import UnitError, parse_unit
 from addin.worksheet.blocks import case_of, problems_in_words
-from addin.worksheet.models import MODELS, Model
+from addin.worksheet.models import MODELS, RUN, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
 
 __all__: list[str] = []
@@ -48,8 +48,19 @@ def _system(units: str | None, model: Model | None) -> str:
 
 
 @cache
-def _units(system: str) -> ShownUnits:
-    """The units of the shipped templates."""
+def units_of(system: str) -> ShownUnits:
+    """The units of the shipped templates.
+
+    Parameters
+    ----------
+    system : str
+        SI or US. [word]
+
+    Returns
+    -------
+    ShownUnits
+        The unit of every column and its size. [SI]
+    """
     from addin.shown_units import shown_units
 
     names = {}
@@ -63,17 +74,36 @@ def _units(system: str) -> ShownUnits:
     return found
 
 
-def _table(
+def table_cells(
     spec: TableSpec,
     rows: Iterable[Mapping[str, Any]],
     system: str,
     headers: bool | None,
     columns: Sequence[Field] | None = None,
 ) -> Rows:
-    """Rows of a result table, cell for cell as a workbook shows them."""
+    """Rows of a result table, cell for cell as a workbook shows them.
+
+    Parameters
+    ----------
+    spec : TableSpec
+        The table. [table]
+    rows : iterable of mapping
+        Its rows by JSON key. [SI]
+    system : str
+        Units shown, SI or US. [word]
+    headers : bool or None
+        False leaves the row of headers out. [flag]
+    columns : sequence of Field, optional
+        The columns shown; default all. [columns]
+
+    Returns
+    -------
+    list of list
+        Cells. [shown units]
+    """
     from addin.write_workbook import shown_cell
 
-    units = _units(system)
+    units = units_of(system)
     columns = spec.columns if columns is None else columns
     found: Rows = [[shown_cell(spec, c, row, units) for c in columns] for row in rows]
     if headers is False:
@@ -118,7 +148,7 @@ def _run(handle: str) -> tuple[Model, Any]:
 
         return whole(case)
 
-    return model, MODELS.result(model, "run", calculate)
+    return model, MODELS.result(model, RUN, calculate)
 
 
 def _run_table(
@@ -128,7 +158,7 @@ def _run_table(
     rows = run.tables.get(name) or ()
     if not rows:
         raise FunctionError(missing, "#N/A")
-    return _table(result_table(name), rows, _system(units, model), headers)
+    return table_cells(result_table(name), rows, _system(units, model), headers)
 
 
 NO_START = "The case has no start: fill MotorTorque (and LoadTorque) or TorqueTime."
@@ -177,7 +207,7 @@ def tv_frequencies(model: str, units: str | None, headers: bool | None) -> Rows:
     """
     found, tables = _at_speed(model)
     rows = tables["NaturalFrequencies"]
-    return _table(result_table("NaturalFrequencies"), rows, _system(units, found), headers)
+    return table_cells(result_table("NaturalFrequencies"), rows, _system(units, found), headers)
 
 
 @registered(
@@ -270,7 +300,7 @@ def tv_margins(model: str, units: str | None, headers: bool | None) -> Rows:
     rows = tables["SeparationMargins"]
     if not rows:
         raise FunctionError("Nothing is judged: the case states no speed and no line.", "#N/A")
-    return _table(result_table("SeparationMargins"), rows, _system(units, found), headers)
+    return table_cells(result_table("SeparationMargins"), rows, _system(units, found), headers)
 
 
 @registered("TV_STEADY", MODEL, UNITS, HEADERS, example="=TV_STEADY(A1)")
@@ -280,7 +310,7 @@ def tv_steady(model: str, units: str | None, headers: bool | None) -> Rows:
     rows = tables["SteadyState"]
     if not rows:
         raise FunctionError("Every margin is kept, so no forced response is needed.", "#N/A")
-    return _table(result_table("SteadyState"), rows, _system(units, found), headers)
+    return table_cells(result_table("SteadyState"), rows, _system(units, found), headers)
 
 
 # --- the start ------------------------------------------------------------------------------------
@@ -348,7 +378,7 @@ def tv_history(
     if name is None:
         known = ", ".join(list(histories)[:20])
         raise FunctionError(f"Element: found '{element[:60]}'; there are: {known}.", "#N/A")
-    shown, place = _units(_system(units, found)), ("StartupPeaks", "Maximum torque")
+    shown, place = units_of(_system(units, found)), ("StartupPeaks", "Maximum torque")
     unit, factor = shown.name(*place), shown.factor(*place)
     time, torque = histories[name]
     kept = decimate(time, torque, limit)
@@ -373,7 +403,7 @@ def tv_cycles(model: str, units: str | None, headers: bool | None) -> Rows:
     if not rows:
         raise FunctionError("No shaft is judged for fatigue, or no cycle damages it.", "#N/A")
     spec = next(t for t in fields.WORKBOOK_TABLES if t.name == "StartCycles")
-    return _table(spec, rows, _system(units, found), headers)
+    return table_cells(spec, rows, _system(units, found), headers)
 
 
 @registered("TV_STARTS", MODEL, UNITS, HEADERS, long=True, example="=TV_STARTS(A1)")

@@ -20,10 +20,12 @@ from addin.worksheet.registry import FunctionError
 from engine.case import Case, case_digest
 from engine.errors import InternalError, ModelError
 
-__all__ = ["MODELS", "Model", "Models"]
+__all__ = ["MODELS", "Model", "Models", "RUN"]
 
 #: Beginning of every handle, and digits of the digest in it.
 PREFIX, DIGITS = "tv:", 16
+#: Name of the result that needs a start.
+RUN = "run"
 #: Cases remembered, and memory of their results. [count, B]
 MOST_CASES, MOST_MEMORY = 2000, 400_000_000
 
@@ -47,11 +49,26 @@ class Model:
     system: str
     kept: dict[str, Any] = field(default_factory=dict)
     lock: threading.RLock = field(default_factory=threading.RLock)
+    sizes: dict[str, int] = field(default_factory=dict)
 
     @property
     def memory(self) -> int:
-        """Memory of the results. [B]"""
-        return sum(_size(value) for value in list(self.kept.values()))
+        """Memory of the results, measured once when each was kept. [B]"""
+        return sum(list(self.sizes.values()))
+
+    def keep(self, what: str, value: Any) -> None:
+        """Put a result where the functions look for it, for whoever calculates elsewhere.
+
+        Parameters
+        ----------
+        what : str
+            Name of the result. [name]
+        value : object
+            The result, or the `FunctionError` that says why there is none. [SI]
+        """
+        with self.lock:
+            self.kept[what] = value
+            self.sizes[what] = _size(value)
 
 
 class Models:
@@ -153,12 +170,13 @@ class Models:
             If the train cannot be calculated; kept as well, so that it is not tried again.
         """
         with model.lock:
-            if what not in model.kept:
+            found = model.kept.get(what)
+            if found is None:
                 try:
-                    model.kept[what] = calculate(model.case)
+                    found = calculate(model.case)
                 except (ModelError, InternalError) as wrong:
-                    model.kept[what] = FunctionError(str(wrong), "#NUM!")
-            found = model.kept[what]
+                    found = FunctionError(str(wrong), "#NUM!")
+                model.keep(what, found)
         self._drop(model)
         if isinstance(found, FunctionError):
             raise FunctionError(found.message, found.code)
@@ -180,6 +198,7 @@ class Models:
                 if model is not used and model.kept:
                     total -= model.memory
                     model.kept.clear()
+                    model.sizes.clear()
 
 
 def _system(found: CaseInput) -> str:

@@ -41,7 +41,9 @@ def dependencies(*lists: list[str]) -> list[Requirement]:
 
 
 def test_the_lock_files_are_there():
-    assert [p.name for p in LOCKS] == ["dev.txt", "lock.txt", "parquet.txt", "run.txt"]
+    assert [p.name for p in LOCKS] == [
+        "dev.txt", "excel.txt", "lock.txt", "parquet.txt", "run.txt", "server.txt",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("path", LOCKS, ids=lambda p: p.name)
@@ -73,12 +75,16 @@ def test_compiled_packages_are_hashed_for_every_python_and_system():
             dependencies(PROJECT["project"]["dependencies"], PROJECT["build-system"]["requires"]),
         ),
         ("parquet.txt", dependencies(PROJECT["project"]["optional-dependencies"]["parquet"])),
+        ("excel.txt", dependencies(PROJECT["project"]["optional-dependencies"]["excel"])),
+        ("server.txt", dependencies(PROJECT["project"]["optional-dependencies"]["server"])),
         (
             "dev.txt",
             dependencies(
                 PROJECT["project"]["dependencies"],
                 PROJECT["build-system"]["requires"],
                 PROJECT["project"]["optional-dependencies"]["parquet"],
+                PROJECT["project"]["optional-dependencies"]["excel"],
+                PROJECT["project"]["optional-dependencies"]["server"],
                 PROJECT["dependency-groups"]["dev"],
             ),
         ),

@@ -1,0 +1,145 @@
+"""Routes, put together for one set of settings."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket
+
+from addin.server import office, uploads
+from addin.server.calls import Calls, read_calls
+from addin.server.guard import Guard, Refused, answer, encoded, read_json, while_connected
+from addin.server.openapi import document
+from addin.server.settings import Settings
+from addin.server.starts import Starts
+from addin.server.stream import Stream
+from addin.server.work import Work
+from addin.version import product_version
+
+__all__ = ["create_app"]
+
+#: Files of the page: name → media type.
+FILES = {
+    "taskpane.css": "text/css",
+    "taskpane.js": "text/javascript",
+    "charts.js": "text/javascript",
+    **{f"icon-{size}.png": "image/png" for size in (16, 32, 64, 80)},
+}
+#: The script of the Office host: the one file that does not come from this server.
+OFFICE_JS = b'<script src="https://appsforoffice.microsoft.com/lib/1/hosted/office.js"></script>'
+HEADERS = {
+    "Cache-Control": "no-cache",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+}
+
+Answer = Callable[[Request], Awaitable[Response]]
+
+
+def create_app(settings: Settings) -> Starlette:
+    """The server as an ASGI application.
+
+    Parameters
+    ----------
+    settings : Settings
+        Keys, limits, number of processes.
+
+    Returns
+    -------
+    Starlette
+        Its processes start with it and end with it.
+    """
+    limits = settings.limits
+    work = Work(settings.workers, limits.waiting, limits.long_time)
+    starts = Starts(work)
+    calls = Calls(starts, limits)
+
+    async def batch(request: Request) -> Response:
+        wanted = read_calls(await read_json(request, limits.body), limits.calls)
+        answers = await while_connected(request, calls.answers(wanted))
+        return answer(await calls.encoded({"results": answers}))
+
+    async def workbook(request: Request) -> Response:
+        return await uploads.recalculated(request, work, limits.body)
+
+    async def model(request: Request) -> Response:
+        return await uploads.model_of(request, limits.body)
+
+    async def stream(socket: WebSocket) -> None:
+        await Stream(socket, settings, calls, starts).serve()
+
+    async def manifest(request: Request) -> Response:
+        base = settings.public_url or str(request.base_url)
+        return _file(office.manifest(base.rstrip("/")), "application/xml")
+
+    @asynccontextmanager
+    async def running(app: Starlette) -> AsyncIterator[None]:
+        yield
+        calls.close()
+        work.close()
+
+    about = {"name": "torsionbook", "version": product_version()}
+    description = document()
+    return Starlette(
+        routes=[
+            Route("/api/v1/batch", batch, methods=["POST"]),
+            Route("/api/v1/model", model, methods=["POST"]),
+            Route("/api/v1/workbook", workbook, methods=["POST"]),
+            WebSocketRoute("/api/v1/stream", stream),
+            Route("/", _constant(_page(b""), "text/html")),
+            Route("/taskpane.html", _constant(_page(OFFICE_JS), "text/html")),
+            Route("/functions.js", _constant(office.functions_script(), "text/javascript")),
+            Route(
+                "/functions.json", _constant(encoded(office.functions_json()), "application/json")
+            ),
+            Route("/manifest.xml", manifest),
+            Route("/openapi.json", _constant(encoded(description), "application/json")),
+            Route("/healthz", _constant(encoded({"ok": True}), "application/json")),
+            Route("/version", _constant(encoded(about), "application/json")),
+            *(
+                Route(f"/{name}", _constant(office.static(name), kind))
+                for name, kind in FILES.items()
+            ),
+        ],
+        middleware=[Middleware(Guard, settings=settings)],
+        exception_handlers={HTTPException: _no_such_thing, Refused: _refused},
+        lifespan=running,
+    )
+
+
+def _page(office_js: bytes) -> bytes:
+    """The page, with the script of the Office host or without it."""
+    return office.static("taskpane.html").replace(b"<!-- the Office host -->", office_js)
+
+
+def _constant(content: bytes, media_type: str) -> Answer:
+    async def respond(request: Request) -> Response:
+        return _file(content, media_type)
+
+    return respond
+
+
+def _file(content: bytes, media_type: str) -> Response:
+    return Response(content, media_type=media_type, headers=HEADERS)
+
+
+async def _no_such_thing(request: Request, wrong: Exception) -> Response:
+    assert isinstance(wrong, HTTPException)
+    path = request.url.path[:80]
+    sentence = {
+        404: f"There is nothing at {path}. /openapi.json says what there is.",
+        405: f"{path} does not take {request.method[:20]}. /openapi.json says what it takes.",
+    }.get(wrong.status_code, str(wrong.detail))
+    return Refused(wrong.status_code, sentence, wrong.headers).response()
+
+
+async def _refused(request: Request, wrong: Exception) -> Response:
+    assert isinstance(wrong, Refused)
+    return wrong.response()

@@ -1,0 +1,86 @@
+"""`torsionbook serve`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+
+__all__ = ["serve"]
+
+
+def serve(
+    host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Port; 0 takes any that is free.")] = 8765,
+    cert: Annotated[Path | None, typer.Option(help="Certificate chain in PEM, for HTTPS.")] = None,
+    key: Annotated[Path | None, typer.Option(help="Its private key in PEM.")] = None,
+    api_key_file: Annotated[
+        Path | None, typer.Option(help="File with the API keys, one a line.")
+    ] = None,
+    public_url: Annotated[
+        str, typer.Option(help="The address users have, where a proxy stands in front.")
+    ] = "",
+    workers: Annotated[
+        int | None, typer.Option(help="Processes for starts; default one less than the cores.")
+    ] = None,
+) -> None:
+    """Serve the worksheet functions, the Office add-in and recalculation over HTTP.
+
+    Listens on this machine only. Other machines need HTTPS and API keys, or a reverse proxy.
+
+    Example: `torsionbook serve`, then open http://127.0.0.1:8765/ in a browser.
+    """
+    try:
+        import uvicorn  # noqa: F401  (said in time)
+    except ImportError:
+        _sorry(
+            "The server's packages are not installed. Install them: pip install torsionbook[server]"
+        )
+    from addin.server.settings import Settings, SettingsError, read_keys
+
+    asked: dict[str, Any] = {} if workers is None else {"workers": workers}
+    try:
+        settings = Settings(
+            host=host,
+            port=port,
+            keys=frozenset() if api_key_file is None else read_keys(api_key_file),
+            certificate=cert,
+            certificate_key=key,
+            public_url=public_url,
+            **asked,
+        )
+    except SettingsError as wrong:
+        _sorry(str(wrong))
+    run(settings)
+
+
+def run(settings: Any) -> None:
+    """Serve until Ctrl+C.
+
+    Parameters
+    ----------
+    settings : Settings
+        Addresses, keys, certificates, limits.
+    """
+    import uvicorn
+
+    from addin.server.app import create_app
+
+    uvicorn.run(
+        create_app(settings),
+        host=settings.host,
+        port=settings.port,
+        ssl_certfile=settings.certificate,
+        ssl_keyfile=settings.certificate_key,
+        ws_max_size=settings.limits.body,
+        timeout_graceful_shutdown=5,
+        log_level="info",
+        access_log=False,  # a proxy keeps one; here it would cost as much as a short call
+        server_header=False,
+    )
+
+
+def _sorry(sentence: str) -> NoReturn:
+    typer.echo(sentence, err=True)
+    raise typer.Exit(1)

@@ -1,0 +1,187 @@
+"""What is fixed when the server starts: addresses, keys, certificates, limits."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import urlsplit
+
+__all__ = ["LARGE", "LOOPBACK", "Limits", "Settings", "SettingsError", "read_keys"]
+
+#: Names of this machine that no other machine can reach.
+LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
+#: A body beyond this, or of a size not told, counts as large. [B]
+LARGE = 1_000_000
+#: Shortest API key that is accepted: shorter ones can be guessed. [characters]
+SHORTEST_KEY = 16
+
+
+class SettingsError(Exception):
+    """Settings that cannot be served with; the sentence says why."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How much one request, and all of them together, may ask for.
+
+    Parameters
+    ----------
+    body : int
+        Largest body of a request. [B]
+    calls : int
+        Most function calls in one request. [count]
+    requests : int
+        Most requests being answered at a time; further ones get 503. [count]
+    large : int
+        Most requests at a time with more than `LARGE` to read; further ones get 503. [count]
+    waiting : int
+        Most long calculations waiting for a process. [count]
+    streams : int
+        Most long calls at a time of one WebSocket. [count]
+    short_time : float
+        Time for the short functions of one request. [s]
+    long_time : float
+        Time for one start or one workbook, from its beginning. [s]
+    """
+
+    body: int = 25_000_000
+    calls: int = 2_000
+    requests: int = 2_000
+    large: int = 32
+    waiting: int = 64
+    streams: int = 500
+    short_time: float = 60.0
+    long_time: float = 900.0
+
+
+@dataclass(frozen=True)
+class Settings:
+    """One server.
+
+    Parameters
+    ----------
+    host : str
+        Address to listen at. [name]
+    port : int
+        Port; 0 = any that is free. [number]
+    keys : frozenset of str
+        API keys; empty = none is asked for. [texts]
+    certificate : Path or None
+        Certificate chain in PEM. [path]
+    certificate_key : Path or None
+        Its private key in PEM. [path]
+    public_url : str
+        Address users have in their browser, where a proxy stands in front; empty = as asked. [URL]
+    workers : int
+        Processes for long calculations. [count]
+    limits : Limits
+        Limits.
+
+    Raises
+    ------
+    SettingsError
+        If these settings would expose the server, or contradict each other.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8765
+    keys: frozenset[str] = frozenset()
+    certificate: Path | None = None
+    certificate_key: Path | None = None
+    public_url: str = ""
+    workers: int = field(default_factory=lambda: max(1, min(4, (os.cpu_count() or 2) - 1)))
+    limits: Limits = field(default_factory=Limits)
+
+    def __post_init__(self) -> None:
+        if (self.certificate is None) != (self.certificate_key is None):
+            raise SettingsError(
+                "A certificate and its private key come together: give --cert and --key."
+            )
+        for path in (self.certificate, self.certificate_key):
+            if path is not None and not path.is_file():
+                raise SettingsError(f"There is no file {path}.")
+        if not self.is_loopback and self.certificate is None:
+            raise SettingsError(
+                f"The host {self.host} can be reached from other machines, and without encryption "
+                "anybody on the way could read the trains and the keys. Give --cert and --key, or "
+                "keep 127.0.0.1 and put a reverse proxy with HTTPS in front (docs/server.md)."
+            )
+        if not self.is_loopback and not self.keys:
+            raise SettingsError(
+                f"The host {self.host} can be reached from other machines, and without API keys "
+                "anybody there could keep this machine busy. Give --api-key-file with a key a line."
+            )
+        if self.workers < 1:
+            raise SettingsError(f"--workers is {self.workers}; at least 1 process is needed.")
+        if not 0 <= self.port <= 65535:
+            raise SettingsError(f"--port is {self.port}; it must lie between 0 and 65535.")
+        parts = urlsplit(self.public_url)
+        if self.public_url and (parts.scheme not in ("http", "https") or not parts.hostname):
+            raise SettingsError(
+                f"--public-url is '{self.public_url}'; write an address such as "
+                "https://torsion.example.com."
+            )
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only this machine can reach the server."""
+        return self.host in LOOPBACK
+
+    def knows_host(self, name: str) -> bool:
+        """Whether a request may be addressed to a name.
+
+        A page of somebody else can make a browser send requests to a loopback address under a name
+        of its own; those are refused here. Beyond loopback the certificate does this.
+
+        Parameters
+        ----------
+        name : str
+            Header ``Host`` of a request. [name and port]
+
+        Returns
+        -------
+        bool
+            True for loopback names and the host of `public_url`, or if the server is public.
+        """
+        try:
+            host = urlsplit(f"//{name}").hostname or ""
+        except ValueError:
+            return False
+        own = urlsplit(self.public_url).hostname
+        return not self.is_loopback or host in LOOPBACK or (own is not None and host == own)
+
+
+def read_keys(path: Path) -> frozenset[str]:
+    """API keys of a file: one a line, what follows # is a remark.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+
+    Returns
+    -------
+    frozenset of str
+        The keys. [texts]
+
+    Raises
+    ------
+    SettingsError
+        If the file cannot be read, holds no key, or a key that can be guessed.
+    """
+    try:
+        lines: Iterable[str] = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as wrong:
+        raise SettingsError(f"{path} cannot be read as a list of API keys: {wrong}.") from None
+    keys = {key for line in lines if (key := line.partition("#")[0].strip())}
+    if not keys:
+        raise SettingsError(f"{path} holds no API key. Write one a line.")
+    for key in keys:
+        if len(key) < SHORTEST_KEY or not key.isascii() or " " in key:
+            raise SettingsError(
+                f"{path}: the key '{key[:3]}…' cannot be used. A key has at least {SHORTEST_KEY} letters "
+                'and digits, such as: python -c "import secrets; print(secrets.token_urlsafe(24))"'
+            )
+    return frozenset(keys)

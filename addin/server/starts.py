@@ -1,0 +1,142 @@
+"""One calculation of a start for everybody who waits for it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from addin.server.work import Cancelled, Job, Work
+from addin.worksheet.models import RUN, Model
+from addin.worksheet.registry import FunctionError
+
+__all__ = ["Starts", "waited_for"]
+
+Tell = Callable[[str], None]
+
+
+async def waited_for(job: Job, tell: Tell | None = None) -> Any:
+    """The result of a job; whoever stops waiting gives the job up.
+
+    Parameters
+    ----------
+    job : Job
+        As submitted.
+    tell : callable, optional
+        Called with each stage, in the event loop. [words]
+
+    Returns
+    -------
+    object
+        Its result.
+    """
+    loop = asyncio.get_running_loop()
+    leave = job.listen(lambda stage: _post(loop, tell, stage))
+    try:
+        return await asyncio.wrap_future(job.future)
+    except asyncio.CancelledError:
+        job.cancel()
+        raise
+    finally:
+        leave()
+
+
+def _post(loop: asyncio.AbstractEventLoop, tell: Tell | None, stage: str) -> None:
+    if tell is not None and not loop.is_closed():
+        loop.call_soon_threadsafe(tell, stage)
+
+
+@dataclass
+class _Shared:
+    """A start on its way, with those who wait."""
+
+    task: asyncio.Task[None]
+    tellers: list[Tell]
+    stage: str = ""
+    waiting: int = 0
+
+    def tell(self, stage: str) -> None:
+        self.stage = stage
+        for one in list(self.tellers):
+            one(stage)
+
+
+class Starts:
+    """The starts being calculated, by handle of their model.
+
+    Parameters
+    ----------
+    work : Work
+        Where they are calculated.
+    """
+
+    def __init__(self, work: Work) -> None:
+        self._work = work
+        self._shared: dict[str, _Shared] = {}
+
+    async def ready(self, model: Model, tell: Tell | None = None) -> None:
+        """Return once the results of a model's start are kept with it.
+
+        Cancelling this call gives the calculation up, unless somebody else waits for it.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+        tell : callable, optional
+            Called with each stage. [words]
+
+        Raises
+        ------
+        Busy, TooLong, RuntimeError
+            If there is no result. What is wrong with the train is kept with the model as well.
+        """
+        if RUN in model.kept:
+            return
+        shared = self._shared.get(model.handle)
+        if shared is None:
+            shared = self._begin(model)
+        elif tell is not None and shared.stage:
+            tell(shared.stage)
+        if tell is not None:
+            shared.tellers.append(tell)
+        shared.waiting += 1
+        try:
+            await asyncio.shield(shared.task)
+        finally:
+            shared.waiting -= 1
+            if tell is not None:
+                shared.tellers.remove(tell)
+            if not shared.waiting and not shared.task.done():
+                self._forget(model, shared)
+                shared.task.cancel()
+
+    def _begin(self, model: Model) -> _Shared:
+        job = self._work.submit("start", model.case)
+        shared = _Shared(asyncio.create_task(self._calculate(model, job)), [])
+        # whoever waited may be gone by the time it fails: that is no error of the server's
+        shared.task.add_done_callback(lambda task: task.cancelled() or task.exception())
+        self._shared[model.handle] = shared
+        return shared
+
+    async def _calculate(self, model: Model, job: Job) -> None:
+        shared = self._shared[model.handle]
+        try:
+            await asyncio.to_thread(model.keep, RUN, await _found(job, shared.tell))
+        finally:
+            self._forget(model, shared)
+
+    def _forget(self, model: Model, shared: _Shared) -> None:
+        if self._shared.get(model.handle) is shared:
+            del self._shared[model.handle]
+
+
+async def _found(job: Job, tell: Tell) -> Any:
+    """The result of a job, or the sentence why the train has none: that is kept, too."""
+    try:
+        return await waited_for(job, tell)
+    except FunctionError as wrong:
+        return wrong
+    except Cancelled:
+        raise RuntimeError("The calculation was given up. Ask for it again.") from None

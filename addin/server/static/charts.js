@@ -1,0 +1,153 @@
+// Line charts and the drawing of the train, as SVG: a small part of what a chart library does, but
+// all that this page needs, and readable on paper.
+
+const SVG = "http://www.w3.org/2000/svg";
+/** Dark enough to print, and told apart by the colour-blind (Okabe and Ito). */
+export const COLOURS = ["#1f4e79", "#c0504d", "#2e7d5b", "#8a6d1d", "#6a4c93", "#4a4a4a"];
+
+export function element(name, attributes = {}, text = null) {
+  const made = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  if (text !== null) made.textContent = text;
+  return made;
+}
+
+/** Round numbers that divide an interval into about `count` parts. */
+export function ticks(least, largest, count) {
+  const rough = (largest - least) / Math.max(1, count);
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 2.5, 5, 10].map(m => m * power).find(s => s >= rough * 0.999);
+  const found = [];
+  for (let k = Math.ceil(least / step - 1e-9); k * step <= largest + 1e-9 * step; k += 1) {
+    found.push(Math.abs(k * step) < 1e-12 * step ? 0 : k * step);
+  }
+  return found;
+}
+
+/** A number for an axis: no power of ten below a million, no rounding noise. */
+export function short(value) {
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e7 || size < 1e-4) return value.toExponential(1);
+  return Number(value.toPrecision(6)).toLocaleString("en-US", { maximumFractionDigits: 8 });
+}
+
+function extent(lists, padded) {
+  const all = lists.flat().filter(v => typeof v === "number");
+  if (!all.length) return [0, 1];
+  let least = all.reduce((a, b) => Math.min(a, b)), largest = all.reduce((a, b) => Math.max(a, b));
+  if (least === largest) { least -= 1; largest += 1; }
+  const pad = padded ? 0.06 * (largest - least) : 0;
+  return [least >= 0 && least - pad < 0 ? 0 : least - pad, largest + pad];
+}
+
+/** Points as a path; a blank is a gap. */
+function path(xs, ys, toX, toY) {
+  let open = false, drawn = "";
+  for (let i = 0; i < Math.max(xs.length, ys.length); i += 1) {
+    if (typeof xs[i] !== "number" || typeof ys[i] !== "number") { open = false; continue; }
+    drawn += `${open ? "L" : "M"}${toX(xs[i]).toFixed(1)} ${toY(ys[i]).toFixed(1)}`;
+    open = true;
+  }
+  return drawn;
+}
+
+/**
+ * One chart.
+ * what.series: {name, x, y, colour, dash, width}; what.marks: {x, y, text, anchor} words at a point;
+ * what.points: {x, y, text} with a dot; what.x and what.y: axis titles.
+ */
+export function chart(what) {
+  const width = 640, height = what.height || 300;
+  const named = what.series.filter(s => s.name);
+  const legend = named.length > 1 || what.legend ? 20 : 0;
+  const left = 66, right = what.right || 16, top = 10 + legend, bottom = 40;
+  const [x0, x1] = what.rangeX || extent(what.series.map(s => s.x), false);
+  const [y0, y1] = what.rangeY || extent(what.series.map(s => s.y), true);
+  const toX = v => left + ((v - x0) / (x1 - x0)) * (width - left - right);
+  const toY = v => height - bottom - ((v - y0) / (y1 - y0)) * (height - top - bottom);
+  const svg = element("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", class: "chart" });
+  svg.append(element("title", {}, what.title));
+  for (const v of ticks(x0, x1, 8)) {
+    svg.append(element("line", { x1: toX(v), x2: toX(v), y1: top, y2: height - bottom, class: "grid" }));
+    svg.append(element("text", { x: toX(v), y: height - bottom + 15, class: "tick middle" }, short(v)));
+  }
+  for (const v of ticks(y0, y1, 6)) {
+    svg.append(element("line", { x1: left, x2: width - right, y1: toY(v), y2: toY(v), class: v === 0 ? "zero" : "grid" }));
+    svg.append(element("text", { x: left - 6, y: toY(v) + 4, class: "tick end" }, short(v)));
+  }
+  for (const s of what.series) {
+    const drawn = path(s.x, s.y, toX, toY);
+    if (drawn) svg.append(element("path", { d: drawn, class: "line", stroke: s.colour, "stroke-dasharray": s.dash || "none", "stroke-width": s.width || 1.2 }));
+  }
+  svg.append(element("rect", { x: left, y: top, width: width - left - right, height: height - top - bottom, class: "frame" }));
+  for (const p of what.points || []) {
+    svg.append(element("circle", { cx: toX(p.x), cy: toY(p.y), r: 3.2, class: "dot" }));
+    svg.append(element("text", { x: toX(p.x) + 7, y: toY(p.y) + 12, class: "mark" }, p.text));
+  }
+  for (const m of what.marks || []) {
+    svg.append(element("text", { x: toX(m.x) + (m.dx || 0), y: toY(m.y) + (m.dy || 0), class: `mark ${m.anchor || ""}` }, m.text));
+  }
+  svg.append(element("text", { x: (left + width - right) / 2, y: height - 6, class: "axis middle" }, what.x));
+  svg.append(element("text", { transform: `translate(13 ${(top + height - bottom) / 2}) rotate(-90)`, class: "axis middle" }, what.y));
+  let at = left;
+  for (const s of legend ? named : []) {
+    svg.append(element("line", { x1: at, x2: at + 18, y1: 12, y2: 12, stroke: s.colour, "stroke-width": 2, "stroke-dasharray": s.dash || "none" }));
+    svg.append(element("text", { x: at + 23, y: 16, class: "mark" }, s.name));
+    at += 40 + 6.2 * s.name.length;
+  }
+  return svg;
+}
+
+/** Words broken into lines of about so many letters. */
+function broken(text, letters) {
+  const lines = [""];
+  for (const word of String(text).split(/\s+/)) {
+    const last = lines[lines.length - 1];
+    if (last && last.length + word.length + 1 > letters) lines.push(word);
+    else lines[lines.length - 1] = last ? `${last} ${word}` : word;
+  }
+  return lines.slice(0, 3);
+}
+
+/**
+ * The train: discs (half height ~ fourth root of inertia), shafts (~ fourth root of stiffness) and
+ * meshes, in the order of the tables. items: {name, kind: disc | shaft | mesh | gap, height, group}.
+ */
+export function train(items, groups) {
+  const widths = { disc: 26, shaft: 62, mesh: 14, gap: 30 };
+  const total = items.reduce((sum, item) => sum + widths[item.kind], 0) + 40;
+  const tall = 62, middle = 24 + tall, height = middle + tall + 56;
+  const width = Math.max(total, 420);
+  const svg = element("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", class: "train" });
+  svg.append(element("title", {}, "The train"));
+  let at = (width - total) / 2 + 20, discs = 0;
+  for (const item of items) {
+    const w = widths[item.kind], h = Math.max(2, tall * item.height), colour = COLOURS[item.group % COLOURS.length];
+    if (item.kind === "gap") {
+      svg.append(element("line", { x1: at + w / 2, x2: at + w / 2, y1: middle - tall, y2: middle + tall, class: "gap" }));
+    } else if (item.kind === "mesh") {
+      svg.append(element("rect", { x: at, y: middle - h, width: w, height: 2 * h, class: "mesh" }));
+    } else {
+      const body = element("rect", { x: at, y: middle - h, width: w, height: 2 * h, fill: colour, class: item.kind });
+      body.append(element("title", {}, item.name));
+      svg.append(body);
+    }
+    if (item.kind === "disc" && item.name) {
+      // every second name stands above, so that neighbours do not run into each other
+      const above = discs % 2 === 1, lines = broken(item.name, 15);
+      const y = above ? middle - tall - 8 - 11 * (lines.length - 1) : middle + tall + 16;
+      svg.append(element("line", { x1: at + w / 2, x2: at + w / 2, y1: above ? middle - tall - 4 : middle + tall + 5, y2: above ? middle - h : middle + h, class: "leader" }));
+      lines.forEach((line, k) => svg.append(element("text", { x: at + w / 2, y: y + 11 * k, class: "mark middle" }, line)));
+      discs += 1;
+    }
+    at += w;
+  }
+  let across = 20;
+  groups.forEach((name, k) => {
+    svg.append(element("rect", { x: across, y: height - 11, width: 9, height: 9, fill: COLOURS[k] }));
+    svg.append(element("text", { x: across + 14, y: height - 3, class: "mark" }, name));
+    across += 34 + 6.4 * name.length;
+  });
+  return svg;
+}

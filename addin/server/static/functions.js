@@ -1,0 +1,253 @@
+// The functions of the cells, and the connection to the server that the page uses as well.
+//
+// Excel asks for each cell by itself. Calls of the same moment are collected into one request; what
+// may have to calculate a start goes over one WebSocket, so that the cell shows how far it is.
+(() => {
+  "use strict";
+
+  /** Id in the Office host, name of the function, whether it may calculate a start. */
+  const FUNCTIONS = "the functions";
+  /** How long calls are collected, and how many one request carries. [ms, count] */
+  const COLLECT = 5, MOST_CALLS = 1000;
+  /** A cell shows stages only of what takes longer than this. [ms] */
+  const PATIENCE = 800;
+  /** How often, and after how long, a busy server is asked again. [count, ms] */
+  const TRIES = 4, PAUSE = 1000;
+
+  const wrong = (message, code = "#N/A") => ({ message, code });
+
+  // --- the server ---------------------------------------------------------------------------------
+
+  const KEY = "torsionbook.key";
+
+  function key() {
+    try { return localStorage.getItem(KEY) || ""; } catch { return ""; }
+  }
+
+  function setKey(text) {
+    try { localStorage.setItem(KEY, text.trim()); } catch { /* it is asked for again next time */ }
+    if (socket) socket.close();
+  }
+
+  function headers(more) {
+    return key() ? { ...more, "X-API-Key": key() } : more;
+  }
+
+  /** Ask the server; its refusals come as errors with its own sentence. */
+  async function ask(path, options) {
+    for (let tried = 1; ; tried += 1) {
+      let said;
+      try {
+        said = await fetch(path, { method: "POST", ...options, headers: headers(options.headers) });
+      } catch (failed) {
+        if (failed.name === "AbortError") throw failed;
+        throw wrong("The calculation server cannot be reached. Is it running, and its certificate trusted?");
+      }
+      if (said.ok) return said;
+      if (said.status === 503 && tried < TRIES) {
+        await new Promise(done => setTimeout(done, PAUSE * tried));
+        continue;
+      }
+      let content = {};
+      try { content = await said.json(); } catch { /* not from our server: a proxy, perhaps */ }
+      const message = (content.error || {}).message || `The server answered with status ${said.status}.`;
+      throw Object.assign(wrong(message), { status: said.status, content });
+    }
+  }
+
+  // --- short calls: one request for many cells -----------------------------------------------------
+
+  let waiting = [], timer = null;
+
+  function call(name, given) {
+    return new Promise((resolve, reject) => {
+      waiting.push({ name, arguments: given, resolve, reject });
+      if (timer === null) timer = setTimeout(send, COLLECT);
+    });
+  }
+
+  async function send() {
+    const taken = waiting.splice(0, MOST_CALLS);
+    timer = waiting.length ? setTimeout(send, 0) : null;
+    const calls = taken.map(one => ({ name: one.name, arguments: one.arguments }));
+    try {
+      const said = await ask("/api/v1/batch", {
+        body: JSON.stringify({ calls }), headers: { "Content-Type": "application/json" },
+      });
+      const { results } = await said.json();
+      taken.forEach((one, i) => {
+        if (results[i].error) one.reject(results[i].error); else one.resolve(results[i].value);
+      });
+    } catch (failed) {
+      taken.forEach(one => one.reject(failed.message ? failed : wrong(String(failed))));
+    }
+  }
+
+  // --- long calls: one WebSocket -------------------------------------------------------------------
+
+  let socket = null, opening = null, count = 0;
+  const running = new Map();
+
+  function connect() {
+    if (opening) return opening;
+    opening = new Promise((resolve, reject) => {
+      socket = new WebSocket(location.origin.replace(/^http/, "ws") + "/api/v1/stream");
+      socket.onopen = () => {
+        if (key()) socket.send(JSON.stringify({ key: key() }));
+        resolve(socket);
+      };
+      socket.onmessage = event => receive(JSON.parse(event.data));
+      socket.onclose = () => {
+        const lost = refusal || wrong("The connection to the calculation server was lost. Calculate again.");
+        socket = opening = refusal = null;
+        reject(lost);
+        for (const one of running.values()) one.reject(lost);
+        running.clear();
+      };
+    });
+    return opening;
+  }
+
+  let refusal = null;
+
+  function receive(message) {
+    const one = running.get(message.id);
+    if (!one) {
+      if (message.id === null && message.error) refusal = message.error;
+      return;
+    }
+    if ("stage" in message) { one.stage(message.stage); return; }
+    if ("partial" in message) { one.partial(message.partial); return; }
+    running.delete(message.id);
+    if (message.cancelled) one.reject(Object.assign(wrong("Cancelled."), { cancelled: true }));
+    else if (message.error) one.reject(message.error);
+    else one.resolve(message.value);
+  }
+
+  /** Ask for something long. Gives the promise of its end and a way to give it up. */
+  function stream(request, { stage = () => {}, partial = () => {} } = {}) {
+    const id = count += 1;
+    let given_up = false;
+    const done = new Promise((resolve, reject) => {
+      running.set(id, { resolve, reject, stage, partial });
+      connect().then(
+        open => { if (!given_up) open.send(JSON.stringify({ ...request, id })); },
+        failed => { running.delete(id); reject(failed); },
+      );
+    });
+    const cancel = () => {
+      given_up = true;
+      if (socket && socket.readyState === WebSocket.OPEN) {
+        socket.send(JSON.stringify({ id, cancel: true }));
+      } else if (running.has(id)) {
+        receive({ id, cancelled: true });
+      }
+    };
+    return { done, cancel };
+  }
+
+  // --- cells ---------------------------------------------------------------------------------------
+
+  const CODES = {
+    "#VALUE!": "invalidValue", "#N/A": "notAvailable", "#NUM!": "invalidNumber",
+    "#DIV/0!": "divisionByZero", "#NULL!": "nullReference", "#NAME?": "invalidName",
+    "#REF!": "invalidReference",
+  };
+
+  function cellError({ message, code }) {
+    const codes = CustomFunctions.ErrorCode;
+    return new CustomFunctions.Error(codes[CODES[code]] || codes.invalidValue, message);
+  }
+
+  /** A blank of an answer is shown as a blank, not as 0. */
+  const cells = rows => rows.map(row => row.map(value => (value === null ? "" : value)));
+
+  const rowsOf = value => (Array.isArray(value) ? value : [[value]]);
+  const holdsZero = value => rowsOf(value).some(row => [].concat(row).some(cell => cell === 0));
+
+  /** Excel may hand over a blank cell as 0. Where that is possible the sheet itself is asked. */
+  async function withBlanks(given, addresses) {
+    const asked = given.map((value, i) => (holdsZero(value) ? (addresses || [])[i] : null));
+    if (!asked.some(Boolean)) return given;
+    const types = await Promise.all(asked.map(one => (one ? typesAt(one) : null)));
+    return given.map((value, i) => {
+      const found = types[i], rows = rowsOf(value);
+      if (!found || found.length !== rows.length) return value;
+      return rows.map((row, r) => row.map((cell, c) => (found[r][c] === "Empty" ? null : cell)));
+    });
+  }
+
+  let addresses = [], reading = null;
+
+  /** What kind of value each cell of a range holds; the ranges of a moment are read together. */
+  function typesAt(address) {
+    return new Promise((resolve, reject) => {
+      addresses.push({ address, resolve, reject });
+      if (reading === null) reading = setTimeout(readTypes, COLLECT);
+    });
+  }
+
+  async function readTypes() {
+    const taken = addresses;
+    addresses = [];
+    reading = null;
+    try {
+      await Excel.run(async context => {
+        const ranges = taken.map(({ address }) => {
+          const cut = address.lastIndexOf("!");
+          const sheet = address.slice(0, cut).replace(/^'|'$/g, "").replace(/''/g, "'");
+          const range = context.workbook.worksheets.getItem(sheet).getRange(address.slice(cut + 1));
+          range.load("valueTypes");
+          return range;
+        });
+        await context.sync();
+        taken.forEach((one, i) => one.resolve(ranges[i].valueTypes));
+      });
+    } catch {
+      const told = wrong("Excel did not say which cells are blank and which are 0. Calculate again.");
+      taken.forEach(one => one.reject(told));
+    }
+  }
+
+  async function shortCell(name, given, invocation) {
+    try {
+      return cells(await call(name, await withBlanks(given, invocation.parameterAddresses)));
+    } catch (failed) {
+      throw cellError(failed);
+    }
+  }
+
+  async function longCell(name, given, invocation) {
+    let begun = null, over = false, stage = "";
+    invocation.onCanceled = () => { over = true; if (begun) begun.cancel(); };
+    const show = setTimeout(() => { if (!over && stage) invocation.setResult([[`… ${stage}`]]); stage = null; }, PATIENCE);
+    const tell = text => {
+      if (stage !== null) stage = text; else if (!over) invocation.setResult([[`… ${text}`]]);
+    };
+    try {
+      const sent = await withBlanks(given, invocation.parameterAddresses);
+      if (over) return;
+      begun = stream({ name, arguments: sent }, { stage: tell });
+      const value = await begun.done;
+      if (!over) { over = true; invocation.setResult(cells(value)); }
+    } catch (failed) {
+      if (!over) { over = true; invocation.setResult(cellError(failed)); }
+    } finally {
+      clearTimeout(show);
+    }
+  }
+
+  function associate() {
+    for (const [id, name, isLong] of FUNCTIONS) {
+      CustomFunctions.associate(id, (...given) => {
+        const invocation = given.pop();
+        const sent = given.map(value => (value === undefined ? null : value));
+        return (isLong ? longCell : shortCell)(name, sent, invocation);
+      });
+    }
+  }
+
+  window.torsionbook = { ask, call, stream, key, setKey };
+  if (window.CustomFunctions) associate();
+  else if (window.Office) Office.onReady(() => { if (window.CustomFunctions) associate(); });
+})();

@@ -1,0 +1,367 @@
+// The page: open a model, show it, calculate its start with progress, give the workbook back.
+// Inside Office it can take the open workbook; in a browser it is a page like any other.
+import { chart, COLOURS, train } from "./charts.js";
+
+const { ask, stream, key, setKey } = window.torsionbook;
+const at = id => document.getElementById(id);
+const ENDINGS = /\.(xlsx|xlsm|json)$/i;
+
+/** Margins shown at once. */
+const FEW = 12;
+/** What is open: the file, its model, and the calculation under way. */
+const open = { name: "", bytes: null, model: null, running: null };
+
+// --- small things ---------------------------------------------------------------------------------
+
+function made(tag, text = null, className = "") {
+  const one = document.createElement(tag);
+  if (text !== null) one.textContent = text;
+  if (className) one.className = className;
+  return one;
+}
+
+function say(text, kind = "") {
+  at("progress").textContent = text;
+  at("progress").className = kind;
+}
+
+function number(value) {
+  if (Number.isInteger(value) && Math.abs(value) < 1e9) return value.toLocaleString("en-US");
+  const size = Math.abs(value);
+  if (size >= 1e9 || (size < 1e-4 && size > 0)) return value.toExponential(3);
+  return Number(value.toPrecision(5)).toLocaleString("en-US", { maximumFractionDigits: 10 });
+}
+
+function verdictClass(text) {
+  if (/^(fail|no$)/i.test(text)) return "fail";
+  if (/^accepted/i.test(text)) return "accepted";
+  return /^pass/i.test(text) ? "pass" : "";
+}
+
+/** Rows with a row of headers, whose units stand in brackets. */
+function table(rows, missing) {
+  if (!rows || rows.length < 2) return made("p", missing, "missing");
+  const [head, ...body] = rows;
+  const shown = head.map((_, j) => j).filter(j => body.some(row => row[j] !== null));
+  const isNumber = j => body.every(row => row[j] === null || typeof row[j] === "number" || row[j] === "unlimited" || row[j] === "unbounded");
+  const found = made("table"), top = found.createTHead().insertRow(), rest = found.createTBody();
+  for (const j of shown) {
+    const [, name, unit] = /^(.*?)(?: \[(.*)\])?$/.exec(head[j]);
+    const cell = made("th", name, isNumber(j) ? "number" : "");
+    cell.scope = "col";
+    if (unit) cell.append(made("span", unit, "unit"));
+    top.append(cell);
+  }
+  for (const row of body) {
+    const line = rest.insertRow();
+    for (const j of shown) {
+      const value = row[j];
+      const text = value === null ? "" : typeof value === "number" ? number(value) : typeof value === "boolean" ? (value ? "yes" : "no") : value;
+      const cell = made("td", text, isNumber(j) ? "number" : "");
+      if (/^Verdict/.test(head[j])) cell.className = verdictClass(String(text));
+      line.append(cell);
+    }
+  }
+  return found;
+}
+
+function figure(id, svg, caption = "") {
+  const one = made("figure");
+  if (caption) {
+    const words = made("figcaption");
+    words.append(made("b", caption));
+    one.append(words);
+  }
+  one.append(svg);
+  at(id).append(one);
+}
+
+// --- drawing a model ------------------------------------------------------------------------------
+
+function show(view) {
+  at("results").hidden = false;
+  at("results").classList.toggle("waiting", !view.complete);
+  at("title").textContent = view.about.title || open.name || "Model";
+  at("handle").textContent = view.handle;
+  showAbout(view);
+  for (const id of ["verdicts", "train", "frequencies", "interference", "torque", "speed", "histories", "peaks", "starts", "margins"]) at(id).replaceChildren();
+  const { charts, labels, tables } = view, wait = view.complete ? "None." : "Not calculated yet.";
+  at("verdicts").append(view.complete ? table(tables.Verdicts, "No verdicts.") : "");
+  at("train").append(drawnTrain(charts.ChartTrain, labels));
+  at("frequencies").append(table(tables.NaturalFrequencies, "No modes."));
+  showInterference(charts, labels);
+  showTorque(charts.ChartTorque);
+  showSpeed(charts, labels, wait);
+  showHistories(charts.ChartHistory, labels, wait);
+  at("peaks").append(table(tables.StartupPeaks, wait));
+  at("starts").append(table(tables.AllowableStarts, view.complete ? "No shaft is judged for fatigue." : wait));
+  showMargins(tables.SeparationMargins);
+  showNotes(view.warnings);
+}
+
+function showAbout(view) {
+  at("about").replaceChildren();
+  const words = { tag: "Tag", client: "Client", document: "Document", revision: "Revision", prepared_by: "Prepared by", checked_by: "Checked by" };
+  for (const [name, word] of Object.entries(words)) {
+    if (!view.about[name]) continue;
+    const pair = made("div");
+    pair.append(made("dt", word), made("dd", view.about[name]));
+    at("about").append(pair);
+  }
+  at("outcome").textContent = view.complete ? view.sentence || `Outcome: ${view.outcome}.` : "";
+}
+
+/** Those that fail and the nearest others; a long train has hundreds. */
+function showMargins(rows, all = false) {
+  const [head, ...body] = rows, margin = head.findIndex(name => /^Margin/.test(name)), verdict = head.indexOf("Verdict");
+  const nearest = [...body].sort((a, b) => a[margin] - b[margin]);
+  const few = nearest.filter((row, i) => i < FEW || row[verdict] !== "pass");
+  const shown = all ? body : few;
+  at("margins").replaceChildren(table([head, ...shown], "Nothing is judged: the case states no speed and no line."));
+  at("all-margins").hidden = all || shown.length === body.length;
+  at("all-margins").textContent = `Show all ${body.length}, not the ${few.length} nearest only`;
+  at("all-margins").onclick = () => showMargins(rows, true);
+}
+
+function showNotes(sentences) {
+  const list = at("notes").querySelector("ul");
+  list.replaceChildren(...sentences.map(one => made("li", one)));
+  at("notes").hidden = !sentences.length;
+}
+
+function drawnTrain(columns, labels) {
+  const items = columns.Item.map((name, i) => {
+    for (let k = 1; k <= 4; k += 1) {
+      for (const [kind, word] of [["disc", "Disc"], ["shaft", "Shaft"]]) {
+        const height = columns[`${word} up ${k}`][i];
+        if (typeof height === "number") return { name, kind, height, group: k - 1 };
+      }
+    }
+    const mesh = columns["Mesh up"][i];
+    return typeof mesh === "number" ? { name, kind: "mesh", height: mesh, group: 0 } : { name: "", kind: "gap", height: 0, group: 0 };
+  });
+  const groups = [1, 2, 3, 4].map(k => String(labels[`Speed group ${k}`] ?? "").trim()).filter(Boolean);
+  return train(items, groups);
+}
+
+/** How far each of some rising labels is moved up, so that neighbours can be read. */
+function apart(values, top) {
+  const near = 0.045 * top, step = 10;
+  const moved = [];
+  values.forEach((value, i) => {
+    const close = i > 0 && value - values[i - 1] < near;
+    moved.push(close ? moved[i - 1] + step * (1 - (value - values[i - 1]) / near) : 0);
+  });
+  return moved;
+}
+
+function showInterference(charts, labels) {
+  const data = charts.ChartInterference;
+  if (!data.Modes.length) {
+    at("interference").append(made("p", "No diagram: the case states no speed or no line frequency.", "missing"));
+    return;
+  }
+  const top = Math.max(...data.Modes.filter(v => v !== null), ...data.Range.filter(v => v !== null), ...data["2 x slip"]);
+  const marks = apart(data.Label, top).map((dy, i) => ({ x: data["Label speed"][i], y: data.Label[i], text: `${number(data.Label[i])} Hz`, dx: 5, dy: 4 - dy }));
+  const lines = [];
+  for (let k = 1; k <= 12; k += 1) {
+    const name = String(labels[`Line ${k}`] ?? "").trim();
+    if (!name || !data[`Line speed ${k}`].length) continue;
+    lines.push({ x: data[`Line speed ${k}`], y: data[`Line ${k}`], colour: "#9aa3ab", width: 1 });
+    marks.push({ x: charts.ChartNames.Speed[k - 1], y: charts.ChartNames.Frequency[k - 1], text: name, anchor: "middle", dy: -3 });
+  }
+  figure("interference", chart({
+    title: "Interference diagram", height: 380, right: 62, legend: true,
+    x: "Motor speed [rpm]", y: "Frequency [Hz]", rangeY: [0, top * 1.03],
+    series: [
+      ...lines,
+      { name: "continuous operation", x: data["Range speed"], y: data.Range, colour: COLOURS[2], dash: "6 3" },
+      { name: "2 × slip while starting", x: data["Slip speed"], y: data["2 x slip"], colour: COLOURS[1], width: 1.6 },
+      { name: "modes", x: data["Modes speed"], y: data.Modes, colour: COLOURS[0], width: 1.8 },
+    ],
+    marks,
+  }));
+}
+
+function showTorque(data) {
+  if (!data.Speed.length) {
+    at("torque").append(made("p", "No torque curves: the case has no start.", "missing"));
+    return;
+  }
+  const names = [["Average", "motor, average"], ["Pulsating", "motor, pulsating"], ["Load", "load"], ["Accelerating", "accelerating"]];
+  figure("torque", chart({
+    title: "Torques against speed", height: 340, x: "Speed [% of synchronous]", y: "Torque [per unit of rated]",
+    series: names.map(([column, name], k) => ({ name, x: data.Speed, y: data[column], colour: COLOURS[k], dash: k === 3 ? "5 3" : "none", width: 1.6 })),
+  }));
+}
+
+function showSpeed(charts, labels, wait) {
+  const data = charts.ChartSpeedTime;
+  if (!data.Time.length) { at("speed").append(made("p", wait, "missing")); return; }
+  const points = [];
+  for (const [block, word] of [["ChartCrossings", "Crossing"], ["ChartEvents", "Event"]]) {
+    charts[block].Time.forEach((time, i) => {
+      const text = String(labels[`${word} ${i + 1}`] ?? "").trim();
+      if (typeof time === "number") points.push({ x: time, y: charts[block].Speed[i], text });
+    });
+  }
+  figure("speed", chart({
+    title: "Speed against time", height: 340, x: "Time [s]", y: "Motor speed [rpm]",
+    series: [{ name: "", x: data.Time, y: data.Speed, colour: COLOURS[0], width: 1.8 }], points,
+  }));
+}
+
+function showHistories(data, labels, wait) {
+  let drawn = 0;
+  for (let k = 1; k <= 6; k += 1) {
+    const time = data[`Time ${k}`], value = data[`Value ${k}`];
+    if (!time || !time.length) continue;
+    drawn += 1;
+    figure("histories", chart({
+      title: String(labels[`History title ${k}`]), height: 250, x: "Time [s]", y: String(labels[`History axis ${k}`]),
+      series: [{ name: "", x: time, y: value, colour: COLOURS[0], width: 0.8 }],
+    }), String(labels[`History title ${k}`]));
+  }
+  if (!drawn) at("histories").append(made("p", wait, "missing"));
+}
+
+// --- what the engineer does -----------------------------------------------------------------------
+
+function showProblems(failed) {
+  const errors = (failed.content || {}).errors || [];
+  at("problems").querySelector("ol").replaceChildren(...errors.map(one => made("li", one.message)));
+  at("problems").hidden = !errors.length;
+  say(errors.length ? `${open.name}: ${errors.length === 1 ? "one error" : `${errors.length} errors`}.` : failed.message, "bad");
+  if (failed.status === 401) at("connection").open = true;
+}
+
+function busy(isBusy) {
+  at("cancel").hidden = !isBusy;
+  at("calculate").disabled = isBusy || !open.model;
+  at("download").disabled = isBusy || !open.model || /\.json$/i.test(open.name);
+  at("print").disabled = isBusy || !open.model;
+}
+
+async function take(name, bytes) {
+  if (open.running) open.running.cancel();
+  Object.assign(open, { name, bytes, model: null });
+  at("results").hidden = true;
+  at("problems").hidden = true;
+  busy(false);
+  if (!ENDINGS.test(name)) { say(`${name} is no workbook: choose an .xlsx or .xlsm file, or a case .json.`, "bad"); return; }
+  say(`reading ${name}`, "busy");
+  try {
+    const said = await ask(`/api/v1/model?name=${encodeURIComponent(name)}`, { body: bytes });
+    open.model = (await said.json()).model;
+  } catch (failed) {
+    showProblems(failed);
+    return;
+  }
+  await calculate();
+}
+
+async function calculate() {
+  const began = performance.now();
+  say("calculating", "busy");
+  const run = stream({ view: open.model }, { stage: text => say(text, "busy"), partial: show });
+  open.running = run;
+  busy(true);
+  try {
+    show(await run.done);
+    say(`Calculated in ${((performance.now() - began) / 1000).toFixed(1)} s.`);
+  } catch (failed) {
+    if (failed.cancelled) say("Cancelled. What needs no start is shown below."); else showProblems(failed);
+  } finally {
+    if (open.running === run) { open.running = null; busy(false); }
+  }
+}
+
+async function download() {
+  const control = new AbortController();
+  const run = { cancel: () => control.abort() };
+  open.running = run;
+  busy(true);
+  say("recalculating the workbook", "busy");
+  try {
+    const said = await ask(`/api/v1/workbook?name=${encodeURIComponent(open.name)}`, { body: open.bytes, signal: control.signal });
+    const link = made("a");
+    link.href = URL.createObjectURL(await said.blob());
+    link.download = open.name.replace(/(\.xls[xm])$/i, ".out$1");
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+    say(`${link.download} is in your downloads.`);
+  } catch (failed) {
+    if (failed.name === "AbortError") say("Cancelled."); else showProblems(failed);
+  } finally {
+    open.running = null;
+    busy(false);
+  }
+}
+
+async function takeFile(file) {
+  if (file) await take(file.name, await file.arrayBuffer());
+}
+
+at("file").addEventListener("change", event => takeFile(event.target.files[0]).finally(() => { event.target.value = ""; }));
+at("calculate").addEventListener("click", calculate);
+at("cancel").addEventListener("click", () => open.running && open.running.cancel());
+at("download").addEventListener("click", download);
+at("print").addEventListener("click", () => window.print());
+for (const kind of ["dragover", "dragleave", "drop"]) {
+  at("drop").addEventListener(kind, event => {
+    event.preventDefault();
+    at("drop").classList.toggle("over", kind === "dragover");
+    if (kind === "drop") takeFile(event.dataTransfer.files[0]);
+  });
+}
+at("key").value = key();
+at("key-form").addEventListener("submit", event => {
+  event.preventDefault();
+  setKey(at("key").value);
+  at("connection").open = false;
+  say("The key is kept in this browser.");
+});
+
+// --- inside Office --------------------------------------------------------------------------------
+
+/** The open workbook as a file, piece by piece as Office hands it over. */
+async function openWorkbook() {
+  const promised = (object, method, ...given) => new Promise((resolve, reject) => {
+    object[method](...given, found => (found.status === "failed" ? reject(found.error) : resolve(found.value)));
+  });
+  const file = await promised(Office.context.document, "getFileAsync", Office.FileType.Compressed, { sliceSize: 1 << 20 });
+  try {
+    const bytes = new Uint8Array(file.size);
+    let offset = 0;
+    for (let i = 0; i < file.sliceCount; i += 1) {
+      const { data } = await promised(file, "getSliceAsync", i);
+      bytes.set(data, offset);
+      offset += data.length;
+    }
+    return bytes.buffer;
+  } finally {
+    file.closeAsync(() => {});
+  }
+}
+
+async function takeOpen() {
+  say("reading the open workbook", "busy");
+  try {
+    const url = Office.context.document.url || "";
+    const name = decodeURIComponent(url.split(/[\\/]/).pop() || "");
+    await take(ENDINGS.test(name) ? name : "workbook.xlsx", await openWorkbook());
+  } catch (failed) {
+    say(`Office did not hand over the workbook: ${failed.message}`, "bad");
+  }
+}
+
+if (window.Office) {
+  Office.onReady(info => {
+    if (info && info.host === "Excel") {
+      at("here").hidden = false;
+      at("here").addEventListener("click", takeOpen);
+    }
+  });
+}
+
+fetch("/version").then(said => said.json()).then(about => { at("version").textContent = `${about.name} ${about.version}`; }, () => {});

@@ -1,0 +1,156 @@
+"""A workbook in, the same workbook recalculated out; or a model of it.
+
+Files live in a temporary folder of one request and are gone before its answer is complete.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import tempfile
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from addin.problems import CellProblem
+from addin.recalc import WORKBOOK_ENDINGS, Unreadable, read_checked
+from addin.results_json import errors_to_json
+from addin.server.guard import Refused, answer, read_body, while_connected
+from addin.server.starts import waited_for
+from addin.server.work import Busy, TooLong, Work
+from addin.version import product_version
+from addin.worksheet.models import MODELS
+from addin.worksheet.registry import FunctionError
+
+__all__ = ["model_of", "recalculated"]
+
+#: What a workbook is sent back as.
+MEDIA = {
+    ".xlsx": "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
+    ".xlsm": "application/vnd.ms-excel.sheet.macroEnabled.12",
+}
+
+
+async def recalculated(request: Request, work: Work, limit: int) -> Response:
+    """Answer with the workbook of a request, its result sheets filled.
+
+    Parameters
+    ----------
+    request : Request
+        Its body is the workbook; its query may hold the ``name`` of the file.
+    work : Work
+        Where it is recalculated.
+    limit : int
+        Largest workbook. [B]
+
+    Returns
+    -------
+    Response
+        The workbook; or 422 and the errors as the contract has them.
+    """
+    body, name = await _sent(request, limit)
+    if Path(name).suffix.lower() not in WORKBOOK_ENDINGS:
+        raise Refused(415, "Send a workbook, .xlsx or .xlsm. /api/v1/model also takes a case JSON.")
+    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+        source, target = Path(folder, name), Path(folder, f"out-{name}")
+        await asyncio.to_thread(source.write_bytes, body)
+        try:
+            job = work.submit("workbook", (str(source), str(target)))
+            problems, warnings = await while_connected(request, waited_for(job))
+        except Busy as wrong:
+            raise Refused(503, str(wrong), {"Retry-After": "30"}) from None
+        except TooLong as wrong:
+            raise Refused(503, str(wrong)) from None
+        except FunctionError as wrong:
+            raise Refused(422, wrong.message) from None
+        if problems:
+            return _wrong(problems, warnings, folder)
+        content = await asyncio.to_thread(target.read_bytes)
+    stem, ending = Path(name).stem, Path(name).suffix
+    disposition = f"attachment; filename*=UTF-8''{quote(f'{stem}.out{ending}')}"
+    return Response(
+        content, media_type=MEDIA[ending.lower()], headers={"Content-Disposition": disposition}
+    )
+
+
+async def model_of(request: Request, limit: int) -> Response:
+    """Answer with the handle of the model that a workbook or a case JSON holds.
+
+    Parameters
+    ----------
+    request : Request
+        Its body is the file; its query may hold the ``name`` of the file.
+    limit : int
+        Largest file. [B]
+
+    Returns
+    -------
+    Response
+        ``model``, ``units`` and ``warnings``; or 422 and the errors as the contract has them.
+    """
+    body, name = await _sent(request, limit)
+    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+        source = Path(folder, name)
+        await asyncio.to_thread(source.write_bytes, body)
+        read = await asyncio.to_thread(read_checked, source)
+    if isinstance(read, Unreadable) or read.problems:
+        return _wrong(read.problems, read.warnings, folder)
+    model = MODELS.add(read)
+    return answer(
+        {"model": model.handle, "units": model.system, "warnings": _clean(read.warnings, folder)}
+    )
+
+
+async def _sent(request: Request, limit: int) -> tuple[bytes, str]:
+    """The file and the name it is worked on under: harmless, with the ending of what it is."""
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().casefold()
+    if kind.startswith("multipart/"):
+        raise Refused(
+            415, "Send the file itself as the body, not as a form (curl --data-binary @train.xlsx)."
+        )
+    body = await read_body(request, limit)
+    if not body:
+        raise Refused(
+            400, "The body is empty. Send the file itself (curl --data-binary @train.xlsx)."
+        )
+    last = request.query_params.get("name", "").replace("\\", "/").rpartition("/")[2]
+    given = re.sub(r"[^\w .()\-]", "_", last[-80:])
+    stem = Path(given).stem.strip(" .") or "train"
+    ending = Path(given).suffix.lower()
+    if body[:2] != b"PK":
+        ending = ".xlsx" if ending in WORKBOOK_ENDINGS else ".json"
+    elif ending not in WORKBOOK_ENDINGS:
+        ending = ".xlsx"
+    return body, f"{stem}{ending}"
+
+
+def _wrong(problems: Iterable[CellProblem], warnings: Iterable[str], folder: str) -> Response:
+    """422 with every error, in the form of a result JSON, and one sentence over them."""
+    told = [
+        replace(p, message=_without(p.message, folder), found=_found(p, folder)) for p in problems
+    ]
+    content: dict[str, Any] = errors_to_json(told, product_version(), _clean(warnings, folder))
+    count = "one error" if len(told) == 1 else f"{len(told)} errors"
+    content["error"] = {
+        "message": f"The input has {count}; nothing was calculated. {told[0].message}"
+    }
+    return answer(content, 422)
+
+
+def _found(problem: CellProblem, folder: str) -> Any:
+    found = problem.found
+    return _without(found, folder) if isinstance(found, str) else found
+
+
+def _clean(sentences: Iterable[str], folder: str) -> list[str]:
+    return [_without(sentence, folder) for sentence in sentences]
+
+
+def _without(text: str, folder: str) -> str:
+    """A sentence without the folder the file was worked on in."""
+    return text.replace(f"{folder}/", "").replace(f"{folder}\\", "")

@@ -1,0 +1,113 @@
+"""What the page draws of a model: the charts of the workbook as columns, tables as cells.
+
+The page gets the same numbers as the sheets, in the units shown there, and knows no physics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from addin.calculation import Calculation
+from addin.chart_data import CHART_TABLES, chart_blocks
+from addin.fields import result_table
+from addin.run_view import RunView
+from addin.worksheet.functions import table_cells, units_of
+from addin.worksheet.models import Model
+from addin.worksheet.registry import FunctionError
+from engine.errors import ModelError
+from engine.report import speed_tables
+from engine.run import at_speed
+
+__all__ = ["speed_view", "start_view"]
+
+#: Charts of the page, and tables under them.
+CHARTS = (
+    "ChartTrain", "ChartTorque", "ChartSpeedTime", "ChartCrossings", "ChartInterference",
+    "ChartNames", "ChartHistory", "ChartEvents",
+)  # fmt: skip
+SPEED_TABLES = ("NaturalFrequencies", "SeparationMargins", "SteadyState")
+START_TABLES = ("Verdicts", "StartupPeaks", "AllowableStarts", "TorqueReversals", "Effects")
+
+
+def speed_view(model: Model) -> dict[str, Any]:
+    """What can be shown at once: train, curves, frequencies, interference diagram.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+
+    Returns
+    -------
+    dict
+        Plain values. [shown units]
+
+    Raises
+    ------
+    FunctionError
+        If the train cannot be calculated.
+    """
+    try:
+        found = at_speed(model.case)
+    except ModelError as wrong:
+        raise FunctionError(str(wrong), "#NUM!") from None
+    view = RunView(case=model.case, tables=speed_tables(found), interference=found.interference)
+    return _shown(model, view, SPEED_TABLES) | {"complete": False, "warnings": []}
+
+
+def start_view(model: Model, calculation: Calculation) -> dict[str, Any]:
+    """Everything, with the start.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    calculation : Calculation
+        What was calculated of it. [SI]
+
+    Returns
+    -------
+    dict
+        Plain values. [shown units]
+    """
+    startup = calculation.startup or {}
+    return _shown(model, calculation.view, (*SPEED_TABLES, *START_TABLES)) | {
+        "complete": True,
+        "outcome": calculation.outcome,
+        "sentence": str(startup.get("sentence") or ""),
+        "warnings": list(calculation.warnings),
+    }
+
+
+def _shown(model: Model, view: RunView, tables: tuple[str, ...]) -> dict[str, Any]:
+    units = units_of(model.system)
+    blocks = chart_blocks(model.case, units, view)
+    columns = {table.name: table.columns for table in CHART_TABLES}
+    return {
+        "handle": model.handle,
+        "units": model.system,
+        "about": _about(model),
+        "labels": {str(key): text for key, text in blocks["ChartLabels"]},
+        "charts": {name: _columns(columns[name], blocks[name]) for name in CHARTS},
+        "tables": {
+            name: table_cells(result_table(name), view.tables.get(name) or (), model.system, True)
+            for name in tables
+        },
+    }
+
+
+def _columns(names: tuple[str, ...], rows: list[list[Any]]) -> dict[str, list[Any]]:
+    """Columns by name, without the blanks at their ends."""
+    found: dict[str, list[Any]] = {}
+    for name, values in zip(names, map(list, zip(*rows, strict=True)), strict=True):
+        while values and values[-1] is None:
+            values.pop()
+        found[name] = values
+    return found
+
+
+def _about(model: Model) -> Mapping[str, str]:
+    """The title block."""
+    names = ("title", "tag", "client", "document", "revision", "prepared_by", "checked_by")
+    return {name: str(value) for name in names if (value := getattr(model.case, name, None))}

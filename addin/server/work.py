@@ -1,0 +1,348 @@
+"""Long calculations in processes of their own: queue, progress, time limit, cancel.
+
+Each process is looked after by a thread that hands it one task at a time, passes its stages on and
+ends it when the task is cancelled or takes too long; a new process then takes its place. Processes
+are spawned, so the same code runs on every system, and they end when the server is gone.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import multiprocessing
+import queue
+import signal
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+from addin.worksheet.registry import FunctionError
+
+__all__ = ["Busy", "Cancelled", "Job", "TooLong", "Work"]
+
+LOG = logging.getLogger("torsionbook.server")
+#: How often a thread looks whether its task is still wanted. [s]
+LOOK = 0.05
+#: How long a new process may take until it is ready; no task's time. [s]
+START_TIME = 120.0
+#: How long a process that is told to end may take. [s]
+LAST_WORDS = 2.0
+#: What is told of an error of ours; the rest is in the log.
+OURS = "This is an error inside torsionbook. The server's log says more; please report it."
+
+
+class Busy(Exception):
+    """No more calculations can wait; the sentence says so."""
+
+
+class TooLong(Exception):
+    """A calculation took longer than allowed; the sentence says so."""
+
+
+class Cancelled(Exception):
+    """Nobody wants the result any more."""
+
+
+class Job:
+    """One task, waiting, running or done.
+
+    Parameters
+    ----------
+    task : str
+        One of `TASKS`. [name]
+    payload : object
+        What it works on.
+    """
+
+    def __init__(self, task: str, payload: Any) -> None:
+        self.task = task
+        self.payload = payload
+        self.future: Future[Any] = Future()
+        self.stage = "waiting for a free process"
+        self._listeners: list[Callable[[str], None]] = []
+        self._cancelled = threading.Event()
+        self._lock = threading.Lock()
+
+    def listen(self, tell: Callable[[str], None]) -> Callable[[], None]:
+        """Be told every stage from now on, the present one at once.
+
+        Parameters
+        ----------
+        tell : callable
+            Takes the name of a stage; called in a thread of the pool. [words]
+
+        Returns
+        -------
+        callable
+            Ends it.
+        """
+        with self._lock:
+            self._listeners.append(tell)
+            tell(self.stage)
+
+        def leave() -> None:
+            with self._lock, contextlib.suppress(ValueError):
+                self._listeners.remove(tell)
+
+        return leave
+
+    def told(self, stage: str) -> None:
+        """Pass a stage on to the listeners.
+
+        Parameters
+        ----------
+        stage : str
+            Its name. [words]
+        """
+        with self._lock:
+            self.stage = stage
+            for tell in self._listeners:
+                tell(stage)
+
+    def cancel(self) -> None:
+        """Give the task up, whether it waits or runs."""
+        self._cancelled.set()
+        self.future.cancel()
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether it was given up."""
+        return self._cancelled.is_set()
+
+
+class Work:
+    """A pool of processes with a bounded queue.
+
+    Parameters
+    ----------
+    processes : int
+        How many calculate at a time. [count]
+    waiting : int
+        How many tasks may wait. [count]
+    time_limit : float
+        Longest time of one task, waiting not counted. [s]
+    """
+
+    def __init__(self, processes: int, waiting: int, time_limit: float) -> None:
+        self._queue: queue.Queue[Job | None] = queue.Queue()
+        self._most = waiting
+        self._time_limit = time_limit
+        self._closed = False
+        self._threads = [
+            threading.Thread(target=self._look_after, name=f"torsionbook-{i}", daemon=True)
+            for i in range(processes)
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def submit(self, task: str, payload: Any) -> Job:
+        """Put a task at the end of the queue.
+
+        Parameters
+        ----------
+        task : str
+            One of `TASKS`. [name]
+        payload : object
+            What it works on; it is pickled.
+
+        Returns
+        -------
+        Job
+            With its future.
+
+        Raises
+        ------
+        Busy
+            If too many wait already.
+        """
+        if self._closed:
+            raise Busy("The server is being stopped. Try again in a minute.")
+        if self._queue.qsize() >= self._most:
+            raise Busy(
+                f"The server has {self._most} calculations waiting already. Try again in a minute."
+            )
+        job = Job(task, payload)
+        self._queue.put(job)
+        return job
+
+    def close(self) -> None:
+        """End every process; what waits is given up."""
+        self._closed = True
+        while True:
+            try:
+                job = self._queue.get_nowait()
+            except queue.Empty:
+                break
+            if job is not None:
+                job.cancel()
+        for _ in self._threads:
+            self._queue.put(None)
+        for thread in self._threads:
+            thread.join(LAST_WORDS + 1.0)
+
+    # ---- in the threads --------------------------------------------------------------------------
+
+    def _look_after(self) -> None:
+        """The life of one process and its successors."""
+        process: _Process | None = None
+        with contextlib.suppress(OSError):  # tried again with the first task, which is told why
+            process = _Process()
+        while (job := self._queue.get()) is not None:
+            if not job.future.set_running_or_notify_cancel():
+                continue
+            try:
+                if process is None or not process.is_alive:
+                    process = _successor(process)
+                job.future.set_result(self._done(process, job))
+            except BaseException as wrong:
+                job.future.set_exception(wrong)
+        if process is not None:
+            process.end()
+
+    def _done(self, process: _Process, job: Job) -> Any:
+        """The result of a task; the process is ended where it goes on without us."""
+        began = time.monotonic()
+        try:
+            process.line.send((job.task, job.payload))
+            while True:
+                if job.cancelled or self._closed:
+                    process.end()
+                    raise Cancelled
+                if time.monotonic() - began > (self._time_limit if process.ready else START_TIME):
+                    process.end()
+                    raise TooLong(
+                        f"The calculation took longer than the {self._time_limit:g} s this server "
+                        "allows, and was stopped. Ask for less accuracy, or calculate it on your own "
+                        "machine."
+                    )
+                if not process.line.poll(LOOK):
+                    continue
+                kind, value = process.line.recv()
+                if kind == "stage":
+                    job.told(value)
+                elif kind == "ready":
+                    process.ready, began = True, time.monotonic()
+                elif kind == "done":
+                    return value
+                elif kind == "refused":
+                    raise FunctionError(*value)
+                else:
+                    LOG.error("task %s failed:\n%s", job.task, value)
+                    raise RuntimeError(OURS)
+        except (EOFError, OSError) as wrong:
+            process.end()
+            LOG.error("the process of task %s ended by itself (%r)", job.task, wrong)
+            raise RuntimeError(
+                "The process that calculated this ended by itself, perhaps for want of memory. "
+                "Try again; if it happens again, please report it."
+            ) from None
+
+
+class _Process:
+    """A spawned process and the line to it."""
+
+    def __init__(self) -> None:
+        self.ready = False
+        context = multiprocessing.get_context("spawn")
+        self.line, theirs = context.Pipe()
+        self._process: BaseProcess = context.Process(target=_serve, args=(theirs,), daemon=True)
+        self._process.start()
+        theirs.close()  # so that a process that ends is seen as the end of the line
+
+    @property
+    def is_alive(self) -> bool:
+        return self._process.is_alive()
+
+    def end(self) -> None:
+        self.line.close()
+        self._process.terminate()
+        self._process.join(LAST_WORDS)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+
+
+def _successor(process: _Process | None) -> _Process:
+    """A new process in the place of one that has ended, or could not be started."""
+    if process is not None:
+        process.end()
+    try:
+        return _Process()
+    except OSError as wrong:
+        LOG.error("no process could be started: %s", wrong)
+        raise RuntimeError(
+            "The server could not start a process to calculate this. Try again in a minute; its log "
+            "says why."
+        ) from None
+
+
+# --- in the processes -----------------------------------------------------------------------------
+
+
+def _serve(line: Connection) -> None:
+    """Do one task after the other until the line ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is the server's to answer
+    import addin.calculation  # noqa: F401  (what every task needs, while nothing waits for it)
+
+    with contextlib.suppress(BrokenPipeError, OSError):
+        line.send(("ready", None))
+    while True:
+        try:
+            task, payload = line.recv()
+        except (EOFError, OSError):
+            return
+        with contextlib.suppress(BrokenPipeError, OSError):
+            line.send(_answer(task, payload, line))
+
+
+def _answer(task: str, payload: Any, line: Connection) -> tuple[str, Any]:
+    from engine.errors import InternalError, ModelError
+
+    try:
+        return "done", TASKS[task](payload, lambda stage: line.send(("stage", stage)))
+    except FunctionError as wrong:
+        return "refused", (wrong.message, wrong.code)
+    except (ModelError, InternalError) as wrong:
+        return "refused", (str(wrong), "#NUM!")
+    except Exception:
+        import traceback
+
+        return "failed", traceback.format_exc()
+
+
+def _start(case: Any, tell: Callable[[str], None]) -> Any:
+    """Everything a case calls for."""
+    from addin.calculation import calculate
+
+    return calculate(case, on_stage=tell)
+
+
+def _workbook(paths: tuple[str, str], tell: Callable[[str], None]) -> Any:
+    """Recalculate a workbook; problems, warnings and the verdict."""
+    from addin.recalc import recalculate
+
+    source, target = map(Path, paths)
+    done = recalculate(source, destination=target, on_stage=tell)
+    return done.problems, done.warnings
+
+
+def _wait(seconds: float, tell: Callable[[str], None]) -> float:
+    """Be busy for a while: for measurements and tests of the pool."""
+    tell("waiting")
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        sum(range(1000))
+    return seconds
+
+
+#: What the processes can do, by name.
+TASKS: dict[str, Callable[[Any, Callable[[str], None]], Any]] = {
+    "start": _start,
+    "workbook": _workbook,
+    "wait": _wait,
+}

@@ -1,0 +1,66 @@
+"""A server inside the test process, and one in a process of its own with a real port."""
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from starlette.testclient import TestClient
+
+from addin.server.app import create_app
+from addin.server.settings import Settings
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@contextmanager
+def inside(settings: Settings) -> Iterator[TestClient]:
+    """A client of a server in this process."""
+    with TestClient(
+        create_app(settings), base_url="http://127.0.0.1:8765", raise_server_exceptions=False
+    ) as client:
+        yield client
+
+
+class Address(str):
+    """Where a server listens, and the number of its process."""
+
+    pid: int
+
+
+@contextmanager
+def outside(*words: str) -> Iterator[Address]:
+    """`torsionbook serve` as a process of its own; its address."""
+    command = [sys.executable, "-m", "addin.cli", "serve", "--port", "0", "--workers", "1", *words]
+    process = subprocess.Popen(
+        command, cwd=ROOT, stderr=subprocess.PIPE, text=True, env={**os.environ, "NO_COLOR": "1"}
+    )
+    try:
+        assert process.stderr is not None
+        said = []
+        for line in process.stderr:
+            said.append(line)
+            if found := re.search(r"running on (https?://[\w.]+:\d+)", line):
+                address = Address(found[1])
+                address.pid = process.pid
+                yield address
+                return
+        raise AssertionError("the server did not start:\n" + "".join(said))
+    finally:
+        process.terminate()
+        try:
+            process.communicate(timeout=15)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+
+
+def slow_case() -> list[list[list[object]]]:
+    """Arguments of TV_MODEL for a start of some twenty seconds: a tolerance nobody needs."""
+    from sheet_ranges import model_arguments
+
+    stations, elements, case, *rest = model_arguments("example_backlash")
+    return [stations, elements, [*case, ["TolerancePeak", 1e-8, "1"]], *rest]

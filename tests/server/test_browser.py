@@ -1,0 +1,343 @@
+"""The real page and the real functions script in a browser, Excel played by a stand-in."""
+
+import base64
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright import sync_api
+from servers import outside, slow_case
+from sheet_ranges import TEMPLATES, model_arguments
+
+from addin.server.office import function_id
+from addin.worksheet import registry
+from addin.worksheet.registry import FUNCTIONS
+
+pytestmark = pytest.mark.needs_browser
+
+HERE = Path(__file__).parent
+#: Where to leave pictures of the page, if anywhere.
+PICTURES = os.environ.get("TORSIONBOOK_PICTURES")
+KEY = "a-key-nobody-guesses"
+
+
+def browser_program():
+    names = ("chromium", "chromium-browser", "google-chrome", "chrome")
+    return next((found for found in map(shutil.which, names) if found), None)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[sync_api.Browser]:
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=browser_program(), args=["--no-sandbox"]
+        )
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def tab(browser, served):
+    """An empty page of a fresh browser profile; whatever it complains of fails the test."""
+    context = browser.new_context(base_url=served, viewport={"width": 1280, "height": 900})
+    context.set_default_timeout(20_000)
+    page = context.new_page()
+    complaints = []
+    page.on("pageerror", lambda failed: complaints.append(str(failed)))
+    yield page
+    context.close()
+    assert complaints == []
+
+
+@pytest.fixture
+def excel(tab):
+    """The page as Office loads it."""
+    office = (HERE / "office_host.js").read_text(encoding="utf-8")
+    tab.route(
+        "https://appsforoffice.microsoft.com/**",
+        lambda route: route.fulfill(body=office, content_type="text/javascript"),
+    )
+    tab.goto("/taskpane.html")
+    return tab
+
+
+def cell(page, name, given, **more):
+    return page.evaluate(
+        "([id, given, more]) => standIn.cell(id, given, more)", [function_id(name), given, more]
+    )
+
+
+def doubles(rows):
+    """As the browser has them: whole numbers lose their point, and blanks are empty texts."""
+    return [
+        ["" if v is None else float(v).hex() if is_number(v) else v for v in row] for row in rows
+    ]
+
+
+def without_times(rows):
+    at = next(j for j, name in enumerate(rows[0]) if name.startswith("Time"))
+    return [row[:at] + row[at + 1 :] for row in rows]
+
+
+def is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def picture(page, name):
+    if PICTURES:
+        Path(PICTURES).mkdir(parents=True, exist_ok=True)
+        page.screenshot(path=f"{PICTURES}/{name}.png", full_page=True)
+
+
+# --- functions ------------------------------------------------------------------------------------
+
+
+def test_every_function_of_the_metadata_is_there_and_no_other(excel, served):
+    described = excel.evaluate("fetch('/functions.json').then(said => said.json())")
+    there = excel.evaluate("Object.keys(standIn.functions)")
+    assert sorted(there) == sorted(one["id"] for one in described["functions"])
+    assert len(there) == len(FUNCTIONS)
+
+
+def test_every_function_shows_the_same_doubles(excel):
+    arguments = model_arguments()
+    handle = cell(excel, "TV_MODEL", arguments)["value"][0][0]
+    assert handle == registry.call("TV_MODEL", arguments)[0][0]
+    from addin.worksheet.models import MODELS
+
+    material = str(MODELS.of(handle).case.materials[0].material)
+    given = {
+        "TV_MODEL": arguments,
+        "TV_MODE": [handle, 2],
+        "TV_STIFFNESS": [200.1, None, 501.7, 79300],
+        "TV_CONVERT": [[[0.1, None], [1e-300, 1 / 3]], "lbf*in", "N*m"],
+        "TV_HISTORY": [handle, "LS coupling", 200],
+        "TV_SPEED_TIME": [handle, 100],
+        "TV_SN_LIFE": [handle, material, [[30000.0, None]]],
+        "TV_STARTS": [handle, None, False],
+    }
+    for name in FUNCTIONS:
+        sent = given.get(name, [handle])
+        shown = cell(excel, name, sent)
+        assert "error" not in shown, (name, shown)
+        here = registry.call(name, sent)
+        if name == "TV_EFFECTS":  # the one column that is measured and not calculated
+            shown["value"], here = without_times(shown["value"]), without_times(here)
+        assert doubles(shown["value"]) == doubles(here), name
+
+
+def test_a_thousand_cells_are_few_requests(excel):
+    posts = []
+    excel.on("request", lambda sent: posts.append(sent) if sent.method == "POST" else None)
+    sums = excel.evaluate(
+        """async () => {
+          const cells = Array.from({length: 1000}, (_, i) => standIn.cell("TV.CONVERT", [i, "m", "mm"]));
+          return (await Promise.all(cells)).map(found => found.value[0][0]);
+        }"""
+    )
+    assert sums == [1000.0 * i for i in range(1000)]
+    assert 1 <= len(posts) <= 5
+
+
+def test_errors_are_excel_errors_with_their_sentence(excel):
+    for name, given, code, words in (
+        ("TV_CONVERT", [1, "florps", "m"], "#VALUE!", "florps"),
+        ("TV_STIFFNESS", [-1, None, 1, 1], "#NUM!", "above 0"),
+        (
+            "TV_CONVERT",
+            [[[{"type": "Error", "basicValue": "#DIV/0!"}]], "m", "m"],
+            "#DIV/0!",
+            "shows",
+        ),
+        ("TV_FREQUENCIES", ["tv:0000000000000000"], "#N/A", "not at hand"),
+        ("TV_PEAKS", ["tv:0000000000000000"], "#N/A", "not at hand"),
+        ("TV_PEAKS", [None], "#VALUE!", "blank"),
+    ):
+        shown = cell(excel, name, given)
+        assert shown["error"] == code, shown
+        assert words in shown["message"]
+
+
+def test_a_blank_that_excel_hands_over_as_zero_stays_blank(excel):
+    """Types of the cells come from the sheet; without them nothing is guessed."""
+    excel.evaluate(
+        """standIn.sheets = {"My sheet's": {"B2:C2": [["Double", "Empty"]], "D2": [["Double"]]}}"""
+    )
+    ask = {"addresses": ["'My sheet''s'!B2:C2", None, None]}
+    assert cell(excel, "TV_CONVERT", [[[0, 0]], "m", "mm"], **ask)["value"] == [[0, ""]]
+    several = excel.evaluate(
+        """async () => {
+          standIn.reads = 0;
+          const one = ["'My sheet''s'!B2:C2", null, null];
+          const cells = Array.from({length: 50}, () => standIn.cell("TV.CONVERT", [[[0, 0]], "m", "mm"], {addresses: one}));
+          await Promise.all(cells);
+          return standIn.reads;
+        }"""
+    )
+    assert several <= 3
+    assert cell(excel, "TV_CONVERT", [[[5, 6]], "m", "m"], **ask)["value"] == [[5, 6]]
+    excel.evaluate("standIn.failReads = true")
+    shown = cell(excel, "TV_CONVERT", [[[0, 0]], "m", "mm"], **ask)
+    assert shown["error"] == "#N/A"
+    assert "blank" in shown["message"]
+
+
+def test_a_long_cell_shows_its_stages_and_can_be_cancelled(excel):
+    handle = cell(excel, "TV_MODEL", slow_case())["value"][0][0]
+    shown = cell(excel, "TV_PEAKS", [handle], cancelAfter=2500)
+    assert shown["cancelled"]
+    assert any("start" in text for text in shown["shown"])
+    # its process is free again
+    other = cell(excel, "TV_MODEL", model_arguments("example_modified"))["value"][0][0]
+    assert len(cell(excel, "TV_PEAKS", [other])["value"]) > 2
+
+
+def test_a_server_that_is_gone_is_told(browser):
+    with outside() as address:
+        context = browser.new_context(base_url=address)
+        page = context.new_page()
+        office = (HERE / "office_host.js").read_text(encoding="utf-8")
+        page.route("https://appsforoffice.microsoft.com/**", lambda r: r.fulfill(body=office))
+        page.goto("/taskpane.html")
+        handle = cell(page, "TV_MODEL", model_arguments())["value"][0][0]
+        assert "value" in cell(page, "TV_PEAKS", [handle])
+    for name in ("TV_FREQUENCIES", "TV_PEAKS"):
+        shown = cell(page, name, [handle])
+        assert shown["error"] == "#N/A"
+        assert "server" in shown["message"]
+    context.close()
+
+
+def test_the_key_is_asked_for_and_kept(browser, tmp_path):
+    keys = tmp_path / "keys"
+    keys.write_text(KEY)
+    with outside("--api-key-file", str(keys)) as address:
+        context = browser.new_context(base_url=address)
+        page = context.new_page()
+        office = (HERE / "office_host.js").read_text(encoding="utf-8")
+        page.route("https://appsforoffice.microsoft.com/**", lambda r: r.fulfill(body=office))
+        page.goto("/taskpane.html")
+        for name in ("TV_FREQUENCIES", "TV_PEAKS"):
+            assert "API key" in cell(page, name, ["tv:0000000000000000"])["message"]
+        page.get_by_text("Connection").click()
+        page.get_by_label("API key").fill(KEY)
+        page.get_by_role("button", name="Keep").click()
+        page.reload()
+        handle = cell(page, "TV_MODEL", model_arguments())["value"][0][0]
+        for name in ("TV_FREQUENCIES", "TV_PEAKS"):
+            assert "value" in cell(page, name, [handle])
+        context.close()
+
+
+# --- the page -------------------------------------------------------------------------------------
+
+
+#: What reaches beyond the right edge without a scroll bar of its own.
+TOO_WIDE = """[...document.querySelectorAll('body *')].filter(one =>
+  one.getBoundingClientRect().right > innerWidth + 1 && !one.closest('.scroll')
+).map(one => one.outerHTML.slice(0, 80))"""
+
+
+def opened(page, path):
+    page.set_input_files("#file", path)
+
+
+def test_the_page_shows_a_model_and_its_start(tab, tmp_path):
+    tab.goto("/")
+    picture(tab, "empty")
+    opened(tab, TEMPLATES / "example_backlash.xlsx")
+    sync_api.expect(tab.locator("#progress")).to_contain_text("Calculated in")
+    handle = tab.locator("#handle").text_content()
+    model = registry.call("TV_MODEL", model_arguments("example_backlash"))[0][0]
+    assert handle == model
+    head, *rows = registry.call("TV_FREQUENCIES", [model])
+    shown = tab.locator("#frequencies tbody tr")
+    assert shown.count() == len(rows)
+    frequency = head.index("Frequency [Hz]")
+    third = shown.nth(3).locator("td").nth(frequency).text_content()
+    assert float(third.replace(",", "")) == pytest.approx(rows[3][frequency], rel=1e-4)
+    discs = tab.locator("#train rect.disc").count()
+    assert discs == len([row for row in model_arguments("example_backlash")[0][2:] if row[0]])
+    assert tab.locator("#histories svg").count() >= 2
+    for chart in ("#interference", "#torque", "#speed"):
+        assert tab.locator(f"{chart} svg path.line").count() >= 1
+    assert tab.locator("#verdicts td.fail, #verdicts td.pass").count() >= 3
+    picture(tab, "wide")
+    tab.set_viewport_size({"width": 380, "height": 900})
+    assert tab.evaluate(TOO_WIDE) == []
+    picture(tab, "narrow")
+    tab.set_viewport_size({"width": 1000, "height": 1400})
+    tab.emulate_media(media="print")
+    assert not tab.locator("#actions").is_visible()
+    picture(tab, "print")
+
+
+def test_the_workbook_comes_back_recalculated(tab, tmp_path):
+    import openpyxl
+
+    tab.goto("/")
+    opened(tab, TEMPLATES / "example_proposed.xlsx")
+    sync_api.expect(tab.locator("#progress")).to_contain_text("Calculated in")
+    with tab.expect_download() as download:
+        tab.get_by_role("button", name="Recalculated workbook").click()
+    assert download.value.suggested_filename == "example_proposed.out.xlsx"
+    download.value.save_as(tmp_path / "out.xlsx")
+    book = openpyxl.load_workbook(tmp_path / "out.xlsx", data_only=True)
+    assert any("StartupPeaks" in sheet.tables for sheet in book)
+
+
+def test_a_calculation_shows_progress_and_stops_when_cancelled(tab, tmp_path):
+    import json
+
+    from addin.case_json import case_to_json
+    from addin.read_workbook import read_workbook
+
+    case = case_to_json(read_workbook(TEMPLATES / "example_backlash.xlsx").data)
+    (tmp_path / "slow.json").write_text(json.dumps({**case, "tolerance_peak": 1e-8}))
+    tab.goto("/")
+    opened(tab, tmp_path / "slow.json")
+    sync_api.expect(tab.locator("#progress")).to_contain_text("start")
+    assert tab.locator("#frequencies tbody tr").count() > 3  # what needs no start is there already
+    picture(tab, "waiting")
+    tab.get_by_role("button", name="Cancel").click()
+    sync_api.expect(tab.locator("#progress")).to_contain_text("Cancelled")
+    assert tab.get_by_role("button", name="Calculate the start").is_enabled()
+    assert tab.locator("#peaks").text_content() == "Not calculated yet."
+
+
+def test_wrong_cells_are_listed(tab, tmp_path):
+    import openpyxl
+
+    book = openpyxl.load_workbook(TEMPLATES / "example_proposed.xlsx")
+    for column in ("Inertia", "Stiffness"):
+        found = next(c for row in book["Train"].iter_rows() for c in row if c.value == column)
+        book["Train"].cell(found.row + 1, found.column).value = -5
+    book.save(tmp_path / "wrong.xlsx")
+    tab.goto("/")
+    opened(tab, tmp_path / "wrong.xlsx")
+    sync_api.expect(tab.locator("#problems li")).to_have_count(2)
+    assert "Inertia" in tab.locator("#problems li").first.text_content()
+    assert not tab.locator("#results").is_visible()
+    picture(tab, "errors")
+
+
+def test_inside_office_the_open_workbook_is_taken(excel):
+    source = base64.b64encode((TEMPLATES / "example_modified.xlsx").read_bytes()).decode()
+    excel.evaluate(
+        "coded => { standIn.workbook = Uint8Array.from(atob(coded), c => c.charCodeAt(0)); }",
+        source,
+    )
+    excel.set_viewport_size({"width": 360, "height": 800})
+    excel.get_by_role("button", name="Use the open workbook").click()
+    sync_api.expect(excel.locator("#progress")).to_contain_text("Calculated in")
+    assert (
+        excel.locator("#handle").text_content()
+        == registry.call("TV_MODEL", model_arguments("example_modified"))[0][0]
+    )
+    assert excel.evaluate("standIn.closed")
+    picture(excel, "pane")
+    excel.evaluate("standIn.workbook = null")
+    excel.get_by_role("button", name="Use the open workbook").click()
+    sync_api.expect(excel.locator("#progress")).to_contain_text("did not hand over")

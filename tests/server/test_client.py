@@ -1,0 +1,63 @@
+"""The Python client against a real server: files in, doubles and sentences out."""
+
+import subprocess
+import sys
+
+import openpyxl
+import pytest
+from servers import ROOT
+from sheet_ranges import TEMPLATES, model_arguments
+
+from addin.client import Client, Refusal
+from addin.worksheet import registry
+
+
+def test_a_model_of_a_file_and_its_cells(served):
+    server = Client(served)
+    handle = server.model(TEMPLATES / "example_proposed.xlsx")
+    assert handle == registry.call("TV_MODEL", model_arguments())[0][0]
+    assert repr(server.call("TV_PEAKS", handle)) == repr(registry.call("TV_PEAKS", [handle]))
+    answers = server.batch([("TV_CONVERT", [0.1, None], "m", "mm"), ("TV_NOTHING",)])
+    assert answers[0] == [[100.0, None]]
+    assert isinstance(answers[1], Refusal)
+    assert answers[1].code == "#NAME?"
+    with pytest.raises(Refusal, match="florps"):
+        server.call("TV_CONVERT", 1, "florps", "m")
+
+
+def test_a_workbook_recalculated(served, tmp_path):
+    Client(served).recalculate(TEMPLATES / "example_proposed.xlsx", tmp_path / "out.xlsx")
+    assert "Summary" in openpyxl.load_workbook(tmp_path / "out.xlsx").sheetnames
+
+
+def test_what_is_wrong_comes_with_its_cells(served, tmp_path):
+    (tmp_path / "case.json").write_text(
+        '{"format": 1, "stations": [{"station": "M", "inertia": -1}]}'
+    )
+    with pytest.raises(Refusal) as told:
+        Client(served).model(tmp_path / "case.json")
+    assert any(one["column"] == "Inertia" for one in told.value.errors)
+    (tmp_path / "no.xlsx").write_bytes(b"nothing")
+    with pytest.raises(Refusal):
+        Client(served).recalculate(tmp_path / "no.xlsx", tmp_path / "never.xlsx")
+    assert not (tmp_path / "never.xlsx").exists()
+
+
+def test_no_server_is_told():
+    with pytest.raises(Refusal, match="cannot be reached"):
+        Client("http://127.0.0.1:9").call("TV_CONVERT", 1, "m", "mm")
+
+
+def test_it_needs_the_standard_library_only():
+    script = "import sys, runpy; runpy.run_path(sys.argv[1]); print(*sorted(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", script, str(ROOT / "addin" / "client.py")],
+        capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    loaded = {name.split(".")[0] for name in done.stdout.split()}
+    assert loaded <= sys.stdlib_module_names | {
+        "__main__",
+        "__mp_main__",
+        "_virtualenv",
+        "sitecustomize",
+    }
