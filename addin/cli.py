@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from addin.calc.commands import calc
 from addin.excel.commands import excel
 from addin.server.commands import serve
 
@@ -49,6 +50,7 @@ app = typer.Typer(
 )
 
 app.add_typer(excel)
+app.add_typer(calc)
 app.command()(serve)
 
 Files = Annotated[

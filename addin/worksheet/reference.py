@@ -27,15 +27,15 @@ HEAD = """# Worksheet functions
 
 Made from the registry by `python -m addin.worksheet.reference`; do not edit.
 
-The same functions answer in every front (desktop Excel, the calculation server, Python), with the
-same doubles. `TV_MODEL` checks the tables and gives a *handle*, a short
+The same functions answer in every front (desktop Excel, the calculation server, LibreOffice Calc,
+Python), with the same doubles. `TV_MODEL` checks the tables and gives a *handle*, a short
 text made of the digest of the inputs; every other function of a train takes the cell with it. A start
 is calculated once and serves every cell that asks for it. What is wrong with the tables is said in
 the cell of `TV_MODEL`, with table, row and column; a blank is never taken for zero.
 
 A range for `TV_MODEL` is the table with its headers **and the row of units above them**, such as
 `Train!B6:G20`: units are not guessed. Answers are tables with one row of headers; they spill in Excel
-365 and 2021, and are entered as array formulas (Ctrl+Shift+Enter) in older Excel. *Units*
+365 and 2021, and are entered as array formulas (Ctrl+Shift+Enter) in older Excel and in Calc. *Units*
 is `SI` or `US`, blank as the tables are typed; *Headers* `FALSE` leaves the row of headers out.
 
 | function | what it answers | calculates a start |

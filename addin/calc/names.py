@@ -1,0 +1,88 @@
+"""What the worksheet functions are called inside LibreOffice.
+
+In a cell they have the names of the contract. Files of type .ods, and .xlsx that LibreOffice reads,
+hold the programmatic name: that of the component and of the method, in capitals.
+"""
+
+from __future__ import annotations
+
+import re
+
+__all__ = [
+    "COMPONENT", "INTERFACE", "METHOD_MODULES", "identifier", "method_name", "parameter_names",
+    "programmatic_name",
+]  # fmt: skip
+
+#: Modules of the interface, from the outside in.
+METHOD_MODULES = ("org", "torsionbook", "calc")
+#: Name of the interface with one method a function.
+INTERFACE = "XFunctions"
+#: Name of the component; LibreOffice calls it the service and the implementation.
+COMPONENT = "org.torsionbook.calc.Functions"
+
+
+def identifier(text: str) -> str:
+    """A name that UNO takes for a parameter: a small letter, then letters and digits.
+
+    Parameters
+    ----------
+    text : str
+        Name of an argument, such as ``Shear modulus``. [name]
+
+    Returns
+    -------
+    str
+        ``shearModulus``. [name]
+    """
+    first, *others = re.findall("[A-Za-z0-9]+", text)
+    return first.lower() + "".join(word[0].upper() + word[1:] for word in others)
+
+
+def method_name(function: str) -> str:
+    """The method of a function.
+
+    Parameters
+    ----------
+    function : str
+        Name in the registry. [name]
+
+    Returns
+    -------
+    str
+        The same in small letters. [name]
+    """
+    return function.lower()
+
+
+def parameter_names(arguments: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of the parameters of a method.
+
+    Parameters
+    ----------
+    arguments : tuple of str
+        Names of the arguments. [names]
+
+    Returns
+    -------
+    tuple of str
+        One each, all different. [names]
+    """
+    found = tuple(identifier(name) for name in arguments)
+    assert len(set(found)) == len(found), found
+    return found
+
+
+def programmatic_name(function: str) -> str:
+    """How a file names a function.
+
+    Parameters
+    ----------
+    function : str
+        Name in the registry. [name]
+
+    Returns
+    -------
+    str
+        Component and method in capitals. [name]
+    """
+    return f"{COMPONENT}.{method_name(function)}".upper()
