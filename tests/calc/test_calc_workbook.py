@@ -77,20 +77,28 @@ def without_blank(cells):
     return {at: value for at, value in cells.items() if value is not None}
 
 
+def every_call(handle):
+    """Every function: its name, the formula in Calc, and what the registry gets."""
+    material = model_arguments()[3 + TABLES[2:].index("Materials")][2][0]
+    life = (f'"{material}";[.Z2:.AB2]', [material, [[100.1, None, 31000.7]]])
+    for name, many in [*CALLS.items(), ("TV_SN_LIFE", [life]), *ALONE.items()]:
+        for written, raw in many:
+            if name in ALONE:
+                yield name, f"{name}({written})", raw
+            else:
+                inside = f"{MODEL}{';' if written else ''}{written}"
+                yield name, f"{name}({inside})", [handle, *raw]
+
+
 @pytest.fixture(scope="module")
 def expected():
     """Top-left cell on sheet Results → rows of the registry, with the formula."""
     handle = call("TV_MODEL", model_arguments())[0][0]
-    material = model_arguments()[3 + TABLES[2:].index("Materials")][2][0]
-    life = (f'"{material}";[.Z2:.AB2]', [material, [[100.1, None, 31000.7]]])
     found, top = {}, 2
-    for name, many in [*CALLS.items(), ("TV_SN_LIFE", [life]), *ALONE.items()]:
-        for written, raw in many:
-            alone = name in ALONE
-            inside = written if alone else f"{MODEL}{';' if written else ''}{written}"
-            rows = call(name, raw if alone else [handle, *raw])
-            found[top, 0] = f"{name}({inside})", rows
-            top += len(rows) + 1
+    for name, formula, raw in every_call(handle):
+        rows = call(name, raw)
+        found[top, 0] = formula, rows
+        top += len(rows) + 1
     return handle, found
 
 
