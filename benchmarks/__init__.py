@@ -11,6 +11,7 @@ module             responsibility
 `response`         a prescribed torque of 15 s: time against error
 `start`            a start of 15 s: time against error, and how time grows
 `hard_cases`       the corpus of tests/hard_cases: our error, and theirs or how they fail
+`fronts`           one call of a worksheet function through each front (docs/fronts.md)
 `backlash_speed`   a start with backlash beside the linear one, a gear pair beside ROSS
 `scaling`          how time and memory grow
 `whole_run`        a workbook recalculated, warm and cold, by stage

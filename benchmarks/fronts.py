@@ -1,0 +1,219 @@
+"""Time of one call of a worksheet function through each front: `python -m benchmarks.fronts`.
+
+Medians of repeated calls in one run. The model is at hand and its start calculated: what is measured
+is the way of the cells to the function and back.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from benchmarks.peers import single_threaded
+
+os.environ.update(single_threaded())
+
+ROOT = Path(__file__).resolve().parents[1]
+TESTS = ROOT / "tests"
+sys.path[:0] = [str(TESTS / one) for one in ("excel", "server", "worksheet", "calc")]
+
+from benchmarks import report  # noqa: E402
+from benchmarks.report import Section, Table  # noqa: E402
+
+__all__ = ["PAGE", "measured"]
+
+PAGE = ROOT / "docs" / "fronts.md"
+#: Repeats of a call, cells of one batch, and cells of the sheet that Calc calculates. [count]
+REPEATS, BATCH, SHEET = 50, 100, 2000
+
+Call = Callable[[str, list[Any]], Any]
+
+
+def _median(call: Callable[[], Any], repeats: int = REPEATS) -> float:
+    call()
+    laps = []
+    for _ in range(repeats):
+        began = time.perf_counter()
+        call()
+        laps.append(time.perf_counter() - began)
+    return statistics.median(laps)
+
+
+@contextmanager
+def _classic() -> Iterator[Call]:
+    from windows_layer import machinery
+
+    with machinery() as excel:
+        yield lambda name, raw: excel.call(name, *raw)
+
+
+@contextmanager
+def _posts() -> Iterator[tuple[Call, Call]]:
+    """One call a POST, and `BATCH` of the same call in one POST."""
+    import httpx2
+    from servers import outside
+
+    with outside() as address, httpx2.Client(base_url=address, timeout=60.0) as client:
+
+        def post(name: str, raw: list[Any], times: int) -> Any:
+            calls = [{"name": name, "arguments": raw}] * times
+            answer = client.post("/api/v1/batch", json={"calls": calls})
+            assert "value" in answer.json()["results"][0]
+            return answer
+
+        yield (
+            lambda name, raw: post(name, raw, 1),
+            lambda name, raw: post(name, raw, BATCH),
+        )
+
+
+@contextmanager
+def _browser() -> Iterator[Call]:
+    from playwright import sync_api
+    from servers import outside
+    from test_browser import browser_program
+
+    from addin.server.office import function_id
+
+    office = (TESTS / "server" / "office_host.js").read_text(encoding="utf-8")
+    with outside() as address, sync_api.sync_playwright() as playwright:
+        program = playwright.chromium.launch(
+            executable_path=browser_program(), args=["--no-sandbox"]
+        )
+        page = program.new_page(base_url=address)
+        page.route(
+            "https://appsforoffice.microsoft.com/**",
+            lambda route: route.fulfill(body=office, content_type="text/javascript"),
+        )
+        page.goto("/taskpane.html")
+        yield lambda name, raw: page.evaluate(
+            "([id, given]) => standIn.cell(id, given, {})", [function_id(name), raw]
+        )
+        program.close()
+
+
+def _calls() -> dict[str, list[Any]]:
+    """The calls that are measured, by the words of a row."""
+    from sheet_ranges import model_arguments
+
+    from addin.worksheet.registry import call
+
+    handle = call("TV_MODEL", model_arguments())[0][0]
+    return {
+        "TV_STIFFNESS": [200.0, 0.0, 500.0, 79300.0],
+        "TV_FREQUENCIES": [handle],
+        "TV_PEAKS": [handle],
+        "TV_HISTORY": [handle, "LS coupling", 500.0],
+        "TV_MODEL": model_arguments(),
+    }
+
+
+def _in_calc() -> float | None:
+    """Time of a cell with TV_STIFFNESS beyond that of a plain formula; None without LibreOffice."""
+    import shutil
+    import subprocess
+
+    from flat_sheets import Formula, write_sheets
+
+    from addin.calc.oxt import extension, worker_command
+
+    program = shutil.which("soffice")
+    if program is None:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        made = place / "torsionbook.oxt"
+        made.write_bytes(extension(worker_command()))
+        places = {
+            "UserInstallation": place / "profile",
+            "UNO_SHARED_PACKAGES_CACHE": place / "shared",
+            "SHARED_EXTENSIONS_USER": place / "registered",
+        }
+        words = [f"-env:{name}={where.as_uri()}" for name, where in places.items()]
+        unopkg = Path(program).resolve().with_name("unopkg")
+        quiet: dict[str, Any] = {"stdin": subprocess.DEVNULL, "capture_output": True}
+        add = [str(unopkg), "add", *(["--shared"] if os.geteuid() == 0 else []), str(made), *words]
+        subprocess.run(add, check=True, timeout=120, **quiet)
+        times = {}
+        for kind, formula in (("ours", "TV_STIFFNESS({};0;500;79300)"), ("plain", "SQRT({})")):
+            sheet = {(i, 0): Formula(formula.format(200 + i)) for i in range(SHEET)}
+            path = write_sheets(place / f"{kind}.fods", {"S": sheet})
+            convert = [program, "--headless", "--convert-to", "csv", "--outdir", folder, str(path)]
+            laps = []
+            for _ in range(4):
+                began = time.perf_counter()
+                subprocess.run([*convert, *words], check=True, timeout=120, **quiet)
+                laps.append(time.perf_counter() - began)
+            times[kind] = statistics.median(laps[1:])
+            text = (place / f"{kind}.csv").read_text(encoding="utf-8").splitlines()
+            assert len(text) == SHEET, "LibreOffice did not calculate the sheet"
+            assert not text[0].startswith(("#", "Err")), text[0]
+    return (times["ours"] - times["plain"]) / SHEET
+
+
+def measured() -> list[Section]:
+    """Everything, as tables."""
+    from addin.worksheet.registry import call
+
+    calls = _calls()
+    fronts: dict[str, dict[str, float]] = {}
+    fronts["plain Python"] = {n: _median(lambda n=n, r=r: call(n, r)) for n, r in calls.items()}
+    with _classic() as classic:
+        fronts["classic xlwings, Python side"] = {
+            n: _median(lambda n=n, r=r: classic(n, r)) for n, r in calls.items()
+        }
+    with _posts() as (single, many):
+        single("TV_MODEL", calls["TV_MODEL"])
+        fronts["HTTP, one POST"] = {
+            n: _median(lambda n=n, r=r: single(n, r)) for n, r in calls.items()
+        }
+        fronts[f"HTTP, one of {BATCH} in a POST"] = {
+            n: _median(lambda n=n, r=r: many(n, r), 7) / BATCH for n, r in calls.items()
+        }
+    with _browser() as browser:
+        browser("TV_MODEL", calls["TV_MODEL"])
+        fronts["browser, one cell alone"] = {
+            n: _median(lambda n=n, r=r: browser(n, r), 15) for n, r in calls.items()
+        }
+    names = list(calls)
+    rows = [
+        (front, *(f"{1e3 * times[name]:.3g}" for name in names)) for front, times in fronts.items()
+    ]
+    in_calc = _in_calc()
+    if in_calc is not None:
+        rows.append(("LibreOffice Calc", f"{1e3 * in_calc:.3g}", *["–"] * (len(names) - 1)))
+    return [
+        Section(
+            "Time of one call",
+            "Made by `python -m benchmarks.fronts --write-docs`. Milliseconds, medians of one run on "
+            "2 cores; the model is at hand and its start calculated. TV_STIFFNESS is one number, "
+            "TV_FREQUENCIES a table, TV_HISTORY 500 rows, TV_MODEL takes every table of the example. "
+            "Classic xlwings is without COM, which Windows adds. A cell alone in the browser waits a "
+            "moment for others to share its POST. Of Calc the time of a cell beyond that of a plain "
+            f"formula, over {SHEET:,} cells.",
+            (Table("Milliseconds a call", ("Front", *names), tuple(rows)),),
+        )
+    ]
+
+
+def main() -> None:
+    """Measure, print, and on request write the page."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fronts")
+    parser.add_argument("--write-docs", action="store_true", help=f"write {PAGE.name}")
+    args = parser.parse_args()
+    sections = measured()
+    report.show(sections)
+    if args.write_docs:
+        report.write_markdown(PAGE, "Worksheet functions through their fronts", sections)
+
+
+if __name__ == "__main__":
+    main()
