@@ -77,26 +77,15 @@ def _posts() -> Iterator[tuple[Call, Call]]:
 
 @contextmanager
 def _browser() -> Iterator[Call]:
+    from office_page import cell, launched, load_in_office
     from playwright import sync_api
     from servers import outside
-    from test_browser import browser_program
 
-    from addin.server.office import function_id
-
-    office = (TESTS / "server" / "office_host.js").read_text(encoding="utf-8")
     with outside() as address, sync_api.sync_playwright() as playwright:
-        program = playwright.chromium.launch(
-            executable_path=browser_program(), args=["--no-sandbox"]
-        )
+        program = launched(playwright)
         page = program.new_page(base_url=address)
-        page.route(
-            "https://appsforoffice.microsoft.com/**",
-            lambda route: route.fulfill(body=office, content_type="text/javascript"),
-        )
-        page.goto("/taskpane.html")
-        yield lambda name, raw: page.evaluate(
-            "([id, given]) => standIn.cell(id, given, {})", [function_id(name), raw]
-        )
+        load_in_office(page)
+        yield lambda name, raw: cell(page, name, raw)
         program.close()
 
 

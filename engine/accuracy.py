@@ -32,7 +32,7 @@ from engine.fatigue import RESIDUES, shaft_fatigue
 from engine.load import loads_of
 from engine.motor import motors_of
 from engine.results import AccuracyRow
-from engine.run import Planned, analyse, calculate_start, planned_start
+from engine.run import NEWMARK, Planned, analyse, calculate_start, planned_start
 from engine.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, sn_curve_of
 from engine.startup import (
     DEFAULT_TOLERANCE_PEAK,
@@ -64,7 +64,7 @@ MODES_TOLERANCE = 0.1
 #: An error is shown no smaller than rounding leaves it.
 LEAST_ERROR = 1e-12
 #: Names of the methods in the table.
-EXPONENTIAL, NEWMARK = "exponential", "newmark"
+EXPONENTIAL = "exponential"
 EVENTS, NEWMARK_LINEAR = "exponential with events", "newmark (linear train)"
 
 

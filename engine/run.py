@@ -47,6 +47,7 @@ from engine.validation import GEAR_MESH
 from engine.verdicts import verdicts_of
 
 __all__ = [
+    "NEWMARK",
     "Analysed",
     "Model",
     "Planned",
@@ -457,8 +458,7 @@ def judged_starts(
     starts, errors = starts_of(case, start, always_count=always)
     for _ in range(MAX_STARTS_REFINEMENTS):
         worst = max((e for _, e in errors if e is not None), default=0.0)
-        sensitive = start.sensitivity is not None and start.sensitivity.sensitive
-        if worst <= tolerance or start.runup is None or sensitive:
+        if worst <= tolerance or start.runup is None or start.is_sensitive:
             break
         tighter = replace(case, tolerance_peak=max(start.estimated_error / 16.0, 1e-9))
         linear = planned.linear if planned.plan.events else None
@@ -629,8 +629,7 @@ def _warnings(
 
 def _why_not_met(start: Start) -> str:
     """What kept a start from a finer step."""
-    sensitive = start.sensitivity is not None and start.sensitivity.sensitive
-    if sensitive or start.sensitivity is None:  # said elsewhere, or a plain start
+    if start.is_sensitive or start.sensitivity is None:  # said elsewhere, or a plain start
         return ""
     return (
         " A finer step would take more steps than one calculation is given; raise TolerancePeak, or "
@@ -642,7 +641,7 @@ def _accuracy_of_starts(
     case: CaseData, start: Start | None, errors: tuple[tuple[str, float | None], ...]
 ) -> Iterator[str]:
     """Allowable starts that are less accurate than wanted; of a sensitive start that is said."""
-    if start is None or (start.sensitivity is not None and start.sensitivity.sensitive):
+    if start is None or start.is_sensitive:
         return
     wanted = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
     for shaft, error in errors:

@@ -304,6 +304,11 @@ class Start:
     forces: ForceHistories | None = None
     load_angle: Floats | None = None
 
+    @property
+    def is_sensitive(self) -> bool:
+        """Whether it was found that a tiny change of the input changes its peaks. [flag]"""
+        return self.sensitivity is not None and self.sensitivity.sensitive
+
     def turning_of_element(self) -> dict[int, tuple[Floats, Floats]]:
         """Turning points by element index: times and torques. [s, N m]"""
         judged = np.flatnonzero(self.output_of_element >= 0)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from addin.server.work import Cancelled, Job, Work
-from addin.worksheet.models import RUN, Model
+from addin.worksheet.models import MODELS, RUN, Model
 from addin.worksheet.registry import FunctionError
 
 __all__ = ["Starts", "waited_for"]
@@ -123,7 +123,7 @@ class Starts:
     async def _calculate(self, model: Model, job: Job) -> None:
         shared = self._shared[model.handle]
         try:
-            await asyncio.to_thread(model.keep, RUN, await _found(job, shared.tell))
+            await asyncio.to_thread(MODELS.keep, model, RUN, await _found(job, shared.tell))
         finally:
             self._forget(model, shared)
 

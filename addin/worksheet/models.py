@@ -57,7 +57,7 @@ class Model:
         return sum(list(self.sizes.values()))
 
     def keep(self, what: str, value: Any) -> None:
-        """Put a result where the functions look for it, for whoever calculates elsewhere.
+        """Put a result where the functions look for it.
 
         Parameters
         ----------
@@ -176,11 +176,25 @@ class Models:
                     found = calculate(model.case)
                 except (ModelError, InternalError) as wrong:
                     found = FunctionError(str(wrong), "#NUM!")
-                model.keep(what, found)
-        self._drop(model)
+                self.keep(model, what, found)
         if isinstance(found, FunctionError):
             raise FunctionError(found.message, found.code)
         return found
+
+    def keep(self, model: Model, what: str, value: Any) -> None:
+        """Keep a result, whoever calculated it, and what there is of others within bounds.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+        what : str
+            Name of the result. [name]
+        value : object
+            The result, or the `FunctionError` that says why there is none. [SI]
+        """
+        model.keep(what, value)
+        self._drop(model)
 
     @property
     def memory(self) -> int:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import openpyxl
 import pytest
-from sheet_ranges import TEMPLATES, model_arguments, table
+from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, table
 from test_calc_workbook import calculated, every_call, expected  # noqa: F401  (fixtures)
 
 from addin.recalc import recalculate
@@ -21,24 +21,13 @@ from addin.worksheet.registry import FUNCTIONS, call
 TESTS = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TESTS / "excel"), str(TESTS / "server")]
 
+from office_page import cell, launched, load_in_office  # noqa: E402
 from servers import inside, outside  # noqa: E402
 from windows_layer import machinery  # noqa: E402
 
-from addin.server.office import function_id  # noqa: E402
 from addin.server.settings import Settings  # noqa: E402
 
 pytestmark = [pytest.mark.needs_libreoffice, pytest.mark.needs_browser]
-
-#: Function → result table of the recalculated workbook with the same cells.
-BATCH = {
-    "TV_FREQUENCIES": "NaturalFrequencies",
-    "TV_MARGINS": "SeparationMargins",
-    "TV_STEADY": "SteadyState",
-    "TV_PEAKS": "StartupPeaks",
-    "TV_REVERSALS": "TorqueReversals",
-    "TV_STARTS": "AllowableStarts",
-    "TV_CYCLES": "StartCycles",
-}
 
 
 def shown(value):
@@ -80,27 +69,13 @@ def through_http(calls):
 
 def through_browser(calls):
     from playwright import sync_api
-    from test_browser import browser_program
 
-    office = (TESTS / "server" / "office_host.js").read_text(encoding="utf-8")
     with outside() as address, sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=browser_program(), args=["--no-sandbox"]
-        )
+        browser = launched(playwright)
         page = browser.new_page(base_url=address)
-        page.route(
-            "https://appsforoffice.microsoft.com/**",
-            lambda route: route.fulfill(body=office, content_type="text/javascript"),
-        )
-        page.goto("/taskpane.html")
-
-        def cell(name, raw):
-            asked = [function_id(name), raw, {}]
-            answer = page.evaluate("([id, given, more]) => standIn.cell(id, given, more)", asked)
-            return answer["value"]
-
-        made = cell("TV_MODEL", model_arguments())[0][0]
-        found = made, [cell(name, raw) for name, raw in calls]
+        load_in_office(page)
+        made = cell(page, "TV_MODEL", model_arguments())["value"][0][0]
+        found = made, [cell(page, name, raw)["value"] for name, raw in calls]
         browser.close()
     return found
 
@@ -126,7 +101,7 @@ def test_every_function_shows_the_same_bits_through_every_front(
         assert comparable(name, theirs) == comparable(name, mine), ("Calc", name)
     recalculate(TEMPLATES / "example_proposed.xlsx", destination=tmp_path / "done.xlsx")
     book = openpyxl.load_workbook(tmp_path / "done.xlsx", data_only=True)
-    for name, where in BATCH.items():
+    for name, where in SAME_CELLS.items():
         head, *rows = call(name, [handle])
         there = table(book, where)
         at = [there[1].index(title.split(" [")[0]) for title in head]

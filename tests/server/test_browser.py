@@ -2,16 +2,15 @@
 
 import base64
 import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from office_page import cell, launched, load_in_office
 from playwright import sync_api
 from servers import outside, slow_case
 from sheet_ranges import TEMPLATES, model_arguments
 
-from addin.server.office import function_id
 from addin.worksheet import registry
 from addin.worksheet.registry import FUNCTIONS
 
@@ -23,17 +22,10 @@ PICTURES = os.environ.get("TORSIONBOOK_PICTURES")
 KEY = "a-key-nobody-guesses"
 
 
-def browser_program():
-    names = ("chromium", "chromium-browser", "google-chrome", "chrome")
-    return next((found for found in map(shutil.which, names) if found), None)
-
-
 @pytest.fixture(scope="module")
 def browser() -> Iterator[sync_api.Browser]:
     with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path=browser_program(), args=["--no-sandbox"]
-        )
+        browser = launched(playwright)
         yield browser
         browser.close()
 
@@ -54,19 +46,8 @@ def tab(browser, served):
 @pytest.fixture
 def excel(tab):
     """The page as Office loads it."""
-    office = (HERE / "office_host.js").read_text(encoding="utf-8")
-    tab.route(
-        "https://appsforoffice.microsoft.com/**",
-        lambda route: route.fulfill(body=office, content_type="text/javascript"),
-    )
-    tab.goto("/taskpane.html")
+    load_in_office(tab)
     return tab
-
-
-def cell(page, name, given, **more):
-    return page.evaluate(
-        "([id, given, more]) => standIn.cell(id, given, more)", [function_id(name), given, more]
-    )
 
 
 def doubles(rows):

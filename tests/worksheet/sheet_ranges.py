@@ -9,6 +9,16 @@ from openpyxl.utils import range_boundaries
 from addin.worksheet.functions import TABLES
 
 TEMPLATES = Path(__file__).resolve().parents[2] / "templates"
+#: Function → result table of the workbook with the same cells.
+SAME_CELLS = {
+    "TV_FREQUENCIES": "NaturalFrequencies",
+    "TV_MARGINS": "SeparationMargins",
+    "TV_STEADY": "SteadyState",
+    "TV_PEAKS": "StartupPeaks",
+    "TV_REVERSALS": "TorqueReversals",
+    "TV_STARTS": "AllowableStarts",
+    "TV_CYCLES": "StartCycles",
+}
 
 
 @cache

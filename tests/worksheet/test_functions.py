@@ -8,7 +8,7 @@ import math
 
 import openpyxl
 import pytest
-from sheet_ranges import TEMPLATES, model_arguments, table
+from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, table
 
 from addin.read_workbook import read_workbook
 from addin.recalc import recalculate
@@ -22,17 +22,6 @@ CONTRACT = (
     "TV_FREQUENCIES TV_MODE TV_ENERGY TV_STIFFNESS TV_MARGINS TV_STEADY TV_MODEL TV_SPEED_TIME "
     "TV_PEAKS TV_HISTORY TV_REVERSALS TV_CYCLES TV_STARTS TV_SN_LIFE TV_CONVERT TV_EFFECTS"
 ).split()
-
-#: Function → result table of the workbook with the same cells.
-SAME_CELLS = {
-    "TV_FREQUENCIES": "NaturalFrequencies",
-    "TV_MARGINS": "SeparationMargins",
-    "TV_STEADY": "SteadyState",
-    "TV_PEAKS": "StartupPeaks",
-    "TV_REVERSALS": "TorqueReversals",
-    "TV_STARTS": "AllowableStarts",
-    "TV_CYCLES": "StartCycles",
-}
 
 
 @pytest.fixture(scope="module")
