@@ -92,28 +92,49 @@ def new(
             "or backlash, the proposed one with gear clearance, bearings and pull-in."
         ),
     ] = None,
+    flavour: Annotated[
+        str | None,
+        typer.Option(
+            "--for",
+            help="Which program it is for: files (the usual, without functions), excel (an .xlsm: "
+            "desktop Excel on Windows, functions through xlwings), server (Excel anywhere, functions "
+            "from torsionbook serve) or calc (LibreOffice). All but the first have a sheet Live that "
+            "shows modes and margins of what is typed. An .xlsm is for excel.",
+            show_default=False,
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> None:
-    """Make a workbook to fill in, or one of the filled examples."""
-    import shutil
+    """Make a workbook to fill in, or one of the filled examples.
 
+    Examples: `torsionbook new train.xlsx --units si`; `torsionbook new train.xlsm --example proposed`
+    """
+    from addin.flavours import FLAVOURS
     from addin.recalc import of_file
-    from addin.template_files import template_path
 
     if example is not None:
         _choice("--example", example, ("proposed", "modified", "backlash"))
     _choice("--units", units, ("us", "si"))
-    name = f"example_{example}.xlsx" if example else f"blank_{units}.xlsx"
-    if file.suffix.lower() != ".xlsx":
-        raise typer.BadParameter(f"'{file}' must end in .xlsx.")
+    if flavour is None:
+        flavour = "excel" if file.suffix.lower() == ".xlsm" else "files"
+    _choice("--for", flavour, tuple(FLAVOURS))
+    chosen = FLAVOURS[flavour]
+    if file.suffix.lower() != chosen.suffix:
+        more = " (or say --for excel)" if chosen.suffix == ".xlsx" else ""
+        raise typer.BadParameter(f"'{file}' must end in {chosen.suffix}{more}.")
     if file.exists() and not force:
         raise _Wrong(f"{file} is there already. Choose another name, or say --force to replace it.")
     if not file.parent.is_dir():
         raise _Wrong(f"The folder {file.parent} does not exist. Make it first.")
+    from addin.excel.errors import ExcelError
+    from addin.new_workbook import make_workbook
+
     try:
-        shutil.copyfile(template_path(name), file)
+        make_workbook(file, "us" if example else units, example, chosen)
     except OSError as wrong:
         raise _Wrong(of_file(file, wrong).message) from wrong
+    except ExcelError as wrong:
+        raise _Wrong(f"{file}: {wrong}") from wrong
     typer.echo(f"{file} is ready. Fill in the yellow cells, then: torsionbook recalc {file}")
 
 

@@ -24,6 +24,7 @@ from .chart_data import CHART_TABLES, GROUPS, LABELS, Rows, chart_blocks
 from .charts import Place, Places, make_chart
 from .examples import EXAMPLES, Example, example_case, example_torque, provenance_of
 from .fields import Field, TableSpec
+from .flavours import FLAVOURS, Flavour
 from .layout import (
     CHECK_FORMULAS,
     NOTES_WIDTH,
@@ -34,6 +35,7 @@ from .layout import (
     text_height,
     workbook_columns,
 )
+from .live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
 from .shown_units import shown_units
 from .template_sheets import (
     BLANK_TEXT,
@@ -78,6 +80,9 @@ _WIDE = 80.0
 _REVERSAL_NOTES_WIDTH = 138.0
 _NOT_YET = "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
 
+#: Without functions.
+PLAIN = FLAVOURS["files"]
+
 #: File name → unit system and example.
 TEMPLATES: Mapping[str, tuple[str, str | None]] = {
     "blank_us.xlsx": ("us", None),
@@ -107,8 +112,10 @@ def build_all(folder: Path) -> list[Path]:
     return [build_template(folder / name, *kind) for name, kind in TEMPLATES.items()]
 
 
-def build_template(path: Path, system: str, example: str | None = None) -> Path:
-    """Build one workbook.
+def build_template(
+    path: Path, system: str, example: str | None = None, flavour: Flavour = PLAIN
+) -> Path:
+    """Build one workbook; with functions in its cells, a second time with their answers.
 
     Parameters
     ----------
@@ -118,12 +125,25 @@ def build_template(path: Path, system: str, example: str | None = None) -> Path:
         ``us`` or ``si``. [word]
     example : str, optional
         Key of `EXAMPLES`. [name]
+    flavour : Flavour
+        One of `FLAVOURS`; VBA is not put in here (`addin.excel.workbook`).
 
     Returns
     -------
     Path
         The file.
     """
+    _build(path, system, example, flavour, None)
+    if flavour.spelled is not None and example is not None:
+        from .read_workbook import read_workbook
+
+        _build(path, system, example, flavour, live_answers(read_workbook(path), system))
+    return path
+
+
+def _build(
+    path: Path, system: str, example: str | None, flavour: Flavour, answers: LiveAnswers | None
+) -> None:
     filled = EXAMPLES[example] if example else Example({}, {}, {})
     blocks = _chart_rows(filled, system)
     with xlsxwriter.Workbook(
@@ -139,8 +159,8 @@ def build_template(path: Path, system: str, example: str | None = None) -> Path:
         )
         workbook.set_size(2400, 1500)
         provenance = provenance_of(example) if example else ()
-        _Builder(workbook, system, filled, blocks, provenance=provenance).build()
-    return path
+        builder = _Builder(workbook, system, filled, blocks, provenance=provenance, flavour=flavour)
+        builder.build(answers)
 
 
 def _chart_rows(filled: Example, system: str) -> dict[str, Rows]:
@@ -167,6 +187,7 @@ class _Builder:
         blocks: Mapping[str, Rows],
         *,
         provenance: Sequence[tuple[str, str]],
+        flavour: Flavour,
     ) -> None:
         self.workbook = workbook
         self.system = system
@@ -177,14 +198,17 @@ class _Builder:
         self.places: dict[str, Place] = {}
         self.unit_cells: dict[tuple[str, str], str] = {}
         self.sheets: dict[str, Any] = {}
+        self.flavour = flavour
+        self.scalar_cells: list[tuple[int, int]] = []
 
-    def build(self) -> None:
+    def build(self, answers: LiveAnswers | None) -> None:
         """All sheets: first the cells, then the charts that refer to them."""
-        for sheet in SHEETS:
+        layout = SHEETS if self.flavour.spelled is None else _with_live(SHEETS)
+        for sheet in layout:
             self.sheets[sheet.name] = self.workbook.add_worksheet(sheet.name)
         for name in ("Lists", "ChartData"):
             self.sheets[name] = self.workbook.add_worksheet(name)
-        for sheet in SHEETS:
+        for sheet in layout:
             self._frame(sheet)
             for table, cell in sheet.tables.items():
                 self._table(sheet, _spec(table), *xl_cell_to_rowcol(cell))
@@ -199,6 +223,8 @@ class _Builder:
         self._sheet_notes()
         self._summary()
         self._verdict_colours()
+        if self.flavour.spelled is not None:
+            self._live(answers)
         places = Places(self.places)
         for sheet in SHEETS:
             for at in sheet.charts:
@@ -270,6 +296,27 @@ class _Builder:
         page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
         page.repeat_rows(0, sheet.header_rows - 1)
         page.fit_to_pages(1, 1 if sheet.one_page else 0)
+
+    # -- functions in cells ------------------------------------------------------------------------
+
+    def _live(self, answers: LiveAnswers | None) -> None:
+        """Sheet `Live`."""
+        rows, columns = zip(*self.scalar_cells, strict=True)
+        first = xl_rowcol_to_cell(min(rows), min(columns), True, True)
+        last = xl_rowcol_to_cell(max(rows), max(columns), True, True)
+        live = LiveSheet(
+            self.workbook,
+            self.sheets[LIVE_SHEET.name],
+            self.style,
+            self.flavour,
+            self.places,
+            f"{fields.SCALAR_SHEET}!{first}:{last}",
+            self.system,
+            answers,
+        )
+        live.write()
+        for area in live.verdict_areas:
+            self._colours(LIVE_SHEET.name, *area)
 
     # -- tables ------------------------------------------------------------------------------------
 
@@ -427,6 +474,7 @@ class _Builder:
         else:
             page.write_string(row, left + 1, str(value), style)
         page.data_validation(row, left + 1, row, left + 1, _input_rule(field))
+        self.scalar_cells += [(row, left), (row, left + 2)]
         cell = xl_rowcol_to_cell(row, left + 1, True, True)
         self.workbook.define_name(field.name, f"=Case!{cell}")
         if is_wide:
@@ -744,6 +792,12 @@ class _Builder:
                 "ChartData", 4, last, {name: left + k for k, name in enumerate(table.columns)}
             )
             left += width + 1
+
+
+def _with_live(sheets: Sequence[Sheet]) -> list[Sheet]:
+    """`Live` behind the last sheet of inputs."""
+    last = max(k for k, sheet in enumerate(sheets) if sheet.kind == "input")
+    return [*sheets[: last + 1], LIVE_SHEET, *sheets[last + 1 :]]
 
 
 # --- small helpers --------------------------------------------------------------------------------

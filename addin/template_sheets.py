@@ -87,7 +87,7 @@ class Sheet:
     name : str
         Sheet name. [name]
     kind : str
-        ``input``, ``result`` or ``notes``: colour of the tab and of the banner's word. [word]
+        ``input``, ``live``, ``result`` or ``notes``: colour of the tab and of the banner's word. [word]
     widths : mapping of str to float
         Column widths by ranges such as ``B:D``. [characters]
     last : str
@@ -332,10 +332,14 @@ SHEETS: tuple[Sheet, ...] = (
     Sheet("Notes", "notes", {"A": 1.5, "B": 28, "C": 122}, "C", {}, freeze="A3"),
 )  # fmt: skip
 
-TAB_COLOURS = {"summary": "#1F3A5F", "input": "#C9971C", "result": "#44719B", "notes": "#8C8C8C"}
+TAB_COLOURS = {
+    "summary": "#1F3A5F", "input": "#C9971C", "live": "#2A7F77", "result": "#44719B",
+    "notes": "#8C8C8C",
+}  # fmt: skip
 KIND_WORDS = {
     "summary": "",
     "input": "Inputs",
+    "live": "Live: worksheet functions answer as you type",
     "result": "Results: written by torsionbook; only units may be changed",
     "notes": "",
 }

@@ -52,6 +52,8 @@ SHORT_CAPTIONS = frozenset({"MotorTorque", "LoadTorque", "TorqueTime", "Material
 
 #: One sentence below the strip of each sheet.
 SHEET_INTROS: Mapping[str, str] = {
+    "Live": "Modes, margins and shaft stiffness of what is typed now, without a start. In cells of "
+    "your own: functions of LiveModel, such as TV_STARTS.",
     "Case": "What the case is and how it is calculated. Blue on yellow is typed; the unit stands "
     "in the cell right of the number.",
     "Train": "The mass-elastic table. Units stand above the headers; a blank cell means what its "

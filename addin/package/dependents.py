@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from .formula_text import parse_formula, shifted_range
+from .formula_text import Reference, Span, TableReference, parse_formula, shifted_range
 from .references import MAX_COLUMN, MAX_ROW, Rect, parse_range, split_sheet
 from .tables import Table
 from .workbook_part import DefinedName
@@ -126,7 +126,29 @@ class ReferenceResolver:
             if areas is None:
                 return None
             found.extend(areas)
+        for span in parsed.spans:
+            around = self._span_area(span, sheet, at, shift, depth)
+            if around is None:
+                return None
+            found.extend(around)
         return found
+
+    def _span_area(
+        self, span: Span, sheet: str, at: Rect, shift: tuple[int, int], depth: int
+    ) -> list[tuple[str, Rect]] | None:
+        """The rectangle around both ends of a span."""
+        start = self._area(span.start.sheet, span.start.text, sheet, shift)
+        end: list[tuple[str, Rect]] | None
+        if isinstance(span.within, Reference):
+            end = self._area(span.within.sheet, span.within.text, sheet, shift)
+        elif isinstance(span.within, TableReference):
+            area = self._table_area(span.within.table, span.within.inside, sheet, at)
+            end = None if area is None else [area]
+        else:
+            end = self._name_areas(span.within.sheet, span.within.name, sheet, at, depth)
+        if not start or not end or len(end) > 1 or start[0][0] != end[0][0]:
+            return None
+        return [(start[0][0], start[0][1].join(end[0][1]))]
 
     def _area(
         self, prefix: str, text: str, sheet: str, shift: tuple[int, int]
@@ -173,11 +195,21 @@ class ReferenceResolver:
         defined = self._names.get((scope.lower(), key)) or self._names.get(("", key))
         if defined is not None:
             # References of a name are relative to the cell that uses it unless all carry dollar signs.
-            if any("$" not in one.text for one in parse_formula(defined.text).cells):
+            if any("$" not in one.text for one in _written_cells(defined.text)):
                 return None
             return self._reads(defined.text, scope or sheet, at, (0, 0), depth + 1)
         table = self._tables.get(key)
         return None if table is None else [(table.sheet, table.ref)]
+
+
+def _written_cells(text: str) -> Iterator[Reference]:
+    """All references to cells in a formula."""
+    parsed = parse_formula(text)
+    yield from parsed.cells
+    for span in parsed.spans:
+        yield span.start
+        if isinstance(span.within, Reference):
+            yield span.within
 
 
 class DependencyGraph:

@@ -7,7 +7,7 @@ Only what bears on dependence is recognised. Whatever this module does not under
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -71,6 +71,21 @@ class NameReference:
 
 
 @dataclass(frozen=True)
+class Span:
+    """``A1:INDEX(range, ...)``: cells from one reference to a place within another.
+
+    Attributes
+    ----------
+    start : Reference
+    within : Reference, TableReference or NameReference
+        What INDEX chooses from; all cells read lie in the rectangle around both.
+    """
+
+    start: Reference
+    within: Reference | TableReference | NameReference
+
+
+@dataclass(frozen=True)
 class Parsed:
     """What a formula text refers to.
 
@@ -79,6 +94,8 @@ class Parsed:
     cells : tuple of Reference
     tables : tuple of TableReference
     names : tuple of NameReference
+    spans : tuple of Span
+        Their two ends are not repeated among cells, tables and names.
     functions : frozenset of str
         Upper case, without ``_xlfn.`` and ``_xlws.``.
     unclear : bool
@@ -88,6 +105,7 @@ class Parsed:
     cells: tuple[Reference, ...]
     tables: tuple[TableReference, ...]
     names: tuple[NameReference, ...]
+    spans: tuple[Span, ...]
     functions: frozenset[str]
     unclear: bool
 
@@ -104,9 +122,20 @@ def parse_formula(text: str) -> Parsed:
     cells: list[Reference] = []
     tables: list[TableReference] = []
     names: list[NameReference] = []
+    spans: list[Span] = []
     functions: set[str] = set()
     rest: list[str] = []
-    for kind, first, second in _tokens(text):
+    tokens = list(_tokens(text))
+    at = 0
+    while at < len(tokens):
+        kind, first, second = tokens[at]
+        span = _span(tokens[at : at + 5])
+        if span is not None:
+            spans.append(span)
+            functions.add("INDEX")
+            at += 4
+            continue
+        at += 1
         if kind == "cells":
             cells.append(Reference(first, second))
         elif kind == "table":
@@ -118,9 +147,28 @@ def parse_formula(text: str) -> Parsed:
         else:
             rest.append(first)
     leftover = "".join(rest)
-    # A colon or bracket that is not part of a plain range builds a reference at run time, e.g. A1:INDEX(...).
+    # A colon or bracket that is not part of a plain range builds a reference at run time, e.g. A1:CHOOSE(...).
     unclear = any(mark in leftover for mark in ":![]") or not READS_ANYTHING.isdisjoint(functions)
-    return Parsed(tuple(cells), tuple(tables), tuple(names), frozenset(functions), unclear)
+    return Parsed(
+        tuple(cells), tuple(tables), tuple(names), tuple(spans), frozenset(functions), unclear
+    )
+
+
+def _span(tokens: Sequence[tuple[str, str, str]]) -> Span | None:
+    """A range that ends in INDEX, if the next tokens are one: cells ``:`` INDEX( reference ``,``."""
+    if len(tokens) < 5:
+        return None
+    start, colon, function, within, after = tokens
+    if start[0] != "cells" or colon != ("rest", ":", "") or function != ("function", "INDEX", ""):
+        return None
+    # Anything but a comma behind it makes the argument an expression.
+    if after[0] != "rest" or not after[1].lstrip().startswith(","):
+        return None
+    kinds: dict[str, type[Reference] | type[TableReference] | type[NameReference]] = {
+        "cells": Reference, "table": TableReference, "name": NameReference
+    }  # fmt: skip
+    kind = kinds.get(within[0])
+    return None if kind is None else Span(Reference(*start[1:]), kind(*within[1:]))
 
 
 def _tokens(text: str) -> Iterator[tuple[str, str, str]]:

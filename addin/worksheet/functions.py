@@ -35,6 +35,15 @@ TABLES = (
 USUAL_POINTS, MOST_POINTS = 501, 20_001
 
 
+def _width(name: str) -> int:
+    """Columns of a table of results."""
+    return len(_result_spec(name).columns)
+
+
+def _result_spec(name: str) -> TableSpec:
+    return next(t for t in (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES) if t.name == name)
+
+
 # --- shown units ----------------------------------------------------------------------------------
 
 
@@ -199,7 +208,14 @@ def tv_model(stations: Block, elements: Block, case: Block | None, *others: Bloc
 # --- modes ----------------------------------------------------------------------------------------
 
 
-@registered("TV_FREQUENCIES", MODEL, UNITS, HEADERS, example='=TV_FREQUENCIES(A1, "SI")')
+@registered(
+    "TV_FREQUENCIES",
+    MODEL,
+    UNITS,
+    HEADERS,
+    columns=_width("NaturalFrequencies"),
+    example='=TV_FREQUENCIES(A1, "SI")',
+)
 def tv_frequencies(model: str, units: str | None, headers: bool | None) -> Rows:
     """Natural frequencies with damping, start-up crossing and the element that strains most.
 
@@ -215,6 +231,7 @@ def tv_frequencies(model: str, units: str | None, headers: bool | None) -> Rows:
     MODEL,
     Argument("Mode", "count", "Number of the elastic mode, counted from 1."),
     HEADERS,
+    columns=2,
     example="=TV_MODE(A1, 2)",
 )
 def tv_mode(model: str, mode: int, headers: bool | None) -> Rows:
@@ -232,6 +249,7 @@ def tv_mode(model: str, mode: int, headers: bool | None) -> Rows:
     MODEL,
     Argument("Mode", "count", "Number of the elastic mode; blank = all.", True),
     HEADERS,
+    columns=0,
     example="=TV_ENERGY(A1)",
 )
 def tv_energy(model: str, mode: int | None, headers: bool | None) -> Rows:
@@ -293,7 +311,14 @@ def tv_stiffness(
 # --- running --------------------------------------------------------------------------------------
 
 
-@registered("TV_MARGINS", MODEL, UNITS, HEADERS, example="=TV_MARGINS(A1)")
+@registered(
+    "TV_MARGINS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    columns=_width("SeparationMargins"),
+    example="=TV_MARGINS(A1)",
+)
 def tv_margins(model: str, units: str | None, headers: bool | None) -> Rows:
     """Separation margin of every mode from every excitation, with its verdict."""
     found, tables = _at_speed(model)
@@ -303,7 +328,9 @@ def tv_margins(model: str, units: str | None, headers: bool | None) -> Rows:
     return table_cells(result_table("SeparationMargins"), rows, _system(units, found), headers)
 
 
-@registered("TV_STEADY", MODEL, UNITS, HEADERS, example="=TV_STEADY(A1)")
+@registered(
+    "TV_STEADY", MODEL, UNITS, HEADERS, columns=_width("SteadyState"), example="=TV_STEADY(A1)"
+)
 def tv_steady(model: str, units: str | None, headers: bool | None) -> Rows:
     """Forced response where a margin is not kept: torque, stress and UTS/25."""
     found, tables = _at_speed(model)
@@ -328,6 +355,7 @@ def _points(points: int | None) -> int:
     Argument("Points", "count", f"Rows at the most, {USUAL_POINTS} unless said.", True),
     HEADERS,
     long=True,
+    columns=3,
     example="=TV_SPEED_TIME(A1, 200)",
 )
 def tv_speed_time(model: str, points: int | None, headers: bool | None) -> Rows:
@@ -347,7 +375,15 @@ def tv_speed_time(model: str, points: int | None, headers: bool | None) -> Rows:
     return found if headers is False else [["Time [s]", "Speed [rpm]", "Speed [%]"], *found]
 
 
-@registered("TV_PEAKS", MODEL, UNITS, HEADERS, long=True, example="=TV_PEAKS(A1)")
+@registered(
+    "TV_PEAKS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=_width("StartupPeaks"),
+    example="=TV_PEAKS(A1)",
+)
 def tv_peaks(model: str, units: str | None, headers: bool | None) -> Rows:
     """Largest and least torque of every element in the start, with the estimated error."""
     return _run_table("StartupPeaks", model, units, headers, NO_START)
@@ -361,6 +397,7 @@ def tv_peaks(model: str, units: str | None, headers: bool | None) -> Rows:
     UNITS,
     HEADERS,
     long=True,
+    columns=2,
     example='=TV_HISTORY(A1, "LS coupling", 1000)',
 )
 def tv_history(
@@ -386,14 +423,30 @@ def tv_history(
     return rows if headers is False else [["Time [s]", f"Torque [{unit}]"], *rows]
 
 
-@registered("TV_REVERSALS", MODEL, UNITS, HEADERS, long=True, example="=TV_REVERSALS(A1)")
+@registered(
+    "TV_REVERSALS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=_width("TorqueReversals"),
+    example="=TV_REVERSALS(A1)",
+)
 def tv_reversals(model: str, units: str | None, headers: bool | None) -> Rows:
     """Torque reversals, impacts and tooth force of meshes and geared couplings."""
     missing = "There is no start, or the train has no gear mesh and no geared coupling."
     return _run_table("TorqueReversals", model, units, headers, missing)
 
 
-@registered("TV_CYCLES", MODEL, UNITS, HEADERS, long=True, example="=TV_CYCLES(A1)")
+@registered(
+    "TV_CYCLES",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=_width("StartCycles"),
+    example="=TV_CYCLES(A1)",
+)
 def tv_cycles(model: str, units: str | None, headers: bool | None) -> Rows:
     """The most damaging cycles of one start of the governing shaft: n, N and n/N."""
     from addin.start_cycles import start_cycle_rows
@@ -402,11 +455,18 @@ def tv_cycles(model: str, units: str | None, headers: bool | None) -> Rows:
     rows = start_cycle_rows(run.view)
     if not rows:
         raise FunctionError("No shaft is judged for fatigue, or no cycle damages it.", "#N/A")
-    spec = next(t for t in fields.WORKBOOK_TABLES if t.name == "StartCycles")
-    return table_cells(spec, rows, _system(units, found), headers)
+    return table_cells(_result_spec("StartCycles"), rows, _system(units, found), headers)
 
 
-@registered("TV_STARTS", MODEL, UNITS, HEADERS, long=True, example="=TV_STARTS(A1)")
+@registered(
+    "TV_STARTS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=_width("AllowableStarts"),
+    example="=TV_STARTS(A1)",
+)
 def tv_starts(model: str, units: str | None, headers: bool | None) -> Rows:
     """Damage of one start and allowable starts of every judged shaft."""
     missing = "No shaft is judged: give Material, Stress diameter and S-N points, and a start."
@@ -451,7 +511,15 @@ def tv_sn_life(model: str, material: str, stress: Rows, units: str | None) -> Ro
     return answer
 
 
-@registered("TV_EFFECTS", MODEL, UNITS, HEADERS, long=True, example="=TV_EFFECTS(A1)")
+@registered(
+    "TV_EFFECTS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=_width("Effects"),
+    example="=TV_EFFECTS(A1)",
+)
 def tv_effects(model: str, units: str | None, headers: bool | None) -> Rows:
     """Which effects the calculation simulates, with the number that decided each."""
     return _run_table("Effects", model, units, headers, NO_START)

@@ -11,8 +11,8 @@ from typing import Any
 from addin.package.values import ERROR_CODES, ErrorValue
 
 __all__ = [
-    "Argument", "Block", "CATEGORY", "FUNCTIONS", "FunctionError", "Function", "call",
-    "registered", "rows_of",
+    "Argument", "Block", "CATEGORY", "FUNCTIONS", "FunctionError", "Function", "ROW_COUNT",
+    "call", "registered", "rows_of",
 ]  # fmt: skip
 
 #: Category in the function wizard of a spreadsheet program.
@@ -97,6 +97,9 @@ class Function:
         Whether it may have to calculate a start. [flag]
     example : str
         A formula. [text]
+    columns : int or None
+        Columns of its table, 0 where they hang on the model; None for an answer that is no table.
+        A table takes `ROW_COUNT` as its last argument, which `answer` does not see. [count]
     """
 
     name: str
@@ -106,6 +109,17 @@ class Function:
     scalar: bool = False
     long: bool = False
     example: str = ""
+    columns: int | None = None
+
+
+#: Last argument of every table: an array formula of fixed size shows #N/A where the answer ends.
+ROW_COUNT = Argument(
+    "Row count",
+    "count",
+    "Rows of the answer, header included: blank below it, and what does not fit is counted in the "
+    "last row. For array formulas of fixed size.",
+    True,
+)
 
 
 #: Every function by name, in the order of the contract.
@@ -113,7 +127,12 @@ FUNCTIONS: dict[str, Function] = {}
 
 
 def registered(
-    name: str, *arguments: Argument, scalar: bool = False, long: bool = False, example: str = ""
+    name: str,
+    *arguments: Argument,
+    scalar: bool = False,
+    long: bool = False,
+    example: str = "",
+    columns: int | None = None,
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Enter a function into the registry.
 
@@ -127,6 +146,8 @@ def registered(
         Whether its answer is one cell; whether it may calculate a start. [flags]
     example : str
         A formula. [text]
+    columns : int, optional
+        Columns of its table; 0 = they hang on the model. [count]
 
     Returns
     -------
@@ -139,7 +160,10 @@ def registered(
         assert optional == sorted(optional), f"{name}: optional arguments come last"
         text = " ".join((answer.__doc__ or "").split("\n\n")[0].split())
         assert text, f"{name} has no documentation"
-        FUNCTIONS[name] = Function(name, text, arguments, answer, scalar, long, example)
+        all_arguments = arguments if columns is None else (*arguments, ROW_COUNT)
+        FUNCTIONS[name] = Function(
+            name, text, all_arguments, answer, scalar, long, example, columns
+        )
         return answer
 
     return enter
@@ -314,7 +338,29 @@ def call(name: str, raw: Sequence[Any]) -> list[list[Value]]:
         )
     given = list(raw) + [None] * (len(function.arguments) - len(raw))
     values = [_bound(a, v) for a, v in zip(function.arguments, given, strict=True)]
-    return _shown(function.answer(*values))
+    if function.columns is None:
+        return _shown(function.answer(*values))
+    *values, count = values
+    if count is None:
+        return _shown(function.answer(*values))
+    return _fixed(function, values, count)
+
+
+def _fixed(function: Function, values: Sequence[Any], count: int) -> list[list[Value]]:
+    """The table in as many rows as asked for; that it has none is told in its first cell."""
+    if count > MOST_CELLS // max(function.columns or 1, 1):
+        raise FunctionError(f"{ROW_COUNT.name}: found {count}; that is too many.", "#NUM!")
+    try:
+        rows = _shown(function.answer(*values))
+    except FunctionError as none:
+        if none.code != "#N/A" or not function.columns:
+            raise
+        rows = [[none.message] + [None] * (function.columns - 1)]
+    width = len(rows[0])
+    left_out = len(rows) - count
+    if left_out > 0:
+        rows = [*rows[: count - 1], [f"{left_out + 1} more rows"] + [None] * (width - 1)]
+    return rows + [[None] * width] * (count - len(rows))
 
 
 def _shown(answer: Any) -> list[list[Value]]:

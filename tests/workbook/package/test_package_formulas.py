@@ -367,8 +367,35 @@ def test_references_of_formulas() -> None:
     assert parsed.functions == {"SUM", "LOG10"}
     assert [one.name for one in parsed.names] == ["Name", "XFE1"]
     assert not parse_formula("SUM(A1,{1,2;3,4},#REF!)").unclear
-    for unclear in ("A1:INDEX(B:B,2)", "INDIRECT(A1)", "Sheet1:Sheet3!A1!", "Tbl[oops"):
-        assert parse_formula(unclear).unclear
+    for unclear in (
+        "A1:CHOOSE(1,B1)",
+        "A1:INDEX(B:B,2):C3",
+        "A1:INDEX((B1,B2),1)",
+        "A1:INDEX(B1 B1:B2,1)",
+        "INDIRECT(A1)",
+        "Sheet1:Sheet3!A1!",
+        "Tbl[oops",
+    ):
+        assert parse_formula(unclear).unclear, unclear
+    span = parse_formula("SUM(A1:INDEX(Tbl[#All],ROWS(Tbl[#All]),2))")
+    assert not span.unclear
+    assert [(one.start.text, one.within.table) for one in span.spans] == [("A1", "Tbl")]
+
+
+@pytest.mark.parametrize(
+    ("formula", "cell", "reads"),
+    [
+        ("=SUM(In!A2:INDEX(In!A1:A3,2))", "A3", True),
+        ("=SUM(In!A2:INDEX(In!A1:A3,2))", "A4", False),
+        ("=SUM(In!A6:INDEX(first,1))", "A4", True),
+        ("=SUM(In!A6:INDEX(first,1))", "A7", False),
+    ],
+)
+def test_a_range_that_ends_in_index_reads_what_lies_between(
+    tmp_path: Path, formula: str, cell: str, reads: bool
+) -> None:
+    path = workbook_of(tmp_path / "t.xlsx", {"B2": (formula, 0)}, {"first": "=In!$A$1:$A$2"})
+    assert refreshed(path, {cell: 10.0})[1].affected == int(reads)
 
 
 @pytest.mark.parametrize(
