@@ -126,8 +126,10 @@ def settings_of(workbook: Workbook, sheet: str) -> dict[str, Setting] | None:
     dict of str to (str or bool) or None
         From the first row to the first without a name; None if there is no such sheet.
     """
-    if sheet not in workbook.sheet_names:
+    there = _named(sheet, workbook.sheet_names)
+    if there is None:
         return None
+    sheet = there
     found: dict[str, Setting] = {}
     row = 1
     while isinstance(name := workbook.shown_value(sheet, f"A{row}"), str) and name:
@@ -228,8 +230,9 @@ class _Writer:
 
     def put_sheet(self, name: str, settings: Mapping[str, Setting]) -> None:
         structure = self._book.structure
-        if name in structure.sheet_names:
-            there = structure.worksheet_part(name)
+        known = _named(name, structure.sheet_names)
+        if known is not None:
+            there = structure.worksheet_part(known)
             assert there is not None, f"{name} is a chart sheet"
             found = _SHEET_CODE_NAME.search(self._book.container.read(there))
             self.replaced[there] = _sheet(settings, found[1].decode() if found else "")
@@ -289,6 +292,11 @@ class _Writer:
 
     def _edit(self, part: str, change: Callable[[bytes], bytes]) -> None:
         self.replaced[part] = change(self._read(part))
+
+
+def _named(sheet: str, names: Sequence[str]) -> str | None:
+    """The sheet of a name in any capitals, which are the same to Excel."""
+    return next((one for one in names if one.casefold() == sheet.casefold()), None)
 
 
 def _project_part(workbook: Workbook) -> str | None:

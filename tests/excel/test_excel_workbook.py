@@ -324,10 +324,26 @@ def test_a_module_of_the_user_under_one_of_our_names_is_not_replaced(tmp_path, m
     own = with_project(
         tmp_path / "own.xlsm",
         macro_book,
-        saved_by_excel(own_module(name, f'Attribute VB_Name = "{name}"\nSub A()\nEnd Sub\n')),
+        saved_by_excel(
+            own_module(name, f'Attribute VB_Name = "{name}"\n\' of torsionbook\nSub A()\nEnd Sub\n')
+        ),
     )
     with pytest.raises(VbaProjectError, match="of its own"):
         install(own, None)
+
+
+def test_a_settings_sheet_in_other_capitals_is_the_same_to_excel(tmp_path):
+    path = tmp_path / "train.xlsx"
+    book = openpyxl.load_workbook(template_path("blank_si.xlsx"))
+    sheet = book.create_sheet("XLWINGS.CONF")
+    sheet["A1"], sheet["B1"] = "ONEDRIVE_CONSUMER_WIN", "D:\\One"
+    book.save(path)
+    install(path, path.with_suffix(".xlsm"))
+    names = open_workbook(path.with_suffix(".xlsm"), read_only=True).sheet_names
+    assert [name for name in names if name.casefold() == SETTINGS_SHEET] == ["XLWINGS.CONF"]
+    found = settings(path.with_suffix(".xlsm"))
+    assert found["ONEDRIVE_CONSUMER_WIN"] == "D:\\One"
+    assert found["UDF Modules"] == vba.UDF_MODULE
 
 
 def test_signed_macros_are_not_changed(tmp_path, macro_book):
