@@ -311,7 +311,7 @@ def test_a_start_without_judged_shafts_says_what_is_missing():
             ["Element", "Kind", "From", "To", "Stiffness"],
             ["S", "shaft", "M", "L", 1e4],
         ],
-        "case": [["Synchronous speed", 1800.0, "rpm"], ["Rated torque", 10.0, "N*m"]],
+        "case": [["Line frequency", 60.0, "Hz"], ["Poles", 4.0], ["Rated torque", 10.0, "N*m"]],
         "motor": [
             ["", "%", "N*m", "N*m"],
             ["Station", "Speed", "Average", "Pulsating"],
