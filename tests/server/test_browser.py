@@ -15,6 +15,8 @@ from addin.worksheet import registry
 from addin.worksheet.registry import FUNCTIONS
 
 pytestmark = pytest.mark.needs_browser
+#: Starts share the machine with other tests. [ms]
+sync_api.expect.set_options(timeout=30_000)
 
 HERE = Path(__file__).parent
 #: Where to leave pictures of the page, if anywhere.
@@ -287,7 +289,7 @@ def test_what_is_shown_fits_a_pane_and_a_page_of_paper(tab):
     tab.goto("/")
     opened(tab, TEMPLATES / "example_backlash.xlsx")
     sync_api.expect(tab.locator("#progress")).to_contain_text("Calculated in")
-    for width in (350, 800, 1400):
+    for width in (350, 800, 1100, 1400):
         tab.set_viewport_size({"width": width, "height": 900})
         tab.wait_for_timeout(400)  # charts are drawn anew
         assert tab.evaluate(TOO_WIDE) == []

@@ -45,6 +45,7 @@ function number(value) {
   if (Number.isInteger(value) && Math.abs(value) < 1e9) return value.toLocaleString("en-US");
   const size = Math.abs(value);
   if (size >= 1e9 || (size < 1e-4 && size > 0)) return value.toExponential(3);
+  if (size >= 1e5) return Math.round(value).toLocaleString("en-US");
   return Number(value.toPrecision(5)).toLocaleString("en-US", { maximumFractionDigits: 10 });
 }
 
