@@ -199,7 +199,10 @@ def test_wrong_tables_and_handles_are_told():
     # two tables that share headers
     told = refused("TV_MODEL", *arguments[:5], arguments[6], arguments[5]).message
     assert "MotorTorque: the range holds table LoadTorque" in told
-    assert refused("TV_PEAKS", "tv:0123456789abcdef").code == "#N/A"
+    forgotten = refused("TV_PEAKS", "tv:0123456789abcdef")
+    assert forgotten.code == "#N/A"
+    assert "Ctrl+Alt+F9" in forgotten.message
+    assert "A program asks for the model again" in forgotten.message  # over HTTP nobody has keys
     assert "TV_MODEL" in refused("TV_PEAKS", "Stations, row 3: wrong").message
     assert refused("TV_PEAKS", "#REF!").code == "#REF!"
     assert refused("TV_NOTHING").code == "#NAME?"
