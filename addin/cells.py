@@ -10,7 +10,10 @@ from addin.fields import Field
 from addin.package import ErrorValue
 from addin.problems import shortened
 
-__all__ = ["Cell", "Fault", "is_date_format", "is_percent_format", "read_number", "read_text"]
+__all__ = [
+    "Cell", "Fault", "is_date_format", "is_percent_format", "number_in_text", "read_number",
+    "read_text",
+]  # fmt: skip
 
 Constant = None | bool | int | float | str | ErrorValue
 
@@ -165,35 +168,56 @@ _GROUPED = re.compile(r"[+\-−]?\d{1,3}([ ,'’]\d{3})+(\.\d*)?")
 _WITH_UNIT = re.compile(r"([+\-−]?(?:\d[\d.,]*|\.\d+)(?:[eE][+\-−]?\d+)?)\s*([A-Za-z%°µ\"'].*)")
 
 
+def number_in_text(text: str) -> str:
+    """Why a text is not the number it looks like, where no unit belongs.
+
+    Parameters
+    ----------
+    text : str
+        As typed. [text]
+
+    Returns
+    -------
+    str
+        What is wrong and what to do; empty if it does not look like a number. [sentence]
+    """
+    text = shortened(text)
+    why = _why_no_number(_trimmed(text), "")
+    return f"found '{text}', which {why}" if why else ""
+
+
 def _text_fault(text: str, spec: Field, unit_place: str) -> Fault:
     """Why a text is not the number it may look like."""
     text = shortened(text)
-    trimmed = _trimmed(text)
+    why = _why_no_number(_trimmed(text), unit_place if spec.has_unit else "")
+    why = why or "is not a number. Type a number or leave the cell blank."
+    return Fault(text, _NUMBER, f"found '{text}', which {why}")
+
+
+def _why_no_number(trimmed: str, unit_place: str) -> str:
+    """What is wrong with a text that looks like a number; `unit_place` where it may have a unit."""
     if _DIGITS.fullmatch(trimmed):
-        why = (
+        return (
             "looks like a number but is text. Retype it, or use Data > Text to Columns; "
             "mind blanks and a leading apostrophe."
         )
-    elif _GROUPED.fullmatch(trimmed):
-        why = "is text, with a thousands separator or a decimal comma. Type the digits without it."
-    elif _COMMA.fullmatch(trimmed):
-        why = (
+    if _GROUPED.fullmatch(trimmed):
+        return "is text, with a thousands separator or a decimal comma. Type the digits without it."
+    if _COMMA.fullmatch(trimmed):
+        return (
             "has a decimal comma and is text. Retype it with the decimal sign of your Excel "
             f"({trimmed.replace(',', '.')} here)."
         )
-    else:
-        with_unit = _WITH_UNIT.fullmatch(trimmed)
-        if with_unit and spec.has_unit:
-            number, unit = with_unit.groups()
-            why = (
-                f"has its unit inside the cell. Leave only the number {number} and put the unit "
-                f"{unit} {unit_place}."
-            )
-        elif with_unit:
-            why = f"is not a number alone. Type {with_unit.group(1)}."
-        else:
-            why = "is not a number. Type a number or leave the cell blank."
-    return Fault(text, _NUMBER, f"found '{text}', which {why}")
+    with_unit = _WITH_UNIT.fullmatch(trimmed)
+    if with_unit is None:
+        return ""
+    number, unit = with_unit.groups()
+    if unit_place:
+        return (
+            f"has its unit inside the cell. Leave only the number {number} and put the unit "
+            f"{unit} {unit_place}."
+        )
+    return f"is not a number alone. Type {number}."
 
 
 def _trimmed(text: str) -> str:

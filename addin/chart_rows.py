@@ -9,7 +9,16 @@ from itertools import zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Cell", "Floats", "HISTORY_POINTS", "Rows", "decimate", "plain", "side_by_side"]
+__all__ = [
+    "Cell",
+    "Floats",
+    "HISTORY_POINTS",
+    "Rows",
+    "decimate",
+    "thinned",
+    "plain",
+    "side_by_side",
+]
 
 Cell = float | int | str | None
 Rows = list[list[Cell]]
@@ -56,6 +65,8 @@ def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArra
     n = time.size
     if n <= limit:
         return np.arange(n)
+    if limit < 4:  # no room for both extremes between the ends
+        return np.unique([0, int(np.argmax(np.abs(value))), n - 1])
     intervals = max(1, limit // 2 - 1)
     edges = np.searchsorted(time, np.linspace(time[0], time[-1], intervals + 1))
     begins = np.unique(edges[:-1])  # an interval without a point has none of its own
@@ -66,3 +77,39 @@ def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArra
         at = np.flatnonzero(value == extreme[interval])
         ends.append(at[np.unique(interval[at], return_index=True)[1]])
     return np.unique(np.concatenate(ends))
+
+
+def thinned(time: Floats, value: Floats, limit: int) -> NDArray[np.int64]:
+    """Indices of a smooth curve at equal steps of time, its turning points among them.
+
+    `decimate` would keep two points of every interval, which on a rising curve nearly coincide.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n_times,)
+        Rising. [s]
+    value : ndarray, shape (n_times,)
+        The curve. [any]
+    limit : int
+        Most indices returned, 3 or more. [count]
+
+    Returns
+    -------
+    ndarray of int
+        Rising indices, the first and the last among them.
+    """
+    n = time.size
+    if n <= limit:
+        return np.arange(n)
+    rises = np.sign(np.diff(value))
+    turning = np.flatnonzero(rises[1:] * rises[:-1] < 0.0) + 1
+    if turning.size > limit // 2:  # it swings: what counts is the band between its extremes
+        return decimate(time, value, limit)
+    steps = np.linspace(time[0], time[-1], limit)
+    even = np.clip(np.searchsorted(time, steps), 0, n - 1)
+    even[0], even[-1] = 0, n - 1
+    for point in turning:  # in the place of the nearest, so that no two nearly coincide
+        nearest = 1 + int(np.argmin(np.abs(steps[1:-1] - time[point])))
+        even[nearest] = point
+        steps[nearest] = np.inf
+    return np.unique(even)

@@ -13,6 +13,8 @@ This file stands by itself: copied elsewhere it works without torsionbook.
 from __future__ import annotations
 
 import json
+import math
+import ssl
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -71,7 +73,7 @@ class Client:
         name : str
             Name of the function. [name]
         *arguments : object
-            A value, a list (one row) or a list of rows each; None for a blank. [as typed]
+            A value, a list (one row) or a list of rows each; None or NaN for a blank. [as typed]
 
         Returns
         -------
@@ -101,15 +103,13 @@ class Client:
         list of (list of list, or Refusal)
             In the same order; what has no answer says why. [shown units]
         """
-        sent = {"calls": [{"name": name, "arguments": given} for name, *given in calls]}
-        body = json.dumps(sent, allow_nan=False).encode()
-        said = json.loads(self._post("/api/v1/batch", body, "application/json"))
-        return [
-            Refusal(one["error"]["message"], one["error"]["code"])
-            if "error" in one
-            else one["value"]
-            for one in said["results"]
-        ]
+        found: list[Any] = [_as_json(name, given) for name, *given in calls]
+        sent = ",".join(one for one in found if isinstance(one, str))
+        if not sent:
+            return found
+        body = f'{{"calls": [{sent}]}}'.encode()
+        said = iter(json.loads(self._post("/api/v1/batch", body, "application/json"))["results"])
+        return [_answer(next(said)) if isinstance(one, str) else one for one in found]
 
     def model(self, path: str | Path) -> str:
         """The handle of the model in a workbook or a case JSON.
@@ -163,7 +163,43 @@ class Client:
         except urllib.error.HTTPError as refused:
             raise _refusal(refused) from None
         except urllib.error.URLError as wrong:
-            raise Refusal(f"{self._address} cannot be reached: {wrong.reason}.") from None
+            hint = ""
+            if isinstance(wrong.reason, ssl.SSLCertVerificationError):
+                hint = (
+                    " Its certificate is not trusted here: set the environment variable "
+                    "SSL_CERT_FILE to the file of that certificate, or of who issued it."
+                )
+            raise Refusal(f"{self._address} cannot be reached: {wrong.reason}.{hint}") from None
+
+
+def _as_json(name: str, given: Sequence[Any]) -> str | Refusal:
+    """A call as it is sent, or why it cannot be."""
+    try:
+        return json.dumps({"name": name, "arguments": _without_nan(given)}, allow_nan=False)
+    except ValueError:
+        return Refusal(
+            f"{name}: an argument is infinite, which no cell holds. Give finite numbers, and None "
+            "for a blank."
+        )
+    except TypeError as wrong:
+        return Refusal(
+            f"{name}: an argument cannot be sent ({wrong}). Give numbers, texts, True, False, None, "
+            "or lists of them."
+        )
+
+
+def _without_nan(value: Any) -> Any:
+    """NaN is a blank, as in a table of pandas."""
+    if isinstance(value, (list, tuple)):
+        return [_without_nan(one) for one in value]
+    return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def _answer(one: dict[str, Any]) -> Any:
+    """The rows of one call, or why there are none."""
+    if "error" in one:
+        return Refusal(one["error"]["message"], one["error"]["code"])
+    return one["value"]
 
 
 def _refusal(refused: urllib.error.HTTPError) -> Refusal:

@@ -97,13 +97,16 @@ class UnitError(ValueError):
         Units that would do. [words]
     message : str
         What is wrong and what to write instead. [sentence]
+    hint : str
+        What may have been meant; empty where nothing is alike. [words]
     """
 
-    def __init__(self, found: str, allowed: str, message: str) -> None:
+    def __init__(self, found: str, allowed: str, message: str, hint: str = "") -> None:
         super().__init__(message)
         self.found = found
         self.allowed = allowed
         self.message = message
+        self.hint = hint
 
 
 def parse_unit(text: str, dimension: str) -> UnitScale:
@@ -417,7 +420,7 @@ def _refused(text: str, dimension: str, what: str, hint: str = "") -> UnitError:
         "a unit of " + _wanted(dimension) + " such as " + ", ".join(DIMENSIONS[dimension].units)
     )
     advice = hint or "write one such as " + ", ".join(DIMENSIONS[dimension].units)
-    return UnitError(text, allowed, f"{what}; {advice}.")
+    return UnitError(text, allowed, f"{what}; {advice}.", hint)
 
 
 def _hint(text: str, dimension: str) -> str:

@@ -71,7 +71,7 @@ def install(
 
 @excel.command()
 def upgrade(file: File, interpreter: Interpreter = "", ignore_lock: IgnoreLock = False) -> None:
-    """Bring the functions of an .xlsm to this version; it stays as FILE.bak.
+    """Bring the functions of an .xlsm to this version; it stays as FILE.bak, then .bak2 and so on.
 
     Its own macros, its sheets and the Python it names stay as they are.
 

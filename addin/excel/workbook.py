@@ -129,8 +129,8 @@ def install(
     source : Path
         An .xlsx or .xlsm. [path]
     destination : Path or None
-        The .xlsm to write; None replaces the source, which must be an .xlsm and stays as ``.bak``.
-        [path]
+        The .xlsm to write; None replaces the source, which must be an .xlsm and stays as ``.bak``,
+        or as ``.bak2`` and so on where there is one. [path]
     interpreter : str
         Path of pythonw.exe for the workbook; empty keeps what it names, or takes the usual one.
         [path]

@@ -160,7 +160,8 @@ def save_with_macros(
     destination : Path or None
         The new .xlsm; None with `in_place`.
     in_place : bool
-        Replace the file, which must be an .xlsm; its old content stays as ``name.bak``.
+        Replace the file, which must be an .xlsm; its old content stays as ``name.bak``, or as
+        ``name.bak2`` and so on where there is one.
     ignore_lock : bool
         Write although a lock file says that somebody has it open.
 
@@ -198,6 +199,7 @@ def save_with_macros(
         caches=CacheReport("not needed"),
         added=writer.added,
         suffix=".xlsm",
+        keep_backups=True,  # the first is the workbook as the user had it
     )
 
 

@@ -66,6 +66,7 @@ def save_package(
     notes: tuple[str, ...] = (),
     added: Mapping[str, bytes] | None = None,
     suffix: str = "",
+    keep_backups: bool = False,
 ) -> SaveReport:
     """Write a changed package.
 
@@ -91,6 +92,8 @@ def save_package(
         New parts.
     suffix : str
         Ending of the new file's name, where the change makes another kind of workbook of it.
+    keep_backups : bool
+        Leave earlier backups as they are and number this one.
 
     Raises
     ------
@@ -114,7 +117,7 @@ def save_package(
                 f"{target.name} was not written: the disk returned other data than were stored on it."
             )
         _check_source(container)
-        backup = _keep_original(container, target) if in_place else None
+        backup = _keep_original(container, target, keep_backups) if in_place else None
         temporary.put(target)
     return SaveReport(
         target, backup, tuple(sorted([*replaced, *added])), tuple(sorted(dropped)), caches, notes
@@ -211,8 +214,11 @@ def _mode(target: Path, source: Path) -> int:
     return stat.S_IMODE(like.stat().st_mode)
 
 
-def _keep_original(container: Container, target: Path) -> Path:
-    backup = target.with_name(f"{target.name}.bak")
+def _keep_original(container: Container, target: Path, keep_backups: bool) -> Path:
+    backup, number = target.with_name(f"{target.name}.bak"), 1
+    while keep_backups and backup.exists():
+        number += 1
+        backup = target.with_name(f"{target.name}.bak{number}")
     with _Temporary(backup) as temporary:
         temporary.write(container.data, _mode(target, container.path))
         temporary.put(backup)

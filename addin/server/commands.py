@@ -37,7 +37,7 @@ def serve(
         _sorry(
             "The server's packages are not installed. Install them: pip install torsionbook[server]"
         )
-    from addin.server.settings import Settings, SettingsError, read_keys
+    from addin.server.settings import Settings, SettingsError, check_certificate, read_keys
 
     asked: dict[str, Any] = {} if workers is None else {"workers": workers}
     try:
@@ -50,6 +50,7 @@ def serve(
             public_url=public_url,
             **asked,
         )
+        check_certificate(settings)
     except SettingsError as wrong:
         _sorry(str(wrong))
     run(settings)

@@ -19,7 +19,7 @@ from addin.server.settings import LARGE, Settings
 from addin.server.work import OURS
 
 __all__ = [
-    "Guard", "Refused", "answer", "encoded", "is_key", "read_body", "read_json", "while_connected",
+    "Guard", "Refused", "answer", "encoded", "is_key", "no_key", "read_body", "read_json", "while_connected",
 ]  # fmt: skip
 
 LOG = logging.getLogger("torsionbook.server")
@@ -114,6 +114,30 @@ def key_of(headers: Headers) -> str | None:
     kind, _, token = headers.get("authorization", "").partition(" ")
     bearer = token.strip() if kind.casefold() == "bearer" else None
     return headers.get("x-api-key") or bearer
+
+
+def no_key(given: str | None) -> str:
+    """Why a client is not answered.
+
+    Parameters
+    ----------
+    given : str or None
+        The key it sent. [text]
+
+    Returns
+    -------
+    str
+        For one without a key and for one with a wrong key. [sentence]
+    """
+    if given:
+        return (
+            "The API key is not one of this server's: wrong, mistyped or withdrawn. Send another in "
+            "the header X-API-Key, or as Authorization: Bearer; whoever runs this server has it."
+        )
+    return (
+        "An API key is needed: send it in the header X-API-Key, or as Authorization: Bearer. "
+        "Whoever runs this server has it."
+    )
 
 
 async def read_body(request: Request, limit: int) -> bytes:
@@ -312,13 +336,9 @@ class Guard:
         if origin is not None and not self._is_own(origin, host):
             raise Refused(403, "This server answers its own pages only, not those of another site.")
         if scope["type"] == "http" and scope["path"].startswith("/api/"):
-            if not is_key(settings, key_of(headers)):
-                raise Refused(
-                    401,
-                    "An API key is needed: send it in the header X-API-Key, or as Authorization: "
-                    "Bearer. Whoever runs this server has it.",
-                    {"WWW-Authenticate": "Bearer"},
-                )
+            given = key_of(headers)
+            if not is_key(settings, given):
+                raise Refused(401, no_key(given), {"WWW-Authenticate": "Bearer"})
             length = headers.get("content-length", "0")
             if length.isdecimal() and int(length[:20]) > settings.limits.body:
                 raise _too_large(settings.limits.body)

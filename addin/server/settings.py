@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import os
+import ssl
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
-__all__ = ["LARGE", "LOOPBACK", "Limits", "Settings", "SettingsError", "read_keys"]
+__all__ = [
+    "LARGE",
+    "LOOPBACK",
+    "Limits",
+    "Settings",
+    "SettingsError",
+    "check_certificate",
+    "read_keys",
+]
 
 #: Names of this machine that no other machine can reach.
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
@@ -151,6 +160,49 @@ class Settings:
             return False
         own = urlsplit(self.public_url).hostname
         return not self.is_loopback or host in LOOPBACK or (own is not None and host == own)
+
+
+def check_certificate(settings: Settings) -> None:
+    """See that certificate and key can be served with, before the server starts.
+
+    Parameters
+    ----------
+    settings : Settings
+        With the files, or without.
+
+    Raises
+    ------
+    SettingsError
+        If a file holds something else, or the key is not that of the certificate.
+    """
+    chain, key = settings.certificate, settings.certificate_key
+    if chain is None or key is None:
+        return
+    try:
+        text = {path: path.read_text("ascii", "replace") for path in (chain, key)}
+    except OSError as wrong:
+        raise SettingsError(f"{wrong.filename} cannot be read: {wrong.strerror}.") from None
+    marks = "BEGIN CERTIFICATE", "PRIVATE KEY"
+    if marks[0] not in text[chain] and marks[0] in text[key]:
+        raise SettingsError(
+            f"--cert {chain} holds no certificate, and --key {key} does: exchange the two."
+        )
+    for option, path, mark in zip(("--cert", "--key"), (chain, key), marks, strict=True):
+        if mark not in text[path]:
+            what = "certificate" if option == "--cert" else "private key"
+            raise SettingsError(f"{option} {path} holds no {what} in PEM (-----BEGIN ...-----).")
+    if "ENCRYPTED" in text[key]:
+        return  # its password is asked for when the server starts
+    try:
+        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(chain, key)
+    except (ssl.SSLError, ValueError) as wrong:
+        reason = getattr(wrong, "reason", None) or str(wrong)
+        why = (
+            "the key is not that of the certificate"
+            if reason == "KEY_VALUES_MISMATCH"
+            else f"they cannot be read ({reason})"
+        )
+        raise SettingsError(f"--cert {chain} and --key {key} cannot be used: {why}.") from None
 
 
 def read_keys(path: Path) -> frozenset[str]:

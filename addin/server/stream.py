@@ -92,12 +92,12 @@ class Stream:
             pass
         if isinstance(given, str) and is_key(settings, given):
             return True
+        wrong = isinstance(given, str) and given
+        why = "The API key is not one of this server's" if wrong else "An API key is needed"
         await self._socket.send_text(
-            encoded(
-                {"id": None, **error('An API key is needed: send {"key": ...} first.')}
-            ).decode()
+            encoded({"id": None, **error(f'{why}: send {{"key": ...}} first.')}).decode()
         )
-        await self._socket.close(NO_KEY, "An API key is needed.")
+        await self._socket.close(NO_KEY, f"{why}.")
         return False
 
     # ---- what is asked for -----------------------------------------------------------------------

@@ -94,6 +94,8 @@ async def model_of(request: Request, limit: int) -> Response:
         ``model``, ``units`` and ``warnings``; or 422 and the errors as the contract has them.
     """
     body, name = await _sent(request, limit)
+    if name.endswith(".json"):
+        _refuse_no_case(body)
     with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
         source = Path(folder, name)
         await asyncio.to_thread(source.write_bytes, body)
@@ -127,6 +129,20 @@ async def _sent(request: Request, limit: int) -> tuple[bytes, str]:
     elif ending not in WORKBOOK_ENDINGS:
         ending = ".xlsx"
     return body, f"{stem}{ending}"
+
+
+def _refuse_no_case(body: bytes) -> None:
+    """Refuse what is neither a workbook nor JSON in braces; of those the reader says what is wrong."""
+    begin = body[:200].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if begin[:1] in (b"{", b"[") or begin[:2] in (b"\xff\xfe", b"\xfe\xff"):  # UTF-16 is told there
+        return
+    words = begin[:30].decode("ascii", "replace")
+    shown = f", it begins with '{words}'" if words.isprintable() and "\ufffd" not in words else ""
+    raise Refused(
+        415,
+        f"The body is neither a workbook (.xlsx, .xlsm) nor a case JSON{shown}. Send the file itself "
+        "(curl --data-binary @train.xlsx).",
+    )
 
 
 def _wrong(problems: Iterable[CellProblem], warnings: Iterable[str], folder: str) -> Response:

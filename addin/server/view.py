@@ -5,7 +5,7 @@ The page gets the same numbers as the sheets, in the units shown there, and know
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from addin.calculation import Calculation
@@ -26,7 +26,7 @@ CHARTS = (
     "ChartTrain", "ChartTorque", "ChartSpeedTime", "ChartCrossings", "ChartInterference",
     "ChartNames", "ChartHistory", "ChartEvents",
 )  # fmt: skip
-SPEED_TABLES = ("NaturalFrequencies", "SeparationMargins", "SteadyState")
+SPEED_TABLES = ("NaturalFrequencies", "SeparationMargins", "SteadyState", "ModeShapes")
 START_TABLES = ("Verdicts", "StartupPeaks", "AllowableStarts", "TorqueReversals", "Effects")
 
 
@@ -91,10 +91,18 @@ def _shown(model: Model, view: RunView, tables: tuple[str, ...]) -> dict[str, An
         "labels": {str(key): text for key, text in blocks["ChartLabels"]},
         "charts": {name: _columns(columns[name], blocks[name]) for name in CHARTS},
         "tables": {
-            name: table_cells(result_table(name), view.tables.get(name) or (), model.system, True)
-            for name in tables
+            name: _table(name, view.tables.get(name) or (), model.system) for name in tables
         },
     }
+
+
+def _table(name: str, rows: Sequence[Mapping[str, Any]], system: str) -> list[list[Any]]:
+    """Cells of a result table; of the mode shapes a column a mode."""
+    if name != "ModeShapes":
+        return table_cells(result_table(name), rows, system, True)
+    keys = [key for key in rows[0] if key != "station"] if rows else []
+    head = ["Station", *(key.replace("_", " ").capitalize() for key in keys)]
+    return [head, *([row["station"], *(row[key] for key in keys)] for row in rows)]
 
 
 def _columns(names: tuple[str, ...], rows: list[list[Any]]) -> dict[str, list[Any]]:

@@ -104,6 +104,11 @@ class _Reading:
     def scalars(self, block: Block) -> None:
         """Name, value and unit side by side, anywhere in the range."""
         names = {_folded(spec.name): spec for spec in SCALARS}
+        if not any(isinstance(c, str) and _folded(c) in names for row in block for c in row):
+            raise FunctionError(
+                f"Case: the range {_other(SCALAR_TABLE, block) or 'has no name of sheet Case.'} "
+                "Select names, values and units of that sheet, side by side."
+            )
         for row in block:
             for i, cell in enumerate(row):
                 spec = names.get(_folded(cell)) if isinstance(cell, str) else None
@@ -131,17 +136,21 @@ class _Reading:
             if column.is_number
         }
         units = {j: _text(block[at - 1][j]) if at else "" for j in columns}
+        misspelt = self._misspelt(spec, block[at], columns)
         entries: list[dict[str, Entry]] = []
         self.typed.tables[spec.name] = entries
         self.rows[spec.name] = []
         for number, row in enumerate(block[at + 1 :], start=1):
             filled = {j for j in columns if row[j] is not None}
             stated = {columns[j].name for j in filled}
-            if not filled or (spec.states and spec.states not in stated):
+            states = spec.states and spec.states not in misspelt
+            if not filled or (states and spec.states not in stated):
                 continue
             self.rows[spec.name].append(number)
             line: dict[str, Entry] = {}
             entries.append(line)
+            for name in misspelt:
+                self.findings.silence((spec.name, len(entries), name))
             for j in sorted(filled):
                 column = columns[j]
                 place = (spec.name, len(entries), column.name)
@@ -151,15 +160,24 @@ class _Reading:
 
     def _header_row(self, spec: TableSpec, block: Block) -> int:
         known = {_folded(column.name) for column in spec.columns}
+        other = _other(spec.name, block)
         for i, row in enumerate(block[:HEADER_ROWS]):
-            hits = sum(1 for cell in row if isinstance(cell, str) and _folded(cell) in known)
-            if hits >= 2 or hits == len(spec.columns):
+            hits = _hits(row, known)
+            if not other and (hits >= 2 or hits == len(spec.columns)):
                 return i
         names = ", ".join(column.name for column in spec.columns[:4])
         raise FunctionError(
-            f"{spec.name}: the range has no headers. Select the table with its headers ({names}, "
-            "...) and the row of units above them."
+            f"{spec.name}: the range {other or 'has no headers.'} Select the table with its "
+            f"headers ({names}, ...) and the row of units above them."
         )
+
+    def _misspelt(self, spec: TableSpec, header: list[Cell], columns: dict[int, Field]) -> set[str]:
+        """Columns that an unknown header may stand for: that they are blank is not told as well."""
+        missing = [c.name for c in spec.columns if c not in columns.values()]
+        known = {_folded(c.name) for c in (*spec.columns, *spec.extra_columns)}
+        unknown = [c for c in header if isinstance(c, str) and _folded(c) not in known]
+        meant = {nearest(cell, missing) for cell in unknown}
+        return set(missing) if None in meant else {name for name in meant if name}
 
     def _columns(self, spec: TableSpec, block: Block, at: int) -> dict[int, Field]:
         known = {_folded(column.name): column for column in spec.columns}
@@ -210,7 +228,10 @@ class _Reading:
         except UnitError as error:
             message = error.message
             if unit is None:
-                message = f"there is no unit {unit_place}. {message} Select the units too."
+                units = ", ".join(spec.units)
+                message = (
+                    f"there is no unit {unit_place}. Select the units too; usual ones are {units}."
+                )
             self.findings.add(place, _text(unit) or None, error.allowed, message)
             return None
 
@@ -269,6 +290,24 @@ def _text(cell: Cell) -> str:
     if isinstance(cell, str):
         return cell
     return f"{cell:.15g}" if isinstance(cell, float) else ""
+
+
+def _hits(row: list[Cell], known: set[str]) -> int:
+    """Cells of a row that are such headers."""
+    return sum(1 for cell in row if isinstance(cell, str) and _folded(cell) in known)
+
+
+def _other(name: str, block: Block) -> str:
+    """That a range holds another table, if it fits that one better."""
+    likeness = {SCALAR_TABLE: _hits([row[0] for row in block], {_folded(s.name) for s in SCALARS})}
+    for spec in INPUT_TABLES:
+        known = {_folded(column.name) for column in spec.columns}
+        likeness[spec.name] = max((_hits(row, known) for row in block[:HEADER_ROWS]), default=0)
+    best = max(likeness, key=lambda one: likeness[one])
+    if likeness[best] < 2 or likeness[best] <= likeness[name]:
+        return ""
+    what = "names of sheet Case" if best == SCALAR_TABLE else f"table {best}"
+    return f"holds {what}: mind the order of the arguments."
 
 
 def _folded(text: str) -> str:

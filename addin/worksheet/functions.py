@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
 from addin import fields
 from addin.chart_data import ShownUnits
 from addin.fields import Field, TableSpec, result_table
-from addin.units import UnitError, parse_unit
+from addin.problems import nearest, shortened
+from addin.units import UnitError, UnitScale, parse_unit
 from addin.worksheet.blocks import case_of, problems_in_words
 from addin.worksheet.models import MODELS, RUN, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
@@ -33,6 +35,10 @@ TABLES = (
 )  # fmt: skip
 #: Points of a decimated curve, unless asked otherwise; and the most. [count]
 USUAL_POINTS, MOST_POINTS = 501, 20_001
+#: A stress this little above another is that stress, typed in another unit.
+_SAME_STRESS = 1.0 + 1e-9
+#: Names of a case that one sentence lists. [count]
+MOST_NAMED = 20
 
 
 def _width(name: str) -> int:
@@ -161,16 +167,36 @@ def _run(handle: str) -> tuple[Model, Any]:
 
 
 def _run_table(
-    name: str, handle: str, units: str | None, headers: bool | None, missing: str
+    name: str, handle: str, units: str | None, headers: bool | None, missing: str = ""
 ) -> Rows:
     model, run = _run(handle)
     rows = run.tables.get(name) or ()
     if not rows:
-        raise FunctionError(missing, "#N/A")
+        raise _none(run, missing)
     return table_cells(result_table(name), rows, _system(units, model), headers)
 
 
 NO_START = "The case has no start: fill MotorTorque (and LoadTorque) or TorqueTime."
+NO_SHAFT = "No shaft is judged for fatigue: give Material, Stress diameter and S-N points."
+
+
+def _none(run: Any, missing: str) -> FunctionError:
+    """Why a table of the start is empty: there is no start, or what else it needs is missing."""
+    return FunctionError(NO_START if run.startup is None else missing, "#N/A")
+
+
+def _one_of(argument: str, found: str, known: Sequence[str]) -> str:
+    """A name of the case, as the case spells it."""
+    for name in known:
+        if name.casefold() == found.casefold():
+            return name
+    listed = ", ".join(f"'{name}'" for name in known[:MOST_NAMED]) or "none"
+    more = f" and {len(known) - MOST_NAMED} more" if len(known) > MOST_NAMED else ""
+    meant = nearest(found, known)
+    hint = f" Did you mean '{meant}'?" if meant else ""
+    raise FunctionError(
+        f"{argument}: found '{shortened(found)}'; there are: {listed}{more}.{hint}", "#N/A"
+    )
 
 
 # --- the model ------------------------------------------------------------------------------------
@@ -186,7 +212,9 @@ NO_START = "The case has no start: fill MotorTorque (and LoadTorque) or TorqueTi
         for name in TABLES[2:]
     ),
     scalar=True,
-    example="=TV_MODEL(Train!B6:G20, Train!B26:V40, Case!B5:J60)",
+    example="=TV_MODEL(Train!B6:G22, Train!B26:U42, Case!B5:J43, Train!B46:R51, Train!I6:J17, "
+    "Torque!B6:E37, Torque!G6:I47, Torque!K6:M27, Fatigue!B6:G12, Fatigue!I6:K19, "
+    "Excitation!B6:G21, Case!B33:C43)",
 )
 def tv_model(stations: Block, elements: Block, case: Block | None, *others: Block | None) -> str:
     """Check a case and give its handle, which the other functions take.
@@ -229,7 +257,7 @@ def tv_frequencies(model: str, units: str | None, headers: bool | None) -> Rows:
 @registered(
     "TV_MODE",
     MODEL,
-    Argument("Mode", "count", "Number of the elastic mode, counted from 1."),
+    Argument("Mode", "count", "The number of the elastic mode, counted from 1."),
     HEADERS,
     columns=2,
     example="=TV_MODE(A1, 2)",
@@ -247,7 +275,7 @@ def tv_mode(model: str, mode: int, headers: bool | None) -> Rows:
 @registered(
     "TV_ENERGY",
     MODEL,
-    Argument("Mode", "count", "Number of the elastic mode; blank = all.", True),
+    Argument("Mode", "count", "The number of the elastic mode; blank = all.", True),
     HEADERS,
     columns=0,
     example="=TV_ENERGY(A1)",
@@ -276,10 +304,10 @@ def _existing(mode: int, count: int) -> None:
 
 @registered(
     "TV_STIFFNESS",
-    Argument("OD", "number", "Outer diameter [mm or in]."),
-    Argument("ID", "number", "Bore [mm or in]; blank = solid.", blank=True),
-    Argument("Length", "number", "Length [mm or in]."),
-    Argument("Shear modulus", "number", "Shear modulus [MPa or psi]."),
+    Argument("OD", "number", "The outer diameter [mm or in]."),
+    Argument("ID", "number", "The bore [mm or in]; blank = solid.", blank=True),
+    Argument("Length", "number", "The length [mm or in]."),
+    Argument("Shear modulus", "number", "The shear modulus [MPa or psi]."),
     Argument("Units", "text", "SI (mm, MPa, N*m/rad; default) or US (in, psi, lbf*in/rad).", True),
     scalar=True,
     example="=TV_STIFFNESS(200, 0, 500, 79300)",
@@ -352,7 +380,9 @@ def _points(points: int | None) -> int:
 @registered(
     "TV_SPEED_TIME",
     MODEL,
-    Argument("Points", "count", f"Rows at the most, {USUAL_POINTS} unless said.", True),
+    Argument(
+        "Points", "count", f"Rows at the most without the header, {USUAL_POINTS} unless said.", True
+    ),
     HEADERS,
     long=True,
     columns=3,
@@ -360,14 +390,14 @@ def _points(points: int | None) -> int:
 )
 def tv_speed_time(model: str, points: int | None, headers: bool | None) -> Rows:
     """Mean speed of the motor against time during the start."""
-    from addin.chart_rows import decimate
+    from addin.chart_rows import thinned
 
     limit = _points(points)
     _, run = _run(model)
     if run.view.speed_time is None or not run.case.ratings.synchronous_speed:
         raise FunctionError(NO_START, "#N/A")
     time, speed = run.view.speed_time
-    kept = decimate(time, speed, limit)
+    kept = thinned(time, speed, limit)
     share = speed / run.case.ratings.synchronous_speed
     found: Rows = [
         [float(time[i]), float(speed[i]) * 30.0 / math.pi, 100.0 * float(share[i])] for i in kept
@@ -386,14 +416,16 @@ def tv_speed_time(model: str, points: int | None, headers: bool | None) -> Rows:
 )
 def tv_peaks(model: str, units: str | None, headers: bool | None) -> Rows:
     """Largest and least torque of every element in the start, with the estimated error."""
-    return _run_table("StartupPeaks", model, units, headers, NO_START)
+    return _run_table("StartupPeaks", model, units, headers)
 
 
 @registered(
     "TV_HISTORY",
     MODEL,
-    Argument("Element", "text", "Name of the element."),
-    Argument("Points", "count", f"Rows at the most, {USUAL_POINTS} unless said.", True),
+    Argument("Element", "text", "The name of the element."),
+    Argument(
+        "Points", "count", f"Rows at the most without the header, {USUAL_POINTS} unless said.", True
+    ),
     UNITS,
     HEADERS,
     long=True,
@@ -411,10 +443,7 @@ def tv_history(
     histories = run.view.histories or {}
     if not histories:
         raise FunctionError(NO_START, "#N/A")
-    name = next((n for n in histories if n.casefold() == element.casefold()), None)
-    if name is None:
-        known = ", ".join(list(histories)[:20])
-        raise FunctionError(f"Element: found '{element[:60]}'; there are: {known}.", "#N/A")
+    name = _one_of("Element", element, list(histories))
     shown, place = units_of(_system(units, found)), ("StartupPeaks", "Maximum torque")
     unit, factor = shown.name(*place), shown.factor(*place)
     time, torque = histories[name]
@@ -434,7 +463,7 @@ def tv_history(
 )
 def tv_reversals(model: str, units: str | None, headers: bool | None) -> Rows:
     """Torque reversals, impacts and tooth force of meshes and geared couplings."""
-    missing = "There is no start, or the train has no gear mesh and no geared coupling."
+    missing = "The train has no gear mesh and no geared coupling."
     return _run_table("TorqueReversals", model, units, headers, missing)
 
 
@@ -454,7 +483,8 @@ def tv_cycles(model: str, units: str | None, headers: bool | None) -> Rows:
     found, run = _run(model)
     rows = start_cycle_rows(run.view)
     if not rows:
-        raise FunctionError("No shaft is judged for fatigue, or no cycle damages it.", "#N/A")
+        judged = run.tables.get("AllowableStarts")
+        raise _none(run, "The start makes no stress cycle." if judged else NO_SHAFT)
     return table_cells(_result_spec("StartCycles"), rows, _system(units, found), headers)
 
 
@@ -469,46 +499,83 @@ def tv_cycles(model: str, units: str | None, headers: bool | None) -> Rows:
 )
 def tv_starts(model: str, units: str | None, headers: bool | None) -> Rows:
     """Damage of one start and allowable starts of every judged shaft."""
-    missing = "No shaft is judged: give Material, Stress diameter and S-N points, and a start."
-    return _run_table("AllowableStarts", model, units, headers, missing)
+    return _run_table("AllowableStarts", model, units, headers, NO_SHAFT)
 
 
 @registered(
     "TV_SN_LIFE",
     MODEL,
-    Argument("Material", "text", "Name in table Materials."),
-    Argument("Stress", "numbers", "Zero-to-peak stress, nominal times SCF [MPa or psi]."),
+    Argument("Material", "text", "The name in table Materials."),
+    Argument("Stress", "numbers", "The zero-to-peak stress, nominal times SCF [MPa or psi]."),
     UNITS,
-    example='=TV_SN_LIFE(A1, "4340", 200)',
+    Argument(
+        "Remarks",
+        "flag",
+        "TRUE adds beside each life where the S-N line is extended beyond its points.",
+        True,
+    ),
+    example='=TV_SN_LIFE(A1, "Alloy steel", 200, "SI")',
 )
-def tv_sn_life(model: str, material: str, stress: Rows, units: str | None) -> Rows:
-    """Cycles to failure at a stress, on the S-N line in torsion; below endurance 'unlimited'."""
+def tv_sn_life(
+    model: str, material: str, stress: Rows, units: str | None, remarks: bool | None
+) -> Rows:
+    """Cycles to failure at a stress, on the S-N line in torsion; below endurance 'unlimited'.
+
+    Above the first S-N point the first slope is extended, as in the count of allowable starts: the
+    life is a number, but no tested one, and such starts are not judged. Remarks `TRUE` says so
+    beside each life. Above UTS there is no life: the stress is refused.
+    """
     from engine.errors import ModelError
     from engine.fatigue import sn_curve_for
 
     found = MODELS.of(model)
     case = found.case
-    row = next(
-        (m for m in case.materials if str(m.material).casefold() == material.casefold()), None
-    )
-    if row is None:
-        known = ", ".join(str(m.material) for m in case.materials) or "none"
-        raise FunctionError(f"Material: found '{material[:60]}'; there are: {known}.", "#N/A")
+    name = _one_of("Material", material, [str(m.material) for m in case.materials])
+    row = next(m for m in case.materials if str(m.material) == name)
     try:
         curve = sn_curve_for(row, case.sn_points)
     except ModelError as wrong:
         raise FunctionError(str(wrong), "#NUM!") from None
-    _, pascal = _si("pressure", _system(units, found))
+    unit, pascal = _si("pressure", _system(units, found))
     answer: Rows = []
-    for line in stress:
+    for i, line in enumerate(stress):
         lives: list[Any] = []
-        for value in line:
-            if value is not None and value < 0.0:
-                raise FunctionError(f"Stress: found {value:.10g}; give 0 or more.", "#NUM!")
+        for j, value in enumerate(line):
+            if value is not None:
+                _check_stress(value * pascal, value, unit, pascal, row, (i, j))
             life = None if value is None else float(curve.cycles_to_failure(value * pascal))
             lives.append(life if life is None or math.isfinite(life) else "unlimited")
-        answer.append(lives)
+        said = [None if v is None else _extended(curve, v * pascal) for v in line]
+        answer.append([*lives, *said] if remarks else lives)
     return answer
+
+
+def _check_stress(
+    stress: float, value: float, unit: str, pascal: float, material: Any, at: tuple[int, int]
+) -> None:
+    """Refuse a stress that no S-N line answers for."""
+    place = "Stress" if at == (0, 0) else f"Stress, row {at[0] + 1}, column {at[1] + 1}"
+    if value < 0.0:
+        raise FunctionError(f"{place}: found {value:.10g}; give 0 or more.", "#NUM!")
+    strength = material.uts
+    if strength is not None and stress > strength * _SAME_STRESS:
+        raise FunctionError(
+            f"{place}: found {value:.10g} {unit}; it lies above UTS of '{material.material}', "
+            f"{strength / pascal:.6g} {unit}, where no S-N line holds.",
+            "#NUM!",
+        )
+
+
+def _extended(curve: Any, stress: float) -> str | None:
+    """Where the S-N line is not between its points; nothing is said where it is."""
+    if curve.above_first_point(stress / _SAME_STRESS):
+        return "above the first S-N point: its slope extended"
+    if stress <= curve.endurance:
+        rule = curve.below_endurance
+        return None if rule == "none" else f"below endurance: {rule}"
+    if stress * _SAME_STRESS < curve.stress[-1]:
+        return "below the last S-N point: its slope extended to endurance"
+    return None
 
 
 @registered(
@@ -522,7 +589,7 @@ def tv_sn_life(model: str, material: str, stress: Rows, units: str | None) -> Ro
 )
 def tv_effects(model: str, units: str | None, headers: bool | None) -> Rows:
     """Which effects the calculation simulates, with the number that decided each."""
-    return _run_table("Effects", model, units, headers, NO_START)
+    return _run_table("Effects", model, units, headers)
 
 
 @registered(
@@ -545,8 +612,8 @@ def tv_verdicts(model: str, units: str | None, headers: bool | None) -> Rows:
 @registered(
     "TV_CONVERT",
     Argument("Value", "numbers", "A number, or a range of them."),
-    Argument("From", "text", "Unit of the value, such as lb*ft^2."),
-    Argument("To", "text", "Unit wanted, such as kg*m^2."),
+    Argument("From", "text", "The unit of the value, such as lb*ft^2."),
+    Argument("To", "text", "The unit wanted, such as kg*m^2."),
     example='=TV_CONVERT(10900, "lb*ft^2", "kg*m^2")',
 )
 def tv_convert(value: Rows, given: str, wanted: str) -> Rows:
@@ -557,24 +624,40 @@ def tv_convert(value: Rows, given: str, wanted: str) -> Rows:
 
 @cache
 def _factor(given: str, wanted: str) -> float:
-    first = ""
+    sizes, others = _sizes(given), _sizes(wanted)
+    if not sizes or not others:
+        unknown, known = (given, others) if not sizes else (wanted, sizes)
+        raise FunctionError(f"'{unknown[:40]}' is not a known unit{_meant(unknown, known)}.")
+    common = [name for name in sizes if name in others]
+    for name in common:
+        if sizes[name].base == others[name].base:
+            return sizes[name].factor / others[name].factor
+    if common:
+        raise FunctionError(f"'{given[:40]}' and '{wanted[:40]}' are shares of different things.")
+    raise FunctionError(f"'{given[:40]}' is {_named(next(iter(sizes)))}, '{wanted[:40]}' is not.")
+
+
+def _sizes(unit: str) -> dict[str, UnitScale]:
+    """What a unit is worth, by every dimension it is a unit of."""
+    found = {}
     for name, dimension in fields.DIMENSIONS.items():
-        if not dimension.units or name == "cycles per minute":  # frequency holds its unit
-            continue
+        if dimension.units and name != "cycles per minute":  # frequency holds its unit
+            with suppress(UnitError):
+                found[name] = parse_unit(unit, name)
+    return found
+
+
+def _meant(unit: str, others: Iterable[str]) -> str:
+    """What may have been meant by a unit that is none, first among those of the other's kind."""
+    for name in [*others, *(n for n, d in fields.DIMENSIONS.items() if d.units)]:
         try:
-            a = parse_unit(given, name)
+            parse_unit(unit, name)
         except UnitError as wrong:
-            first = first or wrong.message
-            continue
-        try:
-            b = parse_unit(wanted, name)
-        except UnitError:
-            first = f"'{given[:40]}' is {_named(name)}, '{wanted[:40]}' is not."
-            continue
-        if a.base == b.base:
-            return a.factor / b.factor
-        first = f"'{given[:40]}' and '{wanted[:40]}' are shares of different things."
-    raise FunctionError(first or f"'{given[:40]}' is not a known unit.")
+            if wrong.hint:
+                return f"; {wrong.hint}"
+    usual = dict.fromkeys(u for d in fields.DIMENSIONS.values() for u in d.units)
+    meant = nearest(unit, usual)
+    return f"; did you mean {meant}?" if meant else ""
 
 
 def _named(dimension: str) -> str:

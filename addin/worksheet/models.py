@@ -141,7 +141,8 @@ class Models:
             if model is None:
                 raise FunctionError(
                     f"The model {handle[:40]} is not at hand in this session. Recalculate everything "
-                    "(Ctrl+Alt+F9; in Calc Ctrl+Shift+F9).",
+                    "(Ctrl+Alt+F9; in Calc Ctrl+Shift+F9). A program asks for the model again, with "
+                    "TV_MODEL or the workbook.",
                     "#N/A",
                 )
             self._models.move_to_end(handle)

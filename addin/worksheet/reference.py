@@ -23,6 +23,13 @@ KINDS = {
     "count": "whole number",
 }
 
+#: What follows an example.
+MORE = {
+    "TV_MODEL": """The shortest call for the same workbook leaves the start out, which modes and margins do not need:
+`=TV_MODEL(Train!B6:G22, Train!B26:U42, Case!B5:J43, , , , , , Fatigue!B6:G12)`. Materials are in it
+because a shaft names one.""",
+}
+
 HEAD = """# Worksheet functions
 
 Made from the registry by `python -m addin.worksheet.reference`; do not edit.
@@ -34,7 +41,11 @@ is calculated once and serves every cell that asks for it. What is wrong with th
 the cell of `TV_MODEL`, with table, row and column; a blank is never taken for zero.
 
 A range for `TV_MODEL` is the table with its headers **and the row of units above them**, such as
-`Train!B6:G20`: units are not guessed. Answers are tables with one row of headers; they spill in Excel
+`Train!B6:G22`: units are not guessed. The ranges of the examples are those of the shipped examples
+(`torsionbook new train.xlsx --example proposed`) and of the blank template; a table that has grown has
+more rows. Workbooks for a front (`torsionbook new train.xlsm`, `--for server`, `--for calc`) have a
+sheet `Live` with the formula ready, its ranges growing with the tables: the name `LiveModel` is its
+cell, so that `=TV_PEAKS(LiveModel)` works anywhere in the book. Answers are tables with one row of headers; they spill in Excel
 365 and 2021, and are entered as array formulas (Ctrl+Shift+Enter) in older Excel and in Calc. *Units*
 is `SI` or `US`, blank as the tables are typed; *Headers* `FALSE` leaves the row of headers out.
 
@@ -64,6 +75,7 @@ def _section(function: Function) -> str:
     lines += ["\n| argument | kind | what to give |\n|---|---|---|\n"]
     lines += [f"| {_named(a)} | {KINDS[a.kind]} | {a.help} |\n" for a in function.arguments]
     lines += [f"\nExample: `{function.example}`\n"]
+    lines += [f"\n{MORE[function.name]}\n"] if function.name in MORE else []
     return "".join(lines)
 
 

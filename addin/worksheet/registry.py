@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import datetime as dt
+import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from addin.cells import number_in_text
 from addin.package.values import ERROR_CODES, ErrorValue
+from addin.problems import shortened
 
 __all__ = [
     "Argument", "Block", "CATEGORY", "FUNCTIONS", "FunctionError", "Function", "ROW_COUNT",
@@ -60,7 +63,7 @@ class Argument:
         One of `KINDS`: a range with headers, a handle of `TV_MODEL`, one number, a range of
         numbers, a text, TRUE or FALSE, a positive whole number. [word]
     help : str
-        What to give. [sentence]
+        What to give, so that it reads well after "give". [words]
     optional : bool
         Whether it may be left out or blank: the function then gets None. [flag]
     blank : bool
@@ -194,7 +197,7 @@ def rows_of(raw: Any) -> Block:
         rows = [rows]
     if sum(len(row) if isinstance(row, (list, tuple)) else 1 for row in rows) > MOST_CELLS:
         raise FunctionError(
-            f"An argument holds more than {MOST_CELLS:,} cells. Give the table, not whole columns."
+            f"found more than {MOST_CELLS:,} cells. Give the table, not whole columns."
         )
     found = [
         [_cell(value) for value in (row if isinstance(row, (list, tuple)) else [row])]
@@ -207,7 +210,13 @@ def rows_of(raw: Any) -> Block:
 def _cell(value: Any) -> Cell:
     """One cell as handed over."""
     if isinstance(value, dict):
-        kind = str(value.get("type", ""))
+        kind = value.get("type")
+        if not isinstance(kind, str) or not ("basicValue" in value or kind == "Empty"):
+            shown = shortened(json.dumps(value, default=str))
+            raise FunctionError(
+                f"found the object {shown}; a cell is a number, a text, true or false, or null "
+                "for a blank."
+            )
         if kind == "Error":
             return _error(str(value.get("basicValue")))
         value = value.get("basicValue")
@@ -236,7 +245,10 @@ def _error(code: str) -> ErrorValue:
 
 def _bound(argument: Argument, raw: Any) -> Any:
     """The value of one argument."""
-    rows = rows_of(raw)
+    try:
+        rows = rows_of(raw)
+    except FunctionError as wrong:
+        raise FunctionError(f"{argument.name}: {wrong.message}", wrong.code) from None
     if argument.kind == "block":
         filled = any(cell is not None for row in rows for cell in row)
         if filled:
@@ -245,7 +257,7 @@ def _bound(argument: Argument, raw: Any) -> Any:
     if argument.kind == "numbers":
         return [[_number(argument, c, i, j) for j, c in enumerate(r)] for i, r in enumerate(rows)]
     if sum(len(row) for row in rows) != 1:
-        raise FunctionError(f"{argument.name}: give one cell, not a range. {argument.help}")
+        raise FunctionError(f"{argument.name}: give one cell, not a range: {_within(argument)}")
     cell = rows[0][0]
     if cell is None:
         return _absent(argument)
@@ -267,7 +279,13 @@ def _bound(argument: Argument, raw: Any) -> Any:
 
 def _absent(argument: Argument) -> None:
     if not (argument.optional or argument.blank):
-        raise FunctionError(f"{argument.name} is blank. {argument.help}")
+        raise FunctionError(f"{argument.name} is blank. Give {_within(argument)}")
+
+
+def _within(argument: Argument) -> str:
+    """The help of an argument as the end of a sentence; SI, FALSE and the like stay as they are."""
+    first, rest = argument.help[0], argument.help[1:]
+    return argument.help if rest[:1].isupper() else first.lower() + rest
 
 
 def _number(argument: Argument, cell: Cell, row: int, column: int) -> float | None:
@@ -283,6 +301,9 @@ def _number(argument: Argument, cell: Cell, row: int, column: int) -> float | No
         )
     if isinstance(cell, float) and math.isfinite(cell):
         return cell
+    if isinstance(cell, str) and (why := number_in_text(cell)):
+        place = f"{argument.name}, {where}" if where else argument.name
+        raise FunctionError(f"{place}: {why}")
     shown = {True: "TRUE", False: "FALSE"}.get(cell, cell) if isinstance(cell, bool) else cell
     raise _unfit(argument, shown, "a number", where)
 
@@ -301,7 +322,7 @@ def _flag(argument: Argument, cell: Value) -> bool:
 def _unfit(argument: Argument, found: object, wanted: str, where: str = "") -> FunctionError:
     place = f"{argument.name}, {where}" if where else argument.name
     shown = f"{found:.10g}" if isinstance(found, float) else str(found)[:60]
-    return FunctionError(f"{place}: found '{shown}'; give {wanted}. {argument.help}")
+    return FunctionError(f"{place}: found '{shown}'; give {wanted}: {_within(argument)}")
 
 
 # --- one call -------------------------------------------------------------------------------------

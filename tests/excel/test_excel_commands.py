@@ -34,6 +34,17 @@ def test_install_doctor_upgrade(run, book):
     assert r"D:\py\pythonw.exe" in run("doctor", made).output
 
 
+def test_the_workbook_as_it_was_outlives_a_second_upgrade(run, book):
+    run("install", book)
+    made = book.with_suffix(".xlsm")
+    first = made.read_bytes()
+    for name in ("bak", "bak2", "bak3"):
+        done = run("upgrade", made, "--interpreter", rf"D:\{name}\pythonw.exe")
+        assert f"as it was: {made}.{name}" in done.output
+    assert made.with_name(f"{made.name}.bak").read_bytes() == first
+    assert made.with_name(f"{made.name}.bak2").read_bytes() not in (first, made.read_bytes())
+
+
 def test_a_file_that_is_there_is_not_replaced_unasked(run, book):
     book.with_suffix(".xlsm").write_bytes(b"mine")
     done = run("install", book)

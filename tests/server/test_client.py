@@ -1,5 +1,6 @@
 """The Python client against a real server: files in, doubles and sentences out."""
 
+import math
 import subprocess
 import sys
 
@@ -23,6 +24,25 @@ def test_a_model_of_a_file_and_its_cells(served):
     assert answers[1].code == "#NAME?"
     with pytest.raises(Refusal, match="florps"):
         server.call("TV_CONVERT", 1, "florps", "m")
+
+
+def test_what_cannot_be_sent_is_told_in_its_place(served):
+    server = Client(served)
+    calls = [
+        ("TV_CONVERT", [1.0, math.nan], "m", "mm"),
+        ("TV_CONVERT", math.inf, "m", "mm"),
+        ("TV_CONVERT", [[1.0, -math.inf]], "m", "mm"),
+        ("TV_CONVERT", object(), "m", "mm"),
+        ("TV_CONVERT", 2.0, "m", "mm"),
+    ]
+    blank, high, low, strange, plain = server.batch(calls)
+    assert (blank, plain) == ([[1000.0, None]], [[2000.0]])
+    for refused in (high, low):
+        assert isinstance(refused, Refusal)
+        assert "infinite" in refused.message
+    assert "cannot be sent" in strange.message
+    with pytest.raises(Refusal, match="infinite"):
+        Client("http://127.0.0.1:9").call("TV_CONVERT", math.inf, "m", "mm")
 
 
 def test_a_workbook_recalculated(served, tmp_path):

@@ -283,6 +283,15 @@ def test_without_a_key_nothing_is_calculated(headers):
         assert client.get("/healthz").json() == {"ok": True}
 
 
+def test_a_wrong_key_is_told_otherwise_than_none():
+    with inside(Settings(workers=1, keys=frozenset({KEY}))) as client:
+        none = told(client.post("/api/v1/batch", json={}), 401)
+        wrong = told(client.post("/api/v1/batch", json={}, headers={"X-API-Key": KEY[1:]}), 401)
+        assert none.startswith("An API key is needed")
+        assert wrong.startswith("The API key is not one of this server's")
+        assert KEY[1:] not in wrong
+
+
 def test_a_key_opens_in_either_header():
     with inside(Settings(workers=1, keys=frozenset({"another-key-of-24-letters", KEY}))) as client:
         for headers in ({"X-API-Key": KEY}, {"Authorization": f"Bearer {KEY}"}):
@@ -363,6 +372,26 @@ def test_what_is_no_workbook_is_refused_without_our_folders(client, body):
         assert tempfile.gettempdir() not in said.text
         assert said.json()["error"]["message"].endswith(".")
     assert "empty" in told(client.post("/api/v1/workbook", content=b""), 400)
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        (
+            b"train.xlsx",
+            "neither a workbook (.xlsx, .xlsm) nor a case JSON, it begins with 'train.x",
+        ),
+        (b"\xef\xbb\xbf  Station;Inertia", "it begins with 'Station;Inertia'"),
+        (b"\x00\x01\x02", "neither a workbook (.xlsx, .xlsm) nor a case JSON. Send the file"),
+    ],
+)
+def test_a_text_is_not_called_a_json_with_an_error(client, body, words):
+    said = told(client.post("/api/v1/model", content=body), 415)
+    assert words in said
+    assert "{ " not in said
+    broken = client.post("/api/v1/model", content=b'{"format": 1,}')
+    assert broken.status_code == 422
+    assert "line 1" in broken.json()["error"]["message"]
 
 
 def test_a_case_json_gives_the_handle_of_the_same_case(client):

@@ -19,7 +19,8 @@ from sheet_ranges import TEMPLATES, model_arguments
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from addin.server.settings import Settings, SettingsError, read_keys
+from addin.client import Client, Refusal
+from addin.server.settings import Settings, SettingsError, check_certificate, read_keys
 from addin.server.starts import Starts, waited_for
 from addin.server.work import Busy, TooLong, Work
 from addin.worksheet import registry
@@ -269,7 +270,7 @@ def certificate(folder):
     return files
 
 
-def test_https_beyond_this_machine_with_certificate_and_keys(tmp_path, key_file):
+def test_https_beyond_this_machine_with_certificate_and_keys(tmp_path, key_file, monkeypatch):
     import ssl
 
     cert, key = certificate(tmp_path)
@@ -279,6 +280,35 @@ def test_https_beyond_this_machine_with_certificate_and_keys(tmp_path, key_file)
         trusted = ssl.create_default_context(cafile=str(cert))
         with urllib.request.urlopen(address + "/healthz", timeout=20, context=trusted) as said:
             assert json.load(said) == {"ok": True}
+        with pytest.raises(Refusal, match="set the environment variable SSL_CERT_FILE"):
+            Client(address, key=KEY).call("TV_CONVERT", 1, "m", "mm")
+        monkeypatch.setenv("SSL_CERT_FILE", str(cert))
+        assert Client(address, key=KEY).call("TV_CONVERT", 1, "m", "mm") == [[1000.0]]
+
+
+@pytest.mark.parametrize("swapped", [True, False])
+def test_files_that_are_no_certificate_and_key_are_told(tmp_path, swapped):
+    cert, key = certificate(tmp_path)
+    if swapped:
+        words, told = [key, cert], "exchange the two"
+    else:
+        (tmp_path / "other").mkdir()
+        words, told = [cert, certificate(tmp_path / "other")[1]], "not that of the certificate"
+    done = subprocess.run(
+        [sys.executable, "-m", "addin.cli", "serve", "--port", "0",
+         "--cert", str(words[0]), "--key", str(words[1])],
+        cwd=ROOT, capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert told in done.stderr
+    assert "Traceback" not in done.stderr
+    text = tmp_path / "text.pem"
+    text.write_text("nothing")
+    for wrong in ((text, key), (cert, text), (text, text)):
+        settings = Settings(certificate=wrong[0], certificate_key=wrong[1])
+        with pytest.raises(SettingsError, match="in PEM"):
+            check_certificate(settings)
+    check_certificate(Settings(certificate=cert, certificate_key=key))
 
 
 # --- settings that would expose the server --------------------------------------------------------

@@ -219,8 +219,18 @@ def test_tables_without_units_are_not_guessed_at():
 def test_wrong_tables_and_handles_are_told():
     arguments = model_arguments()
     assert "no headers" in refused("TV_MODEL", [[1.0, 2.0], [3.0, 4.0]], arguments[1]).message
-    assert "no headers" in refused("TV_MODEL", arguments[2], arguments[1]).message
-    assert refused("TV_PEAKS", "tv:0123456789abcdef").code == "#N/A"
+    swapped = refused("TV_MODEL", arguments[1], arguments[0]).message
+    assert "Stations: the range holds table Elements" in swapped
+    assert "names of sheet Case" in refused("TV_MODEL", arguments[2], arguments[1]).message
+    told = refused("TV_MODEL", arguments[0], arguments[1], arguments[3]).message
+    assert "Case: the range holds table Meshes" in told
+    # two tables that share headers
+    told = refused("TV_MODEL", *arguments[:5], arguments[6], arguments[5]).message
+    assert "MotorTorque: the range holds table LoadTorque" in told
+    forgotten = refused("TV_PEAKS", "tv:0123456789abcdef")
+    assert forgotten.code == "#N/A"
+    assert "Ctrl+Alt+F9" in forgotten.message
+    assert "A program asks for the model again" in forgotten.message  # over HTTP nobody has keys
     assert "TV_MODEL" in refused("TV_PEAKS", "Stations, row 3: wrong").message
     assert refused("TV_PEAKS", "#REF!").code == "#REF!"
     assert refused("TV_NOTHING").code == "#NAME?"
@@ -239,17 +249,66 @@ def test_wrong_tables_and_handles_are_told():
         ("TV_CONVERT", [1.0, "florps", "m"], "florps"),
         ("TV_CONVERT", [[["a"]], "m", "mm"], "found 'a'"),
         ("TV_CONVERT", [True, "m", "mm"], "TRUE"),
+        ("TV_CONVERT", [1.0, "ft-lb", "N*m"], "'ft-lb' is not a known unit; lb is a mass: write"),
+        ("TV_CONVERT", [1.0, "N*m", "ft-lb"], "'ft-lb' is not a known unit; lb is a mass: write"),
+        ("TV_CONVERT", [1.0, "psj", "MPa"], "'psj' is not a known unit; did you mean psi?"),
+        ("TV_PEAKS", [None], "Model is blank. Give the cell with =TV_MODEL(...)."),
+        (
+            "TV_STIFFNESS",
+            ["200", 0.0, 500.0, 79300.0],
+            "OD: found '200', which looks like a number",
+        ),
+        ("TV_STIFFNESS", [200.0, 0.0, "0,5", 79300.0], "Length: found '0,5', which has a decimal"),
+        ("TV_CONVERT", [[["1"]], "m", "mm"], "Value: found '1', which looks like a number"),
+        ("TV_STIFFNESS", [200.0, {"value": 150}, 500.0, 79300.0], 'ID: found the object {"value"'),
+        ("TV_CONVERT", [[[1.0, {"x": 1}]], "m", "mm"], "Value: found the object"),
+        ("TV_CONVERT", [{"type": "Double"}, "m", "mm"], "Value: found the object"),
     ],
 )
 def test_wrong_arguments_are_told(name, raw, words):
     assert words in refused(name, *raw).message
 
 
+def test_a_range_without_units_is_told_in_one_sentence():
+    arguments = model_arguments()
+    told = refused("TV_MODEL", arguments[0][1:], *arguments[1:]).message
+    inertia = told.split(" Stations, Damping")[0]
+    assert inertia == (
+        "Stations, Inertia: there is no unit above the header. Select the units too; usual ones "
+        "are lb*ft^2, lb*in^2, lbf*in*s^2, kg*m^2."
+    )
+
+
+@pytest.mark.parametrize(
+    ("table_at", "header", "typed", "hint"),
+    [
+        (0, "Inertia", "Inerta", " Did you mean 'Inertia'?"),
+        (0, "Station", "Statoin", " Did you mean 'Station'?"),
+        (1, "Stiffness", "Stifness", " Did you mean 'Stiffness'?"),
+        (1, "Kind", "xyzzy", ""),
+    ],
+)
+def test_a_mistyped_header_is_told_once_and_not_for_every_row(table_at, header, typed, hint):
+    arguments = model_arguments()
+    one = [list(row) for row in arguments[table_at]]
+    one[1][one[1].index(header)] = typed
+    arguments[table_at] = one
+    name = ("Stations", "Elements")[table_at]
+    told = refused("TV_MODEL", *arguments).message
+    assert told == f"{name}, {typed}: the header '{typed}' is not known.{hint}"
+
+
 def test_modes_and_elements_that_are_not_there(handle):
     assert "elastic modes" in refused("TV_MODE", handle, 99.0).message
     assert "whole number" in refused("TV_MODE", handle, 1.5).message
     told = refused("TV_HISTORY", handle, "Nowhere").message
-    assert "LS coupling" in told
+    assert "'LP shaft, far end'" in told  # a name with a comma stays one name
+    assert "Did you mean" not in told
+    assert "Did you mean 'LS coupling'?" in refused("TV_HISTORY", handle, "LS couplng").message
+    told = refused("TV_SN_LIFE", handle, "Aloy steel", 1.0).message
+    assert told == (
+        "Material: found 'Aloy steel'; there are: 'Alloy steel'. Did you mean 'Alloy steel'?"
+    )
     assert "give 3 to" in refused("TV_HISTORY", handle, "LS coupling", 1e6).message
 
 
@@ -261,8 +320,96 @@ def test_a_case_without_a_start_says_so():
     ]
     bare = call("TV_MODEL", [*arguments[:3], *without])[0][0]
     assert len(call("TV_FREQUENCIES", [bare])) > 2
-    for name in ("TV_PEAKS", "TV_STARTS", "TV_SPEED_TIME"):
-        assert refused(name, bare).code == "#N/A"
+    for name in ("TV_PEAKS", "TV_STARTS", "TV_SPEED_TIME", "TV_REVERSALS", "TV_CYCLES"):
+        told = refused(name, bare)
+        assert told.code == "#N/A"
+        assert told.message.startswith("The case has no start")
+
+
+def test_a_start_without_judged_shafts_says_what_is_missing():
+    arguments = model_arguments()
+    elements = [list(row) for row in arguments[1]]
+    for header in ("Stress diameter", "Stress bore", "SCF", "Material"):
+        for row in elements[2:]:
+            row[elements[1].index(header)] = None
+    unjudged = call("TV_MODEL", [arguments[0], elements, *arguments[2:]])[0][0]
+    for name in ("TV_CYCLES", "TV_STARTS"):
+        assert refused(name, unjudged).message.startswith("No shaft is judged for fatigue")
+    plain = {
+        "stations": [["", "kg*m^2"], ["Station", "Inertia"], ["M", 1.0], ["L", 2.0]],
+        "elements": [
+            ["", "", "", "", "N*m/rad"],
+            ["Element", "Kind", "From", "To", "Stiffness"],
+            ["S", "shaft", "M", "L", 1e4],
+        ],
+        "case": [["Line frequency", 60.0, "Hz"], ["Poles", 4.0], ["Rated torque", 10.0, "N*m"]],
+        "motor": [
+            ["", "%", "N*m", "N*m"],
+            ["Station", "Speed", "Average", "Pulsating"],
+            ["M", 0.0, 10.0, 5.0],
+            ["M", 100.0, 10.0, 0.0],
+        ],
+    }
+    without_mesh = call(
+        "TV_MODEL",
+        [plain["stations"], plain["elements"], plain["case"], None, None, plain["motor"]],
+    )[0][0]
+    told = refused("TV_REVERSALS", without_mesh).message
+    assert told == "The train has no gear mesh and no geared coupling."
+
+
+# --- what the functions promise ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("most", [3.0, 4.0, 5.0, 20.0])
+def test_curves_have_no_more_rows_than_asked_for(handle, most):
+    for name, given in (("TV_HISTORY", ["LS coupling"]), ("TV_SPEED_TIME", [])):
+        rest = [None, False] if given else [False]
+        rows = call(name, [handle, *given, most, *rest])
+        everything = call(name, [handle, *given, 20_001.0, *rest])
+        assert len(rows) <= most
+        assert (rows[0], rows[-1]) == (everything[0], everything[-1])
+
+
+def test_speed_is_thinned_evenly(handle):
+    time = [row[0] for row in call("TV_SPEED_TIME", [handle, 41.0, False])]
+    steps = [b - a for a, b in zip(time, time[1:], strict=False)]
+    assert len(time) == 41
+    assert max(steps) < 1.5 * min(steps)
+
+
+def test_a_turning_point_of_the_speed_is_kept():
+    import numpy as np
+
+    from addin.chart_rows import thinned
+
+    time = np.linspace(0.0, 10.0, 1001)
+    speed = np.where(time < 6.43, time, 12.86 - time)  # a trip
+    kept = thinned(time, speed, 21)
+    assert kept.size <= 21
+    assert speed.argmax() in kept
+    assert {0, 1000} <= set(kept.tolist())
+    swinging = np.sin(40.0 * time)
+    assert thinned(time, swinging, 21).size <= 21
+
+
+def test_stresses_beyond_the_s_n_points_are_told(handle):
+    """Points of the example: 49,500 psi for 1,000 cycles, 19,000 psi for 1,000,000; UTS 110,000."""
+    slope = math.log(1e6 / 1e3) / math.log(49500.0 / 19000.0)
+    ask = [handle, "Alloy steel", [[60000.0, 30000.0, 19000.0, None]], "US"]
+    (plain,) = call("TV_SN_LIFE", ask)
+    assert plain[0] == pytest.approx(1e3 * (49500.0 / 60000.0) ** slope, rel=1e-9)
+    assert plain[2:] == ["unlimited", None]
+    (told,) = call("TV_SN_LIFE", [*ask, True])
+    assert told[:4] == plain
+    assert "above the first S-N point" in told[4]
+    assert told[5:] == [None, None, None]
+    assert call("TV_SN_LIFE", [handle, "Alloy steel", 110000.0])[0][0] > 1.0
+    above = refused("TV_SN_LIFE", handle, "Alloy steel", [[1.0, 120000.0]], "US")
+    assert above.code == "#NUM!"
+    assert above.message.startswith(
+        "Stress, row 1, column 2: found 120000 psi; it lies above UTS of 'Alloy steel', 110000 psi"
+    )
 
 
 # --- kept within bounds ---------------------------------------------------------------------------

@@ -1,6 +1,8 @@
 // Line charts and the drawing of the train, as SVG: a small part of what a chart library does, but
 // all that this page needs, and readable on paper.
 
+/** Width of a letter of a chart, on average and generously. [px] */
+const LETTER = 6.2;
 const SVG = "http://www.w3.org/2000/svg";
 /** Dark enough to print, and told apart by the colour-blind (Okabe and Ito). */
 export const COLOURS = ["#1f4e79", "#c0504d", "#2e7d5b", "#8a6d1d", "#6a4c93", "#4a4a4a"];
@@ -55,12 +57,13 @@ function path(xs, ys, toX, toY) {
 /**
  * One chart.
  * what.series: {name, x, y, colour, dash, width}; what.marks: {x, y, text, anchor} words at a point;
- * what.points: {x, y, text} with a dot; what.x and what.y: axis titles.
+ * what.points: {x, y, text} with a dot; what.x and what.y: axis titles; what.width: the width it
+ * will be shown at, so that its letters are as large as those around it. [px]
  */
 export function chart(what) {
-  const width = 640, height = what.height || 300;
-  const named = what.series.filter(s => s.name);
-  const legend = named.length > 1 || what.legend ? 20 : 0;
+  const width = what.width || 640, height = Math.round((what.height || 300) * (width < 480 ? 0.85 : 1));
+  const entries = legendOf(what, width);
+  const legend = entries.length ? 20 + 16 * entries[entries.length - 1].row : 0;
   const left = 66, right = what.right || 16, top = 10 + legend, bottom = 40;
   const [x0, x1] = what.rangeX || extent(what.series.map(s => s.x), false);
   const [y0, y1] = what.rangeY || extent(what.series.map(s => s.y), true);
@@ -68,7 +71,7 @@ export function chart(what) {
   const toY = v => height - bottom - ((v - y0) / (y1 - y0)) * (height - top - bottom);
   const svg = element("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", class: "chart" });
   svg.append(element("title", {}, what.title));
-  for (const v of ticks(x0, x1, 8)) {
+  for (const v of ticks(x0, x1, Math.max(3, Math.min(8, Math.floor((width - left - right) / 58))))) {
     svg.append(element("line", { x1: toX(v), x2: toX(v), y1: top, y2: height - bottom, class: "grid" }));
     svg.append(element("text", { x: toX(v), y: height - bottom + 15, class: "tick middle" }, short(v)));
   }
@@ -83,20 +86,47 @@ export function chart(what) {
   svg.append(element("rect", { x: left, y: top, width: width - left - right, height: height - top - bottom, class: "frame" }));
   for (const p of what.points || []) {
     svg.append(element("circle", { cx: toX(p.x), cy: toY(p.y), r: 3.2, class: "dot" }));
-    svg.append(element("text", { x: toX(p.x) + 7, y: toY(p.y) + 12, class: "mark" }, p.text));
+    if (!p.text) continue;
+    // right of the dot and below it, or left of it and above, where the frame would cut it
+    const fits = toX(p.x) + 7 + LETTER * p.text.length < width - right;
+    svg.append(element("text", { x: toX(p.x) + (fits ? 7 : -7), y: Math.max(toY(p.y) + (fits ? 12 : -5), top + 11), class: fits ? "mark" : "mark end" }, p.text));
   }
+  const taken = [];
   for (const m of what.marks || []) {
-    svg.append(element("text", { x: toX(m.x) + (m.dx || 0), y: toY(m.y) + (m.dy || 0), class: `mark ${m.anchor || ""}` }, m.text));
+    let x = toX(m.x) + (m.dx || 0), y = toY(m.y) + (m.dy || 0);
+    if (m.anchor === "middle") { // inside the frame
+      const half = LETTER * m.text.length / 2 + 2;
+      x = Math.max(left + half, Math.min(width - right - half, x));
+      y = Math.max(top + 11, y);
+      while (taken.some(t => Math.abs(t.y - y) < 11 && Math.abs(t.x - x) < t.half + half)) y += 12;
+      taken.push({ x, y, half });
+    }
+    svg.append(element("text", { x, y, class: `mark ${m.anchor || ""}` }, m.text));
   }
   svg.append(element("text", { x: (left + width - right) / 2, y: height - 6, class: "axis middle" }, what.x));
   svg.append(element("text", { transform: `translate(13 ${(top + height - bottom) / 2}) rotate(-90)`, class: "axis middle" }, what.y));
-  let at = left;
-  for (const s of legend ? named : []) {
-    svg.append(element("line", { x1: at, x2: at + 18, y1: 12, y2: 12, stroke: s.colour, "stroke-width": 2, "stroke-dasharray": s.dash || "none" }));
-    svg.append(element("text", { x: at + 23, y: 16, class: "mark" }, s.name));
-    at += 40 + 6.2 * s.name.length;
+  for (const { name, colour, dash, dot, at, row } of entries) {
+    const y = 12 + 16 * row;
+    svg.append(dot ? element("circle", { cx: at + 9, cy: y, r: 3.2, class: "dot" })
+      : element("line", { x1: at, x2: at + 18, y1: y, y2: y, stroke: colour, "stroke-width": 2, "stroke-dasharray": dash || "none" }));
+    svg.append(element("text", { x: at + 23, y: y + 4, class: "mark" }, name));
   }
   return svg;
+}
+
+/** Entries of the legend and their places, row by row. */
+function legendOf(what, width) {
+  const named = what.series.filter(s => s.name);
+  if (named.length < 2 && !what.legend) return [];
+  if (what.pointsName && (what.points || []).length) named.push({ name: what.pointsName, dot: true });
+  let at = 66, row = 0;
+  return named.map(one => {
+    const needed = 30 + LETTER * one.name.length;
+    if (at > 66 && at + needed > width) { at = 66; row += 1; }
+    const placed = { ...one, at, row };
+    at += needed + 10;
+    return placed;
+  });
 }
 
 /** Words broken into lines of about so many letters. */

@@ -8,8 +8,23 @@ const ENDINGS = /\.(xlsx|xlsm|json)$/i;
 
 /** Margins shown at once. */
 const FEW = 12;
-/** What is open: the file, its model, and the calculation under way. */
-const open = { name: "", bytes: null, model: null, running: null };
+/** Columns that the narrow pane of Office leaves out until asked for, by the table they are in. */
+const MINOR = {
+  frequencies: ["CPM", "Share"],
+  shapes: ["Mode 5", "Mode 6"],
+  peaks: ["Time", "Percent speed", "Error"],
+  reversals: ["Impacts", "Recontact speed", "Tooth force", "Transmitted torque", "Limit"],
+  starts: ["Error", "Governing"],
+  margins: ["Speed", "Excitation frequency", "Required"],
+  steady: ["Mode", "Frequency", "Applied at", "Applied torque", "Torque", "Zero-to-peak stress"],
+};
+/** Columns of reversals shown; the others are in the workbook. Modes whose shapes are shown. */
+const REVERSALS = ["Element", "Minimum torque", "Reversals", "Time unloaded", "Impacts", "Recontact speed", "Tooth force", "Transmitted torque", "Limit", "Verdict"];
+const SHAPES = 6;
+/** Widths of charts on paper: across the page and half of it. [px] */
+const PAPER = { whole: 660, half: 345 };
+/** What is open: the file, its model, what is shown of it, and the calculation under way. */
+const open = { name: "", bytes: null, model: null, running: null, view: null };
 
 // --- small things ---------------------------------------------------------------------------------
 
@@ -26,9 +41,11 @@ function say(text, kind = "") {
 }
 
 function number(value) {
+  if (value === 0) return "0"; // and not -0
   if (Number.isInteger(value) && Math.abs(value) < 1e9) return value.toLocaleString("en-US");
   const size = Math.abs(value);
   if (size >= 1e9 || (size < 1e-4 && size > 0)) return value.toExponential(3);
+  if (size >= 1e5) return Math.round(value).toLocaleString("en-US");
   return Number(value.toPrecision(5)).toLocaleString("en-US", { maximumFractionDigits: 10 });
 }
 
@@ -38,31 +55,60 @@ function verdictClass(text) {
   return /^pass/i.test(text) ? "pass" : "";
 }
 
-/** Rows with a row of headers, whose units stand in brackets. */
-function table(rows, missing) {
+/** How a value is shown; starts are whole ones, as in the verdict. */
+function shown(value, header) {
+  if (value === null) return "";
+  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (typeof value !== "number") return value;
+  if (/^(Allowable starts|Paper count)/.test(header)) return number(Math.floor(value * (1 + 1e-9)));
+  if (/^Mode \d/.test(header)) return (value + 0).toFixed(3).replace(/^-(0\.0+)$/, "$1"); // a mode shape
+  return number(value);
+}
+
+/** Rows with a row of headers, whose units stand in brackets; columns for which `minor` holds are marked. */
+function table(rows, missing, minor = () => false) {
   if (!rows || rows.length < 2) return made("p", missing, "missing");
   const [head, ...body] = rows;
-  const shown = head.map((_, j) => j).filter(j => body.some(row => row[j] !== null));
+  const columns = head.map((_, j) => j).filter(j => body.some(row => row[j] !== null));
   const isNumber = j => body.every(row => row[j] === null || typeof row[j] === "number" || row[j] === "unlimited" || row[j] === "unbounded");
   const found = made("table"), top = found.createTHead().insertRow(), rest = found.createTBody();
-  for (const j of shown) {
+  const kind = j => `${isNumber(j) ? "number" : ""} ${minor(head[j].replace(/ \[.*/, "")) ? "minor" : ""}`.trim();
+  for (const j of columns) {
     const [, name, unit] = /^(.*?)(?: \[(.*)\])?$/.exec(head[j]);
-    const cell = made("th", name, isNumber(j) ? "number" : "");
+    const cell = made("th", name, kind(j));
     cell.scope = "col";
     if (unit) cell.append(made("span", unit, "unit"));
     top.append(cell);
   }
   for (const row of body) {
     const line = rest.insertRow();
-    for (const j of shown) {
-      const value = row[j];
-      const text = value === null ? "" : typeof value === "number" ? number(value) : typeof value === "boolean" ? (value ? "yes" : "no") : value;
-      const cell = made("td", text, isNumber(j) ? "number" : "");
-      if (/^Verdict/.test(head[j])) cell.className = verdictClass(String(text));
+    for (const j of columns) {
+      const text = shown(row[j], head[j]);
+      const cell = made("td", text, kind(j));
+      if (/^Verdict/.test(head[j])) cell.className = `${kind(j)} ${verdictClass(String(text))}`.trim();
       line.append(cell);
     }
   }
   return found;
+}
+
+/** A table in its place; where columns are left out in a narrow pane, a button shows them. */
+function putTable(id, rows, missing) {
+  const found = table(rows, missing, name => MINOR[id].includes(name));
+  at(id).classList.remove("all");
+  at(id).replaceChildren(found);
+  if (!found.querySelector(".minor")) return;
+  const more = made("button", "All columns", "more noprint");
+  more.type = "button";
+  more.addEventListener("click", () => { more.textContent = at(id).classList.toggle("all") ? "Fewer columns" : "All columns"; });
+  at(id).append(more);
+}
+
+/** Some columns of a table. */
+function chosen(rows, names) {
+  if (!rows || !rows.length) return rows;
+  const kept = rows[0].map((name, j) => (names.includes(name.replace(/ \[.*/, "")) ? j : -1)).filter(j => j >= 0);
+  return rows.map(row => kept.map(j => row[j]));
 }
 
 function figure(id, svg, caption = "") {
@@ -79,24 +125,38 @@ function figure(id, svg, caption = "") {
 // --- drawing a model ------------------------------------------------------------------------------
 
 function show(view) {
+  open.view = view;
   at("results").hidden = false;
   at("results").classList.toggle("waiting", !view.complete);
   at("title").textContent = view.about.title || open.name || "Model";
   at("handle").textContent = view.handle;
   showAbout(view);
-  for (const id of ["verdicts", "train", "frequencies", "interference", "torque", "speed", "histories", "peaks", "starts", "margins"]) at(id).replaceChildren();
-  const { charts, labels, tables } = view, wait = view.complete ? "None." : "Not calculated yet.";
-  at("verdicts").append(view.complete ? table(tables.Verdicts, "No verdicts.") : "");
-  at("train").append(drawnTrain(charts.ChartTrain, labels));
-  at("frequencies").append(table(tables.NaturalFrequencies, "No modes."));
-  showInterference(charts, labels);
-  showTorque(charts.ChartTorque);
-  showSpeed(charts, labels, wait);
-  showHistories(charts.ChartHistory, labels, wait);
-  at("peaks").append(table(tables.StartupPeaks, wait));
-  at("starts").append(table(tables.AllowableStarts, view.complete ? "No shaft is judged for fatigue." : wait));
+  const { charts, labels, tables } = view, wait = waiting(view);
+  at("verdicts").replaceChildren(view.complete ? table(tables.Verdicts, "No verdicts.") : "");
+  at("train").replaceChildren(drawnTrain(charts.ChartTrain, labels));
+  putTable("frequencies", tables.NaturalFrequencies, "No modes.");
+  putTable("shapes", (tables.ModeShapes || []).map(row => row.slice(0, SHAPES + 1)), "No modes.");
+  showCharts(view);
+  putTable("peaks", tables.StartupPeaks, wait);
+  putTable("reversals", chosen(tables.TorqueReversals, REVERSALS), view.complete ? "No gear mesh and no geared coupling." : wait);
+  putTable("starts", tables.AllowableStarts, view.complete ? "No shaft is judged for fatigue." : wait);
   showMargins(tables.SeparationMargins);
+  showSteady(tables.SteadyState);
   showNotes(view.warnings);
+}
+
+const waiting = view => (view.complete ? "None." : "Not calculated yet.");
+
+/** The charts, drawn for the width they are shown at: on the screen, or on paper. */
+function showCharts({ charts, labels, complete }, onPaper = false) {
+  for (const id of ["interference", "torque", "speed", "histories"]) at(id).replaceChildren();
+  const wait = waiting({ complete }), inHalf = matchMedia("(min-width: 48rem)").matches;
+  const room = (id, parts) => Math.round(Math.max(270, Math.min(640, at(id).clientWidth / parts - (parts > 1 ? 16 : 0))));
+  const width = (id, parts = 1) => (onPaper ? PAPER[id === "interference" ? "whole" : "half"] : room(id, parts));
+  showInterference(charts, labels, width("interference"));
+  showTorque(charts.ChartTorque, width("torque"));
+  showSpeed(charts, labels, wait, width("speed"));
+  showHistories(charts.ChartHistory, labels, wait, width("histories", inHalf ? 2 : 1));
 }
 
 function showAbout(view) {
@@ -117,10 +177,19 @@ function showMargins(rows, all = false) {
   const nearest = [...body].sort((a, b) => a[margin] - b[margin]);
   const few = nearest.filter((row, i) => i < FEW || row[verdict] !== "pass");
   const shown = all ? body : few;
-  at("margins").replaceChildren(table([head, ...shown], "Nothing is judged: the case states no speed and no line."));
+  putTable("margins", [head, ...shown], "Nothing is judged: the case states no speed and no line.");
   at("all-margins").hidden = all || shown.length === body.length;
   at("all-margins").textContent = `Show all ${body.length}, not the ${few.length} nearest only`;
   at("all-margins").onclick = () => showMargins(rows, true);
+}
+
+/** Judged elements, those that fail first; most elements have no limit and are not judged. */
+function showSteady([head, ...body]) {
+  const verdict = head.indexOf("Verdict"), fails = row => (row[verdict] === "fail" ? 0 : 1);
+  const judged = body.filter(row => row[verdict] !== "not judged").sort((a, b) => fails(a) - fails(b));
+  putTable("steady", [head, ...judged], body.length ? "No element has a limit to be judged by." : "Every margin is kept.");
+  const left = body.length - judged.length;
+  if (left && judged.length) at("steady").append(made("p", `${left} rows that are not judged are left out; the workbook has them.`, "missing"));
 }
 
 function showNotes(sentences) {
@@ -144,6 +213,16 @@ function drawnTrain(columns, labels) {
   return train(items, groups);
 }
 
+/** Where a curve passes a level: points for a chart. */
+function crossings(xs, ys, level) {
+  const found = [];
+  for (let i = 1; i < xs.length; i += 1) {
+    const [a, b] = [ys[i - 1] - level, ys[i] - level];
+    if (a * b < 0) found.push({ x: xs[i - 1] + (xs[i] - xs[i - 1]) * a / (a - b), y: level, text: "" });
+  }
+  return found;
+}
+
 /** How far each of some rising labels is moved up, so that neighbours can be read. */
 function apart(values, top) {
   const near = 0.045 * top, step = 10;
@@ -155,7 +234,7 @@ function apart(values, top) {
   return moved;
 }
 
-function showInterference(charts, labels) {
+function showInterference(charts, labels, width) {
   const data = charts.ChartInterference;
   if (!data.Modes.length) {
     at("interference").append(made("p", "No diagram: the case states no speed or no line frequency.", "missing"));
@@ -171,7 +250,7 @@ function showInterference(charts, labels) {
     marks.push({ x: charts.ChartNames.Speed[k - 1], y: charts.ChartNames.Frequency[k - 1], text: name, anchor: "middle", dy: -3 });
   }
   figure("interference", chart({
-    title: "Interference diagram", height: 380, right: 62, legend: true,
+    title: "Interference diagram", height: 380, width, right: 62, legend: true,
     x: "Motor speed [rpm]", y: "Frequency [Hz]", rangeY: [0, top * 1.03],
     series: [
       ...lines,
@@ -179,23 +258,24 @@ function showInterference(charts, labels) {
       { name: "2 × slip while starting", x: data["Slip speed"], y: data["2 x slip"], colour: COLOURS[1], width: 1.6 },
       { name: "modes", x: data["Modes speed"], y: data.Modes, colour: COLOURS[0], width: 1.8 },
     ],
-    marks,
+    marks, pointsName: "2 × slip meets a mode",
+    points: data.Label.flatMap(level => crossings(data["Slip speed"], data["2 x slip"], level)),
   }));
 }
 
-function showTorque(data) {
+function showTorque(data, width) {
   if (!data.Speed.length) {
     at("torque").append(made("p", "No torque curves: the case has no start.", "missing"));
     return;
   }
   const names = [["Average", "motor, average"], ["Pulsating", "motor, pulsating"], ["Load", "load"], ["Accelerating", "accelerating"]];
   figure("torque", chart({
-    title: "Torques against speed", height: 340, x: "Speed [% of synchronous]", y: "Torque [per unit of rated]",
+    title: "Torques against speed", height: 340, width, x: "Speed [% of synchronous]", y: "Torque [per unit of rated]",
     series: names.map(([column, name], k) => ({ name, x: data.Speed, y: data[column], colour: COLOURS[k], dash: k === 3 ? "5 3" : "none", width: 1.6 })),
   }));
 }
 
-function showSpeed(charts, labels, wait) {
+function showSpeed(charts, labels, wait, width) {
   const data = charts.ChartSpeedTime;
   if (!data.Time.length) { at("speed").append(made("p", wait, "missing")); return; }
   const points = [];
@@ -206,19 +286,19 @@ function showSpeed(charts, labels, wait) {
     });
   }
   figure("speed", chart({
-    title: "Speed against time", height: 340, x: "Time [s]", y: "Motor speed [rpm]",
+    title: "Speed against time", height: 340, width, x: "Time [s]", y: "Motor speed [rpm]",
     series: [{ name: "", x: data.Time, y: data.Speed, colour: COLOURS[0], width: 1.8 }], points,
   }));
 }
 
-function showHistories(data, labels, wait) {
+function showHistories(data, labels, wait, width) {
   let drawn = 0;
   for (let k = 1; k <= 6; k += 1) {
     const time = data[`Time ${k}`], value = data[`Value ${k}`];
     if (!time || !time.length) continue;
     drawn += 1;
     figure("histories", chart({
-      title: String(labels[`History title ${k}`]), height: 250, x: "Time [s]", y: String(labels[`History axis ${k}`]),
+      title: String(labels[`History title ${k}`]), height: 250, width, x: "Time [s]", y: String(labels[`History axis ${k}`]),
       series: [{ name: "", x: time, y: value, colour: COLOURS[0], width: 0.8 }],
     }), String(labels[`History title ${k}`]));
   }
@@ -318,9 +398,33 @@ at("key").value = key();
 at("key-form").addEventListener("submit", event => {
   event.preventDefault();
   setKey(at("key").value);
-  at("connection").open = false;
-  say("The key is kept in this browser.");
+  checkKey();
 });
+
+/** Say whether the server takes the key that is kept. */
+async function checkKey() {
+  say("asking the server about the key", "busy");
+  try {
+    await ask("/api/v1/batch", { body: JSON.stringify({ calls: [] }), headers: { "Content-Type": "application/json" } });
+    at("connection").open = false;
+    say(key() ? "The key is kept in this browser, and the server accepts it." : "No key is kept; the server asks for none.");
+  } catch (failed) {
+    if (failed.status !== 401) say(`The key is kept, but not tried: ${failed.message}`, "bad");
+    else if (key()) say("The server does not accept this key: it is wrong, mistyped or withdrawn. Whoever runs the server has the right one.", "bad");
+    else say("No key is kept, and the server asks for one. Whoever runs the server has it.", "bad");
+  }
+}
+
+// charts fit where they are shown: drawn anew when the pane is made wider, and for paper
+let drawnAt = innerWidth, redrawing = null;
+addEventListener("resize", () => {
+  clearTimeout(redrawing);
+  redrawing = setTimeout(() => {
+    if (open.view && innerWidth !== drawnAt) { drawnAt = innerWidth; showCharts(open.view); }
+  }, 150);
+});
+addEventListener("beforeprint", () => { if (open.view) showCharts(open.view, true); });
+addEventListener("afterprint", () => { if (open.view) showCharts(open.view); });
 
 // --- inside Office --------------------------------------------------------------------------------
 
