@@ -39,6 +39,8 @@ __all__ = ["case_of", "problems_in_words"]
 
 #: A header is looked for in so many rows from the top: title, units, headers.
 HEADER_ROWS = 3
+#: Likeness from which a text beside a value is taken for a misspelt name, not for a note. [1]
+_NEARLY = 0.85
 #: Problems told in one cell.
 MOST_TOLD = 5
 
@@ -109,20 +111,58 @@ class _Reading:
                 f"Case: the range {_other(SCALAR_TABLE, block) or 'has no name of sheet Case.'} "
                 "Select names, values and units of that sheet, side by side."
             )
+        if any(isinstance(row[0], float) for row in block):
+            raise FunctionError(
+                "Case: the first column of the range holds numbers. Begin it with the column of "
+                "the names."
+            )
+        there: set[str] = set()
+        seen: set[str] = set()
+        columns: set[int] = set()
         for row in block:
             for i, cell in enumerate(row):
                 spec = names.get(_folded(cell)) if isinstance(cell, str) else None
-                if spec is None or i + 1 >= len(row):
-                    continue
                 before = row[i - 1] if i else None
-                if isinstance(before, str) and _folded(before) in names:
-                    continue  # the value of the name before it
+                if spec is None or (isinstance(before, str) and _folded(before) in names):
+                    continue  # no name, or the value of the name before it
+                columns.add(i)
+                place = (SCALAR_TABLE, None, spec.name)
+                if i + 1 >= len(row):
+                    raise FunctionError(
+                        f"Case: the range ends with the column of '{cell}'. Select its value and "
+                        "unit too."
+                    )
+                there.add(spec.name)
+                if row[i + 1] is None:
+                    continue  # blank, or a heading of the same name
+                if spec.name in seen:
+                    self.findings.add(
+                        place, cell, "each name once", f"the name '{cell}' stands twice."
+                    )
+                    continue
+                seen.add(spec.name)
                 unit = row[i + 2] if i + 2 < len(row) else None
-                entry = self._entry(
-                    spec, row[i + 1], unit, (SCALAR_TABLE, None, spec.name), "right of it"
-                )
+                entry = self._entry(spec, row[i + 1], unit, place, "right of it")
                 if entry is not None:
                     self.typed.scalars[spec.name] = entry
+        self._misspelt_names(block, columns, [s.name for s in SCALARS if s.name not in there])
+
+    def _misspelt_names(self, block: Block, columns: set[int], missing: list[str]) -> None:
+        """Texts that stand where names do, have a value, and are nearly a name that is missing."""
+        folded = {_folded(name): name for name in missing}
+        for row in block:
+            for i in columns:
+                cell, value = row[i], row[i + 1] if i + 1 < len(row) else None
+                if not isinstance(cell, str) or value is None:
+                    continue
+                meant = nearest(_folded(cell), list(folded), cutoff=_NEARLY)
+                if meant is not None:
+                    self.findings.add(
+                        (SCALAR_TABLE, None, cell),
+                        cell,
+                        "a name of sheet Case",
+                        f"the name '{cell}' is not known. Did you mean '{folded[meant]}'?",
+                    )
 
     # ---- tables --------------------------------------------------------------------------------
 
@@ -137,6 +177,7 @@ class _Reading:
         }
         units = {j: _text(block[at - 1][j]) if at else "" for j in columns}
         misspelt = self._misspelt(spec, block[at], columns)
+        self._nameless(spec, block, at)
         entries: list[dict[str, Entry]] = []
         self.typed.tables[spec.name] = entries
         self.rows[spec.name] = []
@@ -170,6 +211,20 @@ class _Reading:
             f"{spec.name}: the range {other or 'has no headers.'} Select the table with its "
             f"headers ({names}, ...) and the row of units above them."
         )
+
+    def _nameless(self, spec: TableSpec, block: Block, at: int) -> None:
+        """Columns with values whose header is blank or no text."""
+        for j, header in enumerate(block[at]):
+            filled = [row[j] for row in block[at + 1 :] if row[j] is not None]
+            if isinstance(header, str) or (header is None and not filled):
+                continue
+            shown = "no header" if header is None else f"the header {_text(header) or 'an error'}"
+            self.findings.add(
+                (spec.name, None, f"column {j + 1}"),
+                _text(header) or None,
+                "a header of the table",
+                f"the column has {shown}. Select the table only, or name the column.",
+            )
 
     def _misspelt(self, spec: TableSpec, header: list[Cell], columns: dict[int, Field]) -> set[str]:
         """Columns that an unknown header may stand for: that they are blank is not told as well."""

@@ -1,0 +1,78 @@
+"""Ranges that would lose something typed are refused; nothing is passed over without a word."""
+
+import pytest
+from sheet_ranges import model_arguments
+
+from addin.worksheet.registry import FunctionError, call
+
+STATIONS, CASE = 0, 2
+
+
+def arguments(place, change):
+    given = model_arguments()
+    given[place] = change([list(row) for row in given[place]])
+    return given
+
+
+def told(place, change):
+    with pytest.raises(FunctionError) as wrong:
+        call("TV_MODEL", arguments(place, change))
+    return wrong.value.message
+
+
+def renamed(old, new):
+    def change(block):
+        for row in block:
+            for j, cell in enumerate(row):
+                if cell == old:
+                    row[j] = new
+        return block
+
+    return change
+
+
+def test_a_case_range_without_its_values():
+    """From the names of the right half on, its values are cut off."""
+    given = model_arguments()[CASE]
+    at = next(j for row in given for j, cell in enumerate(row) if cell == "Maximum time")
+    assert "Select its value" in told(CASE, lambda block: [row[: at + 1] for row in block])
+
+
+def test_a_case_range_that_begins_with_values():
+    """The names of the left half are cut off; those of the right are all there."""
+    assert "Begin it with the column of the names" in told(
+        CASE, lambda block: [row[1:] for row in block]
+    )
+
+
+def test_a_misspelt_name():
+    message = told(CASE, renamed("Damping ratio", "Dampng ratio"))
+    assert "'Dampng ratio' is not known. Did you mean 'DampingRatio'?" in message
+
+
+def test_a_name_twice():
+    def change(block):
+        row = next(row for row in block if "Damping ratio" in row)
+        return [*block, list(row)]
+
+    assert "'Damping ratio' stands twice" in told(CASE, change)
+
+
+@pytest.mark.parametrize(("header", "said"), [(None, "no header"), (5.0, "the header 5")])
+def test_values_under_no_header(header, said):
+    def change(block):
+        j = block[1].index("Damping")
+        block[2][j] = 10.0
+        block[1][j] = header
+        return block
+
+    message = told(STATIONS, change)
+    assert said in message
+    assert "column " in message
+
+
+def test_headings_choices_and_notes_on_sheet_case_are_no_names():
+    """The whole sheet with its headings, the table of effects and a note of one's own."""
+    before = call("TV_MODEL", model_arguments())
+    noted = arguments(CASE, lambda block: [*block, ["my own factor", 1.25] + [None] * 9])
+    assert call("TV_MODEL", noted) == before
