@@ -106,7 +106,7 @@ CALLS = [
     ("TV_FREQUENCIES", ()), ("TV_FREQUENCIES", ("US", False)), ("TV_MODE", (2.0,)),
     ("TV_ENERGY", ()), ("TV_MARGINS", ("SI",)), ("TV_STEADY", ()), ("TV_SPEED_TIME", (50.0,)),
     ("TV_PEAKS", ()), ("TV_HISTORY", ("LS coupling", 100.0)), ("TV_REVERSALS", ()),
-    ("TV_CYCLES", ()), ("TV_STARTS", ()), ("TV_EFFECTS", ()),
+    ("TV_CYCLES", ()), ("TV_STARTS", ()), ("TV_EFFECTS", ()), ("TV_VERDICTS", ()),
 ]  # fmt: skip
 
 
