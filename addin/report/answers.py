@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from addin.report.document import Block, Column, Facts, Listing, Paragraph, Section, Table
 from addin.report.equations import by
+from addin.report.layout import folded
 from addin.report.numbers import clean, fixed, significant
 from addin.report.subject import Subject
 from addin.report.tables import result_table, turned
@@ -90,8 +92,27 @@ def frequencies(subject: Subject) -> Section:
     )  # fmt: skip
     return Section(
         "Natural frequencies and mode shapes",
-        (table,),
+        (_with_amplification(table, chosen),),
         (_damping(subject, chosen), _energies(subject, count), _shapes(subject, count)),
+    )
+
+
+def _with_amplification(table: Table, rows: Sequence[Mapping[str, Any]]) -> Table:
+    """The table with a column of 1/2ζ after the damping ratio."""
+    headers = [column.header for column in table.columns]
+    if "Damping ratio" not in headers:
+        return table
+    at = headers.index("Damping ratio") + 1
+    cells = [
+        significant(0.5 / r["damping_ratio"], 3) if r.get("damping_ratio") else "" for r in rows
+    ]
+    column = Column("Amplification", "", "number")
+    return replace(
+        table,
+        columns=(*table.columns[:at], column, *table.columns[at:]),
+        rows=tuple(
+            (*row[:at], cell, *row[at:]) for row, cell in zip(table.rows, cells, strict=True)
+        ),
     )
 
 
@@ -121,27 +142,11 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
         said.append("No mode is damped: a resonance in continuous operation is unbounded, and the "
                     "start shows the build-up without any decay.")  # fmt: skip
         return Section("Damping", (Paragraph(" ".join(said)),))
-    said.append("The value is an assumption of the inputs; confirm it by experience with like trains.")
-    columns = (
-        Column("Mode", "", "number"),
-        Column("Frequency", subject.shown.unit("NaturalFrequencies", "Frequency"), "number"),
-        Column("Damping ratio", "%", "number"),
-        Column("Amplification at resonance 1/2ζ", "", "number"),
+    said.append(
+        "Damping is an assumption of the inputs: confirm it by experience with like trains. The damping "
+        "ratio of each mode and its amplification at resonance, 1/2ζ, stand in the table above."
     )
-    factor = subject.shown.units.factor("NaturalFrequencies", "Frequency")
-    body = tuple(
-        (
-            str(row["mode"]),
-            fixed(row["frequency"] / factor, 2),
-            significant(100.0 * row["damping_ratio"], 3),
-            significant(0.5 / row["damping_ratio"], 3),
-        )
-        for row in damped
-    )
-    blocks: list[Block] = [
-        Paragraph(" ".join(said)),
-        Table("Damping of the modes in the start", columns, body, by("Modal damping")),
-    ]
+    blocks: list[Block] = [Paragraph(" ".join(said))]
     item = "Largest neglected damping term"
     if item in subject.audit:
         blocks.append(Paragraph(f"{item}: {clean(subject.audit[item])}.", "note"))
@@ -172,7 +177,13 @@ def _energies(subject: Subject, count: int) -> Section:
         }
         nodes = "; ".join(clean(n["element"]) for n in mode["nodes"]) or "none"
         rows.append(
-            (str(mode["mode"]), fixed(mode["frequency"] / factor, 2), _shares(strain), _shares(kinetic), nodes)
+            (
+                str(mode["mode"]),
+                fixed(mode["frequency"] / factor, 2),
+                _shares(strain),
+                _shares(kinetic),
+                nodes,
+            )
         )
     note = (
         f"Shares of at least {100 * _SHARE:.0f} %, the largest first. A node lies inside the element "
@@ -180,7 +191,8 @@ def _energies(subject: Subject, count: int) -> Section:
         "where it has kinetic energy."
     )
     return Section(
-        "Energies and nodes", (Table("Energies and nodes of the modes", columns, tuple(rows), note),)
+        "Energies and nodes",
+        (Table("Energies and nodes of the modes", columns, tuple(rows), note),),
     )
 
 
@@ -199,11 +211,19 @@ def _shapes(subject: Subject, count: int) -> Section:
     if picture is not None:
         blocks.append(picture)
     drawn = min(count, _SHAPES)
-    some = [{k: v for k, v in row.items() if k == "station" or int(k.split("_")[1]) <= drawn} for row in rows]
+    some = [
+        {k: v for k, v in row.items() if k == "station" or int(k.split("_")[1]) <= drawn}
+        for row in rows
+    ]
     left = _left_out(drawn, len(modes.elastic_frequency), "mode shapes", "the lowest")
     blocks.append(
-        result_table("ModeShapes", some, subject.shown, "Mode shapes: twist of each station, largest = 1",
-                     note=left)  # fmt: skip
+        result_table(
+            "ModeShapes",
+            some,
+            subject.shown,
+            "Mode shapes: twist of each station, largest = 1",
+            note=left,
+        )  # fmt: skip
     )
     return Section("Mode shapes", tuple(blocks))
 
@@ -235,17 +255,33 @@ def margins(subject: Subject) -> Section:
     if picture is not None:
         blocks.append(picture)
     else:
-        blocks.append(Paragraph("There is no interference diagram: line frequency and speed are not both known."))
+        blocks.append(
+            Paragraph(
+                "There is no interference diagram: line frequency and speed are not both known."
+            )
+        )
     chosen = _chosen_margins(rows)
     blocks.append(
         result_table(
-            "SeparationMargins", [_with_mode(row) for row in chosen], subject.shown, "Separation margins",
-            note=" ".join(filter(None, (
-                "Speed: of the motor, where the margin is least within continuous operation.",
-                _left_out(len(chosen), len(rows), "pairs of mode and excitation",
-                          "every pair that does not pass, and the nearest excitations of each mode"),
-                by("Separation margin"),
-            ))),
+            "SeparationMargins",
+            [_with_mode(row) for row in chosen],
+            subject.shown,
+            "Separation margins",
+            note=" ".join(
+                filter(
+                    None,
+                    (
+                        "Speed: of the motor, where the margin is least within continuous operation.",
+                        _left_out(
+                            len(chosen),
+                            len(rows),
+                            "pairs of mode and excitation",
+                            "every pair that does not pass, and the nearest excitations of each mode",
+                        ),
+                        by("Separation margin"),
+                    ),
+                )
+            ),
         )  # fmt: skip
     )
     failing = [r for r in rows if r["verdict"] != "pass"]
@@ -275,7 +311,10 @@ def _chosen_margins(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]
     chosen = [row for row in rows if row["verdict"] != "pass" or id(row) in keep]
     if len(chosen) <= _FULL:
         return chosen
-    keep = {id(row) for row in sorted(chosen, key=lambda r: (r["verdict"] == "pass", r["margin"]))[:_FULL]}
+    keep = {
+        id(row)
+        for row in sorted(chosen, key=lambda r: (r["verdict"] == "pass", r["margin"]))[:_FULL]
+    }
     return [row for row in chosen if id(row) in keep]
 
 
@@ -390,7 +429,7 @@ def start(subject: Subject) -> Section:
             "Each point drawn is calculated; of long histories the least and the largest value of "
             "equal intervals of time are drawn, so that no peak is lost.", "note",
         )  # fmt: skip
-        parts.append(Section("Histories", (note, *histories)))
+        parts.append(Section("Histories", (*histories, note)))
     return Section(title, tuple(blocks), tuple(parts))
 
 
@@ -433,7 +472,10 @@ def _in_rated(subject: Subject) -> Iterator[Block]:
 
 def _pull_in(subject: Subject, field: Mapping[str, Any]) -> Iterator[Block]:
     facts = [
-        ("Field applied", f"after {fixed(field['field_time'], 3)} s at a slip of {field['field_slip']:.2%}"),
+        (
+            "Field applied",
+            f"after {fixed(field['field_time'], 3)} s at a slip of {field['field_slip']:.2%}",
+        ),
         ("In step at the end", "yes" if field["synchronised"] else "no"),
         ("Pole slips", str(field["pole_slips"])),
     ]
@@ -491,7 +533,9 @@ def reversals(subject: Subject) -> Section:
     if picture is not None:
         blocks.append(picture)
     practice = tuple(f"{p.applies_to}, {p.service}: {p.says} ({p.source})" for p in PRACTICE_LIMITS)
-    return Section(title, tuple(blocks), (Section("What is said in practice", (Listing(practice),)),))
+    return Section(
+        title, tuple(blocks), (Section("What is said in practice", (Listing(practice),)),)
+    )
 
 
 # --- fatigue --------------------------------------------------------------------------------------
@@ -512,7 +556,9 @@ def fatigue(subject: Subject) -> Section:
     """
     title, rows = "Fatigue and allowable starts", subject.rows("AllowableStarts")
     if subject.calculation.startup is None:
-        return Section(title, (Paragraph("No start was calculated, hence no damage and no number of starts."),))
+        return Section(
+            title, (Paragraph("No start was calculated, hence no damage and no number of starts."),)
+        )
     if not rows:
         return Section(title, (Paragraph(
             "No shaft is judged: none has a stress diameter and a material with S-N points."),))  # fmt: skip
@@ -527,7 +573,8 @@ def fatigue(subject: Subject) -> Section:
     verdict = next((v for v in subject.rows("Verdicts") if v["check"] == "Allowable starts"), None)
     facts = [("Starts required", required), ("Factor on starts", fixed(factor, 2))]
     if verdict is not None:
-        facts.append(("Verdict", f"{verdict['verdict']} {clean(verdict['where'] or '')}".strip()))
+        where = clean(verdict["where"] or "")
+        facts.append(("Verdict", verdict["verdict"] + (f" ({where})" if where else "")))
     blocks: list[Block] = [Facts(tuple(facts)), table, *_governing(subject)]
     return Section(title, tuple(blocks))
 
@@ -557,7 +604,7 @@ def _governing(subject: Subject) -> Iterator[Block]:
             note="The most damaging first; n cycles, N cycles to failure; a row without amplitude holds "
             f"all other cycles. Sum of the damage: {_sum(cycles)}. " + by("Damage"),
         )  # fmt: skip
-        yield table
+        yield from folded(table)
     else:
         yield Paragraph("No cycle of the start is listed: none does damage.")
 

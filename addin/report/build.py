@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from addin.calculation import Calculation
 from addin.chart_data import chart_blocks
+from addin.problems import shortened
 from addin.report import answers, closing, inputs, opening
 from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
@@ -10,8 +12,6 @@ from addin.report.layout import fitted
 from addin.report.numbers import clean
 from addin.report.shown import shown_of
 from addin.report.subject import Subject
-from addin.calculation import Calculation
-from addin.problems import shortened
 from addin.typed_case import CaseInput
 
 __all__ = ["build_document"]

@@ -17,7 +17,7 @@ from addin.report.document import (
     Table,
 )
 from addin.report.equations import EQUATIONS, METHODS, REFERENCES, by
-from addin.report.numbers import clean, significant
+from addin.report.numbers import clean, scientific
 from addin.report.subject import Subject
 from addin.report.tables import result_table, without_blanks
 from addin.start_cycles import start_cycle_facts, start_cycle_rows
@@ -56,7 +56,9 @@ def effects(subject: Subject) -> Section:
     rows = subject.rows("Effects")
     title = "Effects simulated and left out"
     if not rows:
-        return Section(title, (Paragraph("No start was calculated, so there was no effect to decide on."),))
+        return Section(
+            title, (Paragraph("No start was calculated, so there was no effect to decide on."),)
+        )
     parts = []
     for heading, on, none in (
         ("Simulated", True, "Nothing beyond the linear start was called for."),
@@ -71,7 +73,8 @@ def effects(subject: Subject) -> Section:
         "changes an answer; 0 means exactly nothing, blank that it is on or that nothing is known of it."
     )
     plans = tuple(
-        f"Plan {plan['number']}: {clean(str(plan['reason']))}" for plan in subject.calculation.view.plans
+        f"Plan {plan['number']}: {clean(str(plan['reason']))}"
+        for plan in subject.calculation.view.plans
     )
     told: tuple[Block, ...] = (Listing(plans),) if plans else ()
     return Section(title, (Paragraph(said), *told), tuple(parts))
@@ -90,13 +93,21 @@ def accuracy(subject: Subject) -> Section:
     Section
         The section.
     """
-    found = [(item, clean(subject.audit[item])) for item in _ACCURACY_ITEMS if item in subject.audit]
+    found = [
+        (item, clean(subject.audit[item])) for item in _ACCURACY_ITEMS if item in subject.audit
+    ]
     found += [
         (item, clean(value))
         for item, value in subject.audit.items()
         if item.startswith(("Estimated error of starts", "Sensitive"))
     ]
-    columns = ("Method", "Setting", "Error peak", "Error starts", *(("Time",) if subject.show_times else ()))
+    columns = (
+        "Method",
+        "Setting",
+        "Error peak",
+        "Error starts",
+        *(("Time",) if subject.show_times else ()),
+    )
     cost = result_table(
         "AccuracyCost", subject.rows("AccuracyCost"), subject.shown, "Errors and cost of each analysis",
         columns,
@@ -129,13 +140,16 @@ def equations(subject: Subject) -> Section:
     Section
         The section.
     """
-    sources = tuple(f"[{k}] {text}" for k, text in enumerate(REFERENCES, start=1))
+    sources = tuple((f"[{k}]", text) for k, text in enumerate(REFERENCES, start=1))
     return Section(
         "Equations and references",
-        (Paragraph("Symbols as in the nomenclature of the program (docs/nomenclature.md)."), *EQUATIONS),
+        (
+            Paragraph("Symbols as in the nomenclature of the program (docs/nomenclature.md)."),
+            *EQUATIONS,
+        ),
         (
             Section("Methods without a formula of their own", (Facts(METHODS),)),
-            Section("References", (Listing(sources),)),
+            Section("References", (Facts(sources, 9.0),)),
         ),
     )
 
@@ -160,23 +174,25 @@ def checks(subject: Subject) -> Section:
         Column("Result", "", "verdict"),
     )
     rows = tuple(
-        (name, str(count), significant(worst, 2), "ok" if worst <= _SAME else "differs")
+        (
+            name,
+            str(count),
+            "0" if worst == 0.0 else scientific(worst, 1),
+            "ok" if worst <= _SAME else "differs",
+        )
         for name, count, worst in _checks(subject)
     )
     said = (
         "Results that are simple arithmetic on other results were calculated a second time from the "
         "numbers of this document; relative differences. A checker repeats them by hand."
     )
-    by_hand = tuple(
-        f"☐  {text}"
-        for text in (
-            "Inputs compared with the drawings and the makers' data sheets, with their revisions.",
-            "Units above the columns are those of the numbers.",
-            "Damping, SCF and S-N data are justified.",
-            "Effects left out are acceptable for this train.",
-            "Verdicts marked not judged have been dealt with.",
-            "Digest on the cover equals that of the file: torsionbook verify FILE.",
-        )
+    by_hand = (
+        "Inputs compared with the drawings and the makers' data sheets, with their revisions.",
+        "Units above the columns are those of the numbers.",
+        "Damping, SCF and S-N data are justified.",
+        "Effects left out are acceptable for this train.",
+        "Verdicts marked not judged have been dealt with.",
+        "Digest on the cover equals that of the file: torsionbook verify FILE.",
     )
     names = (("Prepared by", subject.words("prepared_by")), ("Checked by", subject.words("checked_by")),
              ("Approved by", ""))  # fmt: skip
@@ -185,7 +201,7 @@ def checks(subject: Subject) -> Section:
         "Checks and signatures",
         (Paragraph(said), *((table,) if rows else ())),
         (
-            Section("To be checked by hand", (Listing(by_hand),)),
+            Section("To be checked by hand", (Listing(by_hand, "☐"),)),
             Section("Signatures", (SignatureBox(names),)),
         ),
     )
@@ -195,7 +211,9 @@ def _checks(subject: Subject) -> Iterator[tuple[str, int, float]]:
     """Name, number of values and largest relative difference of each check."""
     case = subject.calculation.case
     line = case.ratings.line_frequency
-    modes = {row["mode"]: row["frequency"] for row in subject.rows("NaturalFrequencies") if row["mode"]}
+    modes = {
+        row["mode"]: row["frequency"] for row in subject.rows("NaturalFrequencies") if row["mode"]
+    }
     if line:
         pairs = [
             (row["percent_speed"], 1.0 - row["frequency"] / (2.0 * line))
@@ -204,7 +222,10 @@ def _checks(subject: Subject) -> Iterator[tuple[str, int, float]]:
         ]
         yield from _compared(f"Speed of a crossing. {by('Start-up crossing')}", pairs)
     pairs = [
-        (row["margin"], abs(modes[row["mode"]] - row["excitation_frequency"]) / row["excitation_frequency"])
+        (
+            row["margin"],
+            abs(modes[row["mode"]] - row["excitation_frequency"]) / row["excitation_frequency"],
+        )
         for row in subject.rows("SeparationMargins")
         if row["excitation_frequency"] and row["mode"] in modes
     ]
@@ -223,13 +244,17 @@ def _checks(subject: Subject) -> Iterator[tuple[str, int, float]]:
         if row.get("damage") and row.get("allowable_starts")
     ]
     yield from _compared(f"Allowable starts. {by('Damage')}", pairs)
-    yield from _compared("Sum of the cycles listed against the damage of one start.", _sums(subject))
+    yield from _compared(
+        "Sum of the cycles listed against the damage of one start.", _sums(subject)
+    )
 
 
 def _sums(subject: Subject) -> list[tuple[float, float]]:
     view = subject.calculation.view
     shaft = start_cycle_facts(view)["shaft"]
-    damage = next((r.get("damage") for r in subject.rows("AllowableStarts") if r["element"] == shaft), None)
+    damage = next(
+        (r.get("damage") for r in subject.rows("AllowableStarts") if r["element"] == shaft), None
+    )
     if not damage:
         return []
     return [(damage, math.fsum(row["damage"] for row in start_cycle_rows(view)))]
@@ -258,7 +283,8 @@ def audit(subject: Subject) -> Section:
     rows = [
         (clean(item), clean(value))
         for item, value in subject.audit.items()
-        if not item.startswith(("Equation: ", "Time spent: ", "Warning ")) and item not in _ACCURACY_ITEMS
+        if not item.startswith(("Equation: ", "Time spent: ", "Warning "))
+        and item not in _ACCURACY_ITEMS
     ]
     if not subject.audit:
         rows = []

@@ -79,9 +79,12 @@ class Listing:
     ----------
     items : tuple of str
         The sentences. [text]
+    marker : str
+        Sign before each. [text]
     """
 
     items: tuple[str, ...]
+    marker: str = "–"
 
 
 @dataclass(frozen=True)
@@ -92,9 +95,12 @@ class Facts:
     ----------
     rows : tuple of (str, str)
         Name and value. [text]
+    width : float
+        Width of the names. [mm]
     """
 
     rows: tuple[tuple[str, str], ...]
+    width: float = 46.0
 
 
 @dataclass(frozen=True)
@@ -108,7 +114,8 @@ class Column:
     unit : str
         Its unit as shown; empty where there is none. [unit]
     kind : str
-        ``text``, ``number``, ``sentence`` (takes the width that is left) or ``verdict``. [word]
+        ``text``, ``number``, ``sentence`` (takes the width that is left), ``verdict``, or ``gap``
+        between halves that stand beside each other. [word]
     """
 
     header: str
@@ -132,6 +139,8 @@ class Table:
         Small print below: what was left out, by which equations. [text]
     number : int
         Counted through the document; 0 before `numbered`. [count]
+    together : bool
+        Whether it stays on one page, as a table folded into halves must. [flag]
     """
 
     caption: str
@@ -139,6 +148,7 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
     number: int = 0
+    together: bool = False
 
 
 @dataclass(frozen=True)

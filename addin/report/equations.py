@@ -23,8 +23,8 @@ EQUATIONS: tuple[Equation, ...] = (
     ),
     Equation(
         "Natural frequencies",
-        formula("*K φ = ω^2 *J φ ,~~ *K = *B^T diag", fence("k"), "*B ,~~ ω =~ singular~values~of",
-                root("k"), "*B", "/", root("*J")),
+        formula("*K φ = ω^2 *J φ ,~~ *K = *B^T diag", fence("k"), "*B ,~~ ω = singular~values~of~",
+                frac(formula(root("k"), "*B"), root("*J"))),
         "B incidence matrix of the elements with speed ratios, k stiffnesses, J inertias. The "
         "stiffness matrix is never added up, so a stiff link costs no digits.",
         "Demmel et al. [3]",
@@ -62,7 +62,7 @@ EQUATIONS: tuple[Equation, ...] = (
         formula("T", fence("t"), "= T_p", fence("ω"), "sin",
                 fence(formula("2", fence("ω_line t − p θ"), "+ φ_0")), ",~~ f = 2 f_line",
                 fence(formula("1 −", frac("n", "n_s")))),
-        "p pole pairs, θ angle of the motor, n speed, n_s synchronous speed: twice the slip "
+        "p pole pairs, θ angle of the motor, n speed, nₛ synchronous speed: twice the slip "
         "frequency, falling from 2 × line frequency to zero.",
         _PAPER,
     ),

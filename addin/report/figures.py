@@ -145,7 +145,9 @@ class Pictures:
         with _style():
             drawing, axes = _new(lines, 52.0 * lines + (6.0 if lines == 1 else 0.0))
             for k, ax in enumerate(axes):
-                self._train_line(ax, names, range(k * per_line, min((k + 1) * per_line, len(names))))
+                self._train_line(
+                    ax, names, range(k * per_line, min((k + 1) * per_line, len(names)))
+                )
                 ax.set_xlim(k * per_line - 0.6, (k + 1) * per_line - 0.4)
             self._speed_legend(axes[0])
             return self._picture(
@@ -182,7 +184,9 @@ class Pictures:
             for k in range(GROUPS)
             if self.charts.labels[f"Speed group {k + 1}"]
         ]
-        ax.legend(handles=groups, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(groups) or 1)
+        ax.legend(
+            handles=groups, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(groups) or 1
+        )
 
     # ---- curves --------------------------------------------------------------------------------
 
@@ -203,7 +207,7 @@ class Pictures:
                 ax.plot(x, y, dash, color=PALETTE[colour], label=label, linewidth=width)
             ax.set(xlabel="Speed [% of synchronous]", ylabel="Torque [pu of rated]")
             ax.set_xlim(left=0.0)
-            _legend_below(ax, 4)
+            _legend_below(drawing, ax, 4)
             return self._picture(drawing, "Torques against speed, referred to the motor")
 
     def speed_time(self) -> Figure | None:
@@ -222,7 +226,9 @@ class Pictures:
                     if table["Time"][k] is None:
                         continue
                     at = (table["Time"][k], table["Speed"][k])
-                    ax.plot(*at, "D", color=PALETTE[colour], markersize=4.5, markeredgecolor="white")
+                    ax.plot(
+                        *at, "D", color=PALETTE[colour], markersize=4.5, markeredgecolor="white"
+                    )
                     self._point_name(ax, f"{kind} {k + 1}", at, time[-1], colour, side)
             ax.set(xlabel="Time [s]", ylabel="Motor speed [rpm]")
             ax.set_xlim(0.0, time[-1] * 1.02)
@@ -236,7 +242,9 @@ class Pictures:
     ) -> None:
         """The name of a point on the side of the curve where there is room."""
         left = at[0] > 0.6 * end
-        shift = (-7.0 if left else 7.0, 0.0) if side > 0.0 else (0.0, -11.0)
+        shift = (-7.0 if left else 7.0, 0.0)
+        if side < 0.0:  # below the curve, which rises
+            left, shift = at[0] > 0.8 * end, (-3.0 if at[0] > 0.8 * end else 6.0, -9.0)
         ax.annotate(
             self.charts.labels[key], at, xytext=shift, textcoords="offset points",
             ha="right" if left else "left", va="center", color=PALETTE[colour], fontsize=6.5,
@@ -246,7 +254,9 @@ class Pictures:
 
     def shapes(self, rows: Sequence[Mapping[str, Any]]) -> Figure | None:
         """Twist of the stations in the first modes; `rows` of table ModeShapes."""
-        count = min(SHAPES, sum(1 for k in range(1, SHAPES + 1) if f"mode_{k}" in (rows or [{}])[0]))
+        count = min(
+            SHAPES, sum(1 for k in range(1, SHAPES + 1) if f"mode_{k}" in (rows or [{}])[0])
+        )
         if not count:
             return None
         names = [clean(str(row["station"])) for row in rows]
@@ -265,8 +275,7 @@ class Pictures:
             ax.set_xticks(list(shown), [_short(names[k]) for k in shown], rotation=90, fontsize=6)
             ax.set_ylabel("Twist, largest = 1")
             ax.set_ylim(-1.08, 1.08)
-            ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=min(count, 5),
-                      columnspacing=1.2, handlelength=1.6, fontsize=6)  # fmt: skip
+            drawing.legend(*ax.get_legend_handles_labels(), loc="outside upper left", ncols=3)
             which = "" if step == 1 else f" (every {step}. station is named)"
             return self._picture(
                 drawing, f"Mode shapes: physical twist of each station, largest = 1{which}"
@@ -299,7 +308,7 @@ class Pictures:
             ax.set_xlim(left=0.0)
             ax.set_ylim(0.0, top)
             ax.margins(x=0.0)
-            _legend_below(ax, 4)
+            _legend_below(drawing, ax, 4)
             return self._picture(
                 drawing,
                 "Interference diagram: natural frequencies, continuous excitations, and the "
@@ -316,7 +325,9 @@ class Pictures:
             if at_x is None or at_y is None or not name.strip():
                 continue
             at_y = min(at_y, 0.985 * top)
-            while any(abs(at_y - v) < 0.028 * top and abs(at_x - u) < 0.25 * right for u, v in used):
+            while any(
+                abs(at_y - v) < 0.028 * top and abs(at_x - u) < 0.25 * right for u, v in used
+            ):
                 at_y -= 0.028 * top
             used.append((at_x, at_y))
             ax.annotate(_short(name, 34), (at_x, at_y), color="#505050", fontsize=6, ha="center",
@@ -333,7 +344,9 @@ class Pictures:
                 groups.append([f])
         for group in groups:
             shown = [f"{f:.1f}" for f in group]
-            words = ", ".join(shown) if len(group) < 4 else f"{shown[0]} to {shown[-1]} ({len(group)})"
+            words = (
+                ", ".join(shown) if len(group) < 4 else f"{shown[0]} to {shown[-1]} ({len(group)})"
+            )
             middle = sum(group) / len(group)
             ax.annotate(f"{words} Hz", (float(x[0]), middle), xytext=(4, 0), fontsize=6,
                         textcoords="offset points", va="center", color=PALETTE["navy"])  # fmt: skip
@@ -348,7 +361,7 @@ class Pictures:
         for start in range(0, len(drawn), together):
             some = drawn[start : start + together]
             with _style():
-                drawing, axes = _new(len(some), 62.0 * len(some), sharex=True)
+                drawing, axes = _new(len(some), 45.0 * len(some), sharex=True)
                 for ax, k in zip(axes, some, strict=True):
                     time, value = self.charts.pair("ChartHistory", f"Time {k}", f"Value {k}")
                     ax.plot(time, value, color=PALETTE["navy"], linewidth=0.5)
@@ -378,7 +391,7 @@ class Pictures:
         if not panels:
             return None
         with _style():
-            drawing, axes = _new(len(panels), 60.0 * len(panels))
+            drawing, axes = _new(len(panels), 52.0 * len(panels))
             for ax, (key, curves) in zip(axes, panels, strict=True):
                 for time, value, colour, label in curves:
                     ax.plot(time, value, color=PALETTE[colour], linewidth=0.9, label=label or None)
@@ -387,7 +400,7 @@ class Pictures:
                 ax.set_ylabel(_axis(self.charts.labels[f"{key} axis"]))
                 ax.margins(x=0.0)
                 if any(label for *_, label in curves):
-                    _legend_below(ax, 3)
+                    _legend_below(drawing, ax, 3)
             axes[-1].set_xlabel("Time [s]")
             return self._picture(drawing, "Torque of the teeth around its least value in the start")
 
@@ -407,7 +420,7 @@ class Pictures:
             ax.plot([], [], color=PALETTE["rust"], label="Slip")
             other.set_ylabel("Slip [%]")
             other.grid(False)
-            _legend_below(ax, 2)
+            _legend_below(drawing, ax, 2)
             return self._picture(drawing, self.charts.labels["Pull-in title"])
 
     # ---- fatigue -------------------------------------------------------------------------------
@@ -434,7 +447,7 @@ class Pictures:
             ax.yaxis.set_minor_formatter(_some_plain_numbers)
             ax.tick_params(axis="y", which="minor", labelsize=6)
             ax.set(xlabel="Cycles", ylabel=_axis(self.charts.labels["S-N axis"]))
-            _legend_below(ax, 3)
+            _legend_below(drawing, ax, 3)
             return self._picture(drawing, self.charts.labels["S-N title"])
 
     # ---- files ---------------------------------------------------------------------------------
@@ -471,8 +484,9 @@ def _new(panels: int, height: float, sharex: bool = False) -> tuple[Drawing, lis
     return drawing, list(axes[:, 0])
 
 
-def _legend_below(ax: Any, columns: int) -> None:
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16 if columns else 0.0), ncols=columns)
+def _legend_below(drawing: Drawing, ax: Any, columns: int) -> None:
+    """Names of the curves below everything; the layout keeps room for them."""
+    drawing.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=columns)
 
 
 def _short(name: str, longest: int = _LONGEST) -> str:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from addin.chart_data import stiffness_of
 from addin.fields import SCALARS
 from addin.report.document import Block, Column, Paragraph, Section, Table
 from addin.report.equations import by
+from addin.report.layout import folded
 from addin.report.numbers import clean, fixed, significant
 from addin.report.shown import entry_text
 from addin.report.subject import Subject
@@ -56,7 +58,11 @@ def inputs(subject: Subject) -> Section:
     )
     return Section(
         "Inputs",
-        (Paragraph(f"{how} Inertias, stiffnesses and torques are at the own speed of each shaft."),),
+        (
+            Paragraph(
+                f"{how} Inertias, stiffnesses and torques are at the own speed of each shaft."
+            ),
+        ),
         (
             _case(subject),
             _train(subject),
@@ -79,7 +85,11 @@ def _case(subject: Subject) -> Section:
             rows.append((_spaced(spec.name), f"{text} {unit}".strip(), ""))
         elif spec.default_text:
             rows.append((_spaced(spec.name), "", spec.default_text))
-    columns = (Column("Input"), Column("Value", "", "number"), Column("Blank means", "", "sentence"))
+    columns = (
+        Column("Input"),
+        Column("Value", "", "number"),
+        Column("Blank means", "", "sentence"),
+    )
     ratings = subject.calculation.case.ratings
     used = [
         ("Line frequency", ratings.line_frequency, "NaturalFrequencies", "Frequency", 2),
@@ -96,7 +106,11 @@ def _case(subject: Subject) -> Section:
         found.append(f"{2 * ratings.pole_pairs} poles")
     blocks: list[Block] = [Table("Case", columns, tuple(rows))]
     if found:
-        blocks.append(Paragraph(f"Ratings used, each from the others where blank: {'; '.join(found)}.", "note"))
+        blocks.append(
+            Paragraph(
+                f"Ratings used, each from the others where blank: {'; '.join(found)}.", "note"
+            )
+        )
     return Section("Case", tuple(blocks))
 
 
@@ -110,7 +124,9 @@ def _tables(
     subject: Subject, name: str, groups: Sequence[Sequence[str]] = (), caption: str = ""
 ) -> list[Table]:
     rows = subject.read.typed.tables.get(name, [])
-    return input_tables(name, rows, subject.shown, caption or CAPTIONS[name], groups) if rows else []
+    return (
+        input_tables(name, rows, subject.shown, caption or CAPTIONS[name], groups) if rows else []
+    )
 
 
 def _train(subject: Subject) -> Section:
@@ -142,7 +158,9 @@ def _model(subject: Subject) -> Section:
     if segments:
         text = ", ".join(f"{clean(name)} in {count}" for name, count in segments)
         blocks.append(
-            Paragraph(f"Shafts with a density carry their own inertia in equal segments: {text}.", "note")
+            Paragraph(
+                f"Shafts with a density carry their own inertia in equal segments: {text}.", "note"
+            )
         )
     return Section("Mass-elastic model as calculated", tuple(blocks))
 
@@ -214,13 +232,30 @@ def _torques(subject: Subject) -> Section:
     absent = []
     for name in ("MotorTorque", "LoadTorque", "TorqueTime"):
         found = _tables(subject, name)
-        blocks += found
+        for table in found:
+            blocks += folded(_shortened(table))
         if not found:
             absent.append({"MotorTorque": "no motor torque", "LoadTorque": "no load torque"}.get(
                 name, "no prescribed torque against time"))  # fmt: skip
     if absent:
         blocks.append(Paragraph(f"The inputs hold {', '.join(absent)}.", "note"))
     return Section("Torques", tuple(blocks))
+
+
+#: Rows of a torque curve shown at its beginning and at its end, where it is very long.
+_CURVE_ENDS = 120
+
+
+def _shortened(table: Table) -> Table:
+    """A curve of thousands of points by its ends; the digest covers them all."""
+    if len(table.rows) <= 3 * _CURVE_ENDS:
+        return table
+    left_out = len(table.rows) - 2 * _CURVE_ENDS
+    note = (
+        f"{left_out:,} of {len(table.rows):,} rows in the middle are left out here; they are in the "
+        "input file, and the digest on the cover covers them."
+    )
+    return replace(table, rows=(*table.rows[:_CURVE_ENDS], *table.rows[-_CURVE_ENDS:]), note=note)
 
 
 def _fatigue(subject: Subject) -> Section:

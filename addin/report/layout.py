@@ -12,16 +12,30 @@ from dataclasses import replace
 
 from addin.report.document import Block, Column, Section, Table
 
-__all__ = ["TEXT_WIDTH", "column_widths", "fitted", "soft"]
+__all__ = [
+    "TEXT_WIDTH",
+    "column_widths",
+    "fitted",
+    "folded",
+    "room",
+    "soft",
+    "stays_together",
+]
 
 #: Width of the text on either paper. [mm]
 TEXT_WIDTH = 170.0
 #: Width of a character of a table, of the wider of both writers, and the margins of a cell. [mm]
-_CHARACTER, _MARGINS = 1.55, 3.2
+_CHARACTER, _MARGINS = 1.42, 3.0
+#: Capitals and other wide letters of short words. [mm]
+_SLACK = 1.4
 #: Longest word that is never broken. [characters]
 _WORD = 18
 #: A sentence is not asked to have less than this. [characters]
 _SENTENCE = 26
+#: Between halves of a folded table. [mm]
+_GAP = 8.0
+#: A table with more rows than the first is folded, into pieces of at most the second. [count]
+_TALL, _PIECE = 12, 40
 
 
 def column_widths(table: Table, total: float = TEXT_WIDTH) -> list[float]:
@@ -51,7 +65,9 @@ def column_widths(table: Table, total: float = TEXT_WIDTH) -> list[float]:
         return [width * total / sum(least) for width in least]
     # long texts get more, but not in proportion: a sentence ten times longer may take ten lines
     wish = [math.sqrt(max(n - m, 0.0)) for n, m in zip(natural, least, strict=True)]
-    given = [min(m + spare * w / sum(wish), n) for m, w, n in zip(least, wish, natural, strict=True)]
+    given = [
+        min(m + spare * w / sum(wish), n) for m, w, n in zip(least, wish, natural, strict=True)
+    ]
     rest = total - sum(given)
     longest = max(range(len(given)), key=lambda k: natural[k] - given[k])
     given[longest] += max(rest, 0.0)
@@ -60,6 +76,8 @@ def column_widths(table: Table, total: float = TEXT_WIDTH) -> list[float]:
 
 def _natural(table: Table, k: int) -> float:
     """Width at which nothing of a column wraps, its header in at most two lines."""
+    if table.columns[k].kind == "gap":
+        return _GAP
     cells = [len(row[k]) for row in table.rows]
     return _mm(max([*cells, _header(table.columns[k])], default=0))
 
@@ -67,7 +85,9 @@ def _natural(table: Table, k: int) -> float:
 def _least(table: Table, k: int) -> float:
     """Width below which numbers or ordinary words would break."""
     column = table.columns[k]
-    words = [len(w) for w in column.header.split()]
+    if column.kind == "gap":
+        return _GAP
+    words = [min(len(w), _WORD) + 1 for w in column.header.split()]  # bold is wider
     if column.unit:
         words.append(len(column.unit))
     if column.kind == "number" and len(table.rows) and not _has_words(table, k):
@@ -89,11 +109,54 @@ def _has_words(table: Table, k: int) -> bool:
 def _header(column: Column) -> int:
     words = column.header.split()
     half = math.ceil(len(column.header) / 2)
-    return max([half if len(words) > 1 else len(column.header), *(len(w) for w in words)], default=0)
+    return max(
+        [half if len(words) > 1 else len(column.header), *(len(w) for w in words)], default=0
+    )
 
 
 def _mm(characters: int) -> float:
-    return max(characters, 3) * _CHARACTER + _MARGINS
+    return max(characters, 3) * _CHARACTER + _MARGINS + _SLACK
+
+
+def room(width: float) -> int:
+    """How many characters a column takes.
+
+    Parameters
+    ----------
+    width : float
+        Its width. [mm]
+
+    Returns
+    -------
+    int
+        Characters of its longest word. [count]
+    """
+    return max(int((width - _MARGINS) / _CHARACTER), 4)
+
+
+#: A table of at most so many lines of text is not broken over pages. [count]
+_SHORT = 22
+
+
+def stays_together(table: Table) -> bool:
+    """Whether a table is short enough to be kept on one page.
+
+    Parameters
+    ----------
+    table : Table
+        A table.
+
+    Returns
+    -------
+    bool
+        True for a short one and for one folded into halves. [flag]
+    """
+    fits = [room(width) for width in column_widths(table)]
+    lines = (
+        max(math.ceil(1.1 * len(cell) / n) for cell, n in zip(row, fits, strict=True))
+        for row in table.rows
+    )
+    return table.together or sum(max(n, 1) for n in lines) <= _SHORT
 
 
 def fitted(sections: Sequence[Section]) -> tuple[Section, ...]:
@@ -117,6 +180,47 @@ def fitted(sections: Sequence[Section]) -> tuple[Section, ...]:
         return replace(section, blocks=tuple(blocks), parts=tuple(one(p) for p in section.parts))
 
     return tuple(one(section) for section in sections)
+
+
+def folded(table: Table, total: float = TEXT_WIDTH) -> list[Table]:
+    """A narrow, tall table in halves or thirds beside each other.
+
+    Parameters
+    ----------
+    table : Table
+        A table.
+    total : float
+        Width of the text. [mm]
+
+    Returns
+    -------
+    list of Table
+        The table itself where it is wide or short; of a very tall one several, each on one page.
+    """
+    width = sum(max(_natural(table, k), _least(table, k)) for k in range(len(table.columns)))
+    beside = min(int((total + _GAP) / (width + _GAP)), 3, math.ceil(len(table.rows) / 6))
+    if len(table.rows) <= _TALL or beside < 2:
+        return [table]
+    size = beside * _PIECE
+    pieces = [table.rows[k : k + size] for k in range(0, len(table.rows), size)]
+    found = []
+    for n, rows in enumerate(pieces, start=1):
+        height = math.ceil(len(rows) / beside)
+        blank = ("",) * len(table.columns)
+        lines = []
+        for line in range(height):
+            cells: list[str] = []
+            for k in range(beside):
+                at = line + k * height
+                cells += [*([""] if k else []), *(rows[at] if at < len(rows) else blank)]
+            lines.append(tuple(cells))
+        columns = list(table.columns)
+        for _ in range(beside - 1):
+            columns += [Column("", "", "gap"), *table.columns]
+        caption = table.caption if len(pieces) == 1 else f"{table.caption} ({n} of {len(pieces)})"
+        note = table.note if n == len(pieces) else ""
+        found.append(Table(caption, tuple(columns), tuple(lines), note, together=True))
+    return found
 
 
 def _parted(table: Table) -> list[Table]:
@@ -158,7 +262,9 @@ def soft(text: str, longest: int) -> str:
     longest = max(longest, 4)
     if not any(len(word) > longest for word in text.split()):
         return text
-    return " ".join(_breakable(word, longest) if len(word) > longest else word for word in text.split(" "))
+    return " ".join(
+        _breakable(word, longest) if len(word) > longest else word for word in text.split(" ")
+    )
 
 
 def _breakable(word: str, longest: int) -> str:

@@ -7,11 +7,22 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["clean", "engineering", "fixed", "of_dimension", "pretty_unit", "significant", "typed"]
+__all__ = [
+    "clean",
+    "engineering",
+    "fixed",
+    "of_dimension",
+    "pretty_unit",
+    "scientific",
+    "significant",
+    "typed",
+]
 
 _UP = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 #: From here on a number is written with a power of ten.
-_LARGE, _SMALL = 1e7, 1e-4
+_LARGE, _SMALL = 1e7, 1e-6
+#: Shares that are compared with each other and need no digits below a hundredth of a percent.
+_PLAIN_SHARES = frozenset({"Margin", "Required", "Percent speed", "Share", "Damping ratio"})
 
 
 def clean(text: str) -> str:
@@ -29,7 +40,12 @@ def clean(text: str) -> str:
     """
     # surrogates and the two non-characters cannot stand in XML, the others have no picture
     kept = (
-        " " if ord(c) < 32 or 127 <= ord(c) < 160 or 0xD800 <= ord(c) < 0xE000 or ord(c) & 0xFFFE == 0xFFFE else c
+        " "
+        if ord(c) < 32
+        or 127 <= ord(c) < 160
+        or 0xD800 <= ord(c) < 0xE000
+        or ord(c) & 0xFFFE == 0xFFFE
+        else c
         for c in text
     )
     return " ".join("".join(kept).split())
@@ -154,14 +170,18 @@ def of_dimension(value: float, name: str, dimension: str, unit: str = "") -> str
     if not math.isfinite(value):
         return "unbounded"
     if name in ("Damage", "Damage check"):
-        return "0" if value == 0.0 else _scientific(value)
+        return "0" if value == 0.0 else scientific(value)
     if name in ("Allowable starts", "Paper count", "Cycles to failure", "Starts to judge"):
         # starts are rounded down, never up
         return _whole(value) if abs(value) >= 100.0 else significant(value, 4)
     if name == "Cycles":
         return fixed(value, 1)
+    if name in _PLAIN_SHARES:
+        return fixed(value, 2)
     if dimension in ("fraction", "speed fraction"):
         return _fraction(value)
+    if dimension == "none":  # a number among words: whole, or already rounded
+        return fixed(value, 0) if float(value).is_integer() else significant(value, 4)
     decimals = _DECIMALS.get((dimension, unit))
     if decimals is not None:
         return fixed(value, decimals)
@@ -197,12 +217,24 @@ def _fraction(value: float) -> str:
     """Percent with two decimals; smaller ones with two digits."""
     if value == 0.0 or abs(value) >= 0.1:
         return fixed(value, 2)
-    if abs(value) < 1e-5:
-        return _scientific(value, 1)
-    return significant(value, 2)
+    return "< 0.000001" if 0.0 < value < _SMALL else significant(value, 2)
 
 
-def _scientific(value: float, decimals: int = 3) -> str:
+def scientific(value: float, decimals: int = 3) -> str:
+    """A number with a power of ten.
+
+    Parameters
+    ----------
+    value : float
+        The number. [any]
+    decimals : int
+        Digits after the point. [count]
+
+    Returns
+    -------
+    str
+        Such as ``2.291×10⁻³``. [text]
+    """
     mantissa, _, power = f"{value:.{decimals}e}".partition("e")
     return f"{_signed(mantissa)}×10{str(int(power)).translate(_UP)}"
 

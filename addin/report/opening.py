@@ -36,6 +36,12 @@ _NOT_COVERED = (
 )
 
 
+_SIGNS = (
+    "0–pk, pk–pk",
+    "Zero-to-peak, the amplitude about the mean; and peak-to-peak, the whole range.",
+)
+
+
 def cover_of(subject: Subject) -> Cover:
     """The first page.
 
@@ -123,7 +129,9 @@ def summary(subject: Subject) -> Section:
     )
     warnings = subject.calculation.warnings
     told: Block = (
-        Listing(tuple(clean(w) for w in warnings)) if warnings else Paragraph("There are no warnings.")
+        Listing(tuple(clean(w) for w in warnings))
+        if warnings
+        else Paragraph("There are no warnings.")
     )
     return Section(
         "Summary",
@@ -136,7 +144,10 @@ def summary(subject: Subject) -> Section:
 
 
 def _key_figures(subject: Subject) -> Iterator[tuple[str, str]]:
-    results, unit = subject.calculation.results, subject.shown.unit("NaturalFrequencies", "Frequency")
+    results, unit = (
+        subject.calculation.results,
+        subject.shown.unit("NaturalFrequencies", "Frequency"),
+    )
     elastic = [row for row in subject.rows("NaturalFrequencies") if row["frequency"]]
     factor = subject.shown.units.factor("NaturalFrequencies", "Frequency")
     if elastic:
@@ -231,7 +242,7 @@ def scope(subject: Subject) -> Section:
         "Scope and basis",
         (Paragraph(basis), Paragraph("Covered:"), Listing(covered)),
         (
-            Section("Conventions", (Facts(NOTES["Conventions"]),)),
+            Section("Conventions", (Facts((*NOTES["Conventions"], _SIGNS)),)),
             Section("Not covered", (Listing(_NOT_COVERED),)),
             Section("Limits of the model", (Facts(_limits()),)),
         ),

@@ -24,7 +24,7 @@ from addin.report.document import (
     Table,
     tone_of,
 )
-from addin.report.layout import TEXT_WIDTH, column_widths, soft
+from addin.report.layout import TEXT_WIDTH, column_widths, room, soft, stays_together
 from addin.report.numbers import clean
 
 __all__ = ["pdf_of"]
@@ -32,8 +32,8 @@ __all__ = ["pdf_of"]
 TEMPLATE = Path(__file__).with_name("report.typ")
 #: Width of the papers. [mm]
 _PAPER = {"a4": 210.0, "us-letter": 215.9}
-#: Width of a character of a table in this writer, and margins of a cell. [mm]
-_CHARACTER, _MARGINS = 1.45, 3.0
+#: Longest word of a header; those of our own are shorter. [characters]
+_HEAD = 16
 #: Longest word of a paragraph, a fact and the title. [characters]
 _LINE, _FACT, _TITLE = 85, 72, 34
 
@@ -101,14 +101,20 @@ def _block(block: Block) -> Mapping[str, Any]:
     if isinstance(block, Paragraph):
         return {"type": "paragraph", "kind": block.kind, "text": soft(block.text, _LINE)}
     if isinstance(block, Listing):
-        return {"type": "listing", "items": [soft(item, _LINE) for item in block.items]}
+        return {"type": "listing", "items": [soft(item, _LINE) for item in block.items],
+                "marker": block.marker}  # fmt: skip
     if isinstance(block, Facts):
-        return {"type": "facts", "rows": _facts(block.rows)}
+        return {"type": "facts", "rows": _facts(block.rows), "width": block.width}
     if isinstance(block, Table):
         return {"type": "table"} | _table(block)
     if isinstance(block, Figure):
         svg = block.svg.decode("utf-8")
-        return {"type": "figure", "svg": svg, "caption": soft(block.caption, _LINE), "number": block.number}
+        return {
+            "type": "figure",
+            "svg": svg,
+            "caption": soft(block.caption, _LINE),
+            "number": block.number,
+        }
     if isinstance(block, Equation):
         return {"type": "equation", "name": block.name, "formula": block.formula, "where": block.where,
                 "source": block.source, "number": block.number}  # fmt: skip
@@ -122,20 +128,21 @@ def _facts(rows: tuple[tuple[str, str], ...]) -> list[list[str]]:
 
 def _table(table: Table) -> dict[str, Any]:
     widths = column_widths(table)
-    room = [int((width - _MARGINS) / _CHARACTER) for width in widths]
+    fits = [room(width) for width in widths]
     return {
         "caption": soft(table.caption, _LINE),
         "number": table.number,
         "note": soft(table.note, _LINE),
+        "together": stays_together(table),
         "widths": widths,
         "columns": [
-            {"header": soft(column.header, n), "unit": soft(column.unit, n), "kind": column.kind}
-            for column, n in zip(table.columns, room, strict=True)
+            {"header": soft(column.header, max(n, _HEAD)), "unit": column.unit, "kind": column.kind}
+            for column, n in zip(table.columns, fits, strict=True)
         ],
         "rows": [
             [
                 {"text": soft(text, n), "tone": tone_of(text) if column.kind == "verdict" else ""}
-                for text, column, n in zip(row, table.columns, room, strict=True)
+                for text, column, n in zip(row, table.columns, fits, strict=True)
             ]
             for row in table.rows
         ],

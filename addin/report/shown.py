@@ -86,7 +86,8 @@ def shown_of(read: CaseInput) -> Shown:
     if isinstance(read, WorkbookInput):
         found, problems = read_shown_units(read.workbook, rated)
         system = _system(found.names.values())
-        names = template_units(system) | {k: v for k, v in found.names.items() if v}
+        usual = template_units(system)  # a cell above a column without a unit holds other words
+        names = usual | {k: v for k, v in found.names.items() if v and k in usual}
         units, _ = shown_units(names, rated)
         return Shown(units, system, True, tuple(problems))
     system = _system(entry.unit for entry in _entries(read) if isinstance(entry, Typed))

@@ -26,9 +26,12 @@ _SPECS = {spec.name: spec for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_
 _SENTENCES = frozenset({"Description", "Where", "Note", "Why", "Reason", "Value"})
 #: Headers as printed, where the name of the contract needs its context.
 _HEADERS = {
-    "CPM": "cpm",
-    "Percent speed": "Speed, of synchronous",
+    "CPM": "Frequency",
+    "Percent speed": "Speed",
     "Largest strain energy": "Largest strain energy in",
+    "Zero-to-peak stress": "Stress, 0–pk",
+    "Peak-to-peak stress": "Stress, pk–pk",
+    "Peak-to-peak torque": "Torque, pk–pk",
     "Error": "Estimated error",
     "Error peak": "Error of peaks",
     "Error starts": "Error of starts",
@@ -66,10 +69,15 @@ def input_tables(
     first = spec.columns[0].name
     found = []
     for group in groups or [[column.name for column in spec.columns[1:]]]:
-        columns = [column for column in spec.columns if column.name == first or column.name in group]
+        columns = [
+            column for column in spec.columns if column.name == first or column.name in group
+        ]
         table = _typed_table(spec, columns, rows, shown, caption)
         if any(cell for row in table.rows for cell in row[1:]):
-            found.append(without_blanks(table))
+            told = tuple(row for row in table.rows if any(row[1:]))
+            found.append(
+                without_blanks(replace(table, rows=told if len(groups) == 1 else table.rows))
+            )
     if len(found) > 1:
         found = [
             replace(one, caption=f"{caption}, part {k} of {len(found)}")
@@ -86,18 +94,24 @@ def _typed_table(
     caption: str,
 ) -> Table:
     """One unit a column where all its numbers share it, else a unit in each cell."""
-    cells = [[entry_text(row.get(column.name), column, shown) for column in columns] for row in rows]
+    cells = [
+        [entry_text(row.get(column.name), column, shown) for column in columns] for row in rows
+    ]
     heads, texts = [], []
     for k, column in enumerate(columns):
         units = {unit for row in cells for text, unit in [row[k]] if text}
         common = units.pop() if len(units) == 1 else ""
         heads.append(_column(column, common))
-        texts.append([text if common else f"{text} {unit}".strip() for text, unit in (r[k] for r in cells)])
+        texts.append(
+            [text if common else f"{text} {unit}".strip() for text, unit in (r[k] for r in cells)]
+        )
     return Table(caption, tuple(heads), tuple(zip(*texts, strict=True)))
 
 
 def _column(field: Field, unit: str) -> Column:
     header = _HEADERS.get(field.name, field.name)
+    if field.name == "Percent speed":
+        unit = f"{unit} of sync."
     if field.name == "Verdict":
         return Column(header, unit, "verdict")
     if field.name in _SENTENCES:
@@ -221,7 +235,11 @@ def turned(table: Table, together: int = 4, without: Sequence[str] = ()) -> list
     for start in range(0, len(table.rows), together):
         items = table.rows[start : start + together]
         # numbers of one kind stand in a column of their own here: right-aligned all the same
-        heads = (Column("Quantity"), Column("Unit"), *(Column(row[0], "", "number") for row in items))
+        heads = (
+            Column("Quantity"),
+            Column("Unit"),
+            *(Column(row[0], "", "number") for row in items),
+        )
         lines = tuple(
             (column.header, column.unit, *(row[k] for row in items))
             for k, column in enumerate(table.columns)
