@@ -19,11 +19,13 @@ from engine.reversals import PRACTICE_LIMITS
 __all__ = ["fatigue", "frequencies", "margins", "reversals", "start", "steady_state"]
 
 #: Most rows of a table of pairs (mode and excitation, element and excitation) shown in full.
-_FULL = 60
+_FULL = 40
 #: Modes shown: all up to this many, else those below so many line frequencies, within these counts.
 _ALL_MODES, _LINE_MULTIPLE, _FEWEST, _MOST = 15, 2.5, 10, 25
 #: Columns of mode shapes beside each other.
 _SHAPES = 6
+#: Most nodes that are named.
+_NODES = 8
 #: Shares of energy that are named. [1]
 _SHARE = 0.05
 _ELSEWHERE = "all rows are in the workbook and in the JSON"
@@ -175,7 +177,10 @@ def _energies(subject: Subject, count: int) -> Section:
         kinetic = dict(mode["kinetic_energy"]) | {
             f"{k} sideways": v for k, v in mode.get("sideways_kinetic_energy", {}).items()
         }
-        nodes = "; ".join(clean(n["element"]) for n in mode["nodes"]) or "none"
+        names = [clean(n["element"]) for n in mode["nodes"]]
+        nodes = "; ".join(names[:_NODES]) or "none"
+        if len(names) > _NODES:
+            nodes += f"; and {len(names) - _NODES} more"
         rows.append(
             (
                 str(mode["mode"]),

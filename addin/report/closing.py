@@ -36,6 +36,14 @@ _ACCURACY_ITEMS = (
     "of which modes left out",
     "Largest step",
 )
+#: Items that stand in other sections, or below.
+_TOLD_ELSEWHERE = (
+    "Equation: ",
+    "Time spent: ",
+    "Warning ",
+    "Estimated error of starts",
+    "Sensitive",
+)
 #: Agreement asked of a formula evaluated twice. [1]
 _SAME = 1e-9
 
@@ -60,8 +68,13 @@ def effects(subject: Subject) -> Section:
             title, (Paragraph("No start was calculated, so there was no effect to decide on."),)
         )
     parts = []
+    simulated = (
+        "No start was calculated."
+        if subject.calculation.startup is None
+        else "Nothing beyond the linear start was called for."
+    )
     for heading, on, none in (
-        ("Simulated", True, "Nothing beyond the linear start was called for."),
+        ("Simulated", True, simulated),
         ("Left out, and why", False, "Nothing was left out."),
     ):
         some = [row for row in rows if bool(row["on"]) is on]
@@ -96,11 +109,9 @@ def accuracy(subject: Subject) -> Section:
     found = [
         (item, clean(subject.audit[item])) for item in _ACCURACY_ITEMS if item in subject.audit
     ]
-    found += [
-        (item, clean(value))
-        for item, value in subject.audit.items()
-        if item.startswith(("Estimated error of starts", "Sensitive"))
-    ]
+    found += _starts_errors(subject)
+    if "Sensitive" in subject.audit:
+        found.append(("Sensitive", clean(subject.audit["Sensitive"])))
     columns = (
         "Method",
         "Setting",
@@ -125,6 +136,22 @@ def accuracy(subject: Subject) -> Section:
     shown = without_blanks(Table(cost.caption, cost.columns, rows, cost.note))
     table: tuple[Block, ...] = (shown,) if rows else ()
     return Section("Accuracy and what it cost", (Paragraph(said), Facts(tuple(found)), *table))
+
+
+def _starts_errors(subject: Subject) -> list[tuple[str, str]]:
+    """Of each shaft with a number of starts; the unlimited ones together."""
+    head = "Estimated error of starts, "
+    errors = {
+        item.removeprefix(head): value
+        for item, value in subject.audit.items()
+        if item.startswith(head)
+    }
+    found = [(f"{head}{clean(k)}", clean(v)) for k, v in errors.items() if v != "unlimited"]
+    unlimited = sum(1 for value in errors.values() if value == "unlimited")
+    if unlimited:
+        shafts = "1 shaft" if unlimited == 1 else f"{unlimited} shafts"
+        found.append(("Unlimited starts", f"{shafts}: no cycle does damage"))
+    return found
 
 
 def equations(subject: Subject) -> Section:
@@ -283,11 +310,8 @@ def audit(subject: Subject) -> Section:
     rows = [
         (clean(item), clean(value))
         for item, value in subject.audit.items()
-        if not item.startswith(("Equation: ", "Time spent: ", "Warning "))
-        and item not in _ACCURACY_ITEMS
+        if not item.startswith(_TOLD_ELSEWHERE) and item not in _ACCURACY_ITEMS
     ]
-    if not subject.audit:
-        rows = []
     said = (
         "The digest is taken of all inputs that can change a result, in SI, rounded to twelve significant "
         "digits; title block and descriptions are left out. Retyping a quantity in another unit does not "
@@ -299,6 +323,9 @@ def audit(subject: Subject) -> Section:
         if item.startswith("Time spent: ")
     ]
     blocks: list[Block] = [Paragraph(said), Facts(tuple(rows))]
+    warnings = subject.calculation.warnings
+    if warnings:
+        blocks += [Paragraph("Warnings:"), Listing(tuple(clean(one) for one in warnings))]
     if spent and subject.show_times:
         text = "; ".join(f"{name} {value}" for name, value in spent)
         blocks.append(Paragraph(f"Time spent: {text}.", "note"))

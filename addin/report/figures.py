@@ -29,7 +29,13 @@ __all__ = ["Charts", "Pictures"]
 WIDTH = 170.0
 _MM = 1.0 / 25.4
 #: Items of the train drawing in one line of it, and the longest name beside them.
-_ITEMS, _LONGEST = 25, 24
+_ITEMS, _LONGEST = 25, 30
+#: Lines of it in one picture, height of a line [mm], and places for items it has at least.
+_TRAIN_LINES, _TRAIN_HEIGHT, _FEWEST_ITEMS = 4, 53.0, 11
+#: Names of so few items stand upright.
+_UPRIGHT = 7
+#: Characters of a legend in one line.
+_LEGEND = 110
 #: Stations whose names stand below a picture of mode shapes.
 _NAMED_STATIONS = 40
 _COLOURS = tuple(PALETTE[c] for c in ("navy", "rust", "teal", "gold", "plum"))
@@ -134,27 +140,34 @@ class Pictures:
 
     # ---- the train -----------------------------------------------------------------------------
 
-    def train(self) -> Figure | None:
-        """Discs and shafts along the centre line, a colour a speed."""
-        columns = self.charts.columns["ChartTrain"]
-        names = [clean(str(name or "")) for name in columns["Item"]]
+    def train(self) -> list[Figure]:
+        """Discs and shafts along the centre line, a colour a speed; a long train in several pictures."""
+        names = [clean(str(name or "")) for name in self.charts.columns["ChartTrain"]["Item"]]
         if not any(names):
-            return None
-        lines = math.ceil(len(names) / _ITEMS)
-        per_line = math.ceil(len(names) / lines)
-        with _style():
-            drawing, axes = _new(lines, 52.0 * lines + (6.0 if lines == 1 else 0.0))
-            for k, ax in enumerate(axes):
-                self._train_line(
-                    ax, names, range(k * per_line, min((k + 1) * per_line, len(names)))
+            return []
+        count = math.ceil(len(names) / _ITEMS)
+        size = math.ceil(len(names) / count)
+        lines = [range(k, min(k + size, len(names))) for k in range(0, len(names), size)]
+        pictures = [lines[k : k + _TRAIN_LINES] for k in range(0, count, _TRAIN_LINES)]
+        found = []
+        for part, some in enumerate(pictures, start=1):
+            with _style():
+                drawing, axes = _new(len(some), _TRAIN_HEIGHT * len(some) + 5.0)
+                for ax, items in zip(axes, some, strict=True):
+                    self._train_line(ax, names, items)
+                    middle = 0.5 * (items[0] + items[-1])
+                    half = 0.5 * max(size, _FEWEST_ITEMS) + 0.1
+                    ax.set_xlim(middle - half, middle + half)
+                self._speed_legend(drawing)
+                which = "" if len(pictures) == 1 else f", part {part} of {len(pictures)}"
+                found.append(
+                    self._picture(
+                        drawing,
+                        f"Train{which}: discs with heights as the fourth root of inertia, shafts as "
+                        "that of stiffness; a colour for each shaft speed, gear meshes in gold",
+                    )
                 )
-                ax.set_xlim(k * per_line - 0.6, (k + 1) * per_line - 0.4)
-            self._speed_legend(axes[0])
-            return self._picture(
-                drawing,
-                "Train: discs with heights as the fourth root of inertia, shafts as that of "
-                "stiffness; a colour for each shaft speed, gear meshes in gold",
-            )
+        return found
 
     def _train_line(self, ax: Any, names: Sequence[str], items: range) -> None:
         columns = self.charts.columns["ChartTrain"]
@@ -168,7 +181,7 @@ class Pictures:
                     group = int(name.rpartition(" ")[2]) - 1
                     colour = SPEED_GROUPS[group][0 if name.startswith("Disc") else 1]
                 ax.bar(at, 2.0 * values[at], 0.98, -values[at], color=colour, linewidth=0)
-        ax.set_xticks(list(items), [_short(names[at]) for at in items], rotation=90, fontsize=6)
+        _name_ticks(ax, items, names)
         ax.set_ylim(-1.05, 1.05)
         ax.set_yticks([])
         ax.grid(False)
@@ -176,7 +189,7 @@ class Pictures:
         for side in ax.spines.values():
             side.set_visible(False)
 
-    def _speed_legend(self, ax: Any) -> None:
+    def _speed_legend(self, drawing: Drawing) -> None:
         from matplotlib.patches import Patch
 
         groups = [
@@ -184,9 +197,8 @@ class Pictures:
             for k in range(GROUPS)
             if self.charts.labels[f"Speed group {k + 1}"]
         ]
-        ax.legend(
-            handles=groups, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(groups) or 1
-        )
+        if groups:
+            drawing.legend(handles=groups, loc="outside upper left", ncols=len(groups))
 
     # ---- curves --------------------------------------------------------------------------------
 
@@ -271,8 +283,7 @@ class Pictures:
                     markersize=3, label=self.charts.labels[f"Shape {k + 1}"],
                 )  # fmt: skip
             step = math.ceil(len(names) / _NAMED_STATIONS)
-            shown = range(0, len(names), step)
-            ax.set_xticks(list(shown), [_short(names[k]) for k in shown], rotation=90, fontsize=6)
+            _name_ticks(ax, range(0, len(names), step), names)
             ax.set_ylabel("Twist, largest = 1")
             ax.set_ylim(-1.08, 1.08)
             drawing.legend(*ax.get_legend_handles_labels(), loc="outside upper left", ncols=3)
@@ -306,7 +317,7 @@ class Pictures:
             self._mode_names(ax, top)
             ax.set(xlabel="Motor speed [rpm]", ylabel="Frequency [Hz]")
             ax.set_xlim(left=0.0)
-            ax.set_ylim(0.0, top)
+            ax.set_ylim(0.0, 1.03 * top)
             ax.margins(x=0.0)
             _legend_below(drawing, ax, 4)
             return self._picture(
@@ -353,7 +364,7 @@ class Pictures:
 
     # ---- histories -----------------------------------------------------------------------------
 
-    def histories(self, together: int = 3) -> list[Figure]:
+    def histories(self, together: int = 2) -> list[Figure]:
         """Torque, stress or tooth load of the drawn elements, several below each other."""
         drawn = [k for k in range(1, HISTORIES + 1)
                  if self.charts.numbers("ChartHistory", f"Time {k}").size]  # fmt: skip
@@ -444,7 +455,10 @@ class Pictures:
             ax.set_yscale("log")
             ax.xaxis.set_major_formatter(_power_of_ten)
             ax.yaxis.set_major_formatter(_plain_number)
-            ax.yaxis.set_minor_formatter(_some_plain_numbers)
+            low, high = ax.get_ylim()
+            ax.yaxis.set_minor_formatter(
+                _some_plain_numbers if high > 12.0 * low else _plain_number
+            )
             ax.tick_params(axis="y", which="minor", labelsize=6)
             ax.set(xlabel="Cycles", ylabel=_axis(self.charts.labels["S-N axis"]))
             _legend_below(drawing, ax, 3)
@@ -486,11 +500,26 @@ def _new(panels: int, height: float, sharex: bool = False) -> tuple[Drawing, lis
 
 def _legend_below(drawing: Drawing, ax: Any, columns: int) -> None:
     """Names of the curves below everything; the layout keeps room for them."""
-    drawing.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=columns)
+    handles, names = ax.get_legend_handles_labels()
+    names = [_short(name, 70) for name in names]
+    while columns > 1 and columns * (max(map(len, names), default=0) + 6) > _LEGEND:
+        columns -= 1
+    drawing.legend(handles, names, loc="outside lower center", ncols=columns)
 
 
-def _short(name: str, longest: int = _LONGEST) -> str:
-    return name if len(name) <= longest else name[: longest - 1].rstrip() + "…"
+def _name_ticks(ax: Any, items: Sequence[int], names: Sequence[str]) -> None:
+    """Names below the axis; many stand on end."""
+    few = len(items) <= _UPRIGHT
+    shown = [_short(names[at], 18 if few else _LONGEST) for at in items]
+    ax.set_xticks(list(items), shown, rotation=0 if few else 90, fontsize=6)
+
+
+def _short(name: str, longest: int) -> str:
+    """A name that fits, its middle left out: what parts names often stands at their end."""
+    if len(name) <= longest:
+        return name
+    tail = longest // 3
+    return f"{name[: longest - tail - 1].rstrip()}…{name[-tail:].lstrip()}"
 
 
 def _axis(words: str) -> str:

@@ -130,13 +130,11 @@ def _tables(
 
 
 def _train(subject: Subject) -> Section:
-    blocks: list[Block] = []
-    drawing = subject.pictures.train()
-    if drawing is not None:
-        blocks.append(drawing)
+    blocks: list[Block] = [*subject.pictures.train()]
     blocks += _tables(subject, "Stations")
     for title, group in zip(_ELEMENT_TITLES, _ELEMENT_PARTS, strict=True):
-        blocks += _tables(subject, "Elements", (group,), title)
+        for table in _tables(subject, "Elements", (group,), title):
+            blocks += folded(table)
     meshes = _tables(subject, "Meshes")
     for table in meshes:
         blocks += turned(table)

@@ -28,10 +28,12 @@ TEXT_WIDTH = 170.0
 _CHARACTER, _MARGINS = 1.42, 3.0
 #: Capitals and other wide letters of short words. [mm]
 _SLACK = 1.4
-#: Longest word that is never broken. [characters]
-_WORD = 18
+#: Longest words that are not broken, as much room as there is. [characters]
+_WORDS = (18, 12)
 #: A sentence is not asked to have less than this. [characters]
 _SENTENCE = 26
+#: Estimated widths are generous: so much more still fits. [1]
+_TIGHT = 1.06
 #: Between halves of a folded table. [mm]
 _GAP = 8.0
 #: A table with more rows than the first is folded, into pieces of at most the second. [count]
@@ -53,7 +55,7 @@ def column_widths(table: Table, total: float = TEXT_WIDTH) -> list[float]:
     list of float
         One a column, together at most `total`. [mm]
     """
-    least = [_least(table, k) for k in range(len(table.columns))]
+    least = _leasts(table)
     natural = [max(_natural(table, k), least[k]) for k in range(len(table.columns))]
     if sum(natural) <= total:
         wide = [k for k, column in enumerate(table.columns) if column.kind == "sentence"]
@@ -82,18 +84,28 @@ def _natural(table: Table, k: int) -> float:
     return _mm(max([*cells, _header(table.columns[k])], default=0))
 
 
-def _least(table: Table, k: int) -> float:
+def _leasts(table: Table) -> list[float]:
+    """Least widths; long words are broken sooner where the table would not fit otherwise."""
+    least: list[float] = []
+    for word in _WORDS:
+        least = [_least(table, k, word) for k in range(len(table.columns))]
+        if sum(least) <= TEXT_WIDTH:
+            break
+    return least
+
+
+def _least(table: Table, k: int, word: int) -> float:
     """Width below which numbers or ordinary words would break."""
     column = table.columns[k]
     if column.kind == "gap":
         return _GAP
-    words = [min(len(w), _WORD) + 1 for w in column.header.split()]  # bold is wider
+    words = [min(len(w), _WORDS[0]) + 1 for w in column.header.split()]  # bold is wider
     if column.unit:
         words.append(len(column.unit))
     if column.kind == "number" and len(table.rows) and not _has_words(table, k):
         words += [len(row[k]) for row in table.rows]
     else:
-        words += [min(len(w), _WORD) for row in table.rows for w in row[k].split()]
+        words += [min(len(w), word) for row in table.rows for w in row[k].split()]
     longest = max(words, default=1)
     if column.kind == "sentence":
         cells = max((len(row[k]) for row in table.rows), default=0)
@@ -103,7 +115,7 @@ def _least(table: Table, k: int) -> float:
 
 def _has_words(table: Table, k: int) -> bool:
     """Whether a column of numbers holds sentences too, as a turned table may."""
-    return any(" " in row[k] and len(row[k]) > _WORD for row in table.rows)
+    return any(" " in row[k] and len(row[k]) > _WORDS[0] for row in table.rows)
 
 
 def _header(column: Column) -> int:
@@ -197,7 +209,8 @@ def folded(table: Table, total: float = TEXT_WIDTH) -> list[Table]:
     list of Table
         The table itself where it is wide or short; of a very tall one several, each on one page.
     """
-    width = sum(max(_natural(table, k), _least(table, k)) for k in range(len(table.columns)))
+    least = _leasts(table)
+    width = sum(max(_natural(table, k), least[k]) for k in range(len(table.columns)))
     beside = min(int((total + _GAP) / (width + _GAP)), 3, math.ceil(len(table.rows) / 6))
     if len(table.rows) <= _TALL or beside < 2:
         return [table]
@@ -224,12 +237,12 @@ def folded(table: Table, total: float = TEXT_WIDTH) -> list[Table]:
 
 
 def _parted(table: Table) -> list[Table]:
-    least = [_least(table, k) for k in range(len(table.columns))]
-    if sum(least) <= TEXT_WIDTH or len(table.columns) < 3:
+    least = _leasts(table)
+    if sum(least) <= _TIGHT * TEXT_WIDTH or len(table.columns) < 3:
         return [table]
     parts: list[list[int]] = [[0]]
     for k in range(1, len(least)):
-        if len(parts[-1]) > 1 and sum(least[i] for i in parts[-1]) + least[k] > TEXT_WIDTH:
+        if len(parts[-1]) > 1 and sum(least[i] for i in parts[-1]) + least[k] > _TIGHT * TEXT_WIDTH:
             parts.append([0])
         parts[-1].append(k)
     return [

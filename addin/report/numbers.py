@@ -215,7 +215,9 @@ def _whole(value: float) -> str:
 
 def _fraction(value: float) -> str:
     """Percent with two decimals; smaller ones with two digits."""
-    if value == 0.0 or abs(value) >= 0.1:
+    if value == 0.0:
+        return "0"
+    if abs(value) >= 0.1:
         return fixed(value, 2)
     return "< 0.000001" if 0.0 < value < _SMALL else significant(value, 2)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from addin.report.document import (
@@ -25,6 +25,8 @@ __all__ = ["cover_of", "largest_peak", "scope", "summary"]
 
 #: Rows of the revision table that stay blank for later revisions.
 _BLANK_REVISIONS = 3
+#: Warnings on the summary; where there are more, section Audit lists all.
+_WARNINGS = 15
 #: What no calculation of this program covers, whatever the inputs.
 _NOT_COVERED = (
     "Short circuits at the motor (three-phase, line-to-line) and fast reclosing of the line, unless "
@@ -85,7 +87,7 @@ def cover_of(subject: Subject) -> Cover:
         title=subject.words("title") or "Torsional vibration analysis",
         subtitle=subject.words("tag"),
         verdict=str(overall["verdict"]),
-        sentence=_verdict_sentence(overall),
+        sentence=_verdict_sentence(overall, subject.rows("Verdicts")),
         facts=tuple(facts),
         alerts=subject.alerts,
         revisions=Table("Revisions", columns, (first, *blank)),
@@ -95,15 +97,21 @@ def cover_of(subject: Subject) -> Cover:
     )
 
 
-def _verdict_sentence(overall: Mapping[str, Any]) -> str:
+def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str, Any]]) -> str:
     where = clean(str(overall.get("where") or ""))
     if where:
         return where[:1].upper() + where[1:] + "."
-    return {
+    said = {
         "pass": "Every check that could be judged is passed.",
         "accepted by forced response": "A separation margin is not kept; every judged stress at that "
         "resonance stays within UTS/25.",
     }.get(str(overall["verdict"]), "No check could be judged.")
+    open_checks = dict.fromkeys(
+        str(row["check"])
+        for row in verdicts
+        if row["verdict"] == "not judged" and row is not overall
+    )
+    return f"{said} Not judged: {', '.join(open_checks)}." if open_checks else said
 
 
 def summary(subject: Subject) -> Section:
@@ -128,6 +136,9 @@ def summary(subject: Subject) -> Section:
         "is shown and not judged.",
     )
     warnings = subject.calculation.warnings
+    if len(warnings) > _WARNINGS:
+        rest = f"And {len(warnings) - _WARNINGS} more; section Audit has them all."
+        warnings = (*warnings[:_WARNINGS], rest)
     told: Block = (
         Listing(tuple(clean(w) for w in warnings))
         if warnings

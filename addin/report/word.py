@@ -49,7 +49,7 @@ _CELL_MARGIN = 75
 #: Twentieths of a point in a millimetre.
 _TWENTIETHS = 1440.0 / 25.4
 #: Facts up to so many stay on one page. [count]
-_FEW = 12
+_FEW = 6
 #: Ink and ground of each tone.
 _TONES = {
     "good": (PALETTE["pass_ink"][1:], "DDF2E2"),
@@ -100,6 +100,7 @@ class _Writer:
     def __init__(self, document: Document) -> None:
         self.file = new_document()
         self.bookmarks = 0
+        self.style_ids: dict[str, str] = {}
         self._properties(document)
         self._styles()
         self._page(document)
@@ -164,7 +165,7 @@ class _Writer:
             _border(foot._p.get_or_add_pPr(), "top", _RULE, 4)
 
     def _line(self, paragraph: Any, left: str, right: str) -> None:
-        paragraph.style = self.file.styles["Report cell"]
+        self._styled(paragraph, "Report cell")
         paragraph.paragraph_format.tab_stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT)
         _run(paragraph, f"{left}\t{right}", 8.0, _GREY)
 
@@ -320,10 +321,11 @@ class _Writer:
             ):
                 cell.width = Mm(width)
                 paragraph = cell.paragraphs[0]
-                paragraph.style = self.file.styles["Report cell"]
+                self._styled(paragraph, "Report cell")
                 if column.kind == "number":
                     paragraph.alignment = WD_ALIGN_PARAGRAPH.RIGHT
-                paragraph.paragraph_format.keep_with_next = together and k < len(table.rows)
+                if together and k < len(table.rows):
+                    paragraph.paragraph_format.keep_with_next = True
                 if gap:
                     continue
                 if is_head:
@@ -386,7 +388,7 @@ class _Writer:
                 strict=True,
             ):
                 cell.width = Mm(size)
-                cell.paragraphs[0].style = self.file.styles["Report fact"]
+                self._styled(cell.paragraphs[0], "Report fact")
                 cell.paragraphs[0].paragraph_format.keep_with_next = row is not last and few
                 _run(cell.paragraphs[0], text, 9.0, colour)
         self._gap(5.0)
@@ -407,7 +409,7 @@ class _Writer:
                 cell.width = Mm(width)
                 _edges(cell, *[(_RULE, 4)] * 4)
                 paragraph = cell.paragraphs[0]
-                paragraph.style = self.file.styles["Report cell"]
+                self._styled(paragraph, "Report cell")
                 paragraph.paragraph_format.keep_with_next = k < len(box.rows)
                 if not k:
                     _shade(cell, _MIST)
@@ -454,7 +456,14 @@ class _Writer:
     # ---- parts ---------------------------------------------------------------------------------
 
     def _paragraph(self, style: str) -> Any:
-        return self.file.add_paragraph(style=self.file.styles[style])
+        return self._styled(self.file.add_paragraph(), style)
+
+    def _styled(self, paragraph: Any, style: str) -> Any:
+        """A paragraph with a style; styles are looked up once, there are thousands of cells."""
+        if style not in self.style_ids:
+            self.style_ids[style] = self.file.styles[style].style_id
+        paragraph._p.style = self.style_ids[style]
+        return paragraph
 
     def _gap(self, points: float) -> None:
         paragraph = self._paragraph("Report cell")
