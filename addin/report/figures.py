@@ -316,7 +316,7 @@ class Pictures:
             self._line_names(ax, top)
             self._mode_names(ax, top)
             ax.set(xlabel="Motor speed [rpm]", ylabel="Frequency [Hz]")
-            ax.set_xlim(left=0.0)
+            ax.set_xlim(0.0, self._end_of(table))
             ax.set_ylim(0.0, 1.03 * top)
             ax.margins(x=0.0)
             _legend_below(drawing, ax, 4)
@@ -325,6 +325,12 @@ class Pictures:
                 "Interference diagram: natural frequencies, continuous excitations, and the "
                 "pulsation of the start falling from 2 × line frequency to zero",
             )
+
+    def _end_of(self, table: str) -> float:
+        """Where the lines of the diagram end: the names of the modes stand beyond."""
+        ends = [self.charts.numbers(table, name) for name in ("Modes speed", "Slip speed")]
+        ends += [self.charts.numbers(table, f"Line speed {k}") for k in range(1, LINES + 1)]
+        return max(float(np.nanmax(end)) for end in ends if end.size)
 
     def _line_names(self, ax: Any, top: float) -> None:
         """Names of the excitations; what would cover another name goes up along its line."""
