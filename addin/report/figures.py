@@ -494,7 +494,8 @@ _HALO = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none
 
 def _style() -> Any:
     """Settings of this module, whatever the user's own are."""
-    return mpl.rc_context({**mpl.rcParamsDefault, **_STYLE, "backend": "agg"})
+    settings: Any = dict(mpl.rcParamsDefault) | dict(_STYLE) | {"backend": "agg"}
+    return mpl.rc_context(settings)
 
 
 def _new(panels: int, height: float, sharex: bool = False) -> tuple[Drawing, list[Any]]:

@@ -187,7 +187,7 @@ def of_dimension(value: float, name: str, dimension: str, unit: str = "") -> str
         return fixed(value, decimals)
     if dimension == "count":
         return fixed(value, 0) if float(value).is_integer() else significant(value, 4)
-    return significant(value, 3 if dimension == "deciding number" else 5)
+    return significant(value, 3 if dimension in ("deciding number", "calculation time") else 5)
 
 
 #: Decimals of a dimension in its usual unit.

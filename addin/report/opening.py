@@ -39,7 +39,7 @@ _NOT_COVERED = (
 
 
 _SIGNS = (
-    "0–pk, pk–pk",
+    "0‑pk, pk‑pk",
     "Zero-to-peak, the amplitude about the mean; and peak-to-peak, the whole range.",
 )
 

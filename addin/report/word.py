@@ -428,7 +428,9 @@ class _Writer:
         paragraph.paragraph_format.keep_with_next = True
         paragraph.paragraph_format.space_before = Pt(6)
         paragraph.paragraph_format.space_after = Pt(2)
-        picture = paragraph.add_run().add_picture(io.BytesIO(figure.png), width=Mm(figure.width))
+        picture = paragraph.add_run().add_picture(
+            io.BytesIO(figure.png), width=Mm(figure.width - 1.0)
+        )
         picture._inline.docPr.set("descr", figure.caption)
         picture._inline.docPr.set("name", f"Figure {figure.number}")
         self._caption("Figure", figure.number, figure.caption, above=False)
