@@ -28,10 +28,13 @@ __all__ = ["Charts", "Pictures"]
 #: Width of the text, and of every picture. [mm]
 WIDTH = 170.0
 _MM = 1.0 / 25.4
-#: Items of the train drawing in one line of it, and the longest name beside them.
-_ITEMS, _LONGEST = 25, 30
-#: Lines of it in one picture, height of a line [mm], and places for items it has at least.
-_TRAIN_LINES, _TRAIN_HEIGHT, _FEWEST_ITEMS = 4, 53.0, 11
+#: Longest name in a picture. [characters]
+_LONGEST = 30
+#: Items in a line of the train drawing, lines in a picture, height of a line [mm]: with names below
+#: them, and without where there are more than so many.
+_NAMED_LINES, _NAMED_ITEMS, _NAMELESS_LINES = (25, 4, 53.0), 300, (200, 8, 24.0)
+#: Places for items that a line has at least.
+_FEWEST_ITEMS = 11
 #: Names of so few items stand upright.
 _UPRIGHT = 7
 #: Characters of a legend in one line.
@@ -145,21 +148,24 @@ class Pictures:
         names = [clean(str(name or "")) for name in self.charts.columns["ChartTrain"]["Item"]]
         if not any(names):
             return []
-        count = math.ceil(len(names) / _ITEMS)
+        named = len(names) <= _NAMED_ITEMS
+        per_line, together, height = _NAMED_LINES if named else _NAMELESS_LINES
+        count = math.ceil(len(names) / per_line)
         size = math.ceil(len(names) / count)
         lines = [range(k, min(k + size, len(names))) for k in range(0, len(names), size)]
-        pictures = [lines[k : k + _TRAIN_LINES] for k in range(0, count, _TRAIN_LINES)]
+        pictures = [lines[k : k + together] for k in range(0, len(lines), together)]
         found = []
         for part, some in enumerate(pictures, start=1):
             with _style():
-                drawing, axes = _new(len(some), _TRAIN_HEIGHT * len(some) + 5.0)
+                drawing, axes = _new(len(some), height * len(some) + 5.0)
                 for ax, items in zip(axes, some, strict=True):
-                    self._train_line(ax, names, items)
+                    self._train_line(ax, names if named else (), items)
                     middle = 0.5 * (items[0] + items[-1])
                     half = 0.5 * max(size, _FEWEST_ITEMS) + 0.1
                     ax.set_xlim(middle - half, middle + half)
                 self._speed_legend(drawing)
                 which = "" if len(pictures) == 1 else f", part {part} of {len(pictures)}"
+                which += "" if named else " (names are in the tables)"
                 found.append(
                     self._picture(
                         drawing,
@@ -181,7 +187,7 @@ class Pictures:
                     group = int(name.rpartition(" ")[2]) - 1
                     colour = SPEED_GROUPS[group][0 if name.startswith("Disc") else 1]
                 ax.bar(at, 2.0 * values[at], 0.98, -values[at], color=colour, linewidth=0)
-        _name_ticks(ax, items, names)
+        _name_ticks(ax, items if names else (), names)
         ax.set_ylim(-1.05, 1.05)
         ax.set_yticks([])
         ax.grid(False)
@@ -244,10 +250,11 @@ class Pictures:
                     self._point_name(ax, f"{kind} {k + 1}", at, time[-1], colour, side)
             ax.set(xlabel="Time [s]", ylabel="Motor speed [rpm]")
             ax.set_xlim(0.0, time[-1] * 1.02)
-            ax.set_ylim(bottom=0.0)
-            return self._picture(
-                drawing, "Motor speed in the start, and where 2 × slip frequency crosses a mode"
-            )
+            if np.nanmin(speed) > -0.01 * np.nanmax(speed):
+                ax.set_ylim(bottom=0.0)
+            crossed = any(v is not None for v in self.charts.columns["ChartCrossings"]["Time"])
+            where = ", and where 2 × slip frequency crosses a mode" if crossed else ""
+            return self._picture(drawing, f"Motor speed against time{where}")
 
     def _point_name(
         self, ax: Any, key: str, at: tuple[float, float], end: float, colour: str, side: float

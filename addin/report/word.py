@@ -606,6 +606,10 @@ def _field(
         elif kind != "shown":
             mark = OxmlElement("w:fldChar")
             mark.set(qn("w:fldCharType"), kind)
+            if kind == "begin" and not shown:
+                mark.set(
+                    qn("w:dirty"), "true"
+                )  # nobody knows its page yet: to be filled in on opening
             run._r.append(mark)
 
 

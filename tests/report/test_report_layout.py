@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from addin.chart_data import chart_blocks
 from addin.report.document import Column, Figure, Section, Table, blocks_of, numbered
+from addin.report.figures import WIDTH, Charts, Pictures
 from addin.report.layout import TEXT_WIDTH, column_widths, fitted, folded, soft
 
 KINDS = st.sampled_from(["text", "number", "sentence", "verdict"])
@@ -77,3 +80,17 @@ def test_numbers_run_through_the_document():
     )
     assert [b.number for b in blocks_of(made) if isinstance(b, Table)] == [1, 2, 3]
     assert [made[0].number, made[0].parts[0].number, made[1].number] == ["1", "1.1", "2"]
+
+
+@pytest.mark.parametrize(("stations", "pictures"), [(2, 1), (50, 1), (60, 2), (1000, 2)])
+def test_a_train_of_any_length_is_drawn_on_pages(stations, pictures):
+    case = CaseData(
+        stations=tuple(StationRow(f"S{k}", None, 1.0 + k) for k in range(stations)),
+        elements=tuple(
+            ElementRow(f"E{k}", "shaft", f"S{k}", f"S{k + 1}", 1e6) for k in range(stations - 1)
+        ),
+    )
+    units, _ = shown_units(template_units("SI"), None)
+    drawn = Pictures(Charts.of(chart_blocks(case, units)), vectors=False).train()
+    assert len(drawn) == pictures
+    assert all(abs(figure.width - WIDTH) < 1e-6 and figure.height < 225.0 for figure in drawn)
