@@ -10,6 +10,9 @@ from addin.chart_data import chart_blocks
 from addin.report.document import Column, Figure, Section, Table, blocks_of, numbered
 from addin.report.figures import WIDTH, Charts, Pictures
 from addin.report.layout import TEXT_WIDTH, column_widths, fitted, folded, soft
+from addin.report.shown import template_units
+from addin.shown_units import shown_units
+from engine.case import CaseData, ElementRow, StationRow
 
 KINDS = st.sampled_from(["text", "number", "sentence", "verdict"])
 WORDS = st.text(alphabet="abcxyz_-. 0123456789", max_size=60)
