@@ -32,7 +32,7 @@ _MM = 1.0 / 25.4
 _LONGEST = 30
 #: Items in a line of the train drawing, lines in a picture, height of a line [mm]: with names below
 #: them, and without where there are more than so many.
-_NAMED_LINES, _NAMED_ITEMS, _NAMELESS_LINES = (25, 4, 53.0), 300, (200, 8, 24.0)
+_NAMED_LINES, _NAMED_ITEMS, _NAMELESS_LINES = (25, 3, 53.0), 300, (200, 6, 24.0)
 #: Places for items that a line has at least.
 _FEWEST_ITEMS = 11
 #: Names of so few items stand upright.

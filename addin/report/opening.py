@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from addin.problems import shortened
 from addin.report.document import (
     Block,
     Column,
@@ -23,6 +24,8 @@ from addin.template_text import NOTES
 
 __all__ = ["cover_of", "largest_peak", "scope", "summary"]
 
+#: Longest tag below the title; the title block has all of it. [characters]
+_SUBTITLE = 120
 #: Rows of the revision table that stay blank for later revisions.
 _BLANK_REVISIONS = 3
 #: Warnings on the summary; where there are more, section Audit lists all.
@@ -85,7 +88,7 @@ def cover_of(subject: Subject) -> Cover:
     return Cover(
         kind="Torsional vibration analysis",
         title=subject.words("title") or "Torsional vibration analysis",
-        subtitle=subject.words("tag"),
+        subtitle=shortened(subject.words("tag"), _SUBTITLE),
         verdict=str(overall["verdict"]),
         sentence=_verdict_sentence(overall, subject.rows("Verdicts")),
         facts=tuple(facts),

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from addin import fields
 from addin.chart_data import ShownUnits
 from addin.fields import Field
+from addin.problems import shortened
 from addin.report.numbers import clean, pretty_unit, typed
 from addin.shown_units import shown_units
 from addin.typed_case import CaseInput, Entry, Typed
@@ -22,6 +23,8 @@ __all__ = ["Shown", "entry_text", "shown_of"]
 
 #: Digits of an input that was converted to another unit: as good as the factor of its unit.
 _CONVERTED_DIGITS = 7
+#: Longest text of a cell. [characters]
+_LONGEST = 1000
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,7 @@ def entry_text(entry: Entry | None, field: Field, shown: Shown) -> tuple[str, st
     if entry is None:
         return "", ""
     if isinstance(entry, str):
-        return clean(entry), ""
+        return shortened(clean(entry), _LONGEST), ""
     number, unit, digits = entry.number, entry.unit, 10
     usual = field.unit_us if shown.system == "US" else field.unit_si
     is_plain_si = entry.scale.factor == 1.0 and not entry.scale.base

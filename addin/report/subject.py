@@ -7,12 +7,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from addin.calculation import Calculation
+from addin.problems import shortened
 from addin.report.figures import Pictures
 from addin.report.numbers import clean
 from addin.report.shown import Shown
 from addin.typed_case import CaseInput
 
 __all__ = ["Subject"]
+
+#: Longest text of the title block. [characters]
+_TITLE = 600
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +55,7 @@ class Subject:
 
     def words(self, scalar: str) -> str:
         """A scalar of the title block as typed; empty where it is blank. [text]"""
-        return clean(str(getattr(self.calculation.case, scalar, None) or ""))
+        return shortened(clean(str(getattr(self.calculation.case, scalar, None) or "")), _TITLE)
 
     @property
     def audit(self) -> dict[str, str]:

@@ -50,6 +50,8 @@ _CELL_MARGIN = 75
 _TWENTIETHS = 1440.0 / 25.4
 #: Facts up to so many stay on one page. [count]
 _FEW = 6
+#: Size of the title by its least length. [characters, point]
+_TITLES = ((400, 10.0), (160, 13.0), (70, 17.0), (-1, 22.0))
 #: Ink and ground of each tone.
 _TONES = {
     "good": (PALETTE["pass_ink"][1:], "DDF2E2"),
@@ -173,7 +175,7 @@ class _Writer:
 
     def cover(self, cover: Cover) -> None:
         """The first page."""
-        size = 13.0 if len(cover.title) > 160 else 17.0 if len(cover.title) > 70 else 22.0
+        size = next(s for n, s in _TITLES if len(cover.title) > n)
         box = self._box(_NAVY, "", 7.0)
         _run(box, cover.kind.upper(), 10.0, "FFFFFF", font=_TABLE_FONT)
         title = box._parent.add_paragraph()

@@ -143,6 +143,24 @@ def test_paper_follows_the_units(proposed, tmp_path):
     assert round(docx.Document(str(tmp_path / "c.docx")).sections[0].page_width.mm) == 210
 
 
+@pytest.mark.needs_poppler
+def test_a_case_file_is_shown_in_the_units_it_is_typed_in(tmp_path):
+    stations = [
+        {"station": "A", "inertia": "10 lb*ft^2"},
+        {"station": "B", "inertia": "20 lb*ft^2"},
+    ]
+    elements = [SMALL["elements"][0] | {"stiffness": "1e6 lbf*in/rad"}]
+    for text in small_report(
+        tmp_path, stations=stations, elements=elements, rated_torque="1000 lbf*ft"
+    ):
+        for words in ("lb·ft²", "lbf·in/rad", "1,000 lbf·ft"):
+            assert words in text
+        assert "N·m" not in text
+    assert docx.Document(str(tmp_path / "c.docx")).sections[0].page_width.mm == pytest.approx(
+        215.9, abs=0.1
+    )
+
+
 def test_two_runs_give_the_same_bytes(proposed, tmp_path):
     source = ROOT / "templates" / "example_proposed.xlsx"
     done = torsionbook("report", source, "--pdf", "again.pdf", "--docx", "again.docx", cwd=tmp_path)
@@ -234,6 +252,9 @@ def test_control_characters_and_very_long_texts_do_no_harm(tmp_path):
     pdf, word = small_report(
         tmp_path, title="A\u0000B\u0007C\uffff " + "long title " * 300, tag="x" * 3000
     )
+    pages = pdf_text(tmp_path / "c.pdf").split("\f")
+    assert "Approved by" in pages[0]  # all of the cover is on one page
+    assert "Contents" in pages[1]
     for text in (pdf, word):
         assert "A B C long title long title" in text
         assert "x" * 60 in re.sub(r"\s+", "", text)
