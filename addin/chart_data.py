@@ -43,6 +43,7 @@ __all__ = [
     "chart_blocks",
     "decimate",
     "governing_shaft",
+    "stiffness_of",
 ]
 
 #: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
@@ -284,8 +285,19 @@ def _sequence(case: CaseData) -> list[tuple[str, Any]]:
     return drawn
 
 
-def _stiffness(element: ElementRow) -> float:
-    """Stiffness of an element, from its geometry where it is blank; 0 when neither is given."""
+def stiffness_of(element: ElementRow) -> float:
+    """Stiffness of an element, from its geometry where it is blank.
+
+    Parameters
+    ----------
+    element : ElementRow
+        The element. [SI]
+
+    Returns
+    -------
+    float
+        Its stiffness; 0 when neither is given. [N m/rad]
+    """
     from engine.train import shaft_stiffness
 
     if element.stiffness is not None:
@@ -303,7 +315,7 @@ def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
         labels[f"Speed group {k + 1}"] = _speed_words(case, ratio)
     disc = max([row.inertia or 0.0 for row in case.stations], default=0.0) or 1.0
     shafts = [e for e in case.elements if e.kind != "gear mesh"]
-    shaft = max([_stiffness(e) for e in shafts], default=0.0) or 1.0
+    shaft = max([stiffness_of(e) for e in shafts], default=0.0) or 1.0
     rows: Rows = []
     for name, item in _sequence(case):
         row: list[Cell] = [name or None, *[None] * (4 * GROUPS + 2)]
@@ -313,7 +325,7 @@ def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
             place = (
                 1 + 4 * GROUPS if is_mesh else 3 + 4 * group.get(ratios[ends[0]] if ends else 1, 0)
             )
-            height = 0.3 if is_mesh else 0.62 * (_stiffness(item) / shaft) ** 0.25
+            height = 0.3 if is_mesh else 0.62 * (stiffness_of(item) / shaft) ** 0.25
         elif item is not None:
             place = 1 + 4 * group[ratios[name]]
             height = max(0.03, ((item.inertia or 0.0) / disc) ** 0.25)

@@ -17,6 +17,7 @@ import typer
 
 from addin.calc.commands import calc
 from addin.excel.commands import excel
+from addin.report.commands import report
 from addin.server.commands import serve
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ app = typer.Typer(
 app.add_typer(excel)
 app.add_typer(calc)
 app.command()(serve)
+app.command()(report)
 
 Files = Annotated[
     list[Path],

@@ -29,6 +29,7 @@ __all__ = [
     "COMPILING",
     "is_compiling",
     "WORKBOOK_ENDINGS",
+    "calculate_read",
     "of_case",
     "of_file",
     "read_checked",
@@ -190,7 +191,7 @@ def recalculate(
     notes: tuple[str, ...] = ()
     files: list[Path] = []
     if not isinstance(read, Unreadable) and not problems:
-        calculation, problems = _calculate(read, overrides or {}, tell)
+        calculation, problems = calculate_read(read, overrides or {}, tell)
     if calculation is not None:
         tell("writing")
         target = source if in_place else destination or _beside(source)
@@ -232,10 +233,27 @@ def _beside(source: Path) -> Path:
     return source.with_name(f"{source.stem}.results.json")
 
 
-def _calculate(
+def calculate_read(
     read: CaseInput, overrides: Mapping[str, Any], tell: Callable[[str], None]
 ) -> tuple[Calculation | None, tuple[CellProblem, ...]]:
-    """The calculation, or what makes it impossible as a problem."""
+    """The calculation of a checked input, or what makes it impossible as a problem.
+
+    Parameters
+    ----------
+    read : CaseInput
+        What was read, without problems. [SI]
+    overrides : mapping
+        Fields of the case that the caller sets. [SI]
+    tell : callable
+        Called with the name of each stage as it begins.
+
+    Returns
+    -------
+    Calculation or None
+        The results.
+    tuple of CellProblem
+        What makes them impossible; empty with results.
+    """
     from addin.calculation import calculate
     from engine.case import case_digest
     from engine.errors import CaseError, ModelError

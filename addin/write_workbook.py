@@ -56,6 +56,7 @@ __all__ = [
     "NO_STUDY",
     "RunStamp",
     "chart_tables",
+    "chosen_elements",
     "read_shown_units",
     "result_blocks",
     "shown_cell",
@@ -172,7 +173,7 @@ def write_results(
         workbook = open_workbook(source, ignore_lock=ignore_lock)
     units, problems = read_shown_units(workbook, run.case.ratings.rated_torque)
     wanted = [*result_blocks(run, units), _run_facts(run, stamp, units)]
-    wanted += chart_tables(run, units, _chosen_elements(workbook))
+    wanted += chart_tables(run, units, chosen_elements(workbook))
     workbook.notes += problems
     present = _present(workbook, wanted)
     workbook.write_tables(present)
@@ -431,8 +432,19 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
     return TableData("RunFacts", rows, ["Name", "Meaning", "Value"])
 
 
-def _chosen_elements(workbook: Workbook) -> list[str | None]:
-    """What the engineer wrote into the cells above the history charts."""
+def chosen_elements(workbook: Workbook) -> list[str | None]:
+    """What the engineer wrote into the cells above the history charts.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The open workbook.
+
+    Returns
+    -------
+    list of (str or None)
+        Elements to be drawn; None where the choice is left to the program. [names]
+    """
     chosen: list[str | None] = []
     for number in range(1, HISTORIES + 1):
         try:

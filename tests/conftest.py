@@ -56,6 +56,7 @@ def find_browser() -> str | None:
 REQUIREMENTS = {
     "needs_libreoffice": (find_soffice, "LibreOffice (soffice) is not installed"),
     "needs_browser": (find_browser, "no Chromium is installed"),
+    "needs_poppler": (lambda: shutil.which("pdftotext"), "poppler's pdftotext is not installed"),
 }
 
 

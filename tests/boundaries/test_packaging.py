@@ -42,7 +42,7 @@ def dependencies(*lists: list[str]) -> list[Requirement]:
 
 def test_the_lock_files_are_there():
     assert [p.name for p in LOCKS] == [
-        "dev.txt", "excel.txt", "lock.txt", "parquet.txt", "run.txt", "server.txt",
+        "dev.txt", "excel.txt", "lock.txt", "parquet.txt", "report.txt", "run.txt", "server.txt",
     ]  # fmt: skip
 
 
@@ -77,6 +77,7 @@ def test_compiled_packages_are_hashed_for_every_python_and_system():
         ("parquet.txt", dependencies(PROJECT["project"]["optional-dependencies"]["parquet"])),
         ("excel.txt", dependencies(PROJECT["project"]["optional-dependencies"]["excel"])),
         ("server.txt", dependencies(PROJECT["project"]["optional-dependencies"]["server"])),
+        ("report.txt", dependencies(PROJECT["project"]["optional-dependencies"]["report"])),
         (
             "dev.txt",
             dependencies(
@@ -85,6 +86,7 @@ def test_compiled_packages_are_hashed_for_every_python_and_system():
                 PROJECT["project"]["optional-dependencies"]["parquet"],
                 PROJECT["project"]["optional-dependencies"]["excel"],
                 PROJECT["project"]["optional-dependencies"]["server"],
+                PROJECT["project"]["optional-dependencies"]["report"],
                 PROJECT["dependency-groups"]["dev"],
             ),
         ),

@@ -1,0 +1,94 @@
+"""Results → document: all sections in order, numbered."""
+
+from __future__ import annotations
+
+from addin.calculation import Calculation
+from addin.chart_data import chart_blocks
+from addin.problems import shortened
+from addin.report import answers, closing, inputs, opening
+from addin.report.document import Document, numbered
+from addin.report.figures import Charts, Pictures
+from addin.report.layout import fitted
+from addin.report.numbers import clean
+from addin.report.shown import shown_of
+from addin.report.subject import Subject
+from addin.typed_case import CaseInput
+
+__all__ = ["build_document"]
+
+#: Longest title at the head of a page; a longer one is cut there, never on the cover.
+_HEAD = 70
+
+
+def build_document(
+    name: str,
+    read: CaseInput,
+    calculation: Calculation,
+    *,
+    alerts: tuple[str, ...] = (),
+    vectors: bool = True,
+    pixels: bool = True,
+    show_times: bool = True,
+) -> Document:
+    """The report of a calculation.
+
+    Parameters
+    ----------
+    name : str
+        Name of the input file, without its folder. [name]
+    read : CaseInput
+        The inputs as typed.
+    calculation : Calculation
+        What was calculated of them. [SI]
+    alerts : tuple of str
+        What must be known before anything is read. [sentences]
+    vectors, pixels : bool
+        Forms of the pictures: vectors for the PDF, pixels for the DOCX. [flag]
+    show_times : bool
+        Whether measured times are shown; they differ from run to run. [flag]
+
+    Returns
+    -------
+    Document
+        Complete, the same for every writer.
+    """
+    shown = shown_of(read)
+    blocks = chart_blocks(calculation.case, shown.units, calculation.view, _chosen(read))
+    pictures = Pictures(Charts.of(blocks), vectors, pixels)
+    told = (*alerts, *(clean(note) for note in shown.notes))
+    subject = Subject(name, calculation, read, shown, pictures, told, show_times)
+    sections = (
+        opening.summary(subject),
+        opening.scope(subject),
+        inputs.inputs(subject),
+        answers.frequencies(subject),
+        answers.margins(subject),
+        answers.steady_state(subject),
+        answers.start(subject),
+        answers.reversals(subject),
+        answers.fatigue(subject),
+        closing.effects(subject),
+        closing.accuracy(subject),
+        closing.equations(subject),
+        closing.checks(subject),
+        closing.audit(subject),
+    )
+    cover = opening.cover_of(subject)
+    return Document(
+        cover=cover,
+        sections=numbered(fitted(sections)),
+        name=shortened(subject.words("document"), 40),
+        revision=shortened(subject.words("revision"), 12),
+        short_title=shortened(cover.title, _HEAD),
+        foot=f"{calculation.stamp.software} · inputs {calculation.case_sha256[:12]}…",
+        paper=shown.paper,
+        date=int(calculation.stamp.date.timestamp()),
+    )
+
+
+def _chosen(read: CaseInput) -> list[str | None]:
+    """Elements that the engineer wants drawn, named in the workbook."""
+    from addin.read_workbook import WorkbookInput
+    from addin.write_workbook import chosen_elements
+
+    return chosen_elements(read.workbook) if isinstance(read, WorkbookInput) else []

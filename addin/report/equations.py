@@ -1,0 +1,154 @@
+"""The equations of a calculation, typeset, with their sources.
+
+The names are those of `addin.audit.EQUATIONS`, which a test compares; tables refer to an equation
+by its name and so by its number.
+"""
+
+from __future__ import annotations
+
+from addin.report.document import Equation
+from addin.report.formula import fence, formula, frac, root
+
+__all__ = ["EQUATIONS", "METHODS", "REFERENCES", "by"]
+
+_PAPER = "Szenasi and von Nimitz [1]"
+
+#: In the order in which they are numbered.
+EQUATIONS: tuple[Equation, ...] = (
+    Equation(
+        "Shaft stiffness",
+        formula("k =", frac(formula("π G", fence("D^4 − d^4")), "32 L")),
+        "G shear modulus, D and d outer diameter and bore, L length. Used where Stiffness is blank.",
+        "strength of materials",
+    ),
+    Equation(
+        "Natural frequencies",
+        formula("*K φ = ω^2 *J φ ,~~ *K = *B^T diag", fence("k"), "*B ,~~ ω = singular~values~of~",
+                frac(formula(root("k"), "*B"), root("*J"))),
+        "B incidence matrix of the elements with speed ratios, k stiffnesses, J inertias. The "
+        "stiffness matrix is never added up, so a stiff link costs no digits.",
+        "Demmel et al. [3]",
+    ),
+    Equation(
+        "Modal damping",
+        formula("ζ_r = ζ_stated +", frac("1", "2"), "∑_e η_e s_er +", frac("1", "2"),
+                frac("φ_r^T *C φ_r", "ω_r")),
+        "ζ stated by DampingRatio or ModeDamping, η loss factor and s share of strain energy of an "
+        "element, φ at unit modal mass. The amplification at resonance is 1 / 2ζ.",
+        "modal analysis; docs/method.md",
+    ),
+    Equation(
+        "Separation margin",
+        formula("m = min_n", frac(formula(fence("f − f_exc", "||")), "f_exc")),
+        "the least over the speeds n of continuous operation, 0 where the excitation crosses the "
+        "mode inside them; 20 % is required of calculated, 10 % of measured frequencies.",
+        f"{_PAPER}, Steady state torsional analysis",
+    ),
+    Equation(
+        "Forced response",
+        formula(fence(formula("*K", fence("1 + i η"), "+ i ω *C − ω^2 *J"), "[]"), "θ = *T"),
+        "solved directly with complex numbers; T is 1 % zero-to-peak of the transmitted torque at "
+        "motor, gears and driven machines in turn, where table Excitations says nothing else.",
+        _PAPER,
+    ),
+    Equation(
+        "Allowable vibratory stress",
+        formula("τ_allowable =", frac("UTS", "25")),
+        "compared with stresses that include SCF.",
+        f"Mil-Std-167, as cited by {_PAPER}",
+    ),
+    Equation(
+        "Pulsation",
+        formula("T", fence("t"), "= T_p", fence("ω"), "sin",
+                fence(formula("2", fence("ω_line t − p θ"), "+ φ_0")), ",~~ f = 2 f_line",
+                fence(formula("1 −", frac("n", "n_s")))),
+        "p pole pairs, θ angle of the motor, n speed, nₛ synchronous speed: twice the slip "
+        "frequency, falling from 2 × line frequency to zero.",
+        _PAPER,
+    ),
+    Equation(
+        "Start-up crossing",
+        formula("%~speed = 100", fence(formula("1 −", frac("f", "2 f_line")))),
+        "the speed at which the pulsation crosses a natural frequency f.",
+        f"{_PAPER}, Table 1",
+    ),
+    Equation(
+        "Start, exponential",
+        formula("q''_r + 2 ζ_r ω_r q'_r + ω_r^2 q_r = φ_r^T *T", fence("t , θ , ω")),
+        "integrated by a step that is exact for a torque cubic in time.",
+        "Hochbruck and Ostermann [4]",
+    ),
+    Equation(
+        "Start, Newmark",
+        formula("θ_n+1 = θ_n + h θ'_n +", frac("h^2", "4"), fence("θ''_n + θ''_n+1")),
+        "average acceleration, the method of the paper, where Method is newmark. As printed there "
+        "the second C term of eq. (4) repeats the velocity; here it is derived from eqs (1) to (3).",
+        f"{_PAPER}, eqs (1) to (4)",
+    ),
+    Equation(
+        "Shear stress",
+        formula("τ =", frac("16 T D", formula("π", fence("D^4 − d^4"))), ",~~ τ_a =",
+                frac(formula("SCF · Δ τ"), "2")),
+        "τ nominal, D and d stress diameter and bore; the amplitude of a cycle is half its range "
+        "Δτ times SCF, its mean is ignored.",
+        "strength of materials",
+    ),
+    Equation(
+        "Damage",
+        formula("q = ∑_i", frac("n_i", "N_i"), ",~~ allowable~starts =", frac("1", "q"), ",~~ N = N_1",
+                ("script", fence(frac("S_1", "S")), None, formula("k"))),
+        "n cycles of one start at an amplitude S, N cycles to failure there on the S-N line, which is "
+        "straight in log-log between its points (S₁, N₁) with exponent k. Bending data are halved "
+        "for torsion.",
+        f"{_PAPER}, Figure 3 and Stress criterion; Miner's rule",
+    ),
+)  # fmt: skip
+
+#: What is done by a published procedure rather than by one formula.
+METHODS: tuple[tuple[str, str], ...] = (
+    (
+        "Torque curves",
+        "monotone cubic through the typed points, without overshoot; constant outside them "
+        "(Fritsch and Carlson [5]).",
+    ),
+    (
+        "Cycle counting",
+        "rainflow after ASTM E1049 [6]; the history begins at rest and is closed by a return to zero.",
+    ),
+)
+
+#: Sources by number.
+REFERENCES: tuple[str, ...] = (
+    "F. R. Szenasi, W. W. von Nimitz: Transient analyses of synchronous motor trains. Proc. 7th "
+    "Turbomachinery Symposium, Texas A&M University, 1978.",
+    "Mil-Std-167: Mechanical vibrations of shipboard equipment, as cited in [1].",
+    "J. Demmel, M. Gu, S. Eisenstat, I. Slapničar, K. Veselić, Z. Drmač: Computing the singular value "
+    "decomposition with high relative accuracy. Linear Algebra and its Applications 299 (1999).",
+    "M. Hochbruck, A. Ostermann: Exponential integrators. Acta Numerica 19 (2010).",
+    "F. N. Fritsch, R. E. Carlson: Monotone piecewise cubic interpolation. SIAM J. Numerical Analysis "
+    "17 (1980).",
+    "ASTM E1049: Standard practices for cycle counting in fatigue analysis.",
+    "K. H. Hunt, F. R. E. Crossley: Coefficient of restitution interpreted as damping in vibroimpact. "
+    "J. Applied Mechanics 42 (1975).",
+)
+
+_NUMBERS = {equation.name: number for number, equation in enumerate(EQUATIONS, start=1)}
+
+
+def by(*names: str) -> str:
+    """A reference to equations by their names.
+
+    Parameters
+    ----------
+    *names : str
+        Names of `EQUATIONS`. [names]
+
+    Returns
+    -------
+    str
+        Such as ``By equations (2) and (3).`` [sentence]
+    """
+    shown = [f"({_NUMBERS[name]})" for name in names]
+    if len(shown) == 1:
+        return f"By equation {shown[0]}."
+    return f"By equations {', '.join(shown[:-1])} and {shown[-1]}."

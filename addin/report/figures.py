@@ -1,0 +1,561 @@
+"""Pictures of the chart data of the workbook, as vectors and as pixels of one drawing.
+
+What is drawn are the blocks of `addin.chart_data`, the same numbers as in the charts of the
+workbook; nothing is calculated here.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure as Drawing
+
+from addin.chart_data import CHART_TABLES, CROSSINGS, GROUPS, HISTORIES, LINES, SHAPES
+from addin.effect_charts import EVENTS, FORCES
+from addin.report.document import Figure
+from addin.report.numbers import clean, pretty_unit
+from addin.template_styles import PALETTE, SPEED_GROUPS
+
+__all__ = ["Charts", "Pictures"]
+
+#: Width of the text, and of every picture. [mm]
+WIDTH = 170.0
+_MM = 1.0 / 25.4
+#: Longest name in a picture. [characters]
+_LONGEST = 30
+#: Items in a line of the train drawing, lines in a picture, height of a line [mm]: with names below
+#: them, and without where there are more than so many.
+_NAMED_LINES, _NAMED_ITEMS, _NAMELESS_LINES = (25, 3, 53.0), 300, (200, 6, 24.0)
+#: Places for items that a line has at least.
+_FEWEST_ITEMS = 11
+#: Names of so few items stand upright.
+_UPRIGHT = 7
+#: Characters of a legend in one line.
+_LEGEND = 110
+#: Stations whose names stand below a picture of mode shapes.
+_NAMED_STATIONS = 40
+_COLOURS = tuple(PALETTE[c] for c in ("navy", "rust", "teal", "gold", "plum"))
+_STYLE: Mapping[str, Any] = {
+    "font.family": ["DejaVu Sans"],
+    "font.size": 7.0,
+    "text.parse_math": False,
+    "text.color": "#303030",
+    "axes.labelcolor": "#303030",
+    "axes.titlesize": 7.5,
+    "axes.titleweight": "bold",
+    "axes.titlecolor": PALETTE["navy"],
+    "axes.titlelocation": "left",
+    "axes.edgecolor": "#8C8C8C",
+    "axes.linewidth": 0.5,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.use_mathtext": False,
+    "grid.color": "#E3E3E3",
+    "grid.linewidth": 0.4,
+    "xtick.color": "#606060",
+    "ytick.color": "#606060",
+    "xtick.major.width": 0.5,
+    "ytick.major.width": 0.5,
+    "lines.linewidth": 1.0,
+    "legend.frameon": False,
+    "legend.fontsize": 6.5,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "torsionbook",
+    "path.simplify": False,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Charts:
+    """Chart data by table and column, gaps as NaN.
+
+    Parameters
+    ----------
+    columns : mapping of str to mapping of str to list
+        By chart table and column. [shown units]
+    labels : mapping of str to str
+        Words of the charts. [words]
+    """
+
+    columns: Mapping[str, Mapping[str, list[Any]]]
+    labels: Mapping[str, str]
+
+    @classmethod
+    def of(cls, blocks: Mapping[str, Sequence[Sequence[Any]]]) -> Charts:
+        """The blocks of `chart_blocks` by column.
+
+        Parameters
+        ----------
+        blocks : mapping
+            Rows of every chart table. [shown units]
+
+        Returns
+        -------
+        Charts
+            The same by column.
+        """
+        columns = {}
+        for table in CHART_TABLES:
+            rows = blocks[table.name]
+            columns[table.name] = {
+                name: list(values)
+                for name, values in zip(table.columns, zip(*rows, strict=True), strict=True)
+            }
+        labels = {str(key): clean(str(text or "")) for key, text in blocks["ChartLabels"]}
+        return cls(columns, labels)
+
+    def numbers(self, table: str, column: str) -> np.ndarray[Any, Any]:
+        """A column as numbers, without the blanks at its end."""
+        values = list(self.columns[table][column])
+        while values and values[-1] is None:
+            values.pop()
+        return np.array([math.nan if v is None else float(v) for v in values])
+
+    def pair(self, table: str, x: str, y: str) -> tuple[Any, Any]:
+        """Two columns of one curve."""
+        a, b = self.numbers(table, x), self.numbers(table, y)
+        n = min(a.size, b.size)
+        return a[:n], b[:n]
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """Draws the charts of one calculation.
+
+    Parameters
+    ----------
+    charts : Charts
+        What is drawn. [shown units]
+    vectors, pixels : bool
+        Which forms are wanted: for the PDF, for the DOCX. [flag]
+    """
+
+    charts: Charts
+    vectors: bool = True
+    pixels: bool = False
+
+    # ---- the train -----------------------------------------------------------------------------
+
+    def train(self) -> list[Figure]:
+        """Discs and shafts along the centre line, a colour a speed; a long train in several pictures."""
+        names = [clean(str(name or "")) for name in self.charts.columns["ChartTrain"]["Item"]]
+        if not any(names):
+            return []
+        named = len(names) <= _NAMED_ITEMS
+        per_line, together, height = _NAMED_LINES if named else _NAMELESS_LINES
+        count = math.ceil(len(names) / per_line)
+        size = math.ceil(len(names) / count)
+        lines = [range(k, min(k + size, len(names))) for k in range(0, len(names), size)]
+        pictures = [lines[k : k + together] for k in range(0, len(lines), together)]
+        found = []
+        for part, some in enumerate(pictures, start=1):
+            with _style():
+                drawing, axes = _new(len(some), height * len(some) + 5.0)
+                for ax, items in zip(axes, some, strict=True):
+                    self._train_line(ax, names if named else (), items)
+                    middle = 0.5 * (items[0] + items[-1])
+                    half = 0.5 * max(size, _FEWEST_ITEMS) + 0.1
+                    ax.set_xlim(middle - half, middle + half)
+                self._speed_legend(drawing)
+                which = "" if len(pictures) == 1 else f", part {part} of {len(pictures)}"
+                which += "" if named else " (names are in the tables)"
+                found.append(
+                    self._picture(
+                        drawing,
+                        f"Train{which}: discs with heights as the fourth root of inertia, shafts as "
+                        "that of stiffness; a colour for each shaft speed, gear meshes in gold",
+                    )
+                )
+        return found
+
+    def _train_line(self, ax: Any, names: Sequence[str], items: range) -> None:
+        columns = self.charts.columns["ChartTrain"]
+        ax.axhline(0.0, color="#808080", linewidth=0.5, linestyle=(0, (12, 3, 2, 3)))
+        for at in items:
+            for name, values in columns.items():
+                if name == "Item" or values[at] is None or not name.split(" ")[1] == "up":
+                    continue
+                colour = PALETTE["gold"]
+                if not name.startswith("Mesh"):
+                    group = int(name.rpartition(" ")[2]) - 1
+                    colour = SPEED_GROUPS[group][0 if name.startswith("Disc") else 1]
+                ax.bar(at, 2.0 * values[at], 0.98, -values[at], color=colour, linewidth=0)
+        _name_ticks(ax, items if names else (), names)
+        ax.set_ylim(-1.05, 1.05)
+        ax.set_yticks([])
+        ax.grid(False)
+        ax.tick_params(axis="x", length=0)
+        for side in ax.spines.values():
+            side.set_visible(False)
+
+    def _speed_legend(self, drawing: Drawing) -> None:
+        from matplotlib.patches import Patch
+
+        groups = [
+            Patch(color=SPEED_GROUPS[k][0], label=self.charts.labels[f"Speed group {k + 1}"])
+            for k in range(GROUPS)
+            if self.charts.labels[f"Speed group {k + 1}"]
+        ]
+        if groups:
+            drawing.legend(handles=groups, loc="outside upper left", ncols=len(groups))
+
+    # ---- curves --------------------------------------------------------------------------------
+
+    def torque_speed(self) -> Figure | None:
+        """Torque curves of all machines, referred to the motor."""
+        series = (
+            ("Average", "Motor, average", "navy", "-", 1.4),
+            ("Pulsating", "Motor, pulsating (zero-to-peak)", "rust", "-", 1.2),
+            ("Load", "Load, all machines", "teal", "-", 1.2),
+            ("Accelerating", "Accelerating (average − load)", "grey", "--", 0.9),
+        )
+        if not self.charts.numbers("ChartTorque", "Speed").size:
+            return None
+        with _style():
+            drawing, (ax,) = _new(1, 66.0)
+            for column, label, colour, dash, width in series:
+                x, y = self.charts.pair("ChartTorque", "Speed", column)
+                ax.plot(x, y, dash, color=PALETTE[colour], label=label, linewidth=width)
+            ax.set(xlabel="Speed [% of synchronous]", ylabel="Torque [pu of rated]")
+            ax.set_xlim(left=0.0)
+            _legend_below(drawing, ax, 4)
+            return self._picture(drawing, "Torques against speed, referred to the motor")
+
+    def speed_time(self) -> Figure | None:
+        """Motor speed in the start with the crossings and events."""
+        time, speed = self.charts.pair("ChartSpeedTime", "Time", "Speed")
+        if not time.size:
+            return None
+        with _style():
+            drawing, (ax,) = _new(1, 74.0)
+            ax.plot(time, speed, color=PALETTE["navy"], linewidth=1.4)
+            for kind, count, colour, side in (
+                ("Crossing", CROSSINGS, "rust", 1.0), ("Event", EVENTS, "teal", -1.0),
+            ):  # fmt: skip
+                table = self.charts.columns[f"Chart{kind}s"]
+                for k in range(min(count, len(table["Time"]))):
+                    if table["Time"][k] is None:
+                        continue
+                    at = (table["Time"][k], table["Speed"][k])
+                    ax.plot(
+                        *at, "D", color=PALETTE[colour], markersize=4.5, markeredgecolor="white"
+                    )
+                    self._point_name(ax, f"{kind} {k + 1}", at, time[-1], colour, side)
+            ax.set(xlabel="Time [s]", ylabel="Motor speed [rpm]")
+            ax.set_xlim(0.0, time[-1] * 1.02)
+            if np.nanmin(speed) > -0.01 * np.nanmax(speed):
+                ax.set_ylim(bottom=0.0)
+            crossed = any(v is not None for v in self.charts.columns["ChartCrossings"]["Time"])
+            where = ", and where 2 × slip frequency crosses a mode" if crossed else ""
+            return self._picture(drawing, f"Motor speed against time{where}")
+
+    def _point_name(
+        self, ax: Any, key: str, at: tuple[float, float], end: float, colour: str, side: float
+    ) -> None:
+        """The name of a point on the side of the curve where there is room."""
+        left = at[0] > 0.6 * end
+        shift = (-7.0 if left else 7.0, 0.0)
+        if side < 0.0:  # below the curve, which rises
+            left, shift = at[0] > 0.8 * end, (-3.0 if at[0] > 0.8 * end else 6.0, -9.0)
+        ax.annotate(
+            self.charts.labels[key], at, xytext=shift, textcoords="offset points",
+            ha="right" if left else "left", va="center", color=PALETTE[colour], fontsize=6.5,
+        )  # fmt: skip
+
+    # ---- modes ---------------------------------------------------------------------------------
+
+    def shapes(self, rows: Sequence[Mapping[str, Any]]) -> Figure | None:
+        """Twist of the stations in the first modes; `rows` of table ModeShapes."""
+        count = min(
+            SHAPES, sum(1 for k in range(1, SHAPES + 1) if f"mode_{k}" in (rows or [{}])[0])
+        )
+        if not count:
+            return None
+        names = [clean(str(row["station"])) for row in rows]
+        with _style():
+            drawing, (ax,) = _new(1, 92.0)
+            ax.axhline(0.0, color="#808080", linewidth=0.6)
+            dots = len(names) <= _NAMED_STATIONS
+            for k in range(count):
+                twist = [row[f"mode_{k + 1}"] for row in rows]
+                ax.plot(
+                    range(len(names)), twist, "o-" if dots else "-", color=_COLOURS[k % 5],
+                    markersize=3, label=self.charts.labels[f"Shape {k + 1}"],
+                )  # fmt: skip
+            step = math.ceil(len(names) / _NAMED_STATIONS)
+            _name_ticks(ax, range(0, len(names), step), names)
+            ax.set_ylabel("Twist, largest = 1")
+            ax.set_ylim(-1.08, 1.08)
+            drawing.legend(*ax.get_legend_handles_labels(), loc="outside upper left", ncols=3)
+            which = "" if step == 1 else f" (every {step}. station is named)"
+            return self._picture(
+                drawing, f"Mode shapes: physical twist of each station, largest = 1{which}"
+            )
+
+    def interference(self) -> Figure | None:
+        """Modes, excitations, the falling 2 × slip line and the operating speeds."""
+        table = "ChartInterference"
+        slip = self.charts.pair(table, "Slip speed", "2 x slip")
+        if not slip[0].size:
+            return None
+        with _style():
+            drawing, (ax,) = _new(1, 118.0)
+            ax.plot(*self.charts.pair(table, "Modes speed", "Modes"), color=PALETTE["navy"],
+                    linewidth=1.1, label="Natural frequencies")  # fmt: skip
+            ax.plot(*slip, color=PALETTE["rust"], linewidth=1.6, label="2 × slip frequency (start)")
+            ax.plot(*self.charts.pair(table, "Range speed", "Range"), "--", color=PALETTE["teal"],
+                    linewidth=1.0, label="Speeds of continuous operation")  # fmt: skip
+            tops = [float(np.nanmax(slip[1]))]
+            for k in range(1, LINES + 1):
+                x, y = self.charts.pair(table, f"Line speed {k}", f"Line {k}")
+                if x.size:
+                    label = "Excitations" if k == 1 else None
+                    ax.plot(x, y, color="#7A7A7A", linewidth=0.7, label=label)
+                    tops.append(float(np.nanmax(y)))
+            top = max(tops)
+            self._line_names(ax, top)
+            self._mode_names(ax, top)
+            ax.set(xlabel="Motor speed [rpm]", ylabel="Frequency [Hz]")
+            ax.set_xlim(0.0, self._end_of(table))
+            ax.set_ylim(0.0, 1.03 * top)
+            ax.margins(x=0.0)
+            _legend_below(drawing, ax, 4)
+            return self._picture(
+                drawing,
+                "Interference diagram: natural frequencies, continuous excitations, and the "
+                "pulsation of the start falling from 2 × line frequency to zero",
+            )
+
+    def _end_of(self, table: str) -> float:
+        """Where the lines of the diagram end: the names of the modes stand beyond."""
+        ends = [self.charts.numbers(table, name) for name in ("Modes speed", "Slip speed")]
+        ends += [self.charts.numbers(table, f"Line speed {k}") for k in range(1, LINES + 1)]
+        return max(float(np.nanmax(end)) for end in ends if end.size)
+
+    def _line_names(self, ax: Any, top: float) -> None:
+        """Names of the excitations; what would cover another name goes up along its line."""
+        x, y = self.charts.columns["ChartNames"].values()
+        used: list[tuple[float, float]] = []
+        right = max((v for v in x if v is not None), default=1.0)
+        for k, (at_x, at_y) in enumerate(zip(x, y, strict=True)):
+            name = self.charts.labels.get(f"Line {k + 1}", "")
+            if at_x is None or at_y is None or not name.strip():
+                continue
+            at_y = min(at_y, 0.985 * top)
+            while any(
+                abs(at_y - v) < 0.028 * top and abs(at_x - u) < 0.25 * right for u, v in used
+            ):
+                at_y -= 0.028 * top
+            used.append((at_x, at_y))
+            ax.annotate(_short(name, 34), (at_x, at_y), color="#505050", fontsize=6, ha="center",
+                        va="center", bbox=_HALO)  # fmt: skip
+
+    def _mode_names(self, ax: Any, top: float) -> None:
+        """Frequencies at the right edge; modes close together share one line."""
+        x, y = self.charts.pair("ChartInterference", "Label speed", "Label")
+        groups: list[list[float]] = []
+        for f in sorted(float(v) for v in y if math.isfinite(v)):
+            if groups and f - groups[-1][-1] < 0.022 * top:
+                groups[-1].append(f)
+            else:
+                groups.append([f])
+        for group in groups:
+            shown = [f"{f:.1f}" for f in group]
+            words = (
+                ", ".join(shown) if len(group) < 4 else f"{shown[0]} to {shown[-1]} ({len(group)})"
+            )
+            middle = sum(group) / len(group)
+            ax.annotate(f"{words} Hz", (float(x[0]), middle), xytext=(4, 0), fontsize=6,
+                        textcoords="offset points", va="center", color=PALETTE["navy"])  # fmt: skip
+
+    # ---- histories -----------------------------------------------------------------------------
+
+    def histories(self, together: int = 2) -> list[Figure]:
+        """Torque, stress or tooth load of the drawn elements, several below each other."""
+        drawn = [k for k in range(1, HISTORIES + 1)
+                 if self.charts.numbers("ChartHistory", f"Time {k}").size]  # fmt: skip
+        found = []
+        for start in range(0, len(drawn), together):
+            some = drawn[start : start + together]
+            with _style():
+                drawing, axes = _new(len(some), 45.0 * len(some), sharex=True)
+                for ax, k in zip(axes, some, strict=True):
+                    time, value = self.charts.pair("ChartHistory", f"Time {k}", f"Value {k}")
+                    ax.plot(time, value, color=PALETTE["navy"], linewidth=0.5)
+                    ax.axhline(0.0, color="#808080", linewidth=0.5)
+                    ax.set_title(_short(self.charts.labels[f"History title {k}"], 90))
+                    ax.set_ylabel(_axis(self.charts.labels[f"History axis {k}"]))
+                    ax.set_xlim(0.0, float(np.nanmax(time)))
+                axes[-1].set_xlabel("Time [s]")
+                names = "; ".join(self.charts.labels[f"History title {k}"] for k in some)
+                found.append(self._picture(drawing, f"Start against time: {names}"))
+        return found
+
+    def reversal(self) -> Figure | None:
+        """Torque around the deepest reversal: all of it, closely, and the forces then."""
+        panels = []
+        for table, key in (("ChartReversal", "Reversal"), ("ChartBlow", "Blow")):
+            time, torque = self.charts.pair(table, "Time", "Torque")
+            if time.size:
+                panels.append((key, [(time, torque, "navy", "")]))
+        forces = []
+        for k, colour in zip(range(1, FORCES + 1), ("navy", "rust", "teal"), strict=True):
+            time, force = self.charts.pair("ChartForces", f"Time {k}", f"Force {k}")
+            if time.size:
+                forces.append((time, force, colour, self.charts.labels[f"Force {k}"]))
+        if forces:
+            panels.append(("Force", forces))
+        if not panels:
+            return None
+        with _style():
+            drawing, axes = _new(len(panels), 52.0 * len(panels))
+            for ax, (key, curves) in zip(axes, panels, strict=True):
+                for time, value, colour, label in curves:
+                    ax.plot(time, value, color=PALETTE[colour], linewidth=0.9, label=label or None)
+                ax.axhline(0.0, color="#808080", linewidth=0.6)
+                ax.set_title(_short(self.charts.labels[f"{key} title"], 110))
+                ax.set_ylabel(_axis(self.charts.labels[f"{key} axis"]))
+                ax.margins(x=0.0)
+                if any(label for *_, label in curves):
+                    _legend_below(drawing, ax, 3)
+            axes[-1].set_xlabel("Time [s]")
+            return self._picture(drawing, "Torque of the teeth around its least value in the start")
+
+    def pull_in(self) -> Figure | None:
+        """Load angle and slip from field application on."""
+        time, angle = self.charts.pair("ChartPullIn", "Angle time", "Load angle")
+        if not time.size:
+            return None
+        with _style():
+            drawing, (ax,) = _new(1, 66.0)
+            ax.plot(time, angle, color=PALETTE["navy"], label="Load angle")
+            ax.set(xlabel="Time [s]", ylabel=self.charts.labels["Pull-in axis"])
+            ax.margins(x=0.0)
+            other = ax.twinx()
+            slip = self.charts.pair("ChartPullIn", "Slip time", "Slip")
+            other.plot(*slip, color=PALETTE["rust"], linewidth=0.9)
+            ax.plot([], [], color=PALETTE["rust"], label="Slip")
+            other.set_ylabel("Slip [%]")
+            other.grid(False)
+            _legend_below(drawing, ax, 2)
+            return self._picture(drawing, self.charts.labels["Pull-in title"])
+
+    # ---- fatigue -------------------------------------------------------------------------------
+
+    def sn(self) -> Figure | None:
+        """S-N line, and how often one start and all starts reach a stress."""
+        if not self.charts.numbers("ChartSN", "Line cycles").size:
+            return None
+        with _style():
+            drawing, (ax,) = _new(1, 84.0)
+            for x, y, key, colour in (
+                ("Line cycles", "Line", "S-N line", "navy"),
+                ("Start cycles", "One start", "One start", "teal"),
+                ("Starts cycles", "Starts required", "Starts required", "rust"),
+            ):
+                pair = self.charts.pair("ChartSN", x, y)
+                if pair[0].size:
+                    label = self.charts.labels[key]
+                    ax.plot(*pair, color=PALETTE[colour], label=label, linewidth=1.4)
+            ax.set_xscale("log")
+            ax.set_yscale("log")
+            ax.xaxis.set_major_formatter(_power_of_ten)
+            ax.yaxis.set_major_formatter(_plain_number)
+            low, high = ax.get_ylim()
+            ax.yaxis.set_minor_formatter(
+                _some_plain_numbers if high > 12.0 * low else _plain_number
+            )
+            ax.tick_params(axis="y", which="minor", labelsize=6)
+            ax.set(xlabel="Cycles", ylabel=_axis(self.charts.labels["S-N axis"]))
+            _legend_below(drawing, ax, 3)
+            return self._picture(drawing, self.charts.labels["S-N title"])
+
+    # ---- files ---------------------------------------------------------------------------------
+
+    def _picture(self, drawing: Drawing, caption: str) -> Figure:
+        """A drawing as vectors and as pixels; no date in either."""
+        with warnings.catch_warnings():
+            # a name in a script that the font lacks is drawn as boxes here; it stands in the tables
+            warnings.filterwarnings("ignore", message="Glyph .* missing from")
+            svg = self._saved(drawing, "svg") if self.vectors else b""
+            png = self._saved(drawing, "png") if self.pixels else b""
+        width, height = drawing.get_size_inches()
+        return Figure(caption, svg, png, width / _MM, height / _MM)
+
+    def _saved(self, drawing: Drawing, form: str) -> bytes:
+        target = io.BytesIO()
+        about = {"Date": None, "Creator": None} if form == "svg" else {"Software": None}
+        drawing.savefig(target, format=form, dpi=200, metadata=about)
+        return target.getvalue()
+
+
+_HALO = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
+
+
+def _style() -> Any:
+    """Settings of this module, whatever the user's own are."""
+    settings: Any = dict(mpl.rcParamsDefault) | dict(_STYLE) | {"backend": "agg"}
+    return mpl.rc_context(settings)
+
+
+def _new(panels: int, height: float, sharex: bool = False) -> tuple[Drawing, list[Any]]:
+    """A drawing of the width of the text with panels below each other. [mm]"""
+    drawing = Drawing(figsize=(WIDTH * _MM, height * _MM), layout="constrained")
+    axes = drawing.subplots(panels, 1, sharex=sharex, squeeze=False)
+    return drawing, list(axes[:, 0])
+
+
+def _legend_below(drawing: Drawing, ax: Any, columns: int) -> None:
+    """Names of the curves below everything; the layout keeps room for them."""
+    handles, names = ax.get_legend_handles_labels()
+    names = [_short(name, 70) for name in names]
+    while columns > 1 and columns * (max(map(len, names), default=0) + 6) > _LEGEND:
+        columns -= 1
+    drawing.legend(handles, names, loc="outside lower center", ncols=columns)
+
+
+def _name_ticks(ax: Any, items: Sequence[int], names: Sequence[str]) -> None:
+    """Names below the axis; many stand on end."""
+    few = len(items) <= _UPRIGHT
+    shown = [_short(names[at], 18 if few else _LONGEST) for at in items]
+    ax.set_xticks(list(items), shown, rotation=0 if few else 90, fontsize=6)
+
+
+def _short(name: str, longest: int) -> str:
+    """A name that fits, its middle left out: what parts names often stands at their end."""
+    if len(name) <= longest:
+        return name
+    tail = longest // 3
+    return f"{name[: longest - tail - 1].rstrip()}…{name[-tail:].lstrip()}"
+
+
+def _axis(words: str) -> str:
+    """An axis title with its unit as printed."""
+    head, bracket, unit = words.partition("[")
+    return f"{head}[{pretty_unit(unit.rstrip(']'))}]" if bracket else words
+
+
+_UP = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+def _power_of_ten(value: float, _: Any = None) -> str:
+    return f"10{str(round(math.log10(value))).translate(_UP)}" if value > 0.0 else ""
+
+
+def _plain_number(value: float, _: Any = None) -> str:
+    return f"{value:,.10g}"
+
+
+def _some_plain_numbers(value: float, _: Any = None) -> str:
+    """Between powers of ten only 2 and 5, which never touch."""
+    if value <= 0.0:
+        return ""
+    first = round(value / 10.0 ** math.floor(math.log10(value) + 1e-9))
+    return _plain_number(value) if first in (2, 5) else ""

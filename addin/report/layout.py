@@ -1,0 +1,292 @@
+"""Widths of columns, so that every table fits its page in either writer.
+
+Widths are estimated from the number of characters, generously: numbers are never broken, words only
+where they are wider than their column may be.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from addin.report.document import Block, Column, Section, Table
+
+__all__ = [
+    "TEXT_WIDTH",
+    "column_widths",
+    "fitted",
+    "folded",
+    "room",
+    "soft",
+    "stays_together",
+]
+
+#: Width of the text on either paper. [mm]
+TEXT_WIDTH = 170.0
+#: Width of a character of a table, of the wider of both writers, and the margins of a cell. [mm]
+_CHARACTER, _MARGINS = 1.42, 3.0
+#: Capitals and other wide letters of short words. [mm]
+_SLACK = 1.4
+#: Longest words that are not broken, as much room as there is. [characters]
+_WORDS = (18, 12)
+#: A sentence is not asked to have less than this. [characters]
+_SENTENCE = 26
+#: Estimated widths are generous: so much more still fits. [1]
+_TIGHT = 1.06
+#: Between halves of a folded table. [mm]
+_GAP = 8.0
+#: A table with more rows than the first is folded, into pieces of at most the second. [count]
+_TALL, _PIECE = 12, 40
+
+
+def column_widths(table: Table, total: float = TEXT_WIDTH) -> list[float]:
+    """Widths of the columns of a table.
+
+    Parameters
+    ----------
+    table : Table
+        The table.
+    total : float
+        Width of the text. [mm]
+
+    Returns
+    -------
+    list of float
+        One a column, together at most `total`. [mm]
+    """
+    least = _leasts(table)
+    natural = [max(_natural(table, k), least[k]) for k in range(len(table.columns))]
+    if sum(natural) <= total:
+        wide = [k for k, column in enumerate(table.columns) if column.kind == "sentence"]
+        for k in wide[-1:]:
+            natural[k] += total - sum(natural)
+        return natural
+    spare = total - sum(least)
+    if spare <= 0.0:
+        return [width * total / sum(least) for width in least]
+    # long texts get more, but not in proportion: a sentence ten times longer may take ten lines
+    wish = [math.sqrt(max(n - m, 0.0)) for n, m in zip(natural, least, strict=True)]
+    given = [
+        min(m + spare * w / sum(wish), n) for m, w, n in zip(least, wish, natural, strict=True)
+    ]
+    rest = total - sum(given)
+    longest = max(range(len(given)), key=lambda k: natural[k] - given[k])
+    given[longest] += max(rest, 0.0)
+    return given
+
+
+def _natural(table: Table, k: int) -> float:
+    """Width at which nothing of a column wraps, its header in at most two lines."""
+    if table.columns[k].kind == "gap":
+        return _GAP
+    cells = [len(row[k]) for row in table.rows]
+    return _mm(max([*cells, _header(table.columns[k])], default=0))
+
+
+def _leasts(table: Table) -> list[float]:
+    """Least widths; long words are broken sooner where the table would not fit otherwise."""
+    least: list[float] = []
+    for word in _WORDS:
+        least = [_least(table, k, word) for k in range(len(table.columns))]
+        if sum(least) <= TEXT_WIDTH:
+            break
+    return least
+
+
+def _least(table: Table, k: int, word: int) -> float:
+    """Width below which numbers or ordinary words would break."""
+    column = table.columns[k]
+    if column.kind == "gap":
+        return _GAP
+    words = [min(len(w), _WORDS[0]) + 1 for w in column.header.split()]  # bold is wider
+    if column.unit:
+        words.append(len(column.unit))
+    if column.kind == "number" and len(table.rows) and not _has_words(table, k):
+        words += [len(row[k]) for row in table.rows]
+    else:
+        words += [min(len(w), word) for row in table.rows for w in row[k].split()]
+    longest = max(words, default=1)
+    if column.kind == "sentence":
+        cells = max((len(row[k]) for row in table.rows), default=0)
+        longest = max(longest, min(_SENTENCE, cells))
+    return _mm(longest)
+
+
+def _has_words(table: Table, k: int) -> bool:
+    """Whether a column of numbers holds sentences too, as a turned table may."""
+    return any(" " in row[k] and len(row[k]) > _WORDS[0] for row in table.rows)
+
+
+def _header(column: Column) -> int:
+    words = column.header.split()
+    half = math.ceil(len(column.header) / 2)
+    return max(
+        [half if len(words) > 1 else len(column.header), *(len(w) for w in words)], default=0
+    )
+
+
+def _mm(characters: int) -> float:
+    return max(characters, 3) * _CHARACTER + _MARGINS + _SLACK
+
+
+def room(width: float) -> int:
+    """How many characters a column takes.
+
+    Parameters
+    ----------
+    width : float
+        Its width. [mm]
+
+    Returns
+    -------
+    int
+        Characters of its longest word. [count]
+    """
+    return max(int((width - _MARGINS) / _CHARACTER), 4)
+
+
+#: A table of at most so many lines of text is not broken over pages. [count]
+_SHORT = 22
+
+
+def stays_together(table: Table) -> bool:
+    """Whether a table is short enough to be kept on one page.
+
+    Parameters
+    ----------
+    table : Table
+        A table.
+
+    Returns
+    -------
+    bool
+        True for a short one and for one folded into halves. [flag]
+    """
+    fits = [room(width) for width in column_widths(table)]
+    lines = (
+        max(math.ceil(1.1 * len(cell) / n) for cell, n in zip(row, fits, strict=True))
+        for row in table.rows
+    )
+    return table.together or sum(max(n, 1) for n in lines) <= _SHORT
+
+
+def fitted(sections: Sequence[Section]) -> tuple[Section, ...]:
+    """Sections whose tables all fit: one that is too wide is parted, its first column repeated.
+
+    Parameters
+    ----------
+    sections : sequence of Section
+        Any sections.
+
+    Returns
+    -------
+    tuple of Section
+        The same, with as many tables as are needed.
+    """
+
+    def one(section: Section) -> Section:
+        blocks: list[Block] = []
+        for block in section.blocks:
+            blocks += _parted(block) if isinstance(block, Table) else [block]
+        return replace(section, blocks=tuple(blocks), parts=tuple(one(p) for p in section.parts))
+
+    return tuple(one(section) for section in sections)
+
+
+def folded(table: Table, total: float = TEXT_WIDTH) -> list[Table]:
+    """A narrow, tall table in halves or thirds beside each other.
+
+    Parameters
+    ----------
+    table : Table
+        A table.
+    total : float
+        Width of the text. [mm]
+
+    Returns
+    -------
+    list of Table
+        The table itself where it is wide or short; of a very tall one several, each on one page.
+    """
+    least = _leasts(table)
+    width = sum(max(_natural(table, k), least[k]) for k in range(len(table.columns)))
+    beside = min(int((total + _GAP) / (width + _GAP)), 3, math.ceil(len(table.rows) / 6))
+    if len(table.rows) <= _TALL or beside < 2:
+        return [table]
+    size = beside * _PIECE
+    pieces = [table.rows[k : k + size] for k in range(0, len(table.rows), size)]
+    found = []
+    for n, rows in enumerate(pieces, start=1):
+        height = math.ceil(len(rows) / beside)
+        blank = ("",) * len(table.columns)
+        lines = []
+        for line in range(height):
+            cells: list[str] = []
+            for k in range(beside):
+                at = line + k * height
+                cells += [*([""] if k else []), *(rows[at] if at < len(rows) else blank)]
+            lines.append(tuple(cells))
+        columns = list(table.columns)
+        for _ in range(beside - 1):
+            columns += [Column("", "", "gap"), *table.columns]
+        caption = table.caption if len(pieces) == 1 else f"{table.caption} ({n} of {len(pieces)})"
+        note = table.note if n == len(pieces) else ""
+        found.append(Table(caption, tuple(columns), tuple(lines), note, together=True))
+    return found
+
+
+def _parted(table: Table) -> list[Table]:
+    least = _leasts(table)
+    if sum(least) <= _TIGHT * TEXT_WIDTH or len(table.columns) < 3:
+        return [table]
+    parts: list[list[int]] = [[0]]
+    for k in range(1, len(least)):
+        if len(parts[-1]) > 1 and sum(least[i] for i in parts[-1]) + least[k] > _TIGHT * TEXT_WIDTH:
+            parts.append([0])
+        parts[-1].append(k)
+    return [
+        replace(
+            table,
+            caption=f"{table.caption} ({n} of {len(parts)})",
+            columns=tuple(table.columns[k] for k in part),
+            rows=tuple(tuple(row[k] for k in part) for row in table.rows),
+            note=table.note if n == len(parts) else "",
+        )
+        for n, part in enumerate(parts, start=1)
+    ]
+
+
+def soft(text: str, longest: int) -> str:
+    """A text in which words that are too long may be broken.
+
+    Parameters
+    ----------
+    text : str
+        The text. [text]
+    longest : int
+        Characters that fit. [count]
+
+    Returns
+    -------
+    str
+        The same, with invisible places to break in words longer than that. [text]
+    """
+    longest = max(longest, 4)
+    if not any(len(word) > longest for word in text.split()):
+        return text
+    return " ".join(
+        _breakable(word, longest) if len(word) > longest else word for word in text.split(" ")
+    )
+
+
+def _breakable(word: str, longest: int) -> str:
+    """Breaks after signs that part words, and wherever a piece is still too long."""
+    pieces = [""]
+    for sign in word:
+        if len(pieces[-1]) >= longest:
+            pieces.append("")
+        pieces[-1] += sign
+        if sign in "_-/.,:;+" and len(pieces[-1]) > 3:
+            pieces.append("")
+    return "\u200b".join(piece for piece in pieces if piece)

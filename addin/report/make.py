@@ -1,0 +1,179 @@
+"""One input in, its report out: read, calculate, build, write whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from addin.problems import CellProblem
+
+if TYPE_CHECKING:
+    from addin.typed_case import CaseInput
+
+__all__ = ["Reported", "report"]
+
+
+@dataclass(frozen=True)
+class Reported:
+    """What became of a report.
+
+    Parameters
+    ----------
+    problems : tuple of CellProblem
+        Everything wrong with the input; empty where the report was written. [problems]
+    notes : tuple of str
+        What the user should know. [sentences]
+    written : tuple of Path
+        Files written. [paths]
+    """
+
+    problems: tuple[CellProblem, ...]
+    notes: tuple[str, ...]
+    written: tuple[Path, ...]
+
+
+def report(
+    source: Path,
+    *,
+    pdf: Path | None = None,
+    docx: Path | None = None,
+    on_stage: Callable[[str], None] | None = None,
+) -> Reported:
+    """Calculate an input and write its report.
+
+    Parameters
+    ----------
+    source : Path
+        Workbook or case JSON; it is only read. [path]
+    pdf, docx : Path, optional
+        Files to write; one that is there is replaced. [path]
+    on_stage : callable, optional
+        Called with a word on what is being done.
+
+    Returns
+    -------
+    Reported
+        Problems, or the files written.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written; one that was there is as before.
+    """
+    from addin.recalc import Unreadable, calculate_read, read_checked
+
+    tell = on_stage or (lambda stage: None)
+    tell("reading")
+    read = read_checked(source)
+    if isinstance(read, Unreadable) or read.problems:
+        return Reported(read.problems, read.warnings, ())
+    calculation, problems = calculate_read(read, {}, tell)
+    if calculation is None:
+        return Reported(problems, read.warnings, ())
+    from addin.report.build import build_document
+
+    tell("drawing")
+    alerts = stored_results(read, calculation.case_sha256)
+    document = build_document(
+        source.name,
+        read,
+        calculation,
+        alerts=alerts,
+        vectors=pdf is not None,
+        pixels=docx is not None,
+        # with a fixed date the same inputs are to give the same bytes; measured times never do
+        show_times=not os.environ.get("SOURCE_DATE_EPOCH"),
+    )
+    made: list[tuple[Path, bytes]] = []
+    if pdf is not None:
+        from addin.report.pdf import pdf_of
+
+        tell("setting the PDF")
+        made.append((pdf, pdf_of(document)))
+    if docx is not None:
+        from addin.report.word import docx_of
+
+        tell("setting the DOCX")
+        made.append((docx, docx_of(document)))
+    for path, content in made:
+        write_whole(path, content)
+    return Reported((), (*calculation.warnings, *alerts), tuple(path for path, _ in made))
+
+
+def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:
+    """What the workbook's own results belong to, if not to its inputs.
+
+    Parameters
+    ----------
+    read : CaseInput
+        What was read.
+    digest : str
+        Digest of the inputs. [hex]
+
+    Returns
+    -------
+    tuple of str
+        A sentence, or none where results are absent or belong to the inputs. [sentences]
+    """
+    from addin.read_workbook import WorkbookInput
+
+    if not isinstance(read, WorkbookInput):
+        return ()
+    stored = {name: _stored(read, f"run_{name}") for name in ("SHA256", "Date", "Software")}
+    if not stored["SHA256"] or stored["SHA256"] == digest:
+        return ()
+    made = ", ".join(filter(None, (stored["Software"], stored["Date"] and f"{stored['Date']} UTC")))
+    return (
+        "The results stored in the workbook do not belong to its inputs: they are those of inputs with "
+        f"SHA-256 {stored['SHA256'][:12]}…{f' ({made})' if made else ''}. The results in this document "
+        f"were calculated from the inputs as they are now, SHA-256 {digest[:12]}…",
+    )
+
+
+def _stored(read: CaseInput, name: str) -> str:
+    """A fact that a calculation has left in the workbook; empty where there is none."""
+    from addin.package import PackageError
+    from addin.package.references import cell_name
+
+    try:
+        at = read.workbook.name(name)  # type: ignore[attr-defined]
+    except PackageError:
+        return ""
+    if at.sheet is None or at.rect is None:
+        return ""
+    value = read.workbook.shown_value(at.sheet, cell_name(at.rect.top, at.rect.left))  # type: ignore[attr-defined]
+    return value.strip() if isinstance(value, str) else ""
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+    content : bytes
+        What it holds. [file]
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; one that was there is as before.
+    """
+    import tempfile
+
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        # mkstemp makes the file private; give it the mode any other new file would get
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(name, 0o666 & ~mask)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

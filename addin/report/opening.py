@@ -1,0 +1,270 @@
+"""Cover, summary and scope."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from addin.problems import shortened
+from addin.report.document import (
+    Block,
+    Column,
+    Cover,
+    Facts,
+    Listing,
+    Paragraph,
+    Section,
+    SignatureBox,
+    Table,
+)
+from addin.report.numbers import clean, fixed, significant
+from addin.report.subject import Subject
+from addin.report.tables import result_table
+from addin.template_text import NOTES
+
+__all__ = ["cover_of", "largest_peak", "scope", "summary"]
+
+#: Longest tag below the title; the title block has all of it. [characters]
+_SUBTITLE = 120
+#: Rows of the revision table that stay blank for later revisions.
+_BLANK_REVISIONS = 3
+#: Warnings on the summary; where there are more, section Audit lists all.
+_WARNINGS = 15
+#: What no calculation of this program covers, whatever the inputs.
+_NOT_COVERED = (
+    "Short circuits at the motor (three-phase, line-to-line) and fast reclosing of the line, unless "
+    "their torque is given in table TorqueTime.",
+    "Lateral and axial vibration, but for gears on flexible bearings where bearing data is given.",
+    "Keys, keyways, interference fits and hub stresses beyond the SCF stated for an element.",
+    "Measured behaviour: frequencies and damping are calculated or assumed; a field test with strain "
+    "gauges or a torsiograph is the proof where a margin is small.",
+)
+
+
+_SIGNS = (
+    "0‑pk, pk‑pk",
+    "Zero-to-peak, the amplitude about the mean; and peak-to-peak, the whole range.",
+)
+
+
+def cover_of(subject: Subject) -> Cover:
+    """The first page.
+
+    Parameters
+    ----------
+    subject : Subject
+        What the report is about.
+
+    Returns
+    -------
+    Cover
+        Title block, overall verdict, revisions, signatures.
+    """
+    calculation = subject.calculation
+    overall = next(iter(subject.rows("Verdicts")), {"verdict": "not judged", "where": ""})
+    facts = [
+        ("Document", subject.words("document") or "not given"),
+        ("Revision", subject.words("revision") or "not given"),
+        ("Client", subject.words("client") or "not given"),
+        ("Equipment tag", subject.words("tag") or "not given"),
+        ("Input file", clean(subject.name)),
+        ("Calculated", f"{calculation.stamp.date:%Y-%m-%d %H:%M} UTC"),
+        ("Software", calculation.stamp.software),
+        ("Inputs, SHA-256", calculation.case_sha256),
+    ]
+    prepared, checked = subject.words("prepared_by"), subject.words("checked_by")
+    heads = ("Rev.", "Date", "Description", "Prepared", "Checked", "Approved")
+    first = (
+        subject.words("revision"),
+        f"{calculation.stamp.date:%Y-%m-%d}",
+        f"Calculated from inputs {calculation.case_sha256[:12]}…",
+        prepared,
+        checked,
+        "",
+    )
+    blank = tuple(("",) * len(heads) for _ in range(_BLANK_REVISIONS))
+    kinds = ("text", "text", "sentence", "text", "text", "text")
+    columns = tuple(Column(h, "", k) for h, k in zip(heads, kinds, strict=True))
+    return Cover(
+        kind="Torsional vibration analysis",
+        title=subject.words("title") or "Torsional vibration analysis",
+        subtitle=shortened(subject.words("tag"), _SUBTITLE),
+        verdict=str(overall["verdict"]),
+        sentence=_verdict_sentence(overall, subject.rows("Verdicts")),
+        facts=tuple(facts),
+        alerts=subject.alerts,
+        revisions=Table("Revisions", columns, (first, *blank)),
+        signatures=SignatureBox(
+            (("Prepared by", prepared), ("Checked by", checked), ("Approved by", ""))
+        ),
+    )
+
+
+def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str, Any]]) -> str:
+    where = clean(str(overall.get("where") or ""))
+    if where:
+        return where[:1].upper() + where[1:] + "."
+    said = {
+        "pass": "Every check that could be judged is passed.",
+        "accepted by forced response": "A separation margin is not kept; every judged stress at that "
+        "resonance stays within UTS/25.",
+    }.get(str(overall["verdict"]), "No check could be judged.")
+    open_checks = dict.fromkeys(
+        str(row["check"])
+        for row in verdicts
+        if row["verdict"] == "not judged" and row is not overall
+    )
+    return f"{said} Not judged: {', '.join(open_checks)}." if open_checks else said
+
+
+def summary(subject: Subject) -> Section:
+    """Verdicts, key figures and warnings.
+
+    Parameters
+    ----------
+    subject : Subject
+        What the report is about.
+
+    Returns
+    -------
+    Section
+        The summary.
+    """
+    table = result_table(
+        "Verdicts",
+        subject.rows("Verdicts"),
+        subject.shown,
+        "Verdicts",
+        note="Whether a check is judged depends on the limits given in the inputs; what has no limit "
+        "is shown and not judged.",
+    )
+    warnings = subject.calculation.warnings
+    if len(warnings) > _WARNINGS:
+        rest = f"And {len(warnings) - _WARNINGS} more; section Audit has them all."
+        warnings = (*warnings[:_WARNINGS], rest)
+    told: Block = (
+        Listing(tuple(clean(w) for w in warnings))
+        if warnings
+        else Paragraph("There are no warnings.")
+    )
+    return Section(
+        "Summary",
+        (table,),
+        (
+            Section("Key figures", (Facts(tuple(_key_figures(subject))),)),
+            Section("Warnings of the calculation", (told,)),
+        ),
+    )
+
+
+def _key_figures(subject: Subject) -> Iterator[tuple[str, str]]:
+    results, unit = (
+        subject.calculation.results,
+        subject.shown.unit("NaturalFrequencies", "Frequency"),
+    )
+    elastic = [row for row in subject.rows("NaturalFrequencies") if row["frequency"]]
+    factor = subject.shown.units.factor("NaturalFrequencies", "Frequency")
+    if elastic:
+        first = ", ".join(fixed(row["frequency"] / factor, 2) for row in elastic[:5])
+        yield "Lowest natural frequencies", f"{first} {unit}"
+    worst = results.margins.worst
+    if worst is not None:
+        yield (
+            "Least separation margin",
+            f"{fixed(100.0 * worst.margin, 2)} % (mode {worst.mode} against "
+            f"{clean(worst.excitation)}; {fixed(100.0 * worst.required, 0)} % required)",
+        )
+    if subject.calculation.startup is None:
+        yield "Start", "not calculated: the inputs hold no motor torque and no torque against time"
+        return
+    yield "Start", clean(str(subject.calculation.startup["sentence"]))
+    peak = largest_peak(subject)
+    if peak:
+        yield "Largest torque in the start", peak
+    starts = results.starts
+    if starts is None or not starts.shafts:
+        yield "Allowable starts", "no shaft could be judged"
+    elif starts.judged_starts is None:
+        yield "Allowable starts", "unlimited: no cycle of a start does damage"
+    else:
+        rounded = int(starts.judged_starts * (1.0 + 1e-9))
+        yield "Allowable starts", f"{rounded:,} ({clean(starts.governing or '')})"
+
+
+def largest_peak(subject: Subject) -> str:
+    """The largest torque of the start, compared at motor speed.
+
+    Parameters
+    ----------
+    subject : Subject
+        What the report is about.
+
+    Returns
+    -------
+    str
+        Element, torque at its own speed and pu of rated torque; empty without a start. [text]
+    """
+    case, shown = subject.calculation.case, subject.shown
+    ratio = {row.station: row.speed_ratio or 1.0 for row in case.stations}
+    own = {e.element: ratio.get(e.from_) or ratio.get(e.to) or 1.0 for e in case.elements}
+    rows = [
+        (max(abs(row["maximum_torque"]), abs(row["minimum_torque"])), row["element"])
+        for row in subject.rows("StartupPeaks")
+    ]
+    if not rows:
+        return ""
+    size, element = max(rows, key=lambda r: r[0] * own[r[1]])
+    place = ("StartupPeaks", "Maximum torque")
+    shown_size = significant(size / shown.units.factor(*place), 5)
+    words = f"{clean(element)}: {shown_size} {shown.unit(*place)}"
+    rated = case.ratings.rated_torque
+    if not rated:
+        return words
+    return f"{words}, {fixed(size * own[element] / rated, 2)} × rated torque at motor speed"
+
+
+def scope(subject: Subject) -> Section:
+    """What was calculated, from what, by which conventions, and what was not.
+
+    Parameters
+    ----------
+    subject : Subject
+        What the report is about.
+
+    Returns
+    -------
+    Section
+        The scope.
+    """
+    kind = "workbook" if subject.shown.is_workbook else "case file"
+    stamp = subject.calculation.stamp
+    basis = (
+        f"This document reports the torsional vibration analysis of the train that the {kind} "
+        f"{clean(subject.name)} describes. All results were calculated from the inputs of that file by "
+        f"{stamp.software} when the document was made; none were copied from stored results. The same "
+        "inputs give the same digest (SHA-256 of the inputs in SI to twelve digits, on the cover), by "
+        "which anyone can prove what the results belong to."
+    )
+    covered = (
+        "Natural frequencies, mode shapes and energies; separation margins against each continuous "
+        "excitation; forced response.",
+        "The start from rest, with the pulsation of the motor at twice slip frequency sweeping down "
+        "through the modes; torque reversals; fatigue damage of one start and allowable starts.",
+        "Which effects were simulated, which were left out and why, with a bound where one is known.",
+    )
+    return Section(
+        "Scope and basis",
+        (Paragraph(basis), Paragraph("Covered:"), Listing(covered)),
+        (
+            Section("Conventions", (Facts((*NOTES["Conventions"], _SIGNS)),)),
+            Section("Not covered", (Listing(_NOT_COVERED),)),
+            Section("Limits of the model", (Facts(_limits()),)),
+        ),
+    )
+
+
+def _limits() -> tuple[tuple[str, str], ...]:
+    """What the model leaves out; not what concerns workbooks alone."""
+    return tuple(
+        (term, text) for term, text in NOTES["Limits of this version"] if term != "Reference"
+    )

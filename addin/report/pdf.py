@@ -1,0 +1,149 @@
+"""The document as a PDF, set by typst.
+
+The template `report.typ` is fixed; all content reaches it as data, so that nothing a user typed is ever
+read as markup. Fonts are those inside typst; a script that they lack is taken from the system.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from addin.report.document import (
+    Block,
+    Document,
+    Equation,
+    Facts,
+    Figure,
+    Listing,
+    Paragraph,
+    Section,
+    SignatureBox,
+    Table,
+    tone_of,
+)
+from addin.report.layout import TEXT_WIDTH, column_widths, room, soft, stays_together
+from addin.report.numbers import clean
+
+__all__ = ["pdf_of"]
+
+TEMPLATE = Path(__file__).with_name("report.typ")
+#: Width of the papers. [mm]
+_PAPER = {"a4": 210.0, "us-letter": 215.9}
+#: Longest word of a header; those of our own are shorter. [characters]
+_HEAD = 16
+#: Longest word of a paragraph, a fact and the title. [characters]
+_LINE, _FACT, _TITLE = 85, 72, 34
+
+
+def pdf_of(document: Document) -> bytes:
+    """The PDF of a document.
+
+    Parameters
+    ----------
+    document : Document
+        The document, its figures as vectors.
+
+    Returns
+    -------
+    bytes
+        The file; the same document gives the same bytes. [file]
+    """
+    import typst
+
+    content = json.dumps(_document(document), ensure_ascii=False)
+    compiler = typst.Compiler(TEMPLATE.read_bytes(), sys_inputs={"data": content})
+    made = compiler.compile(format="pdf", timestamp=document.date)
+    assert isinstance(made, bytes)
+    return made
+
+
+def _document(document: Document) -> dict[str, Any]:
+    cover = document.cover
+    named = document.name or "no document number"
+    revision = f"rev. {document.revision}" if document.revision else "no revision"
+    prepared = next((name for role, name in cover.signatures.rows if role == "Prepared by"), "")
+    return {
+        "paper": document.paper,
+        "margin": (_PAPER[document.paper] - TEXT_WIDTH) / 2.0,
+        "author": prepared,
+        "head": f"{named} · {revision}",
+        "short_title": document.short_title,
+        "foot": document.foot,
+        "cover": {
+            "kind": cover.kind,
+            "title": soft(cover.title, _TITLE),
+            "subtitle": soft(cover.subtitle, 2 * _TITLE),
+            "verdict": cover.verdict,
+            "tone": tone_of(cover.verdict) or "open",
+            "sentence": soft(cover.sentence, _LINE),
+            "facts": _facts(cover.facts),
+            "alerts": [soft(alert, _LINE) for alert in cover.alerts],
+            "revisions": _table(cover.revisions) | {"caption": ""},
+            "signatures": [list(row) for row in cover.signatures.rows],
+        },
+        "sections": [_section(section) for section in document.sections],
+    }
+
+
+def _section(section: Section) -> dict[str, Any]:
+    return {
+        "number": section.number,
+        "title": clean(section.title),
+        "blocks": [_block(block) for block in section.blocks],
+        "parts": [_section(part) for part in section.parts],
+    }
+
+
+def _block(block: Block) -> Mapping[str, Any]:
+    if isinstance(block, Paragraph):
+        return {"type": "paragraph", "kind": block.kind, "text": soft(block.text, _LINE)}
+    if isinstance(block, Listing):
+        return {"type": "listing", "items": [soft(item, _LINE) for item in block.items],
+                "marker": block.marker}  # fmt: skip
+    if isinstance(block, Facts):
+        return {"type": "facts", "rows": _facts(block.rows), "width": block.width}
+    if isinstance(block, Table):
+        return {"type": "table"} | _table(block)
+    if isinstance(block, Figure):
+        svg = block.svg.decode("utf-8")
+        return {
+            "type": "figure",
+            "svg": svg,
+            "caption": soft(block.caption, _LINE),
+            "number": block.number,
+        }
+    if isinstance(block, Equation):
+        return {"type": "equation", "name": block.name, "formula": block.formula, "where": block.where,
+                "source": block.source, "number": block.number}  # fmt: skip
+    assert isinstance(block, SignatureBox)
+    return {"type": "signatures", "rows": [[soft(word, 24) for word in row] for row in block.rows]}
+
+
+def _facts(rows: tuple[tuple[str, str], ...]) -> list[list[str]]:
+    return [[soft(name, 28), soft(value, _FACT)] for name, value in rows]
+
+
+def _table(table: Table) -> dict[str, Any]:
+    widths = column_widths(table)
+    fits = [room(width) for width in widths]
+    return {
+        "caption": soft(table.caption, _LINE),
+        "number": table.number,
+        "note": soft(table.note, _LINE),
+        "together": stays_together(table),
+        "widths": widths,
+        "columns": [
+            {"header": soft(column.header, max(n, _HEAD)), "unit": column.unit, "kind": column.kind}
+            for column, n in zip(table.columns, fits, strict=True)
+        ],
+        "rows": [
+            [
+                {"text": soft(text, n), "tone": tone_of(text) if column.kind == "verdict" else ""}
+                for text, column, n in zip(row, table.columns, fits, strict=True)
+            ]
+            for row in table.rows
+        ],
+    }

@@ -1,0 +1,63 @@
+"""What a report is about: one calculation, the inputs as typed, its units and its pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from addin.calculation import Calculation
+from addin.problems import shortened
+from addin.report.figures import Pictures
+from addin.report.numbers import clean
+from addin.report.shown import Shown
+from addin.typed_case import CaseInput
+
+__all__ = ["Subject"]
+
+#: Longest text of the title block. [characters]
+_TITLE = 600
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """One calculation and what is needed to show it.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file, without its folder. [name]
+    calculation : Calculation
+        The results. [SI]
+    read : CaseInput
+        The inputs as typed.
+    shown : Shown
+        Units of the document.
+    pictures : Pictures
+        Its charts.
+    alerts : tuple of str
+        What must be known before anything is read. [sentences]
+    show_times : bool
+        Whether measured times are shown; they differ from run to run. [flag]
+    """
+
+    name: str
+    calculation: Calculation
+    read: CaseInput
+    shown: Shown
+    pictures: Pictures
+    alerts: tuple[str, ...]
+    show_times: bool
+
+    def rows(self, table: str) -> Sequence[Mapping[str, Any]]:
+        """Rows of a result table. [SI]"""
+        return self.calculation.tables.get(table, ())
+
+    def words(self, scalar: str) -> str:
+        """A scalar of the title block as typed; empty where it is blank. [text]"""
+        return shortened(clean(str(getattr(self.calculation.case, scalar, None) or "")), _TITLE)
+
+    @property
+    def audit(self) -> dict[str, str]:
+        """Item → value of table `Audit`. [text]"""
+        return {str(row["item"]): str(row["value"]) for row in self.rows("Audit")}

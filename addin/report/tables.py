@@ -1,0 +1,249 @@
+"""Input and result tables as they fit a page.
+
+A wide table comes in parts with the same first column, or turned on its side; columns without
+any entry are left out. What was left out stands in the note below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from addin.fields import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, Field, TableSpec
+from addin.report.document import Column, Table
+from addin.report.numbers import clean, of_dimension, pretty_unit
+from addin.report.shown import Shown, entry_text
+from addin.typed_case import Entry
+from addin.write_workbook import shown_cell
+
+__all__ = ["input_tables", "result_table", "turned", "without_blanks"]
+
+Rows = Sequence[Mapping[str, Any]]
+
+_SPECS = {spec.name: spec for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES)}
+#: Columns of sentences, which take the width that is left.
+_SENTENCES = frozenset({"Description", "Where", "Note", "Why", "Reason", "Value"})
+#: Headers as printed, where the name of the contract needs its context.
+_HEADERS = {
+    "CPM": "Frequency",
+    "Percent speed": "Speed",
+    "Largest strain energy": "Largest strain energy in",
+    "Zero-to-peak stress": "Stress, 0‑pk",
+    "Peak-to-peak stress": "Stress, pk‑pk",
+    "Peak-to-peak torque": "Torque, pk‑pk",
+    "Error": "Estimated error",
+    "Error peak": "Error of peaks",
+    "Error starts": "Error of starts",
+}
+
+
+def input_tables(
+    name: str,
+    rows: Sequence[Mapping[str, Entry]],
+    shown: Shown,
+    caption: str,
+    groups: Sequence[Sequence[str]] = (),
+) -> list[Table]:
+    """An input table as typed, in as many parts as it has groups of columns.
+
+    Parameters
+    ----------
+    name : str
+        Input table. [name]
+    rows : sequence of mapping
+        Its rows as typed. [entries]
+    shown : Shown
+        The units of the document.
+    caption : str
+        Caption; of several parts each names its columns. [text]
+    groups : sequence of sequence of str
+        Columns of each part beside the first column; by default all in one. [headers]
+
+    Returns
+    -------
+    list of Table
+        Parts that hold something; empty for an empty table.
+    """
+    spec = _SPECS[name]
+    first = spec.columns[0].name
+    found = []
+    for group in groups or [[column.name for column in spec.columns[1:]]]:
+        columns = [
+            column for column in spec.columns if column.name == first or column.name in group
+        ]
+        table = _typed_table(spec, columns, rows, shown, caption)
+        if any(cell for row in table.rows for cell in row[1:]):
+            told = tuple(row for row in table.rows if any(row[1:]))
+            found.append(
+                without_blanks(replace(table, rows=told if len(groups) == 1 else table.rows))
+            )
+    if len(found) > 1:
+        found = [
+            replace(one, caption=f"{caption}, part {k} of {len(found)}")
+            for k, one in enumerate(found, start=1)
+        ]
+    return found
+
+
+def _typed_table(
+    spec: TableSpec,
+    columns: Sequence[Field],
+    rows: Sequence[Mapping[str, Entry]],
+    shown: Shown,
+    caption: str,
+) -> Table:
+    """One unit a column where all its numbers share it, else a unit in each cell."""
+    cells = [
+        [entry_text(row.get(column.name), column, shown) for column in columns] for row in rows
+    ]
+    heads, texts = [], []
+    for k, column in enumerate(columns):
+        units = {unit for row in cells for text, unit in [row[k]] if text}
+        common = units.pop() if len(units) == 1 else ""
+        heads.append(_column(column, common))
+        texts.append(
+            [text if common else f"{text} {unit}".strip() for text, unit in (r[k] for r in cells)]
+        )
+    return Table(caption, tuple(heads), tuple(zip(*texts, strict=True)))
+
+
+def _column(field: Field, unit: str) -> Column:
+    header = _HEADERS.get(field.name, field.name)
+    if field.name == "Percent speed":
+        unit = f"{unit} of sync."
+    if field.name == "Verdict":
+        return Column(header, unit, "verdict")
+    if field.name in _SENTENCES:
+        return Column(header, unit, "sentence")
+    return Column(header, unit, "number" if field.is_number else "text")
+
+
+def result_table(
+    name: str,
+    rows: Rows,
+    shown: Shown,
+    caption: str,
+    columns: Sequence[str] = (),
+    note: str = "",
+) -> Table:
+    """A result table in the units shown.
+
+    Parameters
+    ----------
+    name : str
+        Result table. [name]
+    rows : sequence of mapping
+        Its rows by JSON key. [SI]
+    shown : Shown
+        The units of the document.
+    caption : str
+        Caption. [text]
+    columns : sequence of str
+        Columns shown; by default all of the contract. [headers]
+    note : str
+        Small print. [text]
+
+    Returns
+    -------
+    Table
+        Without columns that hold nothing.
+    """
+    spec = _SPECS[name]
+    chosen = [f for f in _fields(spec, rows) if not columns or f.name in columns]
+    if columns:
+        chosen.sort(key=lambda f: list(columns).index(f.name))
+    heads = tuple(_column(f, shown.unit(name, _base(spec, f))) for f in chosen)
+    body = tuple(tuple(_cell(spec, f, row, shown) for f in chosen) for row in rows)
+    return without_blanks(Table(caption, heads, body, note))
+
+
+def _fields(spec: TableSpec, rows: Rows) -> list[Field]:
+    """Columns of the contract, and as many repeated ones as the rows have."""
+    if spec.repeated is None:
+        return list(spec.columns)
+    head = spec.repeated.key
+    count = max((sum(1 for key in row if key.startswith(f"{head}_")) for row in rows), default=0)
+    return [*spec.columns, *(spec.repeated_column(k) for k in range(1, count + 1))]
+
+
+def _base(spec: TableSpec, field: Field) -> str:
+    """Header whose unit a column has: of Mode 3 that of Mode."""
+    if spec.repeated is not None and field not in spec.columns:
+        return spec.repeated.name
+    return field.name
+
+
+def _cell(spec: TableSpec, field: Field, row: Mapping[str, Any], shown: Shown) -> str:
+    value = shown_cell(spec, field, row, shown.units)
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return _with_unit(clean(value))
+    unit = shown.units.name(spec.name, _base(spec, field))
+    return of_dimension(value, field.name, field.dimension, unit)
+
+
+def _with_unit(text: str) -> str:
+    """Words; the unit at the end of a judged number (``1.30 kN*m``) as printed."""
+    number, _, unit = text.partition(" ")
+    if unit and " " not in unit and number.lstrip("-").replace(",", "").replace(".", "").isdigit():
+        sign = "−" if number.startswith("-") else ""
+        return f"{sign}{number.lstrip('-')} {pretty_unit(unit)}".rstrip()
+    return text
+
+
+def without_blanks(table: Table) -> Table:
+    """A table without the columns that hold nothing; the first column stays.
+
+    Parameters
+    ----------
+    table : Table
+        A table.
+
+    Returns
+    -------
+    Table
+        The narrower one.
+    """
+    keep = [k for k in range(len(table.columns)) if k == 0 or any(row[k] for row in table.rows)]
+    return replace(
+        table,
+        columns=tuple(table.columns[k] for k in keep),
+        rows=tuple(tuple(row[k] for k in keep) for row in table.rows),
+    )
+
+
+def turned(table: Table, together: int = 4, without: Sequence[str] = ()) -> list[Table]:
+    """A table with many columns and few rows, turned: a line a quantity, a column an item.
+
+    Parameters
+    ----------
+    table : Table
+        A table whose first column names its items.
+    together : int
+        Most items beside each other; more make further tables. [count]
+    without : sequence of str
+        Headers left out. [headers]
+
+    Returns
+    -------
+    list of Table
+        Turned tables.
+    """
+    found = []
+    for start in range(0, len(table.rows), together):
+        items = table.rows[start : start + together]
+        # numbers of one kind stand in a column of their own here: right-aligned all the same
+        heads = (
+            Column("Quantity"),
+            Column("Unit"),
+            *(Column(row[0], "", "number") for row in items),
+        )
+        lines = tuple(
+            (column.header, column.unit, *(row[k] for row in items))
+            for k, column in enumerate(table.columns)
+            if k and column.header not in without
+        )
+        found.append(replace(table, columns=heads, rows=lines))
+    return found

@@ -1,0 +1,678 @@
+"""The document as a .docx, by python-docx: the same sections, tables, figures and equations.
+
+Equations are Word's own (OMML), page numbers and contents are fields. Text goes into runs, where it
+cannot be markup.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import io
+import zipfile
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from docx import Document as new_document
+from docx.enum.style import WD_STYLE_TYPE
+from docx.enum.table import WD_TABLE_ALIGNMENT
+from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_BREAK, WD_TAB_ALIGNMENT
+from docx.oxml import OxmlElement
+from docx.oxml.ns import qn
+from docx.shared import Mm, Pt, RGBColor
+
+from addin.report.document import (
+    Block,
+    Cover,
+    Document,
+    Equation,
+    Facts,
+    Figure,
+    Listing,
+    Paragraph,
+    Section,
+    SignatureBox,
+    Table,
+    tone_of,
+)
+from addin.report.formula import Node
+from addin.report.layout import TEXT_WIDTH, column_widths, stays_together
+from addin.template_styles import PALETTE
+
+__all__ = ["docx_of"]
+
+#: Metric-compatible fonts exist on every system.
+_TEXT_FONT, _TABLE_FONT, _MATH_FONT = "Times New Roman", "Arial", "Cambria Math"
+_PAPERS = {"a4": (210.0, 297.0), "us-letter": (215.9, 279.4)}
+_NAVY, _GREY, _RULE, _MIST = "1F3A5F", "595959", "C3CBD6", "E9EEF4"
+#: Left and right of the text of a cell. [twentieths of a point]
+_CELL_MARGIN = 75
+#: Twentieths of a point in a millimetre.
+_TWENTIETHS = 1440.0 / 25.4
+#: Facts up to so many stay on one page. [count]
+_FEW = 6
+#: Size of the title by its least length. [characters, point]
+_TITLES = ((400, 10.0), (160, 13.0), (70, 17.0), (-1, 22.0))
+#: Ink and ground of each tone.
+_TONES = {
+    "good": (PALETTE["pass_ink"][1:], "DDF2E2"),
+    "fair": (PALETTE["accepted_ink"][1:], "FFF3CC"),
+    "bad": (PALETTE["fail_ink"][1:], "FBDDE0"),
+    "open": (_GREY, "EDEDED"),
+}
+
+
+def docx_of(document: Document) -> bytes:
+    """The .docx of a document.
+
+    Parameters
+    ----------
+    document : Document
+        The document, its figures as pixels.
+
+    Returns
+    -------
+    bytes
+        The file; the same document gives the same bytes. [file]
+    """
+    writer = _Writer(document)
+    writer.cover(document.cover)
+    writer.contents(document.sections)
+    for section in document.sections:
+        writer.section(section, 1)
+    made = io.BytesIO()
+    writer.file.save(made)
+    return _undated(made.getvalue())
+
+
+def _undated(packed: bytes) -> bytes:
+    """The same package with one fixed time on all its parts, so that equal content is equal bytes."""
+    made = io.BytesIO()
+    with (
+        zipfile.ZipFile(io.BytesIO(packed)) as source,
+        zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as target,
+    ):
+        for name in source.namelist():
+            target.writestr(zipfile.ZipInfo(name), source.read(name), zipfile.ZIP_DEFLATED)
+    return made.getvalue()
+
+
+class _Writer:
+    """One .docx under construction."""
+
+    def __init__(self, document: Document) -> None:
+        self.file = new_document()
+        self.bookmarks = 0
+        self.style_ids: dict[str, str] = {}
+        self._properties(document)
+        self._styles()
+        self._page(document)
+
+    # ---- the whole -----------------------------------------------------------------------------
+
+    def _properties(self, document: Document) -> None:
+        about = self.file.core_properties
+        made = dt.datetime.fromtimestamp(document.date, dt.UTC).replace(tzinfo=None)
+        prepared = next((n for r, n in document.cover.signatures.rows if r == "Prepared by"), "")
+        about.title = document.cover.title[:255]
+        about.author = about.last_modified_by = (prepared or "torsionbook")[:255]
+        about.subject, about.comments, about.keywords = document.cover.kind, document.foot, ""
+        about.created = about.modified = made
+        about.revision = 1
+
+    def _styles(self) -> None:
+        normal = self.file.styles["Normal"]
+        _font(normal, _TEXT_FONT, 10.0)
+        normal.paragraph_format.space_after = Pt(5)
+        normal.paragraph_format.line_spacing = 1.08
+        for level, size in ((1, 15.0), (2, 12.0)):
+            style = self.file.styles[f"Heading {level}"]
+            _font(style, _TABLE_FONT, size, _NAVY, bold=True)
+            style.paragraph_format.space_before = Pt(22 if level == 1 else 14)
+            style.paragraph_format.space_after = Pt(7 if level == 1 else 5)
+            style.paragraph_format.keep_with_next = True
+            if level == 1:
+                _border(style.element.get_or_add_pPr(), "bottom", _NAVY, 8)
+        for name, font, size, colour, after in (
+            ("Report caption", _TEXT_FONT, 9.0, "303030", 4.0),
+            ("Report note", _TEXT_FONT, 8.5, _GREY, 10.0),
+            ("Report cell", _TABLE_FONT, 7.5, "303030", 0.0),
+            ("Report fact", _TEXT_FONT, 9.5, "303030", 0.0),
+        ):
+            style = self.file.styles.add_style(name, WD_STYLE_TYPE.PARAGRAPH)
+            style.base_style = normal
+            _font(style, font, size, colour)
+            style.paragraph_format.space_after = Pt(after)
+            style.paragraph_format.line_spacing = 1.0
+        self.file.styles["Report caption"].paragraph_format.space_before = Pt(10)
+
+    def _page(self, document: Document) -> None:
+        page = self.file.sections[0]
+        width, height = _PAPERS[document.paper]
+        page.page_width, page.page_height = Mm(width), Mm(height)
+        page.left_margin = page.right_margin = Mm((width - TEXT_WIDTH) / 2.0)
+        page.top_margin, page.bottom_margin = Mm(25), Mm(22)
+        page.header_distance = page.footer_distance = Mm(11)
+        page.different_first_page_header_footer = True
+        named = document.name or "no document number"
+        revision = f"rev. {document.revision}" if document.revision else "no revision"
+        head = page.header.paragraphs[0]
+        self._line(head, f"{named} · {revision}", document.short_title)
+        _border(head._p.get_or_add_pPr(), "bottom", _RULE, 4)
+        for footer in (page.footer, page.first_page_footer):
+            foot = footer.paragraphs[0]
+            self._line(foot, document.foot, "Page ")
+            _field(foot, "PAGE", "1")
+            _run(foot, " of ", 8.0, _GREY)
+            _field(foot, "NUMPAGES", "1")
+            _border(foot._p.get_or_add_pPr(), "top", _RULE, 4)
+
+    def _line(self, paragraph: Any, left: str, right: str) -> None:
+        self._styled(paragraph, "Report cell")
+        paragraph.paragraph_format.tab_stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT)
+        _run(paragraph, f"{left}\t{right}", 8.0, _GREY)
+
+    # ---- cover and contents --------------------------------------------------------------------
+
+    def cover(self, cover: Cover) -> None:
+        """The first page."""
+        size = next(s for n, s in _TITLES if len(cover.title) > n)
+        box = self._box(_NAVY, "", 7.0)
+        _run(box, cover.kind.upper(), 10.0, "FFFFFF", font=_TABLE_FONT)
+        title = box._parent.add_paragraph()
+        _run(title, cover.title, size, "FFFFFF", bold=True, font=_TABLE_FONT)
+        if cover.subtitle:
+            _run(box._parent.add_paragraph(), cover.subtitle, 12.0, "FFFFFF", font=_TABLE_FONT)
+        self._gap(6.0)
+        self.facts(cover.facts, 46.0)
+        tone = tone_of(cover.verdict) or "open"
+        ink, ground = _TONES[tone]
+        box = self._box(ground, ink, 2.5)
+        _run(box, f"Overall verdict: {cover.verdict}", 13.0, ink, bold=True, font=_TABLE_FONT)
+        _run(box._parent.add_paragraph(), cover.sentence, 9.5, ink)
+        for alert in cover.alerts:
+            self._gap(4.0)
+            _run(self._box(_TONES["bad"][1], _TONES["bad"][0], 2.0), alert, 9.5, _TONES["bad"][0])
+        self._gap(48.0)
+        _run(self._paragraph("Report cell"), "Revisions", 9.0, _NAVY, bold=True)
+        self._cells(cover.revisions)
+        self._gap(10.0)
+        self.signatures(cover.signatures, 10.5)
+        self.file.add_paragraph().add_run().add_break(WD_BREAK.PAGE)
+
+    def contents(self, sections: Sequence[Section]) -> None:
+        """Sections with fields for their pages, as links."""
+        heading = self.file.add_paragraph()
+        _run(heading, "Contents", 15.0, _NAVY, bold=True, font=_TABLE_FONT)
+        _border(heading._p.get_or_add_pPr(), "bottom", _NAVY, 8)
+        for section in sections:
+            self._entry(section, 1)
+            for part in section.parts:
+                self._entry(part, 2)
+        self.file.add_paragraph().add_run().add_break(WD_BREAK.PAGE)
+
+    def _entry(self, section: Section, level: int) -> None:
+        paragraph = self._paragraph("Report fact")
+        shape = paragraph.paragraph_format
+        shape.left_indent = Mm(6.0 * (level - 1))
+        shape.space_before = Pt(5.0 if level == 1 else 1.0)
+        shape.tab_stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT, 1)
+        link = OxmlElement("w:hyperlink")
+        link.set(qn("w:anchor"), _anchor(section))
+        link.set(qn("w:history"), "1")
+        paragraph._p.append(link)
+        _run(paragraph, f"{section.number}  {section.title}\t", 10.0 if level == 1 else 9.5, "303030",
+             bold=level == 1, into=link)  # fmt: skip
+        _field(paragraph, f"PAGEREF {_anchor(section)} \\h", "", 9.5, "303030", into=link)
+
+    # ---- sections ------------------------------------------------------------------------------
+
+    def section(self, section: Section, level: int) -> None:
+        """A heading and what stands below it."""
+        heading = self.file.add_heading(level=level)
+        self._bookmark(heading, _anchor(section), f"{section.number}  {section.title}")
+        for block in section.blocks:
+            self._block(block)
+        for part in section.parts:
+            self.section(part, level + 1)
+
+    def _bookmark(self, paragraph: Any, name: str, text: str) -> None:
+        self.bookmarks += 1
+        for tag in ("w:bookmarkStart", "w:bookmarkEnd"):
+            mark = OxmlElement(tag)
+            mark.set(qn("w:id"), str(self.bookmarks))
+            if tag == "w:bookmarkStart":
+                mark.set(qn("w:name"), name)
+                paragraph._p.append(mark)
+                paragraph.add_run(text)
+            else:
+                paragraph._p.append(mark)
+
+    def _block(self, block: Block) -> None:
+        if isinstance(block, Paragraph):
+            self._sentences(block)
+        elif isinstance(block, Listing):
+            for item in block.items:
+                paragraph = self.file.add_paragraph()
+                shape = paragraph.paragraph_format
+                shape.left_indent, shape.first_line_indent = Mm(5), Mm(-5)
+                shape.space_after = Pt(3)
+                shape.tab_stops.add_tab_stop(Mm(5))
+                _run(paragraph, f"{block.marker}\t", 10.0, _NAVY)
+                paragraph.add_run(item)
+        elif isinstance(block, Facts):
+            self.facts(block.rows, block.width)
+        elif isinstance(block, Table):
+            self._table(block)
+        elif isinstance(block, Figure):
+            self._figure(block)
+        elif isinstance(block, Equation):
+            self._equation(block)
+        elif isinstance(block, SignatureBox):
+            self.signatures(block, 12.0)
+
+    def _sentences(self, block: Paragraph) -> None:
+        if block.kind == "alert":
+            _run(
+                self._box(_TONES["bad"][1], _TONES["bad"][0], 2.0),
+                block.text,
+                10.0,
+                _TONES["bad"][0],
+            )
+            return
+        paragraph = self._paragraph("Report note" if block.kind == "note" else "Normal")
+        paragraph.add_run(block.text)
+        if block.kind == "lead":
+            _border(paragraph._p.get_or_add_pPr(), "left", _NAVY, 14, 6)
+
+    def _caption(self, kind: str, number: int, words: str, *, above: bool) -> None:
+        paragraph = self._paragraph("Report caption")
+        paragraph.paragraph_format.keep_with_next = above
+        if not above:
+            paragraph.paragraph_format.space_before = Pt(2)
+            paragraph.paragraph_format.space_after = Pt(12)
+        _run(paragraph, f"{kind} {number}  ", 9.0, _NAVY, bold=True)
+        paragraph.add_run(words)
+
+    def _table(self, table: Table) -> None:
+        self._caption("Table", table.number, table.caption, above=True)
+        self._cells(table)
+        note = self._paragraph("Report note")
+        note.paragraph_format.space_before = Pt(3)
+        note.add_run(table.note)
+
+    def _cells(self, table: Table) -> None:
+        """The cells of a table, its header repeated on each page."""
+        widths = column_widths(table)
+        grid = self._grid(len(table.rows) + 1, widths)
+        together = stays_together(table)
+        gaps = [column.kind == "gap" for column in table.columns]
+        rows = list(grid.rows)
+        for k, (row, is_head) in enumerate(
+            zip(rows, [True] + [False] * len(table.rows), strict=True)
+        ):
+            _row_setting(row, "w:cantSplit")
+            if is_head:
+                _row_setting(row, "w:tblHeader")
+            for cell, column, width, text, gap in zip(
+                row.cells,
+                table.columns,
+                widths,
+                [c.header for c in table.columns] if is_head else table.rows[k - 1],
+                gaps,
+                strict=True,
+            ):
+                cell.width = Mm(width)
+                paragraph = cell.paragraphs[0]
+                self._styled(paragraph, "Report cell")
+                if column.kind == "number":
+                    paragraph.alignment = WD_ALIGN_PARAGRAPH.RIGHT
+                if together and k < len(table.rows):
+                    paragraph.paragraph_format.keep_with_next = True
+                if gap:
+                    continue
+                if is_head:
+                    _shade(cell, _MIST)
+                    _edges(cell, top=(_NAVY, 8), bottom=(_RULE, 4))
+                    _run(paragraph, text, 7.5, _NAVY, bold=True, font=_TABLE_FONT)
+                    if column.unit:
+                        paragraph.add_run().add_break()
+                        _run(paragraph, column.unit, 7.5, _GREY, font=_TABLE_FONT)
+                    continue
+                _edges(cell, bottom=(_RULE, 4))
+                tone = tone_of(text) if column.kind == "verdict" else ""
+                if tone:
+                    _run(
+                        paragraph, text, 7.5, _TONES[tone][0], bold=tone != "open", font=_TABLE_FONT
+                    )
+                elif text:
+                    paragraph.add_run(text)
+
+    def _grid(self, rows: int, widths: Sequence[float]) -> Any:
+        """An empty table of fixed widths without borders."""
+        grid = self.file.add_table(rows, len(widths))
+        grid.alignment = WD_TABLE_ALIGNMENT.LEFT
+        grid.autofit = False
+        for column, width in zip(grid.columns, widths, strict=True):
+            column.width = Mm(width)
+        settings = grid._tbl.tblPr
+        indent = OxmlElement("w:tblInd")  # lines of the table begin where the text does
+        indent.set(qn("w:w"), str(_CELL_MARGIN))
+        indent.set(qn("w:type"), "dxa")
+        _in_table(
+            settings, indent, "w:tblBorders", "w:shd", "w:tblLayout", "w:tblCellMar", "w:tblLook"
+        )
+        margins = OxmlElement("w:tblCellMar")
+        for side, size in (
+            ("top", 35),
+            ("left", _CELL_MARGIN),
+            ("bottom", 35),
+            ("right", _CELL_MARGIN),
+        ):
+            margin = OxmlElement(f"w:{side}")
+            margin.set(qn("w:w"), str(size))
+            margin.set(qn("w:type"), "dxa")
+            margins.append(margin)
+        _in_table(settings, margins, "w:tblLook", "w:tblCaption")
+        return grid
+
+    def facts(self, rows: Sequence[tuple[str, str]], width: float) -> None:
+        """Names and values."""
+        grid = self._grid(len(rows), (width, TEXT_WIDTH - width))
+        lines = list(grid.rows)
+        last, few = (lines or [None])[-1], len(rows) <= _FEW
+        for row, (name, value) in zip(lines, rows, strict=True):
+            _row_setting(row, "w:cantSplit")
+            for cell, text, colour, size in zip(
+                row.cells,
+                (name, value),
+                (_NAVY, "303030"),
+                (width, TEXT_WIDTH - width),
+                strict=True,
+            ):
+                cell.width = Mm(size)
+                self._styled(cell.paragraphs[0], "Report fact")
+                cell.paragraphs[0].paragraph_format.keep_with_next = row is not last and few
+                _run(cell.paragraphs[0], text, 9.0, colour)
+        self._gap(5.0)
+
+    def signatures(self, box: SignatureBox, height: float) -> None:
+        """Cells to be signed by hand."""
+        widths = (26.0, 57.0, 57.0, 30.0)
+        grid = self._grid(len(box.rows) + 1, widths)
+        lines = [
+            ("", "Name", "Signature", "Date"),
+            *((role, name, "", "") for role, name in box.rows),
+        ]
+        for k, (row, line) in enumerate(zip(grid.rows, lines, strict=True)):
+            _row_setting(row, "w:cantSplit")
+            if k:
+                row.height = Mm(height)
+            for n, (cell, text, width) in enumerate(zip(row.cells, line, widths, strict=True)):
+                cell.width = Mm(width)
+                _edges(cell, *[(_RULE, 4)] * 4)
+                paragraph = cell.paragraphs[0]
+                self._styled(paragraph, "Report cell")
+                paragraph.paragraph_format.keep_with_next = k < len(box.rows)
+                if not k:
+                    _shade(cell, _MIST)
+                _run(
+                    paragraph,
+                    text,
+                    8.5,
+                    "303030" if k and n else _NAVY,
+                    bold=not k,
+                    font=_TABLE_FONT,
+                )
+        self._gap(2.0)
+
+    def _figure(self, figure: Figure) -> None:
+        paragraph = self.file.add_paragraph()
+        paragraph.paragraph_format.keep_with_next = True
+        paragraph.paragraph_format.space_before = Pt(6)
+        paragraph.paragraph_format.space_after = Pt(2)
+        picture = paragraph.add_run().add_picture(
+            io.BytesIO(figure.png), width=Mm(figure.width - 1.0)
+        )
+        picture._inline.docPr.set("descr", figure.caption)
+        picture._inline.docPr.set("name", f"Figure {figure.number}")
+        self._caption("Figure", figure.number, figure.caption, above=False)
+
+    def _equation(self, equation: Equation) -> None:
+        name = self._paragraph("Report caption")
+        name.paragraph_format.keep_with_next = True
+        _run(name, equation.name, 9.5, _NAVY, bold=True)
+        line = self.file.add_paragraph()
+        line.paragraph_format.keep_with_next = True
+        stops = line.paragraph_format.tab_stops
+        stops.add_tab_stop(Mm(TEXT_WIDTH / 2.0), WD_TAB_ALIGNMENT.CENTER)
+        stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT)
+        line.add_run("\t")
+        shown = OxmlElement("m:oMath")
+        for part in _omml(equation.formula):
+            shown.append(part)
+        line._p.append(shown)
+        line.add_run(f"\t({equation.number})")
+        where = self._paragraph("Report fact")
+        where.paragraph_format.space_after = Pt(8)
+        where.add_run(equation.where)
+        _run(where, f" Source: {equation.source}.", 9.5, _GREY)
+
+    # ---- parts ---------------------------------------------------------------------------------
+
+    def _paragraph(self, style: str) -> Any:
+        return self._styled(self.file.add_paragraph(), style)
+
+    def _styled(self, paragraph: Any, style: str) -> Any:
+        """A paragraph with a style; styles are looked up once, there are thousands of cells."""
+        if style not in self.style_ids:
+            self.style_ids[style] = self.file.styles[style].style_id
+        paragraph._p.style = self.style_ids[style]
+        return paragraph
+
+    def _gap(self, points: float) -> None:
+        paragraph = self._paragraph("Report cell")
+        paragraph.paragraph_format.line_spacing = Pt(max(points, 1.0))
+
+    def _box(self, ground: str, edge: str, inset: float) -> Any:
+        """The first paragraph of a coloured box as wide as the text."""
+        grid = self._grid(1, (TEXT_WIDTH,))
+        cell = grid.rows[0].cells[0]
+        cell.width = Mm(TEXT_WIDTH)
+        _shade(cell, ground)
+        margins = OxmlElement("w:tcMar")
+        for side, size in (("top", inset), ("left", 5.0), ("bottom", inset), ("right", 5.0)):
+            margin = OxmlElement(f"w:{side}")
+            margin.set(qn("w:w"), str(round(size * _TWENTIETHS)))
+            margin.set(qn("w:type"), "dxa")
+            margins.append(margin)
+        cell._tc.get_or_add_tcPr().append(margins)
+        if edge:
+            _edges(cell, left=(edge, 24))
+        return cell.paragraphs[0]
+
+
+# --- formulas -------------------------------------------------------------------------------------
+
+
+def _omml(node: Node) -> Iterator[Any]:
+    """A formula as elements of Word's mathematics."""
+    kind, *rest = node
+    if kind == "row":
+        for one in rest:
+            yield from _omml(one)
+    elif kind == "fraction":
+        yield _math("m:f", _math("m:num", *_omml(rest[0])), _math("m:den", *_omml(rest[1])))
+    elif kind == "root":
+        settings, hidden = OxmlElement("m:radPr"), OxmlElement("m:degHide")
+        hidden.set(qn("m:val"), "1")
+        settings.append(hidden)
+        yield _math("m:rad", settings, _math("m:deg"), _math("m:e", *_omml(rest[0])))
+    elif kind == "fence":
+        settings = OxmlElement("m:dPr")
+        for tag, sign in (("m:begChr", rest[0]), ("m:endChr", rest[2])):
+            mark = OxmlElement(tag)
+            mark.set(qn("m:val"), sign)
+            settings.append(mark)
+        yield _math("m:d", settings, _math("m:e", *_omml(rest[1])))
+    elif kind == "accent":
+        settings, mark = OxmlElement("m:accPr"), OxmlElement("m:chr")
+        mark.set(qn("m:val"), "\u0307" if rest[1] == 1 else "\u0308")
+        settings.append(mark)
+        yield _math("m:acc", settings, _math("m:e", *_omml(rest[0])))
+    elif kind == "script":
+        yield _script(*rest)
+    else:
+        yield _sign(node)
+
+
+def _script(base: Node, sub: Node | None, sup: Node | None) -> Any:
+    parts = [_math("m:e", *_omml(base))]
+    if sub is not None:
+        parts.append(_math("m:sub", *_omml(sub)))
+    if sup is not None:
+        parts.append(_math("m:sup", *_omml(sup)))
+    return _math("m:sSubSup" if sub and sup else "m:sSub" if sub else "m:sSup", *parts)
+
+
+def _sign(node: Node) -> Any:
+    """One sign or word in its style."""
+    style = node[2] if node[0] == "sign" else "upright"
+    run, settings = OxmlElement("m:r"), OxmlElement("m:rPr")
+    if style == "upright" and len(node[1]) > 1:
+        settings.append(OxmlElement("m:nor"))  # a word, not a product of letters
+    else:
+        letters = OxmlElement("m:sty")
+        letters.set(qn("m:val"), {"italic": "i", "bold": "b"}.get(style, "p"))
+        settings.append(letters)
+    run.append(settings)
+    text = OxmlElement("m:t")
+    text.text = f" {node[1]} " if node[0] == "function" else node[1]
+    text.set(qn("xml:space"), "preserve")
+    run.append(text)
+    return run
+
+
+def _math(tag: str, *parts: Any) -> Any:
+    element = OxmlElement(tag)
+    for part in parts:
+        element.append(part)
+    return element
+
+
+# --- runs, fields, cells --------------------------------------------------------------------------
+
+
+def _font(style: Any, font: str, size: float, colour: str = "303030", bold: bool = False) -> None:
+    style.font.name, style.font.size, style.font.bold = font, Pt(size), bold
+    style.font.italic = False
+    style.font.color.rgb = RGBColor.from_string(colour)
+    fonts = style.element.get_or_add_rPr().get_or_add_rFonts()
+    for name in list(fonts.attrib):
+        if name.endswith("Theme"):
+            del fonts.attrib[name]
+    for script in ("w:ascii", "w:hAnsi", "w:cs", "w:eastAsia"):
+        fonts.set(qn(script), font)
+
+
+def _run(
+    paragraph: Any,
+    text: str,
+    size: float,
+    colour: str,
+    *,
+    bold: bool = False,
+    font: str = "",
+    into: Any = None,
+) -> Any:
+    run = paragraph.add_run(text)
+    run.font.size, run.font.bold = Pt(size), bold
+    run.font.color.rgb = RGBColor.from_string(colour)
+    if font:
+        run.font.name = font
+    if into is not None:
+        into.append(run._r)
+    return run
+
+
+def _field(
+    paragraph: Any, code: str, shown: str, size: float = 8.0, colour: str = _GREY, into: Any = None
+) -> None:
+    """A field that the word processor fills in."""
+    for kind in ("begin", "code", "separate", "shown", "end"):
+        run = _run(paragraph, shown if kind == "shown" else "", size, colour, into=into)
+        if kind == "code":
+            text = OxmlElement("w:instrText")
+            text.set(qn("xml:space"), "preserve")
+            text.text = f" {code} "
+            run._r.append(text)
+        elif kind != "shown":
+            mark = OxmlElement("w:fldChar")
+            mark.set(qn("w:fldCharType"), kind)
+            if kind == "begin" and not shown:
+                mark.set(
+                    qn("w:dirty"), "true"
+                )  # nobody knows its page yet: to be filled in on opening
+            run._r.append(mark)
+
+
+def _anchor(section: Section) -> str:
+    return f"_Section_{section.number.replace('.', '_')}"
+
+
+def _in_table(settings: Any, element: Any, *before: str) -> None:
+    """Put a setting of a table where its schema wants it."""
+    at = next((k for k, one in enumerate(settings) if one.tag in {qn(b) for b in before}), None)
+    settings.insert(len(settings) if at is None else at, element)
+
+
+def _border(settings: Any, side: str, colour: str, eighths: int, space: int = 1) -> None:
+    """A line at one side of a paragraph."""
+    borders = OxmlElement("w:pBdr")
+    edge = OxmlElement(f"w:{side}")
+    for name, value in (("val", "single"), ("sz", eighths), ("space", space), ("color", colour)):
+        edge.set(qn(f"w:{name}"), str(value))
+    borders.append(edge)
+    settings.insert_element_before(
+        borders, "w:shd", "w:tabs", "w:suppressAutoHyphens", "w:spacing", "w:ind", "w:jc",
+        "w:outlineLvl", "w:rPr", "w:sectPr", "w:pPrChange",
+    )  # fmt: skip
+
+
+def _edges(
+    cell: Any,
+    top: tuple[str, int] | None = None,
+    left: tuple[str, int] | None = None,
+    bottom: tuple[str, int] | None = None,
+    right: tuple[str, int] | None = None,
+) -> None:
+    """Lines at the sides of a cell."""
+    borders = OxmlElement("w:tcBorders")
+    for side, line in (("top", top), ("left", left), ("bottom", bottom), ("right", right)):
+        if line is not None:
+            edge = OxmlElement(f"w:{side}")
+            for name, value in (
+                ("val", "single"),
+                ("sz", line[1]),
+                ("space", 0),
+                ("color", line[0]),
+            ):
+                edge.set(qn(f"w:{name}"), str(value))
+            borders.append(edge)
+    settings = cell._tc.get_or_add_tcPr()
+    settings.insert_element_before(
+        borders, "w:shd", "w:noWrap", "w:tcMar", "w:textDirection", "w:tcFitText", "w:vAlign"
+    )
+
+
+def _shade(cell: Any, colour: str) -> None:
+    shade = OxmlElement("w:shd")
+    for name, value in (("val", "clear"), ("color", "auto"), ("fill", colour)):
+        shade.set(qn(f"w:{name}"), value)
+    cell._tc.get_or_add_tcPr().insert_element_before(
+        shade, "w:noWrap", "w:tcMar", "w:textDirection", "w:tcFitText", "w:vAlign"
+    )
+
+
+def _row_setting(row: Any, tag: str) -> None:
+    settings = row._tr.get_or_add_trPr()
+    settings.append(OxmlElement(tag))

@@ -1,0 +1,99 @@
+"""Tables fit their page whatever stands in them, and nothing of them is lost on the way."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from addin.chart_data import chart_blocks
+from addin.report.document import Column, Figure, Section, Table, blocks_of, numbered
+from addin.report.figures import WIDTH, Charts, Pictures
+from addin.report.layout import TEXT_WIDTH, column_widths, fitted, folded, soft
+from addin.report.shown import template_units
+from addin.shown_units import shown_units
+from engine.case import CaseData, ElementRow, StationRow
+
+KINDS = st.sampled_from(["text", "number", "sentence", "verdict"])
+WORDS = st.text(alphabet="abcxyz_-. 0123456789", max_size=60)
+
+
+@st.composite
+def tables(draw, most_columns=12, most_rows=30):
+    n = draw(st.integers(1, most_columns))
+    columns = tuple(Column(f"Header {k}", draw(st.sampled_from(["", "Hz", "lbf·in/rad"])), draw(KINDS))
+                    for k in range(n))  # fmt: skip
+    numbers = st.floats(-1e6, 1e6).map(lambda v: f"{v:,.1f}")
+    rows = tuple(
+        tuple(draw(numbers if c.kind == "number" else WORDS) for c in columns)
+        for _ in range(draw(st.integers(0, most_rows)))
+    )
+    return Table("Caption", columns, rows, "Note")
+
+
+@given(tables())
+def test_columns_never_exceed_the_text(table):
+    for part in blocks_of(fitted((Section("S", (table,)),))):
+        assert isinstance(part, Table)
+        widths = column_widths(part)
+        assert len(widths) == len(part.columns)
+        assert sum(widths) <= TEXT_WIDTH + 1e-6
+        assert min(widths) > 0.0
+
+
+@given(tables())
+def test_a_parted_table_holds_every_cell_once(table):
+    parts = [b for b in blocks_of(fitted((Section("S", (table,)),))) if isinstance(b, Table)]
+    kept = [column for part in parts for column in part.columns[1:]]
+    assert kept == list(table.columns[1:])
+    for n, row in enumerate(table.rows):
+        assert [cell for part in parts for cell in part.rows[n][1:]] == list(row[1:])
+        assert {part.rows[n][0] for part in parts} == {row[0]}
+
+
+@given(tables(most_columns=3, most_rows=200))
+def test_a_folded_table_holds_every_row_in_order(table):
+    found = []
+    width = len(table.columns)
+    for piece in folded(table):
+        beside = (len(piece.columns) + 1) // (width + 1)
+        halves = [[row[k * (width + 1) : k * (width + 1) + width] for row in piece.rows]
+                  for k in range(beside)]  # fmt: skip
+        found += [row for half in halves for row in half]
+    blank = ("",) * width
+    assert [row for row in found if row != blank] == [row for row in table.rows if row != blank]
+
+
+@given(st.text(max_size=200), st.integers(4, 40))
+def test_places_to_break_change_no_letter(text, longest):
+    broken = soft(text, longest)
+    assert broken.replace("\u200b", "") == text.replace("\u200b", "")
+    assert all(len(piece) <= longest for word in broken.split(" ") for piece in word.split("\u200b")
+               if "\u200b" in word)  # fmt: skip
+
+
+def test_short_names_are_left_alone():
+    assert soft("HP compressor shaft", 12) == "HP compressor shaft"
+
+
+def test_numbers_run_through_the_document():
+    table, figure = Table("T", (Column("A"),), ()), Figure("F", b"", b"", 1.0, 1.0)
+    made = numbered(
+        (Section("One", (table, figure), (Section("Part", (table,)),)), Section("Two", (table,)))
+    )
+    assert [b.number for b in blocks_of(made) if isinstance(b, Table)] == [1, 2, 3]
+    assert [made[0].number, made[0].parts[0].number, made[1].number] == ["1", "1.1", "2"]
+
+
+@pytest.mark.parametrize(("stations", "pictures"), [(2, 1), (38, 1), (60, 2), (1000, 2)])
+def test_a_train_of_any_length_is_drawn_on_pages(stations, pictures):
+    case = CaseData(
+        stations=tuple(StationRow(f"S{k}", None, 1.0 + k) for k in range(stations)),
+        elements=tuple(
+            ElementRow(f"E{k}", "shaft", f"S{k}", f"S{k + 1}", 1e6) for k in range(stations - 1)
+        ),
+    )
+    units, _ = shown_units(template_units("SI"), None)
+    drawn = Pictures(Charts.of(chart_blocks(case, units)), vectors=False).train()
+    assert len(drawn) == pictures
+    assert all(abs(figure.width - WIDTH) < 1e-6 and figure.height < 170.0 for figure in drawn)
