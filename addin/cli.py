@@ -18,6 +18,7 @@ import typer
 from addin.calc.commands import calc
 from addin.excel.commands import excel
 from addin.server.commands import serve
+from addin.verify.commands import verify
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,6 +53,7 @@ app = typer.Typer(
 app.add_typer(excel)
 app.add_typer(calc)
 app.command()(serve)
+app.command()(verify)
 
 Files = Annotated[
     list[Path],
