@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from addin.calc.commands import calc
+from addin.diff.commands import diff
 from addin.excel.commands import excel
 from addin.server.commands import serve
 from addin.verify.commands import verify
@@ -54,6 +55,7 @@ app.add_typer(excel)
 app.add_typer(calc)
 app.command()(serve)
 app.command()(verify)
+app.command()(diff)
 
 Files = Annotated[
     list[Path],
