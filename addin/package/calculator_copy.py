@@ -12,8 +12,9 @@ import re
 from collections.abc import Collection
 from typing import TYPE_CHECKING
 
-from .references import Rect
+from .references import Rect, absolute_range, quoted_sheet
 from .tables import Table
+from .xml_part import main, parse_part, serialise
 
 if TYPE_CHECKING:
     from .workbook import Workbook
@@ -27,6 +28,14 @@ _TABLE_PART = re.compile(rb"""<(?:\w+:)?tablePart\b[^>]*?\bid=["']([^"']*)["'][^
 _TABLE_FORMULA = re.compile(
     rb"<((?:\w+:)?(?:calculatedColumnFormula|totalsRowFormula))\b[^>]*(?:/>|>.*?</\1>)", re.DOTALL
 )
+# A bracket of a table, not of another workbook ([1]Sheet!A1, '[1]Sheet'!A1).
+_STRUCTURED = re.compile(r"[\w.]\[")
+_COLUMN_OF_TABLE = re.compile(r"([^\W\d][\w.]*)\[([^\[\]#@']+)\]")
+_EXTERNAL = re.compile(r"(?<![\w.\]\[])\[\d+\]")
+_EXTERNAL_BYTES = re.compile(_EXTERNAL.pattern.encode())
+_FORMULA = re.compile(rb"<((?:\w+:)?f)\b(?:[^>]*/>|[^>]*>[^<]*</\1\s*>)")
+_GROUP = re.compile(rb"""\bsi=["'](\d+)["']""")
+_EXTENSIONS = re.compile(rb"<((?:\w+:)?extLst)\b[^>]*>.*?</\1\s*>", re.DOTALL)
 _TOTALS_FUNCTION = re.compile(rb"""\stotalsRowFunction=(?:"[^"]*"|'[^']*')""")
 
 
@@ -72,9 +81,46 @@ def calculator_copy(
             data = _without_table_parts(data, ids)
             parts |= relationships
         stated = _DIMENSION.search(data, 0, data.find(b"sheetData"))
-        parts[part] = data[: stated.start()] + data[stated.end() :] if stated else data
+        data = data[: stated.start()] + data[stated.end() :] if stated else data
+        parts[part] = _without_external_formulas(_without_extensions(data))
     parts |= workbook.structure.as_plain_workbook(without=dropped)
+    parts |= _with_plain_names(workbook)
     return {name: data for name, data in parts.items() if name not in dropped}, dropped
+
+
+def _with_plain_names(workbook: Workbook) -> dict[str, bytes]:
+    """The workbook part with plain ranges for names of parts of tables; other names of that kind are left out."""
+    structure = workbook.structure
+    if not any(_STRUCTURED.search(name.text) for name in structure.names):
+        return {}
+    data = workbook.container.read(structure.part)
+    root = parse_part(data, structure.part)
+    for entry in root.findall(f"{main('definedNames')}/{main('definedName')}"):
+        text = entry.text or ""
+        if not _STRUCTURED.search(text):
+            continue
+        plain = _plain_range(workbook, text)
+        if plain is None:
+            entry.getparent().remove(entry)
+        else:
+            entry.text = plain
+    names = root.find(main("definedNames"))
+    if names is not None and not len(names):
+        root.remove(names)
+    return {structure.part: serialise(root, data)}
+
+
+def _plain_range(workbook: Workbook, text: str) -> str | None:
+    """``Table[Column]`` as cells; None for anything less plain."""
+    match = _COLUMN_OF_TABLE.fullmatch(text.strip())
+    tables = {name.casefold(): table for name, table in workbook.tables.items()}
+    table = match and tables.get(match[1].casefold())
+    columns = {} if not table else {c.casefold(): k for k, c in enumerate(table.columns)}
+    if not match or not table or match[2].strip().casefold() not in columns:
+        return None
+    at = table.ref.left + columns[match[2].strip().casefold()]
+    cells = Rect(table.data.top, at, table.data.bottom, at)
+    return f"{quoted_sheet(table.sheet)}!{absolute_range(cells)}"
 
 
 def _unread_tables(
@@ -99,6 +145,35 @@ def _without_rows_below(data: bytes, last: int) -> bytes:
             end = data.rfind(b"</%ssheetData" % row[1])
             return data[: row.start()] + data[end:] if end >= 0 else data
     return data
+
+
+def _without_extensions(data: bytes) -> bytes:
+    """A sheet without what stands in extensions behind its cells: sparklines, rules, lists."""
+    cells = max(data.rfind(b"sheetData>"), data.rfind(b"sheetData/>"))
+    return data[:cells] + _EXTENSIONS.sub(b"", data[cells:]) if cells >= 0 else data
+
+
+def reads_other_workbook(formula: str) -> bool:
+    """Whether a formula reads another workbook, whose cells are not here."""
+    return _EXTERNAL.search(formula) is not None
+
+
+def _without_external_formulas(data: bytes) -> bytes:
+    """A sheet whose formulas on other workbooks are gone; their values stay."""
+    if _EXTERNAL_BYTES.search(data) is None:
+        return data
+    groups = {
+        group[1]
+        for formula in _FORMULA.finditer(data)
+        if _EXTERNAL_BYTES.search(formula[0]) and (group := _GROUP.search(formula[0]))
+    }
+
+    def kept(formula: re.Match[bytes]) -> bytes:
+        group = _GROUP.search(formula[0])
+        shares = group is not None and group[1] in groups
+        return b"" if shares or _EXTERNAL_BYTES.search(formula[0]) else formula[0]
+
+    return _FORMULA.sub(kept, data)
 
 
 def _without_table_parts(data: bytes, ids: Collection[str]) -> bytes:

@@ -280,6 +280,14 @@ def test_a_result_of_another_version_is_judged_by_the_reported_error(edited):
     assert not verify_file(source, within=Agreement.DIGITS).passes
 
 
+def test_a_signed_workbook_can_be_verified(train, tmp_path):
+    signed = tmp_path / "signed.xlsx"
+    shutil.copyfile(train, signed)
+    with zipfile.ZipFile(signed, "a") as archive:
+        archive.writestr("_xmlsignatures/sig1.xml", b"<s/>")
+    assert verify_file(signed).passes
+
+
 def test_a_template_was_never_calculated(tmp_path):
     source = Path(shutil.copyfile(template_path("example_proposed.xlsx"), tmp_path / "new.xlsx"))
     assert verify_file(source).outcome == "never calculated"
