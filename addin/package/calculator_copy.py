@@ -32,6 +32,7 @@ _TABLE_FORMULA = re.compile(
 _STRUCTURED = re.compile(r"[\w.]\[")
 _COLUMN_OF_TABLE = re.compile(r"([^\W\d][\w.]*)\[([^\[\]#@']+)\]")
 _EXTERNAL = re.compile(r"(?<![\w.\]\[])\[\d+\]")
+_BRACKETED = re.compile(rb"\[\d+\]")
 _EXTERNAL_BYTES = re.compile(_EXTERNAL.pattern.encode())
 _FORMULA = re.compile(rb"<((?:\w+:)?f)\b(?:[^>]*/>|[^>]*>[^<]*</\1\s*>)")
 _GROUP = re.compile(rb"""\bsi=["'](\d+)["']""")
@@ -76,10 +77,11 @@ def calculator_copy(
         if read is not None and sheet not in with_formulas:
             last = max((rect.bottom for one, rect in needed if one == sheet), default=0)
             data = _without_rows_below(data, last)
+        ids: Collection[str] = ()
         if any(table.sheet == sheet for table in unread):
             ids, relationships = workbook.structure.without_relationships(part, dropped)
-            data = _without_table_parts(data, ids)
             parts |= relationships
+        data = _without_table_parts(data, ids)
         stated = _DIMENSION.search(data, 0, data.find(b"sheetData"))
         data = data[: stated.start()] + data[stated.end() :] if stated else data
         parts[part] = _without_external_formulas(_without_extensions(data))
@@ -147,9 +149,14 @@ def _without_rows_below(data: bytes, last: int) -> bytes:
     return data
 
 
+def _end_of_cells(data: bytes) -> int:
+    """Where the cells of a sheet end; -1 in a sheet without any."""
+    return max(data.rfind(b"sheetData>"), data.rfind(b"sheetData/>"))
+
+
 def _without_extensions(data: bytes) -> bytes:
     """A sheet without what stands in extensions behind its cells: sparklines, rules, lists."""
-    cells = max(data.rfind(b"sheetData>"), data.rfind(b"sheetData/>"))
+    cells = _end_of_cells(data)
     return data[:cells] + _EXTENSIONS.sub(b"", data[cells:]) if cells >= 0 else data
 
 
@@ -160,7 +167,7 @@ def reads_other_workbook(formula: str) -> bool:
 
 def _without_external_formulas(data: bytes) -> bytes:
     """A sheet whose formulas on other workbooks are gone; their values stay."""
-    if _EXTERNAL_BYTES.search(data) is None:
+    if _BRACKETED.search(data) is None:  # a quick look, as sheets are long
         return data
     groups = {
         group[1]
@@ -177,8 +184,8 @@ def _without_external_formulas(data: bytes) -> bytes:
 
 
 def _without_table_parts(data: bytes, ids: Collection[str]) -> bytes:
-    """A sheet without its links to some tables."""
-    found = _TABLE_PARTS.search(data)
+    """A sheet without its links to some tables; the number of the others is stated, as LibreOffice does not."""
+    found = _TABLE_PARTS.search(data, max(_end_of_cells(data), 0))
     if found is None:
         return data
     prefix = found[1]

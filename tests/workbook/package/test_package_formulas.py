@@ -547,3 +547,15 @@ def test_formulas_on_other_workbooks_keep_or_lose_their_value_alone(tmp_path: Pa
     )  # what the other workbook holds is not known
     formulas = openpyxl.load_workbook(path.with_name("out.xlsx"))["Out"]
     assert formulas["B4"].value == "='[1]Our limits'!$A$1*In!A1"
+
+
+def test_tables_whose_number_is_not_stated_do_not_stop_the_recalculation(tmp_path: Path) -> None:
+    """As LibreOffice saves them."""
+    path = with_table(tmp_path / "t.xlsx", {"B3": ("=SUM(Data[Head])", 15)}, {})
+    sheet = "xl/worksheets/sheet1.xml"
+    with_parts(
+        path, {}, {sheet: lambda data: data.replace(b'<tableParts count="1">', b"<tableParts>")}
+    )
+    values, report = refreshed(path, {"B2": 40.0})
+    assert (report.method, values["B3"]) == ("recalculated", 51)
+    assert b"<tableParts>" in parts_of(path.with_name("out.xlsx"))[sheet]
