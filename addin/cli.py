@@ -16,9 +16,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from addin.calc.commands import calc
+from addin.diff.commands import diff
 from addin.excel.commands import excel
 from addin.report.commands import report
 from addin.server.commands import serve
+from addin.verify.commands import verify
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,6 +56,8 @@ app.add_typer(excel)
 app.add_typer(calc)
 app.command()(serve)
 app.command()(report)
+app.command()(verify)
+app.command()(diff)
 
 Files = Annotated[
     list[Path],

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+from addin.traces import TRACES, Trace
 from engine.effects import CHOICES, CONTACT_LAWS, EFFECTS
 
 __all__ = [
@@ -163,6 +164,8 @@ class Field:
         One sentence for the input prompt. [sentence]
     group : str
         Block of sheet `Case` the scalar stands in; empty for columns. [name]
+    trace : Trace or None
+        Of a result: equation, source and the inputs it comes from, see `addin.traces`.
     """
 
     name: str
@@ -176,6 +179,7 @@ class Field:
     default_text: str
     help: str
     group: str = ""
+    trace: Trace | None = None
 
     @property
     def attribute(self) -> str:
@@ -878,13 +882,30 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
 )
 
 
+def _traced(*tables: TableSpec) -> tuple[TableSpec, ...]:
+    """Result tables with the trace of every column."""
+
+    def traced(table: str, field: Field) -> Field:
+        return replace(field, trace=TRACES[table, field.name])
+
+    return tuple(
+        replace(
+            one,
+            columns=tuple(traced(one.name, field) for field in one.columns),
+            extra_columns=tuple(traced(one.name, field) for field in one.extra_columns),
+            repeated=None if one.repeated is None else traced(one.name, one.repeated),
+        )
+        for one in tables
+    )
+
+
 def _mixed(name: str, help: str) -> Field:
     """A result that is a number in one row and words in another."""
     return _text(name, help, kind="mixed")
 
 
 #: Result tables of this version.
-RESULT_TABLES: tuple[TableSpec, ...] = (
+RESULT_TABLES: tuple[TableSpec, ...] = _traced(
     _table(
         "Verdicts",
         "Summary",
@@ -1096,7 +1117,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
 )
 
 #: Tables of the workbook alone, beside the results of the contract; the JSON has none of them.
-WORKBOOK_TABLES: tuple[TableSpec, ...] = (
+WORKBOOK_TABLES: tuple[TableSpec, ...] = _traced(
     _table(
         "StartCycles",
         "Starts",

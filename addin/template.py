@@ -36,6 +36,7 @@ from .layout import (
     workbook_columns,
 )
 from .live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
+from .results_page import TRACE_HEADERS, trace_groups, trace_rows
 from .shown_units import shown_units
 from .template_sheets import (
     BLANK_TEXT,
@@ -78,6 +79,8 @@ _VERDICT_WIDTH = 54.0
 _WIDE = 80.0
 #: Columns C to Q of sheet `Reversals`, merged. [characters]
 _REVERSAL_NOTES_WIDTH = 138.0
+#: Excel shows no longer prompt. [characters]
+_LONGEST_PROMPT = 255
 _NOT_YET = "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
 
 #: Without functions.
@@ -214,6 +217,7 @@ class _Builder:
                 self._table(sheet, _spec(table), *xl_cell_to_rowcol(cell))
         self._case()
         self._notes()
+        self._trace()
         self._lists()
         self._chart_data()
         self._chosen_elements()
@@ -347,6 +351,8 @@ class _Builder:
             },
         )
         for k, field in enumerate(columns):
+            if field.trace is not None:
+                page.data_validation(header, left + k, header, left + k, _trace_prompt(field))
             if has_units:
                 self._unit_cell(page, spec, field, header - 1, left + k)
             self._column_cells(page, spec, field, rows, first, last, left + k)
@@ -688,6 +694,28 @@ class _Builder:
                 page.set_row(k, text_height(text, NOTES_WIDTH))
             row += len(lines) + 2
 
+    def _trace(self) -> None:
+        """Equation, source and inputs of every result column, from the table of fields."""
+        page, head = self.sheets["Trace"], 4
+        for k, header in enumerate(TRACE_HEADERS, 1):
+            page.write_string(head, k, header, self.style("header_result"))
+        styles = ["prose_bold"] * 3 + ["prose"] * 5
+        widths = (13.0, 24.0, 22.0, 38.0, 56.0, 42.0, 36.0, 40.0)
+        rows = list(trace_rows())
+        for row, texts in enumerate(rows, head + 1):
+            for k, (text, style) in enumerate(zip(texts, styles, strict=True), 1):
+                if text:
+                    page.write_string(row, k, text, self.style(style))
+            pairs = zip(texts, widths, strict=True)
+            page.set_row(row, max(text_height(text, width) for text, width in pairs))
+        page.autofilter(head, 1, head + len(rows), len(TRACE_HEADERS))
+        row = head + len(rows) + 2
+        page.merge_range(row, 1, row, 2, "Inputs that go together", self.style("group"))
+        for k, (name, members) in enumerate(trace_groups(), row + 1):
+            page.write_string(k, 2, name, self.style("prose_bold"))
+            page.merge_range(k, 3, k, len(TRACE_HEADERS), members, self.style("prose"))
+            page.set_row(k, text_height(members, sum(widths[2:])))
+
     def _heading(self, page: Any, row: int, words: str) -> None:
         page.write_string(row, 1, words, self.style("group"))
         page.write_blank(row, 2, None, self.style("group"))
@@ -849,7 +877,16 @@ def _prompt(field: Field) -> dict[str, str]:
     words = [field.help]
     if field.default_text:
         words.append(f"Blank = {field.default_text}.")
-    return {"input_title": field.name[:32], "input_message": " ".join(words)[:255]}
+    return {"input_title": field.name[:32], "input_message": " ".join(words)[:_LONGEST_PROMPT]}
+
+
+def _trace_prompt(field: Field) -> dict[str, Any]:
+    """Equation and source of a result behind its header, as far as there is room for them."""
+    assert field.trace is not None
+    words = f"{field.trace.equation}\n{field.trace.source}\nSheet Trace: what it comes from."
+    if len(words) > _LONGEST_PROMPT:
+        words = f"{words[: _LONGEST_PROMPT - 1]}…"
+    return {"validate": "any", "input_title": field.name[:32], "input_message": words}
 
 
 #: Dimensions whose numbers may be negative.

@@ -330,6 +330,15 @@ SHEETS: tuple[Sheet, ...] = (
     ),
     Sheet("Audit", "result", {"A": 1.5, "B": 38, "C": 110}, "C", {"Audit": "B5"}, freeze="A7"),
     Sheet("Notes", "notes", {"A": 1.5, "B": 28, "C": 122}, "C", {}, freeze="A3"),
+    Sheet(
+        "Trace",
+        "notes",
+        {"A": 1.5, "B": 13, "C": 24, "D": 22, "E": 38, "F": 56, "G": 42, "H": 36, "I": 40},
+        "I",
+        {},
+        freeze="A6",
+        header_rows=5,
+    ),
 )  # fmt: skip
 
 TAB_COLOURS = {

@@ -84,6 +84,8 @@ SHEET_INTROS: Mapping[str, str] = {
     "Accuracy": "What accuracy costs in time, for this very case on this machine.",
     "Audit": "What was calculated, from which inputs, by which version, method and equations.",
     "Notes": "How to use this workbook, what it calculates and what its colours mean.",
+    "Trace": "What each number on a result sheet is, by which equation and after which source, and "
+    "what it comes from. Of one cell, with places and values: torsionbook verify FILE --trace 'Sheet!H9'",
 }
 
 #: The damping law of this workbook: formula, and what it shows while ContactLaw is blank.

@@ -60,6 +60,7 @@ __all__ = [
     "read_shown_units",
     "result_blocks",
     "shown_cell",
+    "tables_to_write",
     "write_results",
     "write_study",
 ]
@@ -171,15 +172,39 @@ def write_results(
         workbook.allow_saving(ignore_lock=ignore_lock)
     else:
         workbook = open_workbook(source, ignore_lock=ignore_lock)
-    units, problems = read_shown_units(workbook, run.case.ratings.rated_torque)
-    wanted = [*result_blocks(run, units), _run_facts(run, stamp, units)]
-    wanted += chart_tables(run, units, chosen_elements(workbook))
-    workbook.notes += problems
-    present = _present(workbook, wanted)
+    present = tables_to_write(workbook, run, stamp, chosen_elements(workbook))
     workbook.write_tables(present)
     workbook.link_chart_titles(_title_links(workbook))
     _fit_rows(workbook, present)
     return workbook.save(destination, in_place=in_place)
+
+
+def tables_to_write(
+    workbook: Workbook, run: RunView, stamp: RunStamp, chosen: Sequence[str | None]
+) -> list[TableData]:
+    """What recalculation writes into the tables of a workbook, in the units it shows.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The open workbook; sentences on what it lacks are added to its notes.
+    run : RunView
+        Results. [SI]
+    stamp : RunStamp
+        Who, when, from which inputs.
+    chosen : sequence of (str or None)
+        Elements whose histories are drawn, see `chosen_elements`. [names]
+
+    Returns
+    -------
+    list of TableData
+        Results, facts and chart data of the tables that the workbook has.
+    """
+    units, problems = read_shown_units(workbook, run.case.ratings.rated_torque)
+    wanted = [*result_blocks(run, units), _run_facts(run, stamp, units)]
+    wanted += chart_tables(run, units, chosen)
+    workbook.notes += problems
+    return _present(workbook, wanted)
 
 
 def write_study(
@@ -443,7 +468,7 @@ def chosen_elements(workbook: Workbook) -> list[str | None]:
     Returns
     -------
     list of (str or None)
-        Elements to be drawn; None where the choice is left to the program. [names]
+        One a chart; None leaves the choice to the program. [names]
     """
     chosen: list[str | None] = []
     for number in range(1, HISTORIES + 1):

@@ -12,8 +12,9 @@ import re
 from collections.abc import Collection
 from typing import TYPE_CHECKING
 
-from .references import Rect
+from .references import Rect, absolute_range, quoted_sheet
 from .tables import Table
+from .xml_part import main, parse_part, serialise
 
 if TYPE_CHECKING:
     from .workbook import Workbook
@@ -27,6 +28,15 @@ _TABLE_PART = re.compile(rb"""<(?:\w+:)?tablePart\b[^>]*?\bid=["']([^"']*)["'][^
 _TABLE_FORMULA = re.compile(
     rb"<((?:\w+:)?(?:calculatedColumnFormula|totalsRowFormula))\b[^>]*(?:/>|>.*?</\1>)", re.DOTALL
 )
+# A bracket of a table, not of another workbook ([1]Sheet!A1, '[1]Sheet'!A1).
+_STRUCTURED = re.compile(r"[\w.]\[")
+_COLUMN_OF_TABLE = re.compile(r"([^\W\d][\w.]*)\[([^\[\]#@']+)\]")
+_EXTERNAL = re.compile(r"(?<![\w.\]\[])\[\d+\]")
+_BRACKETED = re.compile(rb"\[\d+\]")
+_EXTERNAL_BYTES = re.compile(_EXTERNAL.pattern.encode())
+_FORMULA = re.compile(rb"<((?:\w+:)?f)\b(?:[^>]*/>|[^>]*>[^<]*</\1\s*>)")
+_GROUP = re.compile(rb"""\bsi=["'](\d+)["']""")
+_EXTENSIONS = re.compile(rb"<((?:\w+:)?extLst)\b[^>]*>.*?</\1\s*>", re.DOTALL)
 _TOTALS_FUNCTION = re.compile(rb"""\stotalsRowFunction=(?:"[^"]*"|'[^']*')""")
 
 
@@ -67,14 +77,52 @@ def calculator_copy(
         if read is not None and sheet not in with_formulas:
             last = max((rect.bottom for one, rect in needed if one == sheet), default=0)
             data = _without_rows_below(data, last)
+        ids: Collection[str] = ()
         if any(table.sheet == sheet for table in unread):
             ids, relationships = workbook.structure.without_relationships(part, dropped)
-            data = _without_table_parts(data, ids)
             parts |= relationships
+        data = _without_table_parts(data, ids)
         stated = _DIMENSION.search(data, 0, data.find(b"sheetData"))
-        parts[part] = data[: stated.start()] + data[stated.end() :] if stated else data
+        data = data[: stated.start()] + data[stated.end() :] if stated else data
+        parts[part] = _without_external_formulas(_without_extensions(data))
     parts |= workbook.structure.as_plain_workbook(without=dropped)
+    parts |= _with_plain_names(workbook)
     return {name: data for name, data in parts.items() if name not in dropped}, dropped
+
+
+def _with_plain_names(workbook: Workbook) -> dict[str, bytes]:
+    """The workbook part with plain ranges for names of parts of tables; other names of that kind are left out."""
+    structure = workbook.structure
+    if not any(_STRUCTURED.search(name.text) for name in structure.names):
+        return {}
+    data = workbook.container.read(structure.part)
+    root = parse_part(data, structure.part)
+    for entry in root.findall(f"{main('definedNames')}/{main('definedName')}"):
+        text = entry.text or ""
+        if not _STRUCTURED.search(text):
+            continue
+        plain = _plain_range(workbook, text)
+        if plain is None:
+            entry.getparent().remove(entry)
+        else:
+            entry.text = plain
+    names = root.find(main("definedNames"))
+    if names is not None and not len(names):
+        root.remove(names)
+    return {structure.part: serialise(root, data)}
+
+
+def _plain_range(workbook: Workbook, text: str) -> str | None:
+    """``Table[Column]`` as cells; None for anything less plain."""
+    match = _COLUMN_OF_TABLE.fullmatch(text.strip())
+    tables = {name.casefold(): table for name, table in workbook.tables.items()}
+    table = match and tables.get(match[1].casefold())
+    columns = {} if not table else {c.casefold(): k for k, c in enumerate(table.columns)}
+    if not match or not table or match[2].strip().casefold() not in columns:
+        return None
+    at = table.ref.left + columns[match[2].strip().casefold()]
+    cells = Rect(table.data.top, at, table.data.bottom, at)
+    return f"{quoted_sheet(table.sheet)}!{absolute_range(cells)}"
 
 
 def _unread_tables(
@@ -101,9 +149,43 @@ def _without_rows_below(data: bytes, last: int) -> bytes:
     return data
 
 
+def _end_of_cells(data: bytes) -> int:
+    """Where the cells of a sheet end; -1 in a sheet without any."""
+    return max(data.rfind(b"sheetData>"), data.rfind(b"sheetData/>"))
+
+
+def _without_extensions(data: bytes) -> bytes:
+    """A sheet without what stands in extensions behind its cells: sparklines, rules, lists."""
+    cells = _end_of_cells(data)
+    return data[:cells] + _EXTENSIONS.sub(b"", data[cells:]) if cells >= 0 else data
+
+
+def reads_other_workbook(formula: str) -> bool:
+    """Whether a formula reads another workbook, whose cells are not here."""
+    return _EXTERNAL.search(formula) is not None
+
+
+def _without_external_formulas(data: bytes) -> bytes:
+    """A sheet whose formulas on other workbooks are gone; their values stay."""
+    if _BRACKETED.search(data) is None:  # a quick look, as sheets are long
+        return data
+    groups = {
+        group[1]
+        for formula in _FORMULA.finditer(data)
+        if _EXTERNAL_BYTES.search(formula[0]) and (group := _GROUP.search(formula[0]))
+    }
+
+    def kept(formula: re.Match[bytes]) -> bytes:
+        group = _GROUP.search(formula[0])
+        shares = group is not None and group[1] in groups
+        return b"" if shares or _EXTERNAL_BYTES.search(formula[0]) else formula[0]
+
+    return _FORMULA.sub(kept, data)
+
+
 def _without_table_parts(data: bytes, ids: Collection[str]) -> bytes:
-    """A sheet without its links to some tables."""
-    found = _TABLE_PARTS.search(data)
+    """A sheet without its links to some tables; the number of the others is stated, as LibreOffice does not."""
+    found = _TABLE_PARTS.search(data, max(_end_of_cells(data), 0))
     if found is None:
         return data
     prefix = found[1]

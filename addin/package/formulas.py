@@ -19,7 +19,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from .calculator_copy import calculator_copy
+from .calculator_copy import calculator_copy, reads_other_workbook
 from .dependents import DependencyGraph, FormulaCell, ReferenceResolver, spill_rect
 from .formula_text import CHANGES_BY_ITSELF, parse_formula
 from .references import Rect, cell_name
@@ -220,6 +220,8 @@ class _Refresh:
     def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
         if not parse_formula(cell.text).functions.isdisjoint(recalculated.doubtful_functions):
             return True
+        if affected and reads_other_workbook(cell.text):
+            return True  # calculated nowhere: the copy had its old value
         sheet = self.workbook.sheet_part(cell.sheet)
         again = recalculated.sheet(cell.sheet)
         if again is sheet:

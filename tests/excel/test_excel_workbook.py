@@ -18,11 +18,15 @@ from addin.package import SaveRefused, WorkbookRefused, open_workbook
 from addin.package.macros import MacroEdit, save_with_macros
 from addin.recalc import recalculate
 from addin.template_files import template_path
+from addin.template_sheets import SHEETS
 
 #: The parts that list others; all the rest must be the same bytes.
 LISTS = {"[Content_Types].xml", "xl/workbook.xml", "xl/_rels/workbook.xml.rels"}
 #: The drawing of sheet Summary, which gets the button.
 DRAWING = "xl/drawings/drawing1.xml"
+#: The settings sheet: the part after those of the sheets shipped, `Lists` and `ChartData`.
+NUMBER = f"sheet{len(SHEETS) + 3}"
+NEW_SHEET = f"xl/worksheets/{NUMBER}.xml"
 TEMPLATES = ["blank_si", "blank_us", "example_proposed", "example_backlash"]
 
 
@@ -61,7 +65,7 @@ def test_every_other_part_stays_byte_for_byte(tmp_path, name):
     report = install(source, path)
     before, after = parts(source), parts(path)
     assert {n for n in before if after[n] != before[n]} == LISTS | {DRAWING}
-    assert set(after) - set(before) == {"xl/vbaProject.bin", "xl/worksheets/sheet20.xml"}
+    assert set(after) - set(before) == {"xl/vbaProject.bin", NEW_SHEET}
     assert set(report.parts) == LISTS | {DRAWING} | (set(after) - set(before))
 
 
@@ -69,7 +73,9 @@ def test_the_lists_gain_their_entries_and_lose_nothing(macro_book):
     before, after = parts(template_path("example_proposed.xlsx")), parts(macro_book)
     types = after["[Content_Types].xml"].decode()
     assert before["[Content_Types].xml"].decode() == re.sub(
-        r'<Override PartName="/xl/(?:vbaProject\.bin|worksheets/sheet20\.xml)"[^>]*/>', "", types
+        r'<Override PartName="/xl/(?:vbaProject\.bin|worksheets/' + NUMBER + r'\.xml)"[^>]*/>',
+        "",
+        types,
     ).replace(
         "vnd.ms-excel.sheet.macroEnabled.main+xml",
         "vnd.openxmlformats-officedocument.spreadsheetml.sheet.main+xml",
@@ -79,7 +85,9 @@ def test_the_lists_gain_their_entries_and_lose_nothing(macro_book):
     assert before["xl/workbook.xml"].decode() == without.replace(' codeName="ThisWorkbook"', "")
     links = after["xl/_rels/workbook.xml.rels"].decode()
     assert before["xl/_rels/workbook.xml.rels"].decode() == re.sub(
-        r'<Relationship Id="[^"]*" Type="[^"]*" Target="(?:vbaProject\.bin|worksheets/sheet20\.xml)"/>',
+        r'<Relationship Id="[^"]*" Type="[^"]*" Target="(?:vbaProject\.bin|worksheets/'
+        + NUMBER
+        + r'\.xml)"/>',
         "",
         links,
     )
@@ -181,7 +189,7 @@ def test_recalc_goes_on_working_and_keeps_the_macros(macro_book, tmp_path):
     done = recalculate(macro_book, destination=tmp_path / "out" / "train.xlsm")
     assert done.problems == ()
     before, after = parts(macro_book), parts(tmp_path / "out" / "train.xlsm")
-    for part in ("xl/vbaProject.bin", "xl/worksheets/sheet20.xml", "[Content_Types].xml"):
+    for part in ("xl/vbaProject.bin", NEW_SHEET, "[Content_Types].xml"):
         assert after[part] == before[part]
 
 
@@ -253,7 +261,7 @@ def test_an_older_version_is_brought_to_this_one(tmp_path, macro_book):
     after = parts(old)
     assert report.backup is not None
     assert parts(report.backup) == before
-    assert report.parts == ("xl/vbaProject.bin", "xl/worksheets/sheet20.xml")
+    assert report.parts == ("xl/vbaProject.bin", NEW_SHEET)
     assert {n for n in before if before[n] != after[n]} == {"xl/vbaProject.bin"}
     found = installed_in(open_workbook(old, read_only=True))
     assert found.xlwings == vba.XLWINGS_VERSION
@@ -299,11 +307,11 @@ def test_a_settings_sheet_that_excel_saved_keeps_its_name_in_vba(tmp_path, macro
     source = tmp_path / "saved.xlsm"
     with zipfile.ZipFile(source, "w") as new:
         for name, data in parts(macro_book).items():
-            if name == "xl/worksheets/sheet20.xml":
+            if name == NEW_SHEET:
                 data = data.replace(b"<dimension", b'<sheetPr codeName="Tabelle20"/><dimension')
             new.writestr(name, data, zipfile.ZIP_DEFLATED)
     install(source, None)
-    assert b'<sheetPr codeName="Tabelle20"/>' in parts(source)["xl/worksheets/sheet20.xml"]
+    assert b'<sheetPr codeName="Tabelle20"/>' in parts(source)[NEW_SHEET]
 
 
 def test_functions_of_another_module_are_not_lost(tmp_path, macro_book):

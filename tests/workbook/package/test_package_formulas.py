@@ -493,3 +493,96 @@ def test_charts_show_cells_that_were_changed_after_their_block(train: Path) -> N
     chart = parts_of(out)["xl/charts/chart3.xml"].decode()
     shown = "".join(f'<c:pt idx="{i}"><c:v>{v}</c:v></c:pt>' for i, v in enumerate((2, 40, 6)))
     assert f'<c:ptCount val="10"/>{shown}</c:numCache>' in chart
+
+
+LIST_OF_ANOTHER_SHEET = (
+    b'<extLst><ext xmlns:x14="http://schemas.microsoft.com/office/spreadsheetml/2009/9/main" '
+    b'uri="{CCE6A557-97BC-4b89-ADB6-D9C93CAAB3DF}"><x14:dataValidations '
+    b'xmlns:xm="http://schemas.microsoft.com/office/excel/2006/main" count="1"><x14:dataValidation '
+    b'type="list"><x14:formula1><xm:f>In!$A$1:$A$9</xm:f></x14:formula1><xm:sqref>D1</xm:sqref>'
+    b"</x14:dataValidation></x14:dataValidations></ext></extLst></worksheet>"
+)
+
+
+def test_a_drop_down_list_of_another_sheet_does_not_stop_the_recalculation(tmp_path: Path) -> None:
+    """As Excel stores it since 2010: an extension with a formula, which formualizer refuses."""
+    path = workbook_of(tmp_path / "t.xlsx", {"B2": ("=In!A1*2", 2)})
+    sheet = "xl/worksheets/sheet2.xml"
+    with_parts(path, {}, {sheet: lambda data: data.replace(b"</worksheet>", LIST_OF_ANOTHER_SHEET)})
+    values, report = refreshed(path, {"A1": 10.0})
+    assert (report.method, values["B2"]) == ("recalculated", 20)
+    assert LIST_OF_ANOTHER_SHEET in parts_of(path.with_name("out.xlsx"))[sheet]
+
+
+def with_table(path: Path, formulas: dict[str, tuple[str, Any]], names: dict[str, str]) -> Path:
+    book = xlsxwriter.Workbook(str(path))
+    source, sheet = book.add_worksheet("In"), book.add_worksheet("Out")
+    source.add_table(
+        "A1:B4",
+        {"name": "Data", "columns": [{"header": "Flow"}, {"header": "Head"}],
+         "data": [[1, 4], [2, 5], [3, 6]]},
+    )  # fmt: skip
+    for cell, (formula, value) in formulas.items():
+        sheet.write_formula(cell, formula, None, value)
+    for name, text in names.items():
+        book.define_name(name, text)
+    book.close()
+    return path
+
+
+@pytest.mark.parametrize("text", ["=Data[Flow]", "=data[ flow ]"])
+def test_a_name_for_a_column_of_a_table_does_not_stop_the_recalculation(
+    tmp_path: Path, text: str
+) -> None:
+    formulas = {"B2": ("=SUM(Flows)", 6), "B3": ("=SUM(Data[Head])", 15)}
+    path = with_table(tmp_path / "t.xlsx", formulas, {"Flows": text})
+    values, report = refreshed(path, {"A2": 10.0, "B2": 40.0})
+    assert report.method == "recalculated"
+    assert (values["B2"], values["B3"]) == (15, 51)
+    before, after = (parts_of(p)["xl/workbook.xml"] for p in (path, path.with_name("out.xlsx")))
+    assert text[1:].encode() in before
+    assert text[1:].encode() in after
+
+
+def test_a_name_that_nobody_here_understands_costs_its_own_formulas_alone(tmp_path: Path) -> None:
+    formulas = {"B2": ("=SUM(Both)", 21), "B3": ("=SUM(Data[Head])", 15), "B4": ("=B2+1", 22)}
+    path = with_table(tmp_path / "t.xlsx", formulas, {"Both": "=Data[[#Data],[Flow]:[Head]]"})
+    values, report = refreshed(path, {"A2": 10.0, "B2": 40.0})
+    assert report.method == "recalculated"
+    assert (values["B2"], values["B4"]) == (None, None)
+    assert values["B3"] == 51
+
+
+def test_formulas_on_other_workbooks_keep_or_lose_their_value_alone(tmp_path: Path) -> None:
+    path = workbook_of(
+        tmp_path / "t.xlsx",
+        {
+            "B2": ("=In!A1*2", 2),
+            "B3": ("=[1]Limits!$A$1", 7.5),
+            "B4": ("='[1]Our limits'!$A$1*In!A1", 3.5),
+            "B5": ("=B3+1", 8.5),
+            "B6": ("=B4+B2", 5.5),
+            "B7": ("=B3+In!A1", 8.5),
+        },
+    )
+    values, report = refreshed(path, {"A1": 10.0})
+    assert report.method == "recalculated"
+    assert (values["B2"], values["B3"], values["B5"], values["B7"]) == (20, 7.5, 8.5, 17.5)
+    assert (values["B4"], values["B6"]) == (
+        None,
+        None,
+    )  # what the other workbook holds is not known
+    formulas = openpyxl.load_workbook(path.with_name("out.xlsx"))["Out"]
+    assert formulas["B4"].value == "='[1]Our limits'!$A$1*In!A1"
+
+
+def test_tables_whose_number_is_not_stated_do_not_stop_the_recalculation(tmp_path: Path) -> None:
+    """As LibreOffice saves them."""
+    path = with_table(tmp_path / "t.xlsx", {"B3": ("=SUM(Data[Head])", 15)}, {})
+    sheet = "xl/worksheets/sheet1.xml"
+    with_parts(
+        path, {}, {sheet: lambda data: data.replace(b'<tableParts count="1">', b"<tableParts>")}
+    )
+    values, report = refreshed(path, {"B2": 40.0})
+    assert (report.method, values["B3"]) == ("recalculated", 51)
+    assert b"<tableParts>" in parts_of(path.with_name("out.xlsx"))[sheet]

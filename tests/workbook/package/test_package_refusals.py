@@ -1,6 +1,7 @@
 """Files that are not opened, each for its own reason, and left as they are."""
 
 import io
+import shutil
 import struct
 import zipfile
 from collections.abc import Callable
@@ -8,8 +9,11 @@ from pathlib import Path
 
 import pytest
 from rich_workbooks import parts_of, with_parts
+from typer.testing import CliRunner
 
+from addin.cli import app
 from addin.package import Limits, WorkbookLocked, WorkbookRefused, open_workbook
+from addin.template_files import template_path
 
 OLE = bytes.fromhex("D0CF11E0A1B11AE1")
 BILLION = (
@@ -179,6 +183,21 @@ BAD: list[tuple[str, str, Callable[[Path], None]]] = [
 
 def void(_: object) -> None:
     return None
+
+
+@pytest.mark.parametrize("reason", ["encrypted", "xls", "xlsb", "strict", "signed"])
+def test_recalculation_refuses_them_with_the_reason_and_writes_nothing(
+    tmp_path: Path, reason: str
+) -> None:
+    train = Path(shutil.copyfile(template_path("example_proposed.xlsx"), tmp_path / "train.xlsx"))
+    words, spoil = next((words, spoil) for kind, words, spoil in BAD if kind == reason)
+    spoil(train)
+    before = train.read_bytes()
+    done = CliRunner().invoke(app, ["recalc", str(train), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 1
+    assert words in done.output
+    assert train.read_bytes() == before
+    assert not list(tmp_path.glob("out/*"))
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,150 @@
+"""One change between two files, and all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from addin.diff.sides import Side
+
+__all__ = ["Change", "Differences", "Value", "VerdictChange"]
+
+#: A number in SI, words, a flag, or None for a blank.
+Value = None | bool | float | str
+
+
+@dataclass(frozen=True)
+class Change:
+    """One thing that differs between two files.
+
+    Parameters
+    ----------
+    kind : str
+        ``changed``, ``row added``, ``row removed`` or ``row renamed``. [words]
+    table, row, column : str
+        Where; table ``Case`` for a scalar, the column empty for a whole row. [names]
+    before, after : number, text or None
+        In the first and in the second file. [SI]
+    unit : str
+        Unit in which it is shown; empty where there is none. [unit]
+    factor : float
+        SI value of one such unit. [SI]
+    administrative : bool
+        Whether it can change no result: title block and descriptions. [flag]
+    """
+
+    kind: str
+    table: str
+    row: str
+    column: str
+    before: Value
+    after: Value
+    unit: str = ""
+    factor: float = 1.0
+    administrative: bool = False
+
+    @property
+    def difference(self) -> float | None:
+        """Second minus first; None where either is no number. [SI]"""
+        if not (_is_number(self.before) and _is_number(self.after)):
+            return None
+        return float(self.after) - float(self.before)  # type: ignore[arg-type]
+
+    @property
+    def relative(self) -> float | None:
+        """Difference over the first; None where that is no number or zero. [1]"""
+        difference = self.difference
+        if difference is None or not self.before:
+            return None
+        return difference / abs(float(self.before))
+
+    def shown(self, value: Value) -> Value:
+        """A value in the unit shown.
+
+        Parameters
+        ----------
+        value : number, text or None
+            `before`, `after` or `difference`. [SI]
+
+        Returns
+        -------
+        number, text or None
+            Numbers converted, everything else as it is. [shown unit]
+        """
+        return float(value) / self.factor if _is_number(value) else value  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class VerdictChange:
+    """One check of either file; its verdict may or may not have changed.
+
+    Parameters
+    ----------
+    table, row : str
+        Result table, and what is judged. [names]
+    before, after : str
+        Verdicts; empty where the check is not made. [words]
+    result_before, result_after, limit : str
+        The numbers judged, as words with their unit; empty where the table has none. [words]
+    """
+
+    table: str
+    row: str
+    before: str
+    after: str
+    result_before: str = ""
+    result_after: str = ""
+    limit: str = ""
+
+    @property
+    def changed(self) -> bool:
+        """Whether the verdict is another one."""
+        return self.before != self.after
+
+
+@dataclass(frozen=True)
+class Differences:
+    """Two files side by side.
+
+    Parameters
+    ----------
+    first, second : Side
+        The files.
+    verdicts : tuple of VerdictChange
+        All checks of table `Verdicts`, then those of other tables whose verdict changed.
+    inputs : tuple of Change or None
+        None where a side has no inputs (a result JSON).
+    results : tuple of Change
+        By table.
+    same_inputs, same_results : int
+        Quantities that are the same in both. [count]
+    """
+
+    first: Side
+    second: Side
+    verdicts: tuple[VerdictChange, ...]
+    inputs: tuple[Change, ...] | None
+    results: tuple[Change, ...]
+    same_inputs: int
+    same_results: int
+
+    @property
+    def anything(self) -> bool:
+        """Whether anything differs that is more than administrative."""
+        return bool(self.results) or any(not c.administrative for c in self.inputs or ())
+
+    def changed_verdicts(self) -> Iterator[VerdictChange]:
+        """Checks whose verdict is another one.
+
+        Yields
+        ------
+        VerdictChange
+            In their order.
+        """
+        return (one for one in self.verdicts if one.changed)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,0 +1,73 @@
+"""``torsionbook diff``: what changed between two revisions, and what it did."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["diff"]
+
+_WRONG_INPUT = 1
+
+
+def diff(
+    a: Annotated[
+        Path, typer.Argument(help="Workbook, case JSON or result JSON.", show_default=False)
+    ],
+    b: Annotated[Path, typer.Argument(help="The same, newer.", show_default=False)],
+    xlsx: Annotated[Path | None, typer.Option(help="Also write it as a workbook.")] = None,
+    json: Annotated[Path | None, typer.Option(help="Also write it as JSON, in SI.")] = None,
+    recalculate: Annotated[
+        bool,
+        typer.Option("--recalculate", help="Calculate both, whatever results the files hold."),
+    ] = False,
+    everything: Annotated[bool, typer.Option("--all", help="Show every changed result.")] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 if an input or a result differs.")
+    ] = False,
+) -> None:
+    """Inputs and results of two files side by side: what changed, and what it did.
+
+    Rows are matched by station, element, mode and excitation; the same quantity in another unit is
+    no change. Results are those in the files where they belong to the inputs, else calculated.
+
+    Example: `torsionbook diff proposed.out.xlsx modified.out.xlsx --xlsx diff.xlsx`
+    """
+    from addin.diff.book import write_book
+    from addin.diff.compare import compare_files
+    from addin.diff.sides import CannotBeCompared
+    from addin.diff.terminal import show
+    from addin.diff.told import as_json
+    from addin.recalc import of_file, write_json
+
+    if xlsx is not None and xlsx.suffix.lower() != ".xlsx":
+        raise typer.BadParameter(f"--xlsx is '{xlsx}'; it must end in .xlsx.")
+    sources = {a.resolve(), b.resolve()}
+    for target in (xlsx, json):
+        if target is not None and target.resolve() in sources:
+            raise typer.BadParameter(f"{target} is an input itself. Choose another name.")
+    try:
+        found = compare_files(a, b, recalculate=recalculate)
+    except CannotBeCompared as wrong:
+        typer.echo(f"{wrong.source}: cannot be compared:", err=True)
+        for problem in wrong.problems:
+            typer.echo(f"  {problem.message}", err=True)
+        raise typer.Exit(_WRONG_INPUT) from wrong
+    show(found, everything)
+    target = xlsx or json
+    try:
+        if xlsx is not None:
+            write_book(found, xlsx)
+            typer.echo(f"written: {xlsx}")
+        if json is not None:
+            target = json
+            write_json(json, as_json(found))
+            typer.echo(f"written: {json}")
+    except OSError as wrong:
+        assert target is not None
+        typer.echo(of_file(target, wrong).message, err=True)
+        raise typer.Exit(_WRONG_INPUT) from wrong
+    if strict and found.anything:
+        raise typer.Exit(_WRONG_INPUT)

@@ -1,0 +1,95 @@
+"""Two files → everything that differs between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from addin.diff.changes import Change, Differences
+from addin.diff.inputs import Renamed, compare_inputs
+from addin.diff.results import compare_results, compare_verdicts
+from addin.diff.sides import Side, read_side
+from addin.diff.units import Units
+
+__all__ = ["compare_files", "compare_sides"]
+
+
+def compare_files(
+    first: Path,
+    second: Path,
+    *,
+    recalculate: bool = False,
+    on_stage: Callable[[str], None] | None = None,
+) -> Differences:
+    """Two files side by side.
+
+    Parameters
+    ----------
+    first, second : Path
+        Workbooks, case JSON or result JSON. [paths]
+    recalculate : bool
+        Calculate both again, whatever they hold. [flag]
+    on_stage : callable, optional
+        Called with the name of each analysis as it begins.
+
+    Returns
+    -------
+    Differences
+        Verdicts, inputs, results.
+
+    Raises
+    ------
+    CannotBeCompared
+        When one of them cannot be read or calculated.
+    """
+    sides = [read_side(one, recalculate=recalculate, on_stage=on_stage) for one in (first, second)]
+    return compare_sides(*sides)
+
+
+def compare_sides(first: Side, second: Side) -> Differences:
+    """Two sides that have been read.
+
+    Parameters
+    ----------
+    first, second : Side
+        The older and the newer one, or proposed and modified.
+
+    Returns
+    -------
+    Differences
+        Verdicts, inputs, results.
+    """
+    units = Units([(second.typed, second.units), (first.typed, first.units)])
+    inputs: list[Change] | None = None
+    renamed, same_inputs = Renamed(), 0
+    if first.data is not None and second.data is not None:
+        inputs, renamed, same_inputs = compare_inputs(first.data, second.data, units)
+        inputs += _settings(first, second)
+    results, same_results = compare_results(first.tables, second.tables, units, renamed)
+    verdicts = compare_verdicts(first.tables, second.tables, units, renamed)
+    return Differences(
+        first,
+        second,
+        tuple(verdicts),
+        None if inputs is None else tuple(inputs),
+        tuple(results),
+        same_inputs,
+        same_results,
+    )
+
+
+def _settings(first: Side, second: Side) -> list[Change]:
+    """Settings of the command line with which the results were calculated."""
+    names = dict.fromkeys([*first.settings, *second.settings])
+    return [
+        Change(
+            "changed",
+            "Command line",
+            "",
+            name,
+            first.settings.get(name),
+            second.settings.get(name),
+        )
+        for name in names
+        if first.settings.get(name) != second.settings.get(name)
+    ]

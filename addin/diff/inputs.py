@@ -1,0 +1,229 @@
+"""Inputs of two cases, matched by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from addin.diff.changes import Change, Value
+from addin.diff.units import Units
+from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec, input_table
+from addin.matching import ROW_NAMES, match_rows, row_name
+from engine.case import ADMINISTRATIVE, TABLES, CaseData
+
+__all__ = ["Renamed", "compare_inputs"]
+
+#: Share of the stated cells that must be the same for a row under another name to be the same row. [1]
+_ALIKE = 0.7
+#: Where an element stands: another element in its place has taken it over.
+_PLACE = ("Kind", "From", "To")
+
+Row = Mapping[str, Any]
+
+
+@dataclass
+class Renamed:
+    """Names of the first file → names of the second, by kind of name.
+
+    Parameters
+    ----------
+    names : dict
+        Key ``station``, ``element``, ``material`` or ``excitation``. [names]
+    """
+
+    names: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    def now(self, kind: str, name: Any) -> Any:
+        """A name of the first file as the second has it.
+
+        Parameters
+        ----------
+        kind : str
+            Kind of the field that holds it. [word]
+        name : object
+            A name; anything else stays as it is. [name]
+
+        Returns
+        -------
+        object
+            The name now.
+        """
+        return self.names.get(kind, {}).get(name, name) if isinstance(name, str) else name
+
+
+#: Tables whose rows carry a name that others refer to, referred ones first.
+_NAMED = {"Stations": "station", "Materials": "material", "Elements": "element",
+          "Excitations": "excitation"}  # fmt: skip
+
+
+def compare_inputs(
+    first: CaseData, second: CaseData, units: Units
+) -> tuple[list[Change], Renamed, int]:
+    """What differs in the inputs.
+
+    Parameters
+    ----------
+    first, second : CaseData
+        The two cases. [SI]
+    units : Units
+        Units to show.
+
+    Returns
+    -------
+    changes : list of Change
+        In the order of the sheets.
+    renamed : Renamed
+        Rows that only have another name.
+    same : int
+        Quantities that are the same. [count]
+    """
+    renamed = Renamed()
+    for name, kind in _NAMED.items():
+        spec = input_table(name)
+        renamed.names[kind] = _renamed(spec, _rows(first, spec), _rows(second, spec), renamed)
+    changes, same = [], 0
+    for one in SCALARS:
+        before, after = getattr(first, one.attribute), getattr(second, one.attribute)
+        if _same(before, after):
+            same += before is not None
+            continue
+        unit, factor = units.of_field(SCALAR_TABLE, one)
+        changes.append(
+            Change(
+                "changed", SCALAR_TABLE, "", one.name, before, after, unit, factor,
+                one.attribute in ADMINISTRATIVE,
+            )
+        )  # fmt: skip
+    for spec in INPUT_TABLES:
+        more, count = _compare_table(spec, _rows(first, spec), _rows(second, spec), units, renamed)
+        changes += more
+        same += count
+    return changes, renamed, same
+
+
+def _rows(data: CaseData, spec: TableSpec) -> list[dict[str, Any]]:
+    """Rows of a table by header; a share of the torque transmitted is told as words."""
+    found = []
+    for row in getattr(data, TABLES[spec.name][0]):
+        values = {one.name: getattr(row, one.attribute) for one in spec.columns}
+        share = getattr(row, "torque_share", None)
+        if share is not None:
+            values["Torque"] = f"{100.0 * share:.12g} % of the torque transmitted"
+        found.append(values)
+    return found
+
+
+def _compare_table(
+    spec: TableSpec, first: Sequence[Row], second: Sequence[Row], units: Units, renamed: Renamed
+) -> tuple[list[Change], int]:
+    translated = [_translated(spec, row, renamed) for row in first]
+    pairs = match_rows(
+        [row_name(spec.name, row) for row in translated],
+        [row_name(spec.name, row) for row in second],
+    )
+    changes, same = [], 0
+    for i, j in pairs:
+        if i is None or j is None:
+            row = second[j] if j is not None else first[i]  # type: ignore[index]
+            words = "; ".join(_in_words(spec, row, units))
+            kind = "row added" if i is None else "row removed"
+            before, after = (None, words) if i is None else (words, None)
+            changes.append(Change(kind, spec.name, _name(spec, row, units), "", before, after))
+            continue
+        old, name = translated[i], _name(spec, second[j], units)
+        was = _name(spec, first[i], units)
+        if was != name and spec.name in _NAMED:
+            changes.append(Change("row renamed", spec.name, name, "", was, name))
+        for one in spec.columns:
+            before, after = old[one.name], second[j][one.name]
+            if _same(before, after):
+                same += before is not None
+                continue
+            unit, factor = units.of_field(spec.name, one)
+            changes.append(
+                Change(
+                    "changed", spec.name, name, one.name, before, after, unit, factor,
+                    one.attribute in ADMINISTRATIVE,
+                )
+            )  # fmt: skip
+    return changes, same
+
+
+def _translated(spec: TableSpec, row: Row, renamed: Renamed) -> dict[str, Any]:
+    """A row of the first file under the names of the second."""
+    kinds = {one.name: one.kind for one in spec.columns}
+    if spec.name in _NAMED:
+        kinds[ROW_NAMES[spec.name][0]] = _NAMED[spec.name]
+    if spec.name == "Meshes":
+        kinds["Element"] = "element"
+    return {name: renamed.now(kinds[name], value) for name, value in row.items()}
+
+
+def _renamed(
+    spec: TableSpec, first: Sequence[Row], second: Sequence[Row], renamed: Renamed
+) -> dict[str, str]:
+    """Rows that are in both under different names: alike in most cells, or in the same place."""
+    key = ROW_NAMES[spec.name][0]
+    here, there = {row[key] for row in first}, {row[key] for row in second}
+    gone = [_translated(spec, row, renamed) for row in first if row[key] and row[key] not in there]
+    new = [row for row in second if row[key] and row[key] not in here]
+    scored = [
+        (_alike(spec, key, old, one), -abs(i - j), i, j)
+        for i, old in enumerate(gone)
+        for j, one in enumerate(new)
+    ]
+    found: dict[str, str] = {}
+    taken: set[int] = set()
+    for score, _, i, j in sorted(scored, reverse=True):
+        if score >= _ALIKE and gone[i][key] not in found and j not in taken:
+            found[gone[i][key]] = new[j][key]
+            taken.add(j)
+    return found
+
+
+def _alike(spec: TableSpec, key: str, old: Row, new: Row) -> float:
+    """Share of the cells that either row states and both have alike, the name aside."""
+    if spec.name == "Elements" and all(old[c] == new[c] for c in _PLACE):
+        return 1.0
+    stated = [
+        one.name
+        for one in spec.columns
+        if one.name != key
+        and one.attribute not in ADMINISTRATIVE
+        and (old[one.name] is not None or new[one.name] is not None)
+    ]
+    if not stated:
+        return 0.0
+    return sum(_same(old[name], new[name]) for name in stated) / len(stated)
+
+
+def _same(before: Value, after: Value) -> bool:
+    """Equal to the twelve digits that enter the digest."""
+    if isinstance(before, int | float) and isinstance(after, int | float):
+        return f"{before:.11e}" == f"{after:.11e}"
+    return before == after
+
+
+def _name(spec: TableSpec, row: Row, units: Units) -> str:
+    """What a row is called, numbers in the unit shown."""
+    shown = []
+    for column in ROW_NAMES[spec.name]:
+        value = row[column]
+        if value is not None:
+            shown.append(_value_in_words(spec, spec.column(column), value, units))
+    return ", ".join(shown)
+
+
+def _in_words(spec: TableSpec, row: Row, units: Units) -> Iterator[str]:
+    for one in spec.columns:
+        value = row[one.name]
+        if value is not None and one.name not in ROW_NAMES[spec.name]:
+            yield f"{one.name} {_value_in_words(spec, one, value, units)}"
+
+
+def _value_in_words(spec: TableSpec, one: Field, value: Any, units: Units) -> str:
+    if isinstance(value, str) or not one.is_number:
+        return str(value)
+    unit, factor = units.of_field(spec.name, one)
+    return f"{value / factor:.6g} {'' if unit == '1' else unit}".rstrip()

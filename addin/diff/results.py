@@ -1,0 +1,251 @@
+"""Results of two files, matched by element, mode and excitation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from addin.diff.changes import Change, Value, VerdictChange
+from addin.diff.inputs import Renamed
+from addin.diff.sides import COMPARED, Judged
+from addin.diff.units import Units
+from addin.fields import Field, TableSpec, result_table
+from addin.layout import workbook_columns
+from addin.matching import ROW_NAMES, match_rows, row_name
+from addin.verify.recorded import DIGEST_ITEM, is_own_of_each_run
+
+__all__ = ["compare_results", "compare_verdicts"]
+
+#: Relative size of what rounding, other units and other processors change. [1]
+_ROUNDING = 1e-9
+#: Columns that say nothing of the train: wall times.
+_LEFT_OUT = frozenset({("Effects", "Time")})
+#: Unit in which a judged number is shown, by its dimension; see `addin.write_workbook`.
+_JUDGED_IN: Mapping[str, tuple[str, str]] = {
+    "frequency": ("NaturalFrequencies", "Frequency"),
+    "fraction": ("SeparationMargins", "Margin"),
+    "pressure": ("SteadyState", "Allowable"),
+    "torque": ("StartupPeaks", "Maximum torque"),
+    "time": ("StartupPeaks", "Time"),
+    "speed": ("SeparationMargins", "Speed"),
+}
+
+Tables = Mapping[str, Sequence[Mapping[str, Any]]]
+
+
+def compare_results(
+    first: Tables, second: Tables, units: Units, renamed: Renamed
+) -> tuple[list[Change], int]:
+    """What differs in the results.
+
+    Parameters
+    ----------
+    first, second : mapping of str to rows
+        Results by table and header. [SI]
+    units : Units
+        Units to show.
+    renamed : Renamed
+        Names of the first file in the second.
+
+    Returns
+    -------
+    changes : list of Change
+        By table, in the order of the workbook; `Verdicts` is compared by `compare_verdicts`.
+    same : int
+        Quantities that are the same. [count]
+    """
+    changes, same = [], 0
+    for spec in COMPARED:
+        if spec.name == "Verdicts":
+            continue
+        more, count = _compare_table(
+            spec, first.get(spec.name, ()), second.get(spec.name, ()), units, renamed
+        )
+        changes += more
+        same += count
+    return changes, same
+
+
+def _compare_table(
+    spec: TableSpec,
+    first: Sequence[Mapping[str, Any]],
+    second: Sequence[Mapping[str, Any]],
+    units: Units,
+    renamed: Renamed,
+) -> tuple[list[Change], int]:
+    fields = [
+        one
+        for one in workbook_columns(spec)
+        if one not in spec.extra_columns and (spec.name, one.name) not in _LEFT_OUT
+    ]
+    old = [_translated(fields, row, renamed) for row in first if _counts(spec, row)]
+    new = [row for row in second if _counts(spec, row)]
+    scale = {one.name: _scale(one.name, (*old, *new)) for one in fields}
+    changes, same = [], 0
+    for i, j in match_rows(
+        [row_name(spec.name, row) for row in old], [row_name(spec.name, row) for row in new]
+    ):
+        if i is None or j is None:
+            row = new[j] if j is not None else old[i]  # type: ignore[index]
+            kind = "row added" if i is None else "row removed"
+            words = "; ".join(_in_words(spec, fields, row, units))
+            before, after = (None, words) if i is None else (words, None)
+            changes.append(Change(kind, spec.name, _name(spec, row), "", before, after))
+            continue
+        for one in fields:
+            before, after = old[i].get(one.name), new[j].get(one.name)
+            if _same(before, after, scale[one.name]):
+                same += before is not None
+                continue
+            unit, factor = units.of_field(spec.name, one, one.name)
+            name = _name(spec, new[j])
+            changes.append(
+                Change("changed", spec.name, name, one.name, before, after, unit, factor)
+            )
+    return changes, same
+
+
+def _counts(spec: TableSpec, row: Mapping[str, Any]) -> bool:
+    """Whether a row says something of the train: of the audit trail what is not of one run alone."""
+    item = str(row.get("Item", ""))
+    if spec.name != "Audit":
+        return True
+    if item == DIGEST_ITEM or is_own_of_each_run(item) or item.startswith("Equation: "):
+        return False
+    return not item.startswith(("Plan ", "Warning ", "Outcome of the start"))
+
+
+def _translated(
+    fields: Sequence[Field], row: Mapping[str, Any], renamed: Renamed
+) -> dict[str, Any]:
+    kinds = {one.name: one.kind for one in fields} | {"Excitation": "excitation"}
+    return {name: renamed.now(kinds.get(name, ""), value) for name, value in row.items()}
+
+
+def _scale(column: str, rows: Sequence[Mapping[str, Any]]) -> float:
+    numbers = [abs(row[column]) for row in rows if _is_number(row.get(column))]
+    return max(numbers, default=0.0)
+
+
+def _same(before: Any, after: Any, scale: float) -> bool:
+    if _is_number(before) and _is_number(after):
+        return bool(abs(after - before) <= _ROUNDING * scale)
+    return bool((before or None) == (after or None))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _name(spec: TableSpec, row: Mapping[str, Any]) -> str:
+    """What a row is called; a mode is called a mode."""
+    shown = []
+    for column in ROW_NAMES[spec.name]:
+        value = row.get(column)
+        if value is not None:
+            word = "mode " if column == "Mode" else "at " if column == "Applied at" else ""
+            shown.append(f"{word}{value:g}" if _is_number(value) else f"{word}{value}")
+    return ", ".join(shown)
+
+
+def _in_words(
+    spec: TableSpec, fields: Sequence[Field], row: Mapping[str, Any], units: Units
+) -> list[str]:
+    words = []
+    for one in fields:
+        value = row.get(one.name)
+        if value is None or value == "" or one.name in ROW_NAMES[spec.name]:
+            continue
+        unit, factor = units.of_field(spec.name, one, one.name)
+        shown = f"{value / factor:.6g} {unit}".rstrip() if _is_number(value) else str(value)
+        words.append(f"{one.name} {shown}")
+    return words
+
+
+# --- verdicts -------------------------------------------------------------------------------------
+
+
+def compare_verdicts(
+    first: Tables, second: Tables, units: Units, renamed: Renamed
+) -> list[VerdictChange]:
+    """All checks of table `Verdicts`, and the verdicts of other tables that changed.
+
+    Parameters
+    ----------
+    first, second : mapping of str to rows
+        Results by table and header. [SI]
+    units : Units
+        Units to show.
+    renamed : Renamed
+        Names of the first file in the second.
+
+    Returns
+    -------
+    list of VerdictChange
+        The checks of either file first.
+    """
+    found = []
+    old, new = first.get("Verdicts", ()), second.get("Verdicts", ())
+    for i, j in match_rows([row["Check"] for row in old], [row["Check"] for row in new]):
+        was, now = old[i] if i is not None else {}, new[j] if j is not None else {}
+        dimension = str(now.get("dimension") or was.get("dimension") or "") or _guessed(was, now)
+        words = [
+            _judged_in_words(value, dimension, units)
+            for value in (was.get("Result"), now.get("Result"), now.get("Limit", was.get("Limit")))
+        ]
+        found.append(
+            VerdictChange(
+                "Verdicts",
+                str(now.get("Check") or was.get("Check")),
+                str(was.get("Verdict") or ""),
+                str(now.get("Verdict") or ""),
+                *words,
+            )
+        )
+    for name in ("SeparationMargins", "SteadyState", "TorqueReversals"):
+        spec = result_table(name)
+        rows = [_translated(spec.columns, row, renamed) for row in first.get(name, ())]
+        others = second.get(name, ())
+        pairs = match_rows(
+            [row_name(name, row) for row in rows], [row_name(name, row) for row in others]
+        )
+        for i, j in pairs:
+            if i is None or j is None:
+                continue
+            before, after = rows[i].get("Verdict"), others[j].get("Verdict")
+            if before != after:
+                row = _name(spec, others[j])
+                found.append(VerdictChange(name, row, str(before or ""), str(after or "")))
+    return found
+
+
+def _guessed(*rows: Mapping[str, Any]) -> str:
+    """Dimension of a judged number from the words of a workbook; empty when nothing tells it."""
+    from addin.units import USUAL
+
+    for row in rows:
+        for column in ("Result", "Limit"):
+            value = row.get(column)
+            unit = value.words.rpartition(" ")[2] if isinstance(value, Judged) else ""
+            for dimension in _JUDGED_IN:
+                if unit in USUAL[dimension] and unit != "1":
+                    return dimension
+    return ""
+
+
+def _judged_in_words(value: Value | Judged, dimension: str, units: Units) -> str:
+    """A judged number in the unit shown, with as many digits as a workbook shows."""
+    if not isinstance(value, Judged):
+        return str(value or "")
+    if dimension not in _JUDGED_IN:
+        return (
+            f"{value.number:,.0f}"
+            if dimension == "count"
+            else value.words or f"{value.number:,.6g}"
+        )
+    table, column = _JUDGED_IN[dimension]
+    unit, factor = units.of_field(table, result_table(table).column(column))
+    number = value.number / factor
+    if dimension == "fraction":
+        return f"{number:.2f} {unit}"
+    return f"{number:,.0f} {unit}" if abs(number) >= 1000.0 else f"{number:.4g} {unit}"

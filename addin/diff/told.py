@@ -1,0 +1,135 @@
+"""Differences as JSON, and single values and changes in words."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from addin.diff.changes import Change, Differences, Value
+from addin.diff.sides import Side
+
+__all__ = ["as_json", "change_in_words", "in_words"]
+
+#: JSON keys of the kinds of change.
+_KINDS = {
+    "changed": "changed",
+    "row added": "row_added",
+    "row removed": "row_removed",
+    "row renamed": "row_renamed",
+}
+
+
+def in_words(change: Change, value: Value, *, unit: bool = True) -> str:
+    """A value of a change as shown.
+
+    Parameters
+    ----------
+    change : Change
+        It.
+    value : number, text or None
+        Its `before` or `after`. [SI]
+    unit : bool
+        Put the unit behind a number. [flag]
+
+    Returns
+    -------
+    str
+        Six significant digits; a dash for a blank.
+    """
+    shown = change.shown(value)
+    if shown is None or shown == "":
+        return "–"
+    if isinstance(shown, bool):
+        return "yes" if shown else "no"
+    if isinstance(shown, int | float):
+        shown = round(shown, 4) + 0.0 if change.unit == "%" else shown
+        number = f"{shown:,.6g}" if abs(shown) < 1e6 else f"{shown:.6g}"
+        return f"{number} {change.unit if unit and change.unit != '1' else ''}".rstrip()
+    return str(shown)
+
+
+def change_in_words(change: Change) -> str:
+    """How much changed.
+
+    Parameters
+    ----------
+    change : Change
+        It.
+
+    Returns
+    -------
+    str
+        ``+5.2 %``, points where the quantity is a percentage itself; empty where nothing can be said.
+    """
+    difference, relative = change.difference, change.relative
+    if difference is None:
+        return {"row added": "added", "row removed": "removed", "row renamed": "renamed"}.get(
+            change.kind, ""
+        )
+    if change.unit == "%":
+        return f"{change.shown(difference):+.3g} points"
+    if relative is None:
+        return f"{change.shown(difference):+.4g}"
+    return f"{100.0 * relative:+.3g} %" if abs(relative) < 10.0 else f"× {1.0 + relative:.3g}"
+
+
+def as_json(found: Differences) -> dict[str, Any]:
+    """Everything that differs as a JSON object.
+
+    Parameters
+    ----------
+    found : Differences
+        It.
+
+    Returns
+    -------
+    dict
+        Ready for `json.dumps`; numbers in SI, with the unit they are shown in beside.
+    """
+    return {
+        "format": 1,
+        "a": _side(found.first),
+        "b": _side(found.second),
+        "same_inputs": found.same_inputs,
+        "same_results": found.same_results,
+        "verdicts": [
+            {
+                "table": one.table,
+                "row": one.row,
+                "a": one.before,
+                "b": one.after,
+                "result_a": one.result_before,
+                "result_b": one.result_after,
+                "limit": one.limit,
+                "changed": one.changed,
+            }
+            for one in found.verdicts
+        ],
+        "inputs": None if found.inputs is None else [_change(one) for one in found.inputs],
+        "results": [_change(one) for one in found.results],
+    }
+
+
+def _side(side: Side) -> dict[str, Any]:
+    return {
+        "file": str(side.source),
+        "revision": side.revision,
+        "case_sha256": side.digest,
+        "software": side.software,
+        "results": side.results_from,
+        "settings": dict(side.settings),
+    }
+
+
+def _change(one: Change) -> dict[str, Any]:
+    return {
+        "kind": _KINDS[one.kind],
+        "table": one.table,
+        "row": one.row,
+        "column": one.column,
+        "a": one.before,
+        "b": one.after,
+        "difference": one.difference,
+        "relative": one.relative,
+        "shown_unit": one.unit,
+        "administrative": one.administrative,
+    }

@@ -1,0 +1,79 @@
+"""The unit in which a quantity of two files is shown: that of the second, else of the first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from addin.chart_data import ShownUnits
+from addin.fields import SCALAR_TABLE, Field
+from addin.typed_case import Typed, TypedCase
+from addin.units import UnitError, parse_unit
+
+__all__ = ["Units"]
+
+
+class Units:
+    """Units and their worth, by table and column.
+
+    Parameters
+    ----------
+    sides : iterable of (TypedCase or None, ShownUnits or None)
+        Entries as typed and units above the columns; of the side that counts most first.
+    """
+
+    def __init__(self, sides: Iterable[tuple[TypedCase | None, ShownUnits | None]]) -> None:
+        self._sides = list(sides)
+
+    def of_field(self, table: str, field: Field, column: str = "") -> tuple[str, float]:
+        """The unit of a quantity.
+
+        Parameters
+        ----------
+        table : str
+            Table, ``Case`` for a scalar. [name]
+        field : Field
+            The scalar or column.
+        column : str
+            Header, where it is not the field's own name (repeated columns). [name]
+
+        Returns
+        -------
+        unit : str
+            Name; empty where there is none. [unit]
+        factor : float
+            Its SI value. [SI]
+        """
+        if not field.has_unit:
+            return "", 1.0
+        for typed, shown in self._sides:
+            for name in self._names(table, field, column or field.name, typed, shown):
+                found = _factor(name, field)
+                if found is not None:
+                    return name, found
+        return field.unit_si, _factor(field.unit_si, field) or 1.0
+
+    def _names(
+        self,
+        table: str,
+        field: Field,
+        column: str,
+        typed: TypedCase | None,
+        shown: ShownUnits | None,
+    ) -> Iterable[str]:
+        if table == SCALAR_TABLE and typed is not None:
+            entry = typed.scalars.get(field.name)
+            if isinstance(entry, Typed):
+                yield entry.unit
+        elif shown is not None:
+            yield shown.name(table, column)
+
+
+def _factor(unit: str, field: Field) -> float | None:
+    """SI value of a unit; None for a unit that is a share of something, or none at all."""
+    if not unit:
+        return None
+    try:
+        scale = parse_unit(unit, field.dimension)
+    except UnitError:
+        return None
+    return None if scale.base else scale.factor

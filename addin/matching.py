@@ -1,0 +1,108 @@
+"""Which columns name a row, and rows of two tables matched by them.
+
+Rows may be sorted, inserted and removed; what a row is called stays: its station, its element, its
+mode and excitation.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
+
+__all__ = ["ROW_NAMES", "Pair", "match_rows", "row_name"]
+
+#: Columns that name a row of each table, inputs and results.
+ROW_NAMES: Mapping[str, tuple[str, ...]] = {
+    "Stations": ("Station",),
+    "Elements": ("Element",),
+    "Meshes": ("Element",),
+    "ModeDamping": ("Mode",),
+    "MotorTorque": ("Station", "Speed"),
+    "LoadTorque": ("Station", "Speed"),
+    "TorqueTime": ("Station", "Time"),
+    "Materials": ("Material",),
+    "SNPoints": ("Material", "Cycles"),
+    "Excitations": ("Name",),
+    "EffectChoices": ("Effect",),
+    "Verdicts": ("Check",),
+    "NaturalFrequencies": ("Mode",),
+    "ModeShapes": ("Station",),
+    "SeparationMargins": ("Mode", "Excitation"),
+    "SteadyState": ("Element", "Excitation", "Mode", "Applied at"),
+    "StartupPeaks": ("Element",),
+    "StartupCrossings": ("Mode",),
+    "AllowableStarts": ("Element",),
+    "TorqueReversals": ("Element",),
+    "Effects": ("Effect",),
+    "AccuracyCost": ("Method", "Setting"),
+    "Audit": ("Item",),
+    "StartCycles": ("Amplitude",),
+    "BearingForces": ("Station",),
+    "Plans": ("Plan",),
+}
+
+#: Places in the first and in the second table; None = no such row there.
+Pair = tuple[int | None, int | None]
+
+
+def row_name(table: str, row: Mapping[str, Any]) -> tuple[Hashable, ...]:
+    """What a row is called.
+
+    Parameters
+    ----------
+    table : str
+        Input or result table. [name]
+    row : mapping
+        Its values by header. [any unit]
+
+    Returns
+    -------
+    tuple
+        Words as they are, numbers to 6 significant digits; None for a blank.
+    """
+    return tuple(_plain(row.get(column)) for column in ROW_NAMES[table])
+
+
+def match_rows(first: Sequence[Hashable], second: Sequence[Hashable]) -> list[Pair]:
+    """Rows of two tables by their names; those of one name in their order.
+
+    Parameters
+    ----------
+    first, second : sequence
+        Names of the rows of either table. [names]
+
+    Returns
+    -------
+    list of (int or None, int or None)
+        In the order of the second table; rows that only the first has stand where they stood there.
+    """
+    numbered_first = _numbered(first)
+    at_first = {name: i for i, name in enumerate(numbered_first)}
+    pairs: list[Pair] = [(at_first.get(name), j) for j, name in enumerate(_numbered(second))]
+    taken = {i for i, _ in pairs if i is not None}
+    for i in range(len(first)):
+        if i not in taken:
+            after = next(
+                (k for k, (one, _) in enumerate(pairs) if one is not None and one > i), None
+            )
+            pairs.insert(len(pairs) if after is None else after, (i, None))
+    return pairs
+
+
+def _numbered(names: Sequence[Hashable]) -> list[tuple[Hashable, int]]:
+    """Names with a count, so that equal ones differ."""
+    seen: Counter[Hashable] = Counter()
+    numbered = []
+    for name in names:
+        numbered.append((name, seen[name]))
+        seen[name] += 1
+    return numbered
+
+
+def _plain(value: Any) -> Hashable:
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, int | float):
+        return float(f"{value:.5e}") + 0.0
+    return value or None if isinstance(value, str) else value

@@ -1,0 +1,124 @@
+"""What the charts of a workbook draw against what would be drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from addin.chart_data import CHART_TABLES, HISTORIES
+from addin.package import Table, TableData, Workbook
+from addin.package.references import cell_name
+from addin.verify.compare import is_rounding
+from addin.verify.findings import Counts, Finding
+
+__all__ = ["compare_charts", "drawn_elements"]
+
+#: Wall times are drawn there.
+_OWN_OF_EACH_RUN = frozenset({"ChartAccuracy"})
+_OWN_LABELS = frozenset({"Accuracy title", "Accuracy axis"})
+
+
+def drawn_elements(workbook: Workbook, names: Sequence[str]) -> list[str | None]:
+    """The elements whose histories stand in the chart data.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    names : sequence of str
+        Elements with a history. [names]
+
+    Returns
+    -------
+    list of (str or None)
+        One a chart. [names]
+    """
+    labels = workbook.tables.get("ChartLabels")
+    drawn: list[str | None] = [None] * HISTORIES
+    for row in range(labels.data.top, labels.data.bottom + 1) if labels else ():
+        assert labels is not None
+        key = str(workbook.shown_value(labels.sheet, cell_name(row, labels.ref.left)))
+        text = str(workbook.shown_value(labels.sheet, cell_name(row, labels.ref.left + 1)))
+        head, _, number = key.rpartition(" ")
+        if head == "History title" and number.isdigit():
+            drawn[int(number) - 1] = next(
+                (n for n in sorted(names, key=len, reverse=True) if text.startswith(f"{n}: ")), None
+            )
+    return drawn
+
+
+def compare_charts(
+    workbook: Workbook, expected: Sequence[TableData], same_version: bool
+) -> Iterator[tuple[Counts, Finding | None]]:
+    """Compare the chart data, table by table.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    expected : sequence of TableData
+        As it would be written.
+    same_version : bool
+        Whether this version drew it; what another one drew may differ. [flag]
+
+    Yields
+    ------
+    Counts
+        Of the table.
+    Finding or None
+        One for all its cells.
+    """
+    wanted = {data.name: data for data in expected}
+    for chart in CHART_TABLES:
+        data, table = wanted.get(chart.name), workbook.tables.get(chart.name)
+        if data is None or table is None:
+            continue
+        counts = Counts(chart.name, table.sheet)
+        if chart.name in _OWN_OF_EACH_RUN:
+            counts.not_compared = sum(v is not None for row in data.rows for v in row)
+            yield counts, None
+            continue
+        wrong = _wrong_cells(workbook, table, data, counts)
+        if not wrong:
+            yield counts, None
+            continue
+        yield counts, Finding(
+            "chart", table.sheet, wrong[0],
+            f"{len(wrong)} of {sum(counts.of)} values that are drawn do not follow from the inputs",
+            chart.name, fails=same_version,
+        )  # fmt: skip
+
+
+def _wrong_cells(workbook: Workbook, table: Table, data: TableData, counts: Counts) -> list[str]:
+    """Cells of a chart table that differ; rounding is none."""
+    columns = list(data.columns or table.columns)
+    at = [table.ref.left + table.column_index(name) for name in columns]
+    wrong = []
+    rows = max(len(data.rows), table.data.height)
+    for k in range(rows):
+        row: Sequence[Any] = data.rows[k] if k < len(data.rows) else ()
+        if data.name == "ChartLabels" and row and row[0] in _OWN_LABELS:
+            counts.not_compared += 1
+            continue
+        for position, column in enumerate(at):
+            follows = row[position] if position < len(row) else None
+            cell = cell_name(table.data.top + k, column)
+            stands = workbook.shown_value(table.sheet, cell)
+            if stands is None and (follows is None or follows == ""):
+                continue
+            follows = _held(follows)
+            if stands == follows:
+                counts.of[0] += 1
+            elif is_rounding(stands, follows):
+                counts.of[1] += 1
+            else:
+                counts.of[3] += 1
+                wrong.append(cell)
+    return wrong
+
+
+def _held(value: Any) -> Any:
+    """A value as a cell holds it."""
+    if isinstance(value, bool) or value is None:
+        return value
+    return value if isinstance(value, str) else float(value)

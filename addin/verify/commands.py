@@ -1,0 +1,94 @@
+"""``torsionbook verify``: whether the results in a file follow from the inputs in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["verify"]
+
+_WRONG_INPUT = 1
+_WITHIN = {"bits": 0, "digits": 1, "error": 2}
+
+
+def verify(
+    files: Annotated[
+        list[Path],
+        typer.Argument(help="Calculated workbooks, or result JSON files.", show_default=False),
+    ],
+    case: Annotated[
+        Path | None,
+        typer.Option(help="The inputs of a result JSON: its case JSON or workbook."),
+    ] = None,
+    within: Annotated[
+        str,
+        typer.Option(
+            help="What is accepted: bits (equal to the bit), digits (equal in the digits shown) or "
+            "error (within the error that is reported for the result)."
+        ),
+    ] = "error",
+    json: Annotated[
+        Path | None,
+        typer.Option(help="Also write it as JSON: a file, or a folder for several inputs."),
+    ] = None,
+    everything: Annotated[
+        bool, typer.Option("--all", help="List every finding, however many.")
+    ] = False,
+    trace: Annotated[
+        str | None,
+        typer.Option(
+            help="Do not verify: say what a result is, by which equation, from which inputs. A "
+            "table (SteadyState), a column (SteadyState.Torque) or a cell ('Steady state!H9')."
+        ),
+    ] = None,
+) -> None:
+    """Calculate again from the inputs in a file and compare every result that stands there.
+
+    Exit status 0 if everything follows from the inputs, 1 if something does not, was edited, or
+    was never calculated. Nothing is written into the file.
+
+    Examples: `torsionbook verify train.out.xlsx`;
+    `torsionbook verify train.results.json --case train.json`
+    """
+    if within not in _WITHIN:
+        raise typer.BadParameter(f"--within is '{within}'; it must be {' or '.join(_WITHIN)}.")
+    if trace is not None:
+        _trace(files, trace)
+        return
+    from addin.recalc import write_json
+    from addin.verify.file import verify_file
+    from addin.verify.findings import Agreement
+    from addin.verify.told import as_json, lines
+
+    passed = True
+    folder = json is not None and (len(files) > 1 or json.is_dir())
+    for file in files:
+        found = verify_file(file, case=case, within=Agreement(_WITHIN[within]))
+        passed = passed and found.passes
+        for line in lines(found, everything):
+            typer.echo(line)
+        if json is not None:
+            target = json / f"{file.stem}.verify.json" if folder else json
+            try:
+                write_json(target, as_json(found))
+            except OSError as wrong:
+                from addin.recalc import of_file
+
+                typer.echo(of_file(target, wrong).message, err=True)
+                passed = False
+    if not passed:
+        raise typer.Exit(_WRONG_INPUT)
+
+
+def _trace(files: list[Path], wanted: str) -> None:
+    from addin.verify.trace import traced
+
+    for file in files:
+        try:
+            for line in traced(file, wanted):
+                typer.echo(line)
+        except ValueError as wrong:
+            typer.echo(str(wrong), err=True)
+            raise typer.Exit(_WRONG_INPUT) from wrong

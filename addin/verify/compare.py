@@ -1,0 +1,186 @@
+"""One value that stands in a file against the one that follows from the inputs."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from addin.package import ErrorValue
+from addin.verify.findings import Agreement
+
+__all__ = ["ROUNDING", "Standing", "agreement", "is_rounding", "shown_step"]
+
+#: Relative difference that other processors and other programs' saving make. [1]
+ROUNDING = 1e-9
+
+Value = None | bool | int | float | str | ErrorValue
+
+
+@dataclass(frozen=True)
+class Standing:
+    """What stands in a cell, or under a key.
+
+    Parameters
+    ----------
+    value : None, bool, int, float, str or ErrorValue
+        Its value; of a formula the one it shows. [as shown]
+    place : str
+        Cell, or path. [A1]
+    formula : str
+        Text of a formula in it; empty without one. [text]
+    number_format : str
+        How it is shown; empty = with all digits. [code]
+    """
+
+    value: Value
+    place: str = ""
+    formula: str = ""
+    number_format: str = ""
+
+
+def agreement(found: Standing, expected: Value, allowed: float | None = None) -> Agreement:
+    """How well a value agrees with the expected one.
+
+    Parameters
+    ----------
+    found : Standing
+        What stands there. [shown unit]
+    expected : number or text
+        What would be written. [shown unit]
+    allowed : float, optional
+        The reported error of the expected number. [shown unit]
+
+    Returns
+    -------
+    Agreement
+        The best that holds.
+    """
+    value = found.value
+    if _is_number(value) and _is_number(expected):
+        return _numbers(float(value), float(expected), found.number_format, allowed)  # type: ignore[arg-type]
+    if (value or None) == (expected or None) and isinstance(value, bool) == isinstance(
+        expected, bool
+    ):
+        return Agreement.BITS
+    if isinstance(value, str) and isinstance(expected, str):
+        return _words(value, expected, allowed)
+    return Agreement.DIFFERENT
+
+
+def is_rounding(found: Value, expected: Value, scale: float = 0.0) -> bool:
+    """Whether two values differ by rounding at most, as no hand does it.
+
+    Parameters
+    ----------
+    found, expected : number or text
+        The two. [shown unit]
+    scale : float
+        Size of the numbers they are a small difference of. [shown unit]
+
+    Returns
+    -------
+    bool
+    """
+    if _is_number(found) and _is_number(expected):
+        smallest = max(ROUNDING * scale, 1e-300)
+        return math.isclose(found, expected, rel_tol=ROUNDING, abs_tol=smallest)  # type: ignore[arg-type]
+    return (found or None) == (expected or None)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _numbers(found: float, expected: float, code: str, allowed: float | None) -> Agreement:
+    if found == expected:
+        return Agreement.BITS
+    apart = abs(found - expected)
+    if apart <= ROUNDING * abs(expected) or (code and apart <= 0.5 * shown_step(expected, code)):
+        return Agreement.DIGITS
+    if allowed is not None and apart <= allowed:
+        return Agreement.ERROR
+    return Agreement.DIFFERENT
+
+
+_NUMBER_IN_WORDS = re.compile(r"\d[\d,]*\.?\d*(?:[eE][+-]?\d+)?")
+
+
+def _words(found: str, expected: str, allowed: float | None) -> Agreement:
+    """Sentences with numbers in them agree as well as their numbers do."""
+    if _NUMBER_IN_WORDS.sub("#", found) != _NUMBER_IN_WORDS.sub("#", expected) or not allowed:
+        return Agreement.DIFFERENT
+    pairs = zip(_NUMBER_IN_WORDS.findall(found), _NUMBER_IN_WORDS.findall(expected), strict=True)
+    for one, other in pairs:
+        a, b = float(one.replace(",", "")), float(other.replace(",", ""))
+        if abs(a - b) > allowed * abs(b) + 1.001 * _last_digit(other):
+            return Agreement.DIFFERENT
+    return Agreement.ERROR
+
+
+def _last_digit(text: str) -> float:
+    """Worth of the last digit of a number as written; of a whole number none is spare."""
+    mantissa, _, power = text.lower().partition("e")
+    _, point, decimals = mantissa.partition(".")
+    return 10.0 ** (int(power or 0) - len(decimals)) if point or power else 0.0
+
+
+# --- number formats -------------------------------------------------------------------------------
+
+_CONDITION = re.compile(r"^\[(<=|>=|<>|<|>|=)(-?[\d.]+)\]")
+_BRACKETS = re.compile(r"\[[^\]]*\]|\"[^\"]*\"|\\.|_.|\*.")
+_TESTS = {
+    "<": float.__lt__,
+    "<=": float.__le__,
+    ">": float.__gt__,
+    ">=": float.__ge__,
+    "=": float.__eq__,
+    "<>": float.__ne__,
+}
+_GENERAL_DIGITS = 10
+
+
+def shown_step(value: float, code: str) -> float:
+    """Worth of the last digit that a number format shows of a number.
+
+    Parameters
+    ----------
+    value : float
+        The number. [shown unit]
+    code : str
+        Excel number format. [code]
+
+    Returns
+    -------
+    float
+        Worth of one step of the last digit shown; 0 where the format shows none. [shown unit]
+    """
+    section = _section(value, code)
+    bare = _BRACKETS.sub("", section)
+    if not section or "general" in section.casefold() or "@" in bare:
+        return _power_of_ten(value) * 10.0 ** (1 - _GENERAL_DIGITS) if value else 0.0
+    mantissa, exponent, _ = bare.upper().partition("E")
+    decimals = len(re.findall("[0#?]", mantissa.partition(".")[2]))
+    if not re.search("[0#?]", mantissa):
+        return 0.0
+    if exponent:
+        return _power_of_ten(value) * 10.0**-decimals if value else 0.0
+    return 10.0**-decimals * (0.01 if "%" in bare else 1.0)
+
+
+def _section(value: float, code: str) -> str:
+    """The part of a number format that holds for a number."""
+    sections = code.split(";")
+    if not any(_CONDITION.match(part.strip()) for part in sections):
+        if value < 0 and len(sections) > 1:
+            return sections[1]
+        return sections[2] if value == 0 and len(sections) > 2 else sections[0]
+    for part in sections:
+        condition = _CONDITION.match(part.strip())
+        if condition is None or _TESTS[condition.group(1)](float(value), float(condition.group(2))):
+            return part
+    return sections[-1]
+
+
+def _power_of_ten(value: float) -> float:
+    return 10.0 ** math.floor(math.log10(abs(value)))

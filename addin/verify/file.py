@@ -1,0 +1,70 @@
+"""A file of any kind to be verified: a workbook, or a result JSON beside its case."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from addin.problems import CellProblem
+from addin.read_workbook import WorkbookInput
+from addin.recalc import Unreadable, of_file, read_checked
+from addin.verify.findings import Agreement, Verification
+from addin.verify.json_file import read_results_json, verify_results_json
+from addin.verify.workbook import verify_workbook
+
+__all__ = ["verify_file"]
+
+
+def verify_file(
+    source: Path,
+    *,
+    case: Path | None = None,
+    within: Agreement = Agreement.ERROR,
+    on_stage: Callable[[str], None] | None = None,
+) -> Verification:
+    """Verify one file.
+
+    Parameters
+    ----------
+    source : Path
+        A workbook, or a result JSON. [path]
+    case : Path, optional
+        Case JSON or workbook with the inputs of a result JSON. [path]
+    within : Agreement
+        What is accepted.
+    on_stage : callable, optional
+        Called with the name of each analysis as it begins.
+
+    Returns
+    -------
+    Verification
+        Also of a file that cannot be read.
+    """
+    is_json = source.suffix.lower() == ".json"
+    if is_json and case is None:
+        return _not_verified(
+            source, "A result JSON holds no inputs: name its case with --case CASE.json."
+        )
+    content = {}
+    if is_json:
+        try:
+            content = read_results_json(source)
+        except (ValueError, OSError) as wrong:
+            return _not_verified(source, of_file(source, wrong).message)
+    read = read_checked(case if is_json and case is not None else source)
+    if isinstance(read, Unreadable):
+        return _not_verified(source, read.problems[0].message, read.problems)
+    if read.problems:
+        sentence = "Its inputs have errors, so that nothing can follow from them."
+        return _not_verified(source, sentence, read.problems)
+    if is_json:
+        return verify_results_json(source, content, read, within=within, on_stage=on_stage)
+    assert isinstance(read, WorkbookInput)
+    return verify_workbook(read, within=within, on_stage=on_stage)
+
+
+def _not_verified(
+    source: Path, sentence: str, problems: tuple[CellProblem, ...] = ()
+) -> Verification:
+    listed = () if len(problems) == 1 and problems[0].message == sentence else problems
+    return Verification(source, "not verified", sentence, problems=listed)

@@ -1,0 +1,151 @@
+"""What verification finds: agreement of single results, findings, and the whole of a file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+from addin.problems import CellProblem
+
+__all__ = ["AGREEMENTS", "Agreement", "Counts", "Finding", "Verification"]
+
+
+class Agreement(IntEnum):
+    """How well what stands there agrees with what follows from the inputs."""
+
+    BITS = 0
+    DIGITS = 1
+    ERROR = 2
+    DIFFERENT = 3
+
+
+#: In words.
+AGREEMENTS = {
+    Agreement.BITS: "equal to the bit",
+    Agreement.DIGITS: "equal in the digits shown",
+    Agreement.ERROR: "within the reported error",
+    Agreement.DIFFERENT: "different",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that does not follow from the inputs, or that somebody should look at.
+
+    Parameters
+    ----------
+    kind : str
+        ``different``, ``edited``, ``row missing``, ``row added``, ``not shown``, ``old value``,
+        ``chart``, ``digest``, ``never calculated``, ``settings``. [word]
+    sheet, cell : str
+        Where; of a JSON file the table's key and the path. [names]
+    table, row, column : str
+        Result table, what its row is called, and the header; empty where there is none. [names]
+    found, expected : object
+        What stands there, and what would be written there. [shown unit]
+    sentence : str
+        What was found, without the place. [sentence]
+    fails : bool
+        Whether the file fails by it; else it is a note. [flag]
+    """
+
+    kind: str
+    sheet: str
+    cell: str
+    sentence: str
+    table: str = ""
+    row: str = ""
+    column: str = ""
+    found: Any = None
+    expected: Any = None
+    fails: bool = True
+
+    @property
+    def place(self) -> str:
+        """``Steady state!G7``, or the path in a JSON file. [cell]"""
+        return f"{self.sheet}!{self.cell}" if self.sheet and self.cell else self.sheet or self.cell
+
+
+@dataclass
+class Counts:
+    """How many results of one table agree, and how well.
+
+    Parameters
+    ----------
+    table, sheet : str
+        Result table and where it stands. [names]
+    of : list of int
+        By `Agreement`. [count]
+    not_compared : int
+        Wall times, dates and what else each run has its own of. [count]
+    """
+
+    table: str
+    sheet: str
+    of: list[int] = field(default_factory=lambda: [0, 0, 0, 0])
+    not_compared: int = 0
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What is said of one file.
+
+    Parameters
+    ----------
+    source : Path
+        The file. [path]
+    outcome : str
+        ``follows``, ``does not follow``, ``never calculated`` or ``not verified`` (its inputs
+        cannot be calculated, or it cannot be read). [words]
+    sentence : str
+        The outcome in words. [sentence]
+    made_by, this : str
+        Version that made the results, and this one; the first is empty if nothing says so. [text]
+    recorded, inputs : str
+        Digest of the inputs that the file records, and of the inputs in it. [hex]
+    settings : dict
+        Settings of the command line that the file records, used again here. [SI]
+    within : Agreement
+        What is accepted.
+    counts : tuple of Counts
+        One a table.
+    findings : tuple of Finding
+        What fails first, notes last.
+    problems : tuple of CellProblem
+        What is wrong with the inputs. [problems]
+    """
+
+    source: Path
+    outcome: str
+    sentence: str
+    made_by: str = ""
+    this: str = ""
+    recorded: str = ""
+    inputs: str = ""
+    settings: dict[str, Any] = field(default_factory=dict)
+    within: Agreement = Agreement.ERROR
+    counts: tuple[Counts, ...] = ()
+    findings: tuple[Finding, ...] = ()
+    problems: tuple[CellProblem, ...] = ()
+
+    @property
+    def passes(self) -> bool:
+        """Whether everything in it follows from its inputs."""
+        return self.outcome == "follows"
+
+    def total(self, agreement: Agreement) -> int:
+        """Results that agree just so well.
+
+        Parameters
+        ----------
+        agreement : Agreement
+            How well.
+
+        Returns
+        -------
+        int
+            Number of results. [count]
+        """
+        return sum(one.of[agreement] for one in self.counts)

@@ -1,0 +1,229 @@
+"""A result JSON beside its case: its results against those that follow from the case."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from addin.fields import RESULT_TABLES, TableSpec, json_key
+from addin.results_json import results_to_json
+from addin.typed_case import CaseInput
+from addin.verify.again import calculated_again
+from addin.verify.allowances import Allowances
+from addin.verify.compare import Standing, agreement
+from addin.verify.findings import Agreement, Counts, Finding, Verification
+from addin.verify.recorded import of_audit
+from addin.verify.tables import Expected, Stands, compare_tables
+from addin.version import product_version
+from engine.case import case_digest
+
+__all__ = ["header_rows", "read_results_json", "verify_results_json"]
+
+#: Keys beside the tables whose values are compared wherever they are nested.
+_NESTED = ("outcome", "startup", "modes", "damped_eigenvalues", "plans", "sensitivity", "warnings")
+
+
+def read_results_json(path: Path) -> dict[str, Any]:
+    """A result JSON as it stands.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+
+    Returns
+    -------
+    dict
+        Its keys.
+
+    Raises
+    ------
+    ValueError
+        When it is no result JSON; the sentence says why.
+    OSError
+        When it cannot be read.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, RecursionError, json.JSONDecodeError) as wrong:
+        raise ValueError(f"{path.name} is not JSON ({wrong}).") from wrong
+    if not isinstance(content, dict) or "case_sha256" not in content:
+        raise ValueError(
+            f"{path.name} holds no results: it has no key case_sha256. Name a file that torsionbook "
+            "recalc --json wrote."
+        )
+    return content
+
+
+def header_rows(spec: TableSpec, rows: Any) -> list[dict[str, Any]]:
+    """Rows of a JSON table under the headers of the workbook.
+
+    Parameters
+    ----------
+    spec : TableSpec
+        Its table.
+    rows : list of dict
+        Rows by JSON key. [SI]
+
+    Returns
+    -------
+    list of dict
+        Keys that no column has stay as they are. [SI]
+    """
+    headers = {field.key: field.name for field in spec.columns}
+    if spec.repeated is not None:
+        head = f"{spec.repeated.key}_"
+        for row in rows:
+            for key in row:
+                if key.startswith(head):
+                    headers[key] = f"{spec.repeated.name} {key.removeprefix(head)}"
+    return [{headers.get(key, key): value for key, value in row.items()} for row in rows]
+
+
+def verify_results_json(
+    path: Path,
+    content: Mapping[str, Any],
+    read: CaseInput,
+    *,
+    within: Agreement = Agreement.ERROR,
+    on_stage: Callable[[str], None] | None = None,
+) -> Verification:
+    """Calculate a case again and compare a result JSON with it.
+
+    Parameters
+    ----------
+    path : Path
+        The result JSON. [path]
+    content : mapping
+        What it holds. [SI]
+    read : CaseInput
+        The case, without problems. [SI]
+    within : Agreement
+        What is accepted.
+    on_stage : callable, optional
+        Called with the name of each analysis as it begins.
+
+    Returns
+    -------
+    Verification
+        Result by result; places are paths such as ``steady_state[3].torque``.
+    """
+    from addin.verify.workbook import concluded
+
+    recorded = of_audit(_rows_of(content, "Audit"))
+    made_by = str(content.get("version") or "")
+    about = Verification(
+        path, "", "", f"torsionbook {made_by}" if made_by else "",
+        f"torsionbook {product_version()}", str(content.get("case_sha256") or ""),
+        case_digest(read.data), recorded.settings, within,
+    )  # fmt: skip
+    findings = _on_digests(about, recorded.digest)
+    run, problems = calculated_again(read, recorded.settings, on_stage)
+    if run is None:
+        return replace(
+            about,
+            outcome="not verified",
+            sentence="Its inputs cannot be calculated.",
+            problems=problems,
+        )
+    expected = results_to_json(run, product_version(), run.details)
+    same_version = about.made_by == about.this
+    pairs = list(_table_pairs(content, expected))
+    missing = [
+        Finding("row missing", spec.key, "", "the table is missing", spec.name)
+        for spec in RESULT_TABLES
+        if spec.key in expected and spec.key not in content
+    ]
+    counts, more = compare_tables(
+        pairs,
+        Allowances(run.results),
+        within=within,
+        same_version=same_version,
+        same_inputs=about.recorded == about.inputs,
+    )
+    findings += missing + more
+    allowed = Allowances(run.results).of_words()
+    one = Counts("the rest", "")
+    counts.append(one)
+    for key in _NESTED:
+        found = _nested(key, content.get(key), expected.get(key), allowed, one)
+        findings += [f for f, how in found if how > within or how is Agreement.DIFFERENT]
+    return concluded(about, counts, findings)
+
+
+def _rows_of(content: Mapping[str, Any], table: str) -> list[dict[str, Any]]:
+    rows = content.get(json_key(table))
+    return [row for row in rows if isinstance(row, dict)] if isinstance(rows, list) else []
+
+
+def _on_digests(about: Verification, of_audit_table: str) -> list[Finding]:
+    findings = []
+    if about.recorded != about.inputs:
+        findings.append(
+            Finding(
+                "digest", "", "case_sha256",
+                f"the results were calculated from inputs with SHA-256 {about.recorded[:12]}…, those "
+                f"of the case have {about.inputs[:12]}…: this is another case",
+                found=about.recorded, expected=about.inputs,
+            )
+        )  # fmt: skip
+    if of_audit_table and of_audit_table != about.recorded:
+        findings.append(
+            Finding("digest", "", "audit", "case_sha256 and table Audit name different inputs")
+        )
+    return findings
+
+
+def _table_pairs(
+    content: Mapping[str, Any], expected: Mapping[str, Any]
+) -> Iterator[tuple[Expected, Stands]]:
+    for spec in RESULT_TABLES:
+        if spec.key not in expected or spec.key not in content:
+            continue
+        follows = header_rows(spec, expected[spec.key])
+        stands = header_rows(spec, _rows_of(content, spec.name))
+        columns = tuple(dict.fromkeys(column for row in (*follows, *stands) for column in row))
+        keys = {field.name: field.key for field in spec.columns}
+        rows = [
+            {
+                column: Standing(
+                    row.get(column), f"{spec.key}[{k}].{keys.get(column, json_key(column))}"
+                )
+                for column in columns
+            }
+            for k, row in enumerate(stands)
+        ]
+        yield Expected(spec.name, follows, columns), Stands("", rows)
+
+
+def _nested(
+    path: str, found: Any, expected: Any, allowed: float | None, counts: Counts
+) -> Iterator[tuple[Finding, Agreement]]:
+    """Values inside objects and lists, each under its path."""
+    if isinstance(expected, Mapping) or isinstance(found, Mapping):
+        one = expected if isinstance(expected, Mapping) else {}
+        other = found if isinstance(found, Mapping) else {}
+        for key in dict.fromkeys([*one, *other]):
+            yield from _nested(f"{path}.{key}", other.get(key), one.get(key), allowed, counts)
+        return
+    if isinstance(expected, list) or isinstance(found, list):
+        many, others = expected or [], found if isinstance(found, list) else []
+        for k in range(max(len(many), len(others))):
+            yield from _nested(
+                f"{path}[{k}]",
+                others[k] if k < len(others) else None,
+                many[k] if k < len(many) else None,
+                allowed,
+                counts,
+            )
+        return
+    is_number = isinstance(expected, int | float) and not isinstance(expected, bool)
+    share = allowed * abs(expected) if allowed and is_number else allowed
+    how = agreement(Standing(found, path), expected, share)
+    counts.of[how] += 1
+    if how is not Agreement.BITS:
+        said = f"{found} stands here, {expected} follows"
+        yield Finding("different", "", path, said, found=found, expected=expected), how

@@ -1,0 +1,343 @@
+"""The rows of a result table as they stand against the rows that would be written."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from addin.matching import ROW_NAMES, match_rows, row_name
+from addin.package import ErrorValue
+from addin.problems import shortened
+from addin.verify.allowances import Allowances
+from addin.verify.compare import Standing, agreement, is_rounding
+from addin.verify.findings import Agreement, Counts, Finding
+from addin.verify.recorded import is_own_of_each_run
+
+__all__ = ["Compared", "Expected", "Stands", "compare_tables"]
+
+#: Tables whose numbers come from one run in time; the others from linear algebra alone. A number
+#: of either family differs by chance only if its whole family does.
+_OF_THE_START = frozenset(
+    {
+        "StartupPeaks",
+        "StartupCrossings",
+        "AllowableStarts",
+        "TorqueReversals",
+        "StartCycles",
+        "BearingForces",
+        "AccuracyCost",
+    }
+)
+#: Columns of wall times, which no calculation gives twice.
+_WALL_TIMES = frozenset({("Effects", "Time"), ("AccuracyCost", "Time")})
+#: Tables that another version may word or order otherwise.
+_WORDED = frozenset({"Audit", "Effects", "Plans", "AccuracyCost"})
+_WORDED_COLUMNS = frozenset({"Where", "Note", "Why", "Reason"})
+#: Share of the numbers of a family that must be reproduced for the others to be called edited. [1]
+_REPRODUCED = 0.9
+
+
+@dataclass(frozen=True)
+class Expected:
+    """A table as it would be written.
+
+    Parameters
+    ----------
+    name : str
+        Result table. [name]
+    rows : sequence of mapping
+        Values by header; a blank is None or absent. [shown units]
+    columns : tuple of str
+        Its headers. [names]
+    """
+
+    name: str
+    rows: Sequence[Mapping[str, Any]]
+    columns: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Stands:
+    """A table as it stands.
+
+    Parameters
+    ----------
+    sheet : str
+        Its sheet, or the key in a JSON file. [name]
+    rows : sequence of mapping
+        What stands in each row by header. [shown units]
+    """
+
+    sheet: str
+    rows: Sequence[Mapping[str, Standing]]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One result that is not equal to the bit.
+
+    Parameters
+    ----------
+    table, sheet, row, column : str
+        Where. [names]
+    found : Standing
+        What stands there. [shown unit]
+    expected : number or text
+        What would be written. [shown unit]
+    agreement : Agreement
+        How well they agree.
+    scale : float
+        Largest number of the column. [shown unit]
+    """
+
+    table: str
+    sheet: str
+    row: str
+    column: str
+    found: Standing
+    expected: Any
+    agreement: Agreement
+    scale: float = 0.0
+
+    @property
+    def is_rounding(self) -> bool:
+        """Whether they differ by rounding at most."""
+        return is_rounding(self.found.value, self.expected, self.scale)
+
+    @property
+    def is_number(self) -> bool:
+        """Whether both are numbers."""
+        return all(
+            isinstance(v, int | float) and not isinstance(v, bool)
+            for v in (self.found.value, self.expected)
+        )
+
+
+def compare_tables(
+    pairs: Iterable[tuple[Expected, Stands]],
+    allowances: Allowances,
+    *,
+    within: Agreement,
+    same_version: bool,
+    same_inputs: bool,
+    unit_of: Callable[[str, str], str] = lambda table, column: "",
+) -> tuple[list[Counts], list[Finding]]:
+    """Compare all tables, and tell what was edited from what merely differs.
+
+    Parameters
+    ----------
+    pairs : iterable of (Expected, Stands)
+        Tables.
+    allowances : Allowances
+        Reported errors.
+    within : Agreement
+        What is accepted.
+    same_version, same_inputs : bool
+        Whether this version made the file, and from these inputs. [flags]
+    unit_of : callable
+        Unit shown above a column, by table and header. [unit]
+
+    Returns
+    -------
+    counts : list of Counts
+        One a table.
+    findings : list of Finding
+        Everything that is not as it would be written and matters.
+    """
+    counts: list[Counts] = []
+    findings: list[Finding] = []
+    compared: list[Compared] = []
+    numbers = {True: 0, False: 0}
+    for expected, stands in pairs:
+        one = Counts(expected.name, stands.sheet)
+        counts.append(one)
+        scales = {column: _scale(expected.rows, column) for column in expected.columns}
+        for pair in _paired(expected, stands):
+            if pair[0] is None or pair[1] is None:
+                findings += _one_sided(expected, stands, pair, same_version)
+                continue
+            row, there = expected.rows[pair[0]], stands.rows[pair[1]]
+            for cell in _compare_row(expected, stands, row, there, allowances, one):
+                compared.append(replace(cell, scale=scales[cell.column]))
+        numbers[expected.name in _OF_THE_START] += sum(one.of)
+    reproduced = {
+        family: count
+        and 1.0
+        - sum(not c.is_rounding for c in compared if (c.table in _OF_THE_START) == family) / count
+        >= _REPRODUCED
+        for family, count in numbers.items()
+    }
+    columns = _in_other_units(compared, unit_of)
+    findings += columns.values()
+    for cell in compared:
+        if (cell.table, cell.column) in columns:
+            continue
+        sure = bool(same_version and same_inputs and reproduced[cell.table in _OF_THE_START])
+        finding = _finding(cell, within, sure, same_version)
+        if finding is not None:
+            findings.append(finding)
+    return counts, findings
+
+
+def _scale(rows: Sequence[Mapping[str, Any]], column: str) -> float:
+    """Largest number of a column; 0 without one."""
+    numbers = [abs(v) for row in rows if isinstance(v := row.get(column), int | float)]
+    return max(numbers, default=0.0)
+
+
+def _paired(expected: Expected, stands: Stands) -> list[tuple[int | None, int | None]]:
+    """Rows matched by name; those whose very name was changed are matched by their order."""
+    plain = [{h: s.value for h, s in row.items()} for row in stands.rows]
+    if expected.name not in ROW_NAMES:
+        return match_rows(range(len(expected.rows)), range(len(plain)))
+    pairs = match_rows(
+        [row_name(expected.name, row) for row in expected.rows],
+        [row_name(expected.name, row) for row in plain],
+    )
+    missing = [i for i, j in pairs if i is not None and j is None]
+    added = [j for i, j in pairs if i is None and j is not None]
+    if missing and len(missing) == len(added):
+        renamed = dict(zip(missing, added, strict=True))
+        return [(i, renamed.get(i, j) if i is not None else j) for i, j in pairs if i is not None]
+    return pairs
+
+
+def _name(expected: Expected, row: Mapping[str, Any]) -> str:
+    names = ROW_NAMES.get(expected.name)
+    if names is None:
+        return ""
+    shown = (row.get(column) for column in names)
+    return ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in shown if v is not None)
+
+
+def _one_sided(
+    expected: Expected, stands: Stands, pair: tuple[int | None, int | None], same_version: bool
+) -> Iterable[Finding]:
+    fails = same_version or expected.name not in _WORDED
+    if pair[0] is not None:
+        name = _name(expected, expected.rows[pair[0]])
+        if expected.name == "Audit" and is_own_of_each_run(name):
+            return
+        yield Finding(
+            "row missing", stands.sheet, "", f"the row {name} is missing", expected.name, name,
+            fails=fails,
+        )  # fmt: skip
+        return
+    assert pair[1] is not None
+    there = stands.rows[pair[1]]
+    name = _name(expected, {h: s.value for h, s in there.items()})
+    if expected.name == "Audit" and is_own_of_each_run(name):
+        return
+    place = next((s.place for s in there.values() if s.place), "")
+    yield Finding(
+        "row added", stands.sheet, place,
+        f"the row {name or 'without a name'} does not follow from the inputs",
+        expected.name, name, fails=fails,
+    )  # fmt: skip
+
+
+def _compare_row(
+    expected: Expected,
+    stands: Stands,
+    row: Mapping[str, Any],
+    there: Mapping[str, Standing],
+    allowances: Allowances,
+    counts: Counts,
+) -> Iterable[Compared]:
+    """Cells of one row that are not equal to the bit; all are counted."""
+    name = _name(expected, row)
+    for column in expected.columns:
+        found = there.get(column)
+        if found is None:
+            continue
+        if (expected.name, column) in _WALL_TIMES or (
+            expected.name == "Audit" and column == "Value" and is_own_of_each_run(name)
+        ):
+            counts.not_compared += 1
+            continue
+        wanted = row.get(column)
+        allowed = allowances.of_value(expected.name, column, row)
+        how = agreement(found, wanted, allowed)
+        if found.formula:
+            how = Agreement.DIFFERENT
+        if wanted is not None or how is not Agreement.BITS:
+            counts.of[how] += 1
+        if how is not Agreement.BITS:
+            yield Compared(expected.name, stands.sheet, name, column, found, wanted, how)
+
+
+def _finding(cell: Compared, within: Agreement, sure: bool, same_version: bool) -> Finding | None:
+    """What is said of a result that is not as it would be written; None if nothing."""
+    found, wanted = cell.found.value, cell.expected
+    if cell.found.formula:
+        kind, said = (
+            "edited",
+            f"the formula ={shortened(cell.found.formula)} stands in place of a result",
+        )
+        fails = True
+    elif isinstance(wanted, int | float) and isinstance(found, str | ErrorValue):
+        kind, said = (
+            "edited",
+            f"the text '{_shown(found)}' stands in place of the number {_shown(wanted)}",
+        )
+        fails = True
+    elif sure and not cell.is_rounding:
+        kind, said = "edited", f"{_shown(found)} stands here, {_shown(wanted)} was written"
+        fails = True
+    else:
+        fails = cell.agreement > within
+        kind, said = "different", f"{_shown(found)} stands here, {_shown(wanted)} follows"
+        worded = cell.table in _WORDED or cell.column in _WORDED_COLUMNS
+        if fails and worded and not same_version and not cell.is_number:
+            fails, said = False, f"{said}, in the words of this version"
+        elif not fails:
+            return None
+    return Finding(
+        kind, cell.sheet, cell.found.place, said, cell.table, cell.row, cell.column,
+        _plain(found), _plain(wanted), fails,
+    )  # fmt: skip
+
+
+def _in_other_units(
+    compared: Sequence[Compared], unit_of: Callable[[str, str], str]
+) -> dict[tuple[str, str], Finding]:
+    """Columns whose numbers all differ by one factor: a unit was retyped after the calculation."""
+    by_column: dict[tuple[str, str], list[Compared]] = {}
+    for cell in compared:
+        if cell.is_number and cell.agreement is Agreement.DIFFERENT and cell.expected:
+            by_column.setdefault((cell.table, cell.column), []).append(cell)
+    found = {}
+    for (table, column), cells in by_column.items():
+        unit = unit_of(table, column)
+        ratios = [c.found.value / c.expected for c in cells]  # type: ignore[operator]
+        different_numbers = len({c.expected for c in cells}) > 1
+        if not (unit and different_numbers and all(_near(r, ratios[0]) for r in ratios)):
+            continue
+        first = cells[0]
+        found[table, column] = Finding(
+            "different", first.sheet, first.found.place,
+            f"all {len(cells)} numbers of the column are {ratios[0]:.6g} times what follows in the "
+            f"unit above it, {unit}: the unit was changed after the calculation. Recalculate.",
+            table, "", column, _plain(first.found.value), _plain(first.expected),
+        )  # fmt: skip
+    return found
+
+
+def _near(one: float, other: float) -> bool:
+    return math.isclose(one, other, rel_tol=1e-9)
+
+
+def _shown(value: Any) -> str:
+    if value is None or value == "":
+        return "nothing"
+    if isinstance(value, ErrorValue):
+        return value.code
+    if isinstance(value, float):
+        return f"{value:.9g}"
+    return shortened(str(value), 90)
+
+
+def _plain(value: Any) -> Any:
+    return value.code if isinstance(value, ErrorValue) else value

@@ -1,0 +1,426 @@
+"""A workbook: its results against those that follow from its inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from addin.calculation import Calculation
+from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
+from addin.package import Formula, ObstaclesFound, PackageError, Table, TableData, Workbook
+from addin.package.references import Rect, cell_name
+from addin.package.xml_part import main, parse_part
+from addin.read_workbook import WorkbookInput, read_workbook
+from addin.verify.again import calculated_again
+from addin.verify.allowances import Allowances
+from addin.verify.charts import compare_charts, drawn_elements
+from addin.verify.compare import Standing, agreement
+from addin.verify.findings import Agreement, Counts, Finding, Verification
+from addin.verify.formulas import old_values, typed_over
+from addin.verify.recorded import Recorded, of_audit
+from addin.verify.tables import Expected, Stands, compare_tables
+from addin.version import product_version
+from addin.write_workbook import (
+    NO_STUDY,
+    RunStamp,
+    chosen_elements,
+    read_shown_units,
+    tables_to_write,
+)
+from engine.case import case_digest
+
+__all__ = ["concluded", "verify_workbook"]
+
+_RESULTS = (*RESULT_TABLES, *WORKBOOK_TABLES)
+#: Facts that tell of the run and not of the inputs, or are told by a finding of their own.
+_OWN_FACTS = frozenset({"run_Software", "run_Date", "run_SHA256", "run_Stamp"})
+_STUDY_FACTS = frozenset({"run_AccuracySentence", "run_AccuracyReference", "run_AccuracyInputs"})
+
+
+def verify_workbook(
+    read: WorkbookInput,
+    *,
+    within: Agreement = Agreement.ERROR,
+    on_stage: Callable[[str], None] | None = None,
+) -> Verification:
+    """Calculate a workbook again and compare every result that stands in it.
+
+    Parameters
+    ----------
+    read : WorkbookInput
+        Its inputs, without problems. [SI]
+    within : Agreement
+        What is accepted.
+    on_stage : callable, optional
+        Called with the name of each analysis as it begins.
+
+    Returns
+    -------
+    Verification
+        Result by result.
+    """
+    workbook = read.workbook
+    recorded, findings = _recorded(workbook)
+    inputs = case_digest(read.data)
+    about = Verification(
+        workbook.path, "", "", recorded.software, f"torsionbook {product_version()}",
+        recorded.digest, inputs, recorded.settings, within,
+    )  # fmt: skip
+    if not recorded.digest and not _holds_results(workbook):
+        return replace(
+            about,
+            outcome="never calculated",
+            sentence="It was never calculated: no result table holds anything.",
+        )
+    findings += _on_digest(workbook, recorded, inputs)
+    run, problems = calculated_again(read, recorded.settings, on_stage)
+    if run is None:
+        return replace(
+            about,
+            outcome="not verified",
+            sentence="Its inputs cannot be calculated.",
+            findings=tuple(findings),
+            problems=problems,
+        )
+    counts, more = _compared(workbook, run, about)
+    findings += more
+    findings += typed_over(workbook)
+    return concluded(about, counts, findings)
+
+
+def concluded(about: Verification, counts: list[Counts], findings: list[Finding]) -> Verification:
+    """The outcome of everything found, what fails first.
+
+    Parameters
+    ----------
+    about : Verification
+        The file, its versions and digests.
+    counts : list of Counts
+        One a table.
+    findings : list of Finding
+        Everything found.
+
+    Returns
+    -------
+    Verification
+        Complete.
+    """
+    ordered = sorted(findings, key=lambda finding: not finding.fails)
+    wrong = sum(finding.fails for finding in ordered)
+    results = sum(sum(one.of) for one in counts)
+    if wrong == 0:
+        outcome, sentence = "follows", f"All {results:,} results follow from the inputs."
+    else:
+        outcome = "does not follow"
+        one = "1 thing does" if wrong == 1 else f"{wrong:,} things do"
+        sentence = f"{one} not follow from the inputs, of {results:,} results compared."
+        if about.recorded and about.recorded != about.inputs:
+            sentence = f"The results belong to other inputs. {sentence}"
+    return replace(
+        about, outcome=outcome, sentence=sentence, counts=tuple(counts), findings=tuple(ordered)
+    )
+
+
+# --- what the workbook records --------------------------------------------------------------------
+
+
+def _recorded(workbook: Workbook) -> tuple[Recorded, list[Finding]]:
+    """Digest, software and settings; findings where two places disagree or a name was led astray."""
+    findings: list[Finding] = []
+    table = workbook.tables.get("Audit")
+    rows = [] if table is None else [
+        {"item": row.get("Item", Standing(None)).value, "value": row.get("Value", Standing(None)).value}
+        for row in _rows(workbook, table, ("Item", "Value"))
+    ]  # fmt: skip
+    audit = of_audit(rows)
+    facts = _facts(workbook)
+    digest = str(facts.get("run_SHA256", ("", "", None))[2] or "").strip()
+    findings += [
+        Finding(
+            "settings", table.sheet if table else "", "",
+            f"the setting {one} cannot be used again", "Audit",
+        )
+        for one in audit.unreadable
+    ]  # fmt: skip
+    if digest and audit.digest and digest != audit.digest:
+        sheet, cell, _ = facts["run_SHA256"]
+        findings.append(
+            Finding(
+                "digest", sheet, cell,
+                f"the digest {digest[:12]}… here is not {audit.digest[:12]}… of table Audit: one of "
+                "them was edited", "RunFacts", "run_SHA256", "Value", digest, audit.digest,
+            )
+        )  # fmt: skip
+    elif not digest and audit.digest:
+        findings.append(
+            Finding("digest", "", "", "run_SHA256 is blank, while table Audit has a digest")
+        )
+    for name, (sheet, cell, _) in facts.items():
+        named = workbook.defined_names.get(name)
+        at = named and named.rect and (named.sheet, cell_name(named.rect.top, named.rect.left))
+        if at and at != (sheet, cell):
+            findings.append(
+                Finding(
+                    "edited", at[0] or "", at[1],
+                    f"the name {name} leads here, not to {sheet}!{cell} where it is written",
+                    "RunFacts", name,
+                )
+            )  # fmt: skip
+    software = audit.software or str(facts.get("run_Software", ("", "", None))[2] or "")
+    return replace(audit, digest=audit.digest or digest, software=software), findings
+
+
+def _facts(workbook: Workbook) -> dict[str, tuple[str, str, Any]]:
+    """Sheet, cell and value of each row of `RunFacts`."""
+    table = workbook.tables.get("RunFacts")
+    if table is None:
+        return {}
+    rows = _rows(workbook, table, ("Name", "Value"))
+    return {
+        str(row["Name"].value): (table.sheet, row["Value"].place, row["Value"].value)
+        for row in rows
+        if row["Name"].value
+    }
+
+
+def _on_digest(workbook: Workbook, recorded: Recorded, inputs: str) -> list[Finding]:
+    if recorded.digest == inputs:
+        return []
+    sheet, cell, _ = _facts(workbook).get("run_SHA256", ("", "", None))
+    if not recorded.digest:
+        said = "no digest of the inputs is recorded, though there are results"
+    else:
+        said = (
+            f"the results were calculated from inputs with SHA-256 {recorded.digest[:12]}…, those "
+            f"in the file have {inputs[:12]}…: inputs were changed since"
+        )
+    return [
+        Finding(
+            "digest", sheet, cell, said, "RunFacts", "run_SHA256", "Value", recorded.digest, inputs
+        )
+    ]
+
+
+def _holds_results(workbook: Workbook) -> bool:
+    """Whether any result table holds a value."""
+    for spec in _RESULTS:
+        table = workbook.tables.get(spec.name)
+        if table is not None and any(
+            _rows(workbook, table, tuple(field.name for field in spec.columns))
+        ):
+            return True
+    return False
+
+
+# --- comparing ------------------------------------------------------------------------------------
+
+
+def _compared(
+    workbook: Workbook, run: Calculation, about: Verification
+) -> tuple[list[Counts], list[Finding]]:
+    fresh = read_workbook(workbook.path).workbook
+    stamp = RunStamp(run.stamp.software, run.stamp.date, run.case_sha256)
+    drawn = drawn_elements(workbook, list(run.view.histories or ()))
+    written = tables_to_write(fresh, run.view, stamp, drawn)
+    findings = [Finding("not shown", "", "", note, fails=False) for note in fresh.notes]
+    findings += _other_drawing(workbook, drawn)
+    study = _has_study(workbook)
+    by_name = {data.name: data for data in written}
+    pairs = []
+    for spec in _RESULTS:
+        table, data = workbook.tables.get(spec.name), by_name.get(spec.name)
+        if table is None or data is None or (study and spec.name == "AccuracyCost"):
+            continue
+        columns = tuple(data.columns or table.columns)
+        rows = [dict(zip(columns, row, strict=True)) for row in data.rows]
+        stands = Stands(table.sheet, list(_rows(workbook, table, columns)))
+        pairs.append((Expected(spec.name, rows, columns), stands))
+    units, _ = read_shown_units(workbook, run.case.ratings.rated_torque)
+    same_version = about.made_by == about.this
+    same_inputs = about.recorded == about.inputs
+    counts, more = compare_tables(
+        pairs,
+        Allowances(run.results),
+        within=about.within,
+        same_version=same_version,
+        same_inputs=same_inputs,
+        unit_of=units.name,
+    )
+    findings += more
+    findings += _facts_compared(workbook, by_name.get("RunFacts"), study, counts, about)
+    for one, finding in compare_charts(workbook, written, same_version):
+        counts.append(one)
+        findings += [finding] if finding else []
+    findings += _formulas_compared(workbook, fresh, written, pairs)
+    return counts, findings
+
+
+def _rows(
+    workbook: Workbook, table: Table, columns: tuple[str, ...]
+) -> Iterator[dict[str, Standing]]:
+    """Rows of a table in which something stands in one of the columns."""
+    known = {name.casefold(): table.ref.left + k for k, name in enumerate(table.columns)}
+    part = workbook.sheet_part(table.sheet)
+    formats = _formats(workbook)
+    for row in range(table.data.top, table.data.bottom + 1):
+        held = {}
+        for column in columns:
+            at = known.get(column.casefold())
+            if at is None:
+                continue
+            value = part.value(row, at)
+            formula = value.text if isinstance(value, Formula) else ""
+            shows = value.cached if isinstance(value, Formula) else value
+            style = int(part.style(row, at) or 0) if isinstance(shows, float) else 0
+            code = formats[style] if style < len(formats) else ""
+            held[column] = Standing(shows, cell_name(row, at), formula, code)
+        if any(one.value not in (None, "") or one.formula for one in held.values()):
+            yield held
+
+
+def _facts_compared(
+    workbook: Workbook,
+    data: TableData | None,
+    study: bool,
+    counts: list[Counts],
+    about: Verification,
+) -> list[Finding]:
+    """Facts that live formulas read."""
+    if data is None:
+        return []
+    facts, findings = _facts(workbook), []
+    one = Counts("RunFacts", next((sheet for sheet, _, _ in facts.values()), ""))
+    counts.append(one)
+    for name, _, follows in data.rows:
+        if name not in facts:
+            continue
+        if name in _OWN_FACTS or (name in _STUDY_FACTS and study) or name == "run_AccuracyInputs":
+            one.not_compared += 1
+            continue
+        sheet, cell, stands = facts[name]
+        how = agreement(Standing(stands, cell), follows)
+        if follows is not None or how is not Agreement.BITS:
+            one.of[how] += 1
+        if how > Agreement.DIGITS:
+            said = f"{name}: '{stands}' stands here, '{follows}' follows"
+            fails = about.made_by == about.this or not isinstance(follows, str)
+            findings.append(
+                Finding(
+                    "different", sheet, cell, said, "RunFacts", str(name), "Value", stands,
+                    follows, fails,
+                )
+            )  # fmt: skip
+    accuracy = facts.get("run_AccuracyInputs")
+    if study and accuracy and about.inputs[:12] not in str(accuracy[2]):
+        findings.append(
+            Finding(
+                "digest", *accuracy[:2], "the accuracy study belongs to other inputs", "RunFacts",
+                "run_AccuracyInputs", "Value", accuracy[2], about.inputs,
+            )
+        )  # fmt: skip
+    return findings
+
+
+def _has_study(workbook: Workbook) -> bool:
+    """Whether sheet Accuracy holds a study, which is a calculation of its own."""
+    _, _, words = _facts(workbook).get("run_AccuracySentence", ("", "", None))
+    return bool(words) and words != NO_STUDY
+
+
+def _other_drawing(workbook: Workbook, drawn: list[str | None]) -> list[Finding]:
+    """Histories drawn for other elements than the engineer names now."""
+    return [
+        Finding(
+            "chart", "", "", f"history {k} draws {shown}, {wanted} was chosen since", fails=False
+        )
+        for k, (wanted, shown) in enumerate(zip(chosen_elements(workbook), drawn, strict=False), 1)
+        if wanted and wanted != shown
+    ]
+
+
+def _formulas_compared(
+    workbook: Workbook,
+    fresh: Workbook,
+    written: list[TableData],
+    pairs: list[tuple[Expected, Stands]],
+) -> list[Finding]:
+    """Formulas whose value is old, once the results are written anew."""
+    left_out: dict[str, list[Rect]] = {}
+    for expected, stands in pairs:
+        table = workbook.tables[expected.name]
+        if len(expected.rows) != len(stands.rows):
+            left_out.setdefault(table.sheet, []).append(table.data)
+    try:
+        fresh.write_tables(list(_with_own_values(workbook, written)))
+        report = fresh.refresh_formula_caches()
+    except ObstaclesFound as blocked:
+        sentence = "formulas were not judged: " + " ".join(map(str, blocked.obstacles[:3]))
+        return [Finding("not shown", "", "", sentence, fails=False)]
+    except PackageError as wrong:
+        return [Finding("not shown", "", "", f"formulas were not judged: {wrong}", fails=False)]
+    findings = list(old_values(workbook, fresh, left_out, _formats(workbook)))
+    if report.removed:
+        sentence = f"{report.removed} formulas were not judged. {report.reason}"
+        findings.append(Finding("not shown", "", "", sentence, fails=False))
+    return findings
+
+
+def _with_own_values(workbook: Workbook, written: list[TableData]) -> Iterator[TableData]:
+    """What is written, with dates, versions and wall times as they stand: no formula is old by them."""
+    study, facts = _has_study(workbook), _facts(workbook)
+    for data in written:
+        if data.name == "RunFacts":
+            own = _OWN_FACTS | (_STUDY_FACTS if study else {"run_AccuracyInputs"})
+            rows = [
+                [name, meaning, facts[name][2] if name in own and name in facts else value]
+                for name, meaning, value in data.rows
+            ]
+            yield replace(data, rows=rows)
+        elif study and data.name in ("AccuracyCost", "ChartAccuracy"):
+            continue
+        elif data.name in ("Effects", "AccuracyCost"):
+            yield _with_standing(workbook, data, "Time")
+        else:
+            yield data
+
+
+def _with_standing(workbook: Workbook, data: TableData, column: str) -> TableData:
+    """Rows with the values of one column as they stand."""
+    columns = list(data.columns or ())
+    if column not in columns:
+        return data
+    table = workbook.tables[data.name]
+    at, place = columns.index(column), table.ref.left + table.column_index(column)
+    part = workbook.sheet_part(table.sheet)
+    rows = [list(row) for row in data.rows]
+    for k, row in enumerate(rows):
+        row[at] = part.constant(table.data.top + k, place)
+    return replace(data, rows=rows)
+
+
+# --- number formats -------------------------------------------------------------------------------
+
+_BUILT_IN: Mapping[int, str] = {
+    1: "0", 2: "0.00", 3: "#,##0", 4: "#,##0.00", 9: "0%", 10: "0.00%", 11: "0.00E+00",
+    37: "#,##0", 38: "#,##0", 39: "#,##0.00", 40: "#,##0.00", 48: "##0.0E+0", 49: "@",
+}  # fmt: skip
+
+
+def _formats(workbook: Workbook) -> list[str]:
+    """Number format of each style."""
+    part = workbook.structure.related("styles")
+    if part is None:
+        return []
+    root = parse_part(workbook.container.read(part), part)
+    custom = {
+        int(entry.get("numFmtId")): entry.get("formatCode", "")
+        for entry in root.iterfind(f"{main('numFmts')}/{main('numFmt')}")
+    }
+    return [
+        custom.get(number) or _BUILT_IN.get(number, "General")
+        for number in (
+            int(entry.get("numFmtId", "0"))
+            for entry in root.iterfind(f"{main('cellXfs')}/{main('xf')}")
+        )
+    ]

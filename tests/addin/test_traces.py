@@ -1,0 +1,105 @@
+"""Every number on a result sheet can be traced: the table of fields, the page, the workbook."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import openpyxl
+import pytest
+
+from addin.fields import INPUT_TABLES, RESULT_TABLES, SCALARS, WORKBOOK_TABLES
+from addin.layout import SHAPE_COLUMNS, workbook_columns
+from addin.results_page import PAGE, TRACE_HEADERS, page, trace_rows, traced_columns
+from addin.template_files import template_path
+from addin.traces import GROUPS, TRACES
+
+ROOT = Path(__file__).resolve().parents[2]
+TABLES = (*RESULT_TABLES, *WORKBOOK_TABLES)
+COLUMNS = [(spec, field) for spec in TABLES for field in traced_columns(spec)]
+NAMES = (
+    {field.name for field in SCALARS}
+    | {f"{spec.name}.{field.name}" for spec in INPUT_TABLES for field in spec.columns}
+    | {f"{spec.name}.{field.name}" for spec, field in COLUMNS}
+)
+
+
+@pytest.mark.parametrize(("spec", "field"), COLUMNS, ids=lambda one: getattr(one, "name", ""))
+def test_every_result_column_says_where_it_comes_from(spec, field):
+    assert field.help.strip()
+    assert field.trace.equation.strip()
+    assert field.trace.source.strip()
+    unknown = [name for name in field.trace.inputs if name not in NAMES]
+    assert unknown == []
+
+
+def test_no_trace_of_a_column_that_is_not_there():
+    assert set(TRACES) == {(spec.name, field.name) for spec, field in COLUMNS}
+    assert all(set(members) <= NAMES for members in GROUPS.values())
+
+
+def test_results_lead_to_inputs_and_not_in_circles():
+    """From any result, back through the results it uses, one comes to inputs."""
+    traces = {f"{spec.name}.{field.name}": field.trace for spec, field in COLUMNS}
+
+    def back(name: str, way: tuple[str, ...]) -> None:
+        assert name not in way, f"{' from '.join((*way, name))}"
+        if name in traces:
+            for one in traces[name].inputs:
+                back(one, (*way, name))
+
+    for name in traces:
+        back(name, ())
+
+
+def test_numbers_of_the_engine_come_from_something():
+    """Numbers are no names: only wall times and counters have no input."""
+    without = {
+        (spec.name, field.name)
+        for spec, field in COLUMNS
+        if field.is_number and not field.trace.inputs
+    }
+    assert without == {("Effects", "Time"), ("AccuracyCost", "Time"), ("Plans", "Plan")}
+
+
+def test_documents_and_sections_cited_are_there():
+    pages = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}
+    for spec, field in COLUMNS:
+        for name, section in re.findall(r"docs/([\w-]+\.md)(?:, ([^;]+))?", field.trace.source):
+            assert name in pages, (spec.name, field.name)
+            if section and name == "method.md":
+                assert re.search(rf"(?m)^## {re.escape(section)}", pages[name]), section
+            elif section and name == "nomenclature.md":
+                assert section in pages[name], section
+
+
+def test_the_page_is_made_from_the_table_of_fields():
+    assert PAGE.read_text(encoding="utf-8") == page(), "run python -m addin.results_page"
+
+
+def test_sheet_trace_and_header_prompts_show_it():
+    book = openpyxl.load_workbook(template_path("blank_us.xlsx"))
+    sheet = book["Trace"]
+    rows = list(sheet.iter_rows(min_row=5, min_col=2, max_col=9, values_only=True))
+    assert rows[0] == TRACE_HEADERS
+    wanted = [tuple(text or None for text in row) for row in trace_rows()]
+    assert rows[1 : len(wanted) + 1] == wanted
+
+    tables = {name: (page, page.tables[name]) for page in book.worksheets for name in page.tables}
+    for spec in TABLES:
+        page_, table = tables[spec.name]
+        top, left = openpyxl.utils.cell.range_boundaries(table.ref)[1::-1]
+        prompts = {
+            str(cell): rule
+            for rule in page_.data_validations.dataValidation
+            for cell in rule.sqref.ranges
+        }
+        for k, field in enumerate(workbook_columns(spec)):
+            cell = f"{openpyxl.utils.get_column_letter(left + k)}{top}"
+            assert page_[cell].value == field.name
+            rule = prompts[cell]
+            assert rule.showInputMessage
+            assert rule.prompt.startswith(field.trace.equation[:100].split("\n")[0])
+            assert len(rule.prompt) <= 255
+            assert rule.type in (None, "none")
+    assert len(workbook_columns(RESULT_TABLES[2])) == SHAPE_COLUMNS + 1
