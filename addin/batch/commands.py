@@ -1,0 +1,272 @@
+"""``torsionbook batch``: folders of workbooks, overnight."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from addin.batch.conductor import Batch, Listener, Stop
+    from addin.batch.inputs import Input
+    from addin.batch.records import Record
+
+__all__ = ["INTERRUPTED", "batch"]
+
+_DONE, _WRONG_INPUT = 0, 1
+#: Exit status after Ctrl-C, as shells have it; what was done is kept and summarised.
+INTERRUPTED = 130
+#: Errors that are listed in the terminal; the summary has all. [count]
+_LISTED = 20
+#: How often a batch that nobody watches says how far it is. [s]
+_SAYS = 30.0
+
+
+def batch(
+    what: Annotated[
+        list[str],
+        typer.Argument(
+            help="Folders, patterns in quotes, workbooks (.xlsx, .xlsm) or case JSON files.",
+            metavar="DIR|GLOB...",
+            show_default=False,
+        ),
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for the results.", show_default=False)],
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes; default one a core.", show_default=False)
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with an ended batch of the same folder.")
+    ] = False,
+    summary: Annotated[
+        Path | None,
+        typer.Option(
+            help="The summary (.xlsx, and .csv beside it); default summary.xlsx in --out."
+        ),
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
+    ] = False,
+    ignore_lock: Annotated[
+        bool, typer.Option("--ignore-lock", help="Go on although lock files are there.")
+    ] = False,
+) -> None:
+    """Calculate folders of workbooks on all cores; one bad file never stops the rest.
+
+    Each input is calculated into a file of the same name below --out; files that state the same case
+    are calculated once. Ctrl-C ends it cleanly, and --resume goes on after that, or after a crash,
+    without doing anything twice.
+
+    Example: `torsionbook batch trains --out results`
+    """
+    from addin.batch.conductor import Stop, Stopped, cores
+    from addin.batch.folder import FolderRefused
+    from addin.batch.inputs import InputsRefused, find_inputs
+    from addin.batch.pool import Pool
+
+    book = _summary_file(summary, out)
+    try:
+        inputs = find_inputs(what, out, [book, book.with_suffix(".csv")])
+    except InputsRefused as wrong:
+        raise _told(str(wrong)) from wrong
+    stop = Stop()
+    workers = Pool(min(jobs or cores(), len(inputs)))
+    began = time.monotonic()
+    try:
+        with _opened(out, workers, stop, resume=resume, ignore_lock=ignore_lock) as work:
+            ended = _processed(work, inputs, stop)
+            records = _rows(work, inputs)
+            written = _summarised(book, records, began)
+    except (FolderRefused, Stopped) as wrong:
+        raise _told(str(wrong)) from wrong
+    _say(work, records, ended, began, written)
+    raise typer.Exit(_status(records, stop, strict, bool(written)))
+
+
+def _summary_file(summary: Path | None, out: Path) -> Path:
+    book = summary or out / "summary.xlsx"
+    if book.suffix.lower() != ".xlsx":
+        raise typer.BadParameter(f"--summary is '{book}'; it must end in .xlsx.")
+    return book
+
+
+@contextmanager
+def _opened(out: Path, workers: Any, stop: Stop, **settings: Any) -> Iterator[Batch]:
+    """A batch that listens to Ctrl-C and shows how far it is."""
+    from addin.batch.conductor import Batch
+    from addin.batch.folder import OutFolder
+
+    with (
+        _progress() as listener,
+        OutFolder(out) as folder,
+        Batch(folder, workers, stop=stop, listener=listener, **settings) as work,
+        stop.listening(lambda sentence: typer.echo(sentence, err=True)),
+    ):
+        yield work
+
+
+def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
+    """Do it; why it ended early, or nothing."""
+    from addin.batch.conductor import Abandoned, Stopped
+
+    try:
+        work.process(inputs)
+    except Abandoned:
+        return "Interrupted; files that were being calculated were given up."
+    except Stopped as wrong:
+        stop.reason = stop.reason or str(wrong)
+    if stop.reason:
+        return stop.reason
+    return "Interrupted." if stop.asked else ""
+
+
+def _rows(work: Batch, inputs: Sequence[Input]) -> list[Record]:
+    """A record for each file, also for those that were not reached."""
+    from addin.batch.records import Record
+    from addin.batch.summary import NOT_BEGUN
+
+    sentence = "The batch ended before this file was calculated. Run again with --resume."
+    return [
+        work.records.get(one.name) or Record(one.name, str(one.path), NOT_BEGUN, sentence)
+        for one in inputs
+    ]
+
+
+def _summarised(book: Path, records: Sequence[Record], began: float) -> tuple[Path, ...]:
+    """Write the summary; nothing if that is impossible, which is said."""
+    import datetime as dt
+
+    from addin.batch.records import counted
+    from addin.batch.summary import write_summary
+    from addin.recalc import of_file
+    from addin.version import product_version
+
+    counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
+    heading = (
+        f"{len(records)} files: {counts}. torsionbook {product_version()}, "
+        f"{dt.datetime.now(dt.UTC):%Y-%m-%d %H:%M} UTC."
+    )
+    try:
+        return write_summary(book, records, heading)
+    except OSError as wrong:
+        sentence = of_file(book, wrong).message
+        typer.echo(f"The summary was not written: {sentence} Run again with --resume.", err=True)
+        return ()
+
+
+def _say(
+    work: Batch, records: Sequence[Record], ended: str, began: float, written: Sequence[Path]
+) -> None:
+    """The end of a batch, in words."""
+    from addin.batch.records import counted
+
+    failed = [one for one in records if not one.done and one.version]
+    for one in failed[:_LISTED]:
+        typer.echo(f"{one.name}: {one.outcome}: {one.sentence}", err=True)
+    if len(failed) > _LISTED:
+        typer.echo(f"... and {len(failed) - _LISTED} more; the summary lists all.", err=True)
+    seconds = time.monotonic() - began
+    counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
+    kept = f" ({work.kept} of them by an earlier batch)" if work.kept else ""
+    same = sum(bool(one.same_as) for one in records)
+    shared = f" {same} had a case that another file states too, calculated once." if same else ""
+    typer.echo(f"{len(records)} files in {_duration(seconds)}: {counts}{kept}.{shared}")
+    if ended:
+        typer.echo(f"{ended} Run again with --resume to go on.", err=True)
+    for path in written:
+        typer.echo(f"written: {path}")
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    return f"{seconds // 3600:.0f} h {seconds % 3600 // 60:02.0f} min" if seconds >= 3600 else f"{seconds // 60:.0f} min {seconds % 60:02.0f} s"  # fmt: skip
+
+
+def _status(records: Sequence[Record], stop: Stop, strict: bool, summarised: bool) -> int:
+    if stop.asked:
+        return INTERRUPTED
+    if stop.reason or not summarised or any(not one.done for one in records):
+        return _WRONG_INPUT
+    if strict and any(one.results.get("verdict") == "fail" for one in records):
+        return _WRONG_INPUT
+    return _DONE
+
+
+@contextmanager
+def _progress() -> Iterator[Listener]:
+    """A bar with rate and time left where somebody watches, else a line now and then."""
+    from addin.batch.conductor import Listener
+
+    if not sys.stderr.isatty():
+        yield _Lines()
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[bad]}", style="red"),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as shown:
+
+        class Bar(Listener):
+            def begin(self, stage: str, total: int) -> None:
+                self.bad = 0
+                self.task = shown.add_task(f"{stage:<11}", total=total, rate="", bad="")
+
+            def advance(self, record: Record | None) -> None:
+                self.bad += record is not None and not record.done
+                shown.advance(self.task)
+                speed = next(one.speed for one in shown.tasks if one.id == self.task)
+                rate = f"{speed:.1f}/s" if speed else ""
+                shown.update(self.task, rate=rate, bad=f"{self.bad} not done" if self.bad else "")
+
+        yield Bar()
+
+
+def _Lines() -> Listener:
+    """How far a batch is, as lines for a log."""
+    from addin.batch.conductor import Listener
+
+    class Lines(Listener):
+        def begin(self, stage: str, total: int) -> None:
+            self.stage, self.total, self.count = stage, total, 0
+            self.began = self.said = time.monotonic()
+
+        def advance(self, record: Record | None) -> None:
+            self.count += 1
+            now = time.monotonic()
+            if now - self.said < _SAYS:
+                return
+            self.said = now
+            rate = self.count / (now - self.began)
+            left = _duration((self.total - self.count) / rate)
+            typer.echo(
+                f"{self.stage}: {self.count} of {self.total} files, {rate:.1f}/s, {left} left",
+                err=True,
+            )
+
+    return Lines()
+
+
+def _told(sentence: str) -> typer.Exit:
+    """A sentence for the user; to be raised."""
+    typer.echo(sentence, err=True)
+    return typer.Exit(_WRONG_INPUT)
