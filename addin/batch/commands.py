@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -49,6 +49,12 @@ def batch(
             help="The summary (.xlsx, and .csv beside it); default summary.xlsx in --out."
         ),
     ] = None,
+    watch: Annotated[
+        bool,
+        typer.Option(
+            "--watch", help="Then calculate each file again when it is saved; Ctrl-C ends it."
+        ),
+    ] = False,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
     ] = False,
@@ -70,18 +76,28 @@ def batch(
     from addin.batch.pool import Pool
 
     book = _summary_file(summary, out)
-    try:
-        inputs = find_inputs(what, out, [book, book.with_suffix(".csv")])
-    except InputsRefused as wrong:
-        raise _told(str(wrong)) from wrong
+
+    def find() -> list[Input]:
+        try:
+            return find_inputs(what, out, [book, book.with_suffix(".csv")])
+        except InputsRefused as wrong:
+            if watch:
+                return []
+            raise _told(str(wrong)) from wrong
+
+    inputs = find()
     stop = Stop()
-    workers = Pool(min(jobs or cores(), len(inputs)))
+    settings = {"resume": resume, "ignore_lock": ignore_lock, "may_be_open": watch}
     began = time.monotonic()
     try:
-        with _opened(out, workers, stop, resume=resume, ignore_lock=ignore_lock) as work:
+        with _opened(out, Pool(jobs or cores()), stop, **settings) as work:
             ended = _processed(work, inputs, stop)
             records = _rows(work, inputs)
-            written = _summarised(book, records, began)
+            written = _summarised(book, records)
+            if watch and not ended:
+                _say(work, records, ended, began, written)
+                _watched(work, find, inputs, book, stop)
+                raise typer.Exit(_DONE)
     except (FolderRefused, Stopped) as wrong:
         raise _told(str(wrong)) from wrong
     _say(work, records, ended, began, written)
@@ -125,6 +141,35 @@ def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
     return "Interrupted." if stop.asked else ""
 
 
+def _watched(
+    work: Batch,
+    find: Callable[[], list[Input]],
+    inputs: Sequence[Input],
+    book: Path,
+    stop: Stop,
+) -> None:
+    """Calculate what is saved until Ctrl-C."""
+    from addin.batch.conductor import Abandoned, Listener
+    from addin.batch.watch import Watch
+
+    everything = {one.name: one for one in inputs}
+    work.listener = Listener()
+
+    def after(ready: Sequence[Input]) -> None:
+        everything.update((one.name, one) for one in ready)
+        for record in _rows(work, ready):
+            said = record.results.get("verdict") if record.done else record.sentence
+            typer.echo(f"{record.name}: {record.outcome}: {said}")
+        _summarised(book, _rows(work, list(everything.values())))
+
+    typer.echo("Watching; Ctrl-C ends it.")
+    try:
+        Watch(work, find, after).run(inputs)
+    except Abandoned:
+        raise typer.Exit(INTERRUPTED) from None
+    typer.echo("Watching has ended.")
+
+
 def _rows(work: Batch, inputs: Sequence[Input]) -> list[Record]:
     """A record for each file, also for those that were not reached."""
     from addin.batch.records import Record
@@ -137,7 +182,7 @@ def _rows(work: Batch, inputs: Sequence[Input]) -> list[Record]:
     ]
 
 
-def _summarised(book: Path, records: Sequence[Record], began: float) -> tuple[Path, ...]:
+def _summarised(book: Path, records: Sequence[Record]) -> tuple[Path, ...]:
     """Write the summary; nothing if that is impossible, which is said."""
     import datetime as dt
 

@@ -132,6 +132,8 @@ class Batch:
         ``files`` or ``bytes``: how files reach the workers. [word]
     ignore_lock : bool
         Calculate although a lock file says somebody has a workbook open. [flag]
+    may_be_open : bool
+        The inputs may be open in Excel: they are calculated as saved. [flag]
     resume : bool
         Go on with what an earlier batch recorded in this folder. [flag]
     stop : Stop
@@ -144,6 +146,7 @@ class Batch:
     workers: Workers
     send: str = "files"
     ignore_lock: bool = False
+    may_be_open: bool = False
     resume: bool = False
     stop: Stop = field(default_factory=Stop)
     listener: Listener = field(default_factory=Listener)
@@ -170,15 +173,13 @@ class Batch:
         self.workers.close()
         self._journal.__exit__(None, None, None)
 
-    def process(self, inputs: Sequence[Input], *, again: bool = False) -> None:
+    def process(self, inputs: Sequence[Input]) -> None:
         """Calculate files that have no valid record yet.
 
         Parameters
         ----------
         inputs : sequence of Input
             The files.
-        again : bool
-            Take the earlier records of this very batch too. [flag]
 
         Raises
         ------
@@ -187,7 +188,7 @@ class Batch:
         Stopped
             If nothing more can be recorded.
         """
-        todo = [one for one in inputs if not ((self.resume or again) and self._is_done(one))]
+        todo = [one for one in inputs if not self._is_done(one)]
         for one in todo:
             self.records.pop(one.name, None)
         self.kept = len(inputs) - len(todo)
@@ -281,6 +282,7 @@ class Batch:
             root=str(self.folder.path.absolute()),
             case_sha256=digest,
             ignore_lock=self.ignore_lock,
+            may_be_open=self.may_be_open,
             **more,
         )
         if self.send == "files":

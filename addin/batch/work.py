@@ -99,7 +99,9 @@ class Work:
     keep : bool
         Send `Results` back too. [flag]
     ignore_lock : bool
-        Calculate although a lock file says somebody has the workbook open. [flag]
+        Calculate although lock files say somebody has the workbook or its result open. [flag]
+    may_be_open : bool
+        That somebody has the workbook itself open does not matter: the file as saved counts. [flag]
     """
 
     name: str
@@ -115,6 +117,7 @@ class Work:
     case_sha256: str = ""
     keep: bool = False
     ignore_lock: bool = False
+    may_be_open: bool = False
 
 
 @dataclass(frozen=True)
@@ -228,7 +231,7 @@ def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
     done = recalculate(
         source,
         destination=staging / Path(result_name(task.name)).name,
-        ignore_lock=task.ignore_lock,
+        ignore_lock=task.ignore_lock or task.may_be_open,
         read=read,
         known=known,
     )
