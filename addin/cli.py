@@ -476,7 +476,8 @@ def _summary_cells(one: Recalculated) -> list[str]:
     assert one.calculation is not None
     from addin.headline import headline
 
-    shown = headline(one.calculation)
+    calculation = one.calculation
+    shown = headline(calculation.results, calculation.tables.get("StartupPeaks", ()))
     modes = ", ".join(f"{f:.4g}" for f in shown.frequencies)
     margin, peak, starts = "–", "–", "–"
     if shown.margin is not None:

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from addin.calculation import Calculation
+    from collections.abc import Iterable, Mapping
+    from typing import Any
+
     from engine.results import Results
 
 __all__ = ["MODES", "Headline", "headline"]
@@ -78,23 +80,24 @@ class Headline:
     verdict: str
 
 
-def headline(calculation: Calculation) -> Headline:
+def headline(results: Results, peaks: Iterable[Mapping[str, Any]]) -> Headline:
     """The few numbers of a calculation.
 
     Parameters
     ----------
-    calculation : Calculation
-        A complete one. [SI]
+    results : Results
+        A complete run. [SI]
+    peaks : iterable of mapping
+        Rows of table `StartupPeaks`. [SI]
 
     Returns
     -------
     Headline
         What a summary shows. [SI]
     """
-    results = calculation.results
     worst = results.margins.worst
     torque, over_rated, at = _peak(results)
-    stress, stressed = _stress(calculation)
+    stress, stressed = _stress(peaks)
     most = max(results.reversals, key=lambda row: row.reversals, default=None)
     starts = results.starts if results.starts is not None and results.starts.shafts else None
     return Headline(
@@ -132,12 +135,8 @@ def _peak(results: Results) -> tuple[float | None, float | None, str | None]:
     return float(sizes[top]), float(sizes[top] * ratio[top] / rated) if rated else None, top
 
 
-def _stress(calculation: Calculation) -> tuple[float | None, str | None]:
+def _stress(peaks: Iterable[Mapping[str, Any]]) -> tuple[float | None, str | None]:
     """The largest nominal peak-to-peak stress of a start and its element."""
-    stressed = [
-        row
-        for row in calculation.tables.get("StartupPeaks", ())
-        if row.get("peak_to_peak_stress") is not None
-    ]
+    stressed = [row for row in peaks if row.get("peak_to_peak_stress") is not None]
     top = max(stressed, key=lambda row: row["peak_to_peak_stress"], default=None)
     return (None, None) if top is None else (float(top["peak_to_peak_stress"]), top["element"])

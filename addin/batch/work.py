@@ -279,6 +279,7 @@ def _done(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: fl
     from addin.version import product_version
 
     assert done.calculation is not None
+    peaks = done.calculation.tables.get("StartupPeaks", ())
     return Record(
         task.name,
         task.source,
@@ -286,7 +287,7 @@ def _done(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: fl
         stamp=stamp,
         case_sha256=digest,
         same_as=task.same_as,
-        results=asdict(headline(done.calculation)),
+        results=asdict(headline(done.calculation.results, peaks)),
         warnings=done.warnings,
         seconds=seconds,
         version=product_version(),
