@@ -55,6 +55,13 @@ def batch(
             "--watch", help="Then calculate each file again when it is saved; Ctrl-C ends it."
         ),
     ] = False,
+    vary: Annotated[
+        Path | None,
+        typer.Option(
+            help="Calculate one base case with the values of each row of this CSV or Parquet table; "
+            "results go to results.parquet in --out."
+        ),
+    ] = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
     ] = False,
@@ -87,6 +94,12 @@ def batch(
 
     inputs = find()
     stop = Stop()
+    if vary is not None:
+        if watch or len(inputs) != 1:
+            raise typer.BadParameter(
+                f"--vary needs one base case and no --watch; {len(inputs)} files are named."
+            )
+        raise typer.Exit(_varied(inputs[0].path, vary, out, jobs or cores(), resume, stop))
     settings = {"resume": resume, "ignore_lock": ignore_lock, "may_be_open": watch}
     began = time.monotonic()
     try:
@@ -102,6 +115,63 @@ def batch(
         raise _told(str(wrong)) from wrong
     _say(work, records, ended, began, written)
     raise typer.Exit(_status(records, stop, strict, bool(written)))
+
+
+def _varied(base: Path, table: Path, out: Path, jobs: int, resume: bool, stop: Stop) -> int:
+    """A programme of cases; its exit status."""
+    from addin.batch.conductor import Abandoned, Stopped
+    from addin.batch.folder import FolderRefused, OutFolder
+    from addin.batch.pool import Pool
+    from addin.batch.records import DONE
+    from addin.batch.vary import TableRefused, run_programme
+
+    try:
+        import pyarrow  # noqa: F401  (said in time)
+    except ImportError:
+        raise _told("Results of --vary are Parquet: pip install 'torsionbook[parquet]'") from None
+    began = time.monotonic()
+    workers = Pool(jobs)
+    try:
+        with (
+            _progress() as listener,
+            OutFolder(out) as folder,
+            stop.listening(lambda sentence: typer.echo(sentence, err=True)),
+        ):
+            done = run_programme(
+                base,
+                table,
+                folder,
+                workers,
+                jobs=jobs,
+                resume=resume,
+                stop=stop,
+                listener=listener,
+            )
+    except TableRefused as wrong:
+        for sentence in wrong.sentences:
+            typer.echo(f"{table}: {sentence}", err=True)
+        return _WRONG_INPUT
+    except (FolderRefused, Stopped) as wrong:
+        raise _told(str(wrong)) from wrong
+    except Abandoned:
+        typer.echo("Interrupted. Run again with --resume to go on.", err=True)
+        return INTERRUPTED
+    finally:
+        workers.close()
+    reached = sum(done.outcomes.values())
+    for reason in done.reasons:
+        typer.echo(reason, err=True)
+    counts = ", ".join(f"{count:,} {outcome}" for outcome, count in done.outcomes.items())
+    kept = f" ({done.kept:,} of them by an earlier run)" if done.kept else ""
+    left = f", {done.rows - reached:,} not begun" if reached < done.rows else ""
+    typer.echo(
+        f"{done.rows:,} rows in {_duration(time.monotonic() - began)}: {counts}{left}{kept}."
+    )
+    typer.echo(f"written: {done.result}")
+    if stop.asked:
+        typer.echo("Interrupted. Run again with --resume to go on.", err=True)
+        return INTERRUPTED
+    return _DONE if done.outcomes.get(DONE, 0) == done.rows else _WRONG_INPUT
 
 
 def _summary_file(summary: Path | None, out: Path) -> Path:

@@ -11,6 +11,7 @@ memory. Each chunk is a file of its own until the end; a chunk that is there is 
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import os
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["Chunk", "Programme", "TableRefused", "Varied", "calculate_rows", "run_programme"]
 
 #: Rows of a chunk. [count]
-ROWS = 100
+ROWS = 50
 #: Chunks given to the workers before answers come back, a worker. [count]
 AHEAD = 3
 #: Reasons that are kept for the terminal. [count]
@@ -258,15 +259,15 @@ def _row(table: TableSpec, word: str, base: TypedCase) -> int:
     """The row of the base case that a name or number means."""
     rows = base.tables.get(table.name, [])
     first = table.columns[0].name
-    by_name = [row.get(first) for row in rows] if not table.columns[0].is_number else []
-    unique = len(set(map(str, by_name))) == len(by_name)
+    by_name = [str(row.get(first, "")) for row in rows]
+    unique = len(set(by_name)) == len(by_name)
     if unique and word in by_name:
         return by_name.index(word) + 1
     if word.isascii() and word.isdigit() and 1 <= int(word) <= len(rows):
         return int(word)
     if not rows:
         raise _WrongColumn(f"the base case has no row in table {table.name}.")
-    names = [str(one) for one in by_name if isinstance(one, str)] if unique else []
+    names = by_name if unique else []
     meant = nearest(word, names)
     advice = f" Did you mean '{meant}'?" if meant else ""
     by = f"the name in its column {first}, or by " if names else ""
@@ -604,7 +605,7 @@ def run_programme(
             "free some space, then run again with --resume."
         ) from wrong
     finally:
-        if not stop.reason:
+        with contextlib.suppress(OSError):  # the chunks are there, and --resume joins them
             programme.outcomes = parts.join(programme)
     return programme
 
