@@ -14,6 +14,7 @@ import typer
 if TYPE_CHECKING:
     from addin.batch.conductor import Batch, Listener, Stop
     from addin.batch.inputs import Input
+    from addin.batch.pool import Workers
     from addin.batch.records import Record
 
 __all__ = ["INTERRUPTED", "batch"]
@@ -21,6 +22,7 @@ __all__ = ["INTERRUPTED", "batch"]
 _DONE, _WRONG_INPUT = 0, 1
 #: Exit status after Ctrl-C, as shells have it; what was done is kept and summarised.
 INTERRUPTED = 130
+_SEND = ("auto", "files", "bytes")
 #: Errors that are listed in the terminal; the summary has all. [count]
 _LISTED = 20
 #: How often a batch that nobody watches says how far it is. [s]
@@ -62,6 +64,19 @@ def batch(
             "results go to results.parquet in --out."
         ),
     ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Give the work to the Dask cluster with this scheduler, such as tcp://host:8786.",
+        ),
+    ] = None,
+    send: Annotated[
+        str,
+        typer.Option(
+            help="How files reach the cluster: files (a shared folder), bytes, or auto, which tries."
+        ),
+    ] = "auto",
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
     ] = False,
@@ -77,11 +92,12 @@ def batch(
 
     Example: `torsionbook batch trains --out results`
     """
-    from addin.batch.conductor import Stop, Stopped, cores
+    from addin.batch.conductor import Stop, Stopped
     from addin.batch.folder import FolderRefused
     from addin.batch.inputs import InputsRefused, find_inputs
-    from addin.batch.pool import Pool
 
+    if send not in _SEND:
+        raise typer.BadParameter(f"--send is '{send}'; it must be {', '.join(_SEND)}.")
     book = _summary_file(summary, out)
 
     def find() -> list[Input]:
@@ -99,11 +115,16 @@ def batch(
             raise typer.BadParameter(
                 f"--vary needs one base case and no --watch; {len(inputs)} files are named."
             )
-        raise typer.Exit(_varied(inputs[0].path, vary, out, jobs or cores(), resume, stop))
+        raise typer.Exit(
+            _varied(inputs[0].path, vary, out, _workers(jobs, scheduler), resume, stop)
+        )
     settings = {"resume": resume, "ignore_lock": ignore_lock, "may_be_open": watch}
+    workers = _workers(jobs, scheduler)
     began = time.monotonic()
     try:
-        with _opened(out, Pool(jobs or cores()), stop, **settings) as work:
+        with _opened(out, workers, stop, **settings) as work:
+            if inputs:
+                work.send = _way(work, inputs[0], send)
             ended = _processed(work, inputs, stop)
             records = _rows(work, inputs)
             written = _summarised(book, records)
@@ -117,11 +138,47 @@ def batch(
     raise typer.Exit(_status(records, stop, strict, bool(written)))
 
 
-def _varied(base: Path, table: Path, out: Path, jobs: int, resume: bool, stop: Stop) -> int:
+def _workers(jobs: int | None, scheduler: str | None) -> Workers:
+    """Processes of this machine, or a cluster."""
+    from addin.batch.conductor import cores
+    from addin.batch.pool import Pool
+
+    if scheduler is None:
+        return Pool(jobs or cores())
+    if jobs is not None:
+        raise typer.BadParameter("--jobs is of this machine; a cluster has the workers it has.")
+    from addin.batch.cluster import Cluster, ClusterRefused
+
+    try:
+        return Cluster(scheduler)
+    except ClusterRefused as wrong:
+        raise _told(str(wrong)) from wrong
+
+
+def _way(work: Batch, first: Input, send: str) -> str:
+    """How files reach the workers: as files or as bytes."""
+    from addin.batch.pool import Pool
+
+    if isinstance(work.workers, Pool):
+        return "files"
+    from addin.batch.cluster import Cluster
+
+    assert isinstance(work.workers, Cluster)
+    shared = send == "files" or (
+        send == "auto" and work.workers.shares(work.folder.staging, first.path)
+    )
+    work.workers.sends_bytes = not shared
+    if send == "auto":
+        typer.echo(
+            f"Files reach the cluster {'by a shared folder' if shared else 'as bytes'}.", err=True
+        )
+    return "files" if shared else "bytes"
+
+
+def _varied(base: Path, table: Path, out: Path, workers: Workers, resume: bool, stop: Stop) -> int:
     """A programme of cases; its exit status."""
     from addin.batch.conductor import Abandoned, Stopped
     from addin.batch.folder import FolderRefused, OutFolder
-    from addin.batch.pool import Pool
     from addin.batch.records import DONE
     from addin.batch.vary import TableRefused, run_programme
 
@@ -130,7 +187,6 @@ def _varied(base: Path, table: Path, out: Path, jobs: int, resume: bool, stop: S
     except ImportError:
         raise _told("Results of --vary are Parquet: pip install 'torsionbook[parquet]'") from None
     began = time.monotonic()
-    workers = Pool(jobs)
     try:
         with (
             _progress() as listener,
@@ -142,7 +198,6 @@ def _varied(base: Path, table: Path, out: Path, jobs: int, resume: bool, stop: S
                 table,
                 folder,
                 workers,
-                jobs=jobs,
                 resume=resume,
                 stop=stop,
                 listener=listener,

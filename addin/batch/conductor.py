@@ -278,15 +278,15 @@ class Batch:
         work = Work(
             one.name,
             str(one.path),
-            target=str(self.folder.place(result_name(one.name)).absolute()),
-            root=str(self.folder.path.absolute()),
+            target=str(self.folder.place(result_name(one.name))),
+            root=str(self.folder.path),
             case_sha256=digest,
             ignore_lock=self.ignore_lock,
             may_be_open=self.may_be_open,
             **more,
         )
         if self.send == "files":
-            staging = self.folder.staging.absolute() / f"{self._numbers}"
+            staging = self.folder.staging / f"{self._numbers}"
             work = replace(work, staging=str(staging))
         self.workers.add(Task(calculate, work, one))
 
@@ -322,7 +322,7 @@ class Batch:
 
     def _settle(self, record: Record) -> Record:
         """Record what became of a file, then put its results in place."""
-        record = replace(record, version=self._version)
+        record = replace(record, version=record.version or self._version)
         self._write(record)
         try:
             self.folder.put(record.outputs)

@@ -84,8 +84,8 @@ class OutFolder:
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = path
-        self._own = path / OWN
+        self.path = path.absolute()  # as processes with another working folder see it too
+        self._own = self.path / OWN
         try:
             self._own.mkdir(parents=True, exist_ok=True)
             self._lock = _Lock(self._own / "lock", path)

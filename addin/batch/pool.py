@@ -91,6 +91,11 @@ class Workers:
         """
         raise NotImplementedError
 
+    @property
+    def threads(self) -> int:
+        """Tasks that are done at a time. [count]"""
+        return 1
+
     def close(self) -> None:
         """Give up what is not done."""
         raise NotImplementedError
@@ -163,6 +168,11 @@ class Pool(Workers):
         for process in self._processes:
             process.end()
         self._processes.clear()
+
+    @property
+    def threads(self) -> int:
+        """Processes; see `Workers`. [count]"""
+        return self._most
 
     @property
     def process_ids(self) -> list[int]:

@@ -543,7 +543,6 @@ def run_programme(
     folder: OutFolder,
     workers: Workers,
     *,
-    jobs: int,
     resume: bool,
     stop: Stop,
     listener: Listener,
@@ -560,8 +559,6 @@ def run_programme(
         Takes ``results.parquet``.
     workers : Workers
         Who does the work.
-    jobs : int
-        How many they are. [count]
     resume : bool
         Go on with an ended programme of the same table and base. [flag]
     stop : Stop
@@ -594,7 +591,7 @@ def run_programme(
     chunks = enumerate(_chunked(read.rows()))
     tasks = (one for number, rows in chunks for one in work.tasks(number, rows))
     try:
-        for one in islice(tasks, AHEAD * jobs):
+        for one in islice(tasks, AHEAD * workers.threads):
             workers.add(one)
         for task, answer in workers.answers(stop):
             for one in (*work.taken(task, answer), *islice(tasks, 1)):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import pickle
 import time
+import uuid
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,7 +31,16 @@ if TYPE_CHECKING:
     from addin.typed_case import CaseInput
     from engine.results import Results
 
-__all__ = ["Calculated", "Examine", "Examined", "Work", "calculate", "examine"]
+__all__ = [
+    "Calculated",
+    "Examine",
+    "Examined",
+    "Work",
+    "calculate",
+    "examine",
+    "is_locked",
+    "refused",
+]
 
 
 @dataclass(frozen=True)
@@ -43,11 +53,14 @@ class Examine:
         As in `Record`. [path]
     content : bytes or None
         The file, where it is not to be read from its path. [bytes]
+    stamp : Stamp
+        Its state, where it comes as bytes.
     """
 
     name: str
     source: str
     content: bytes | None = None
+    stamp: Stamp = Stamp(0, 0, "")
 
 
 @dataclass(frozen=True)
@@ -157,12 +170,12 @@ def examine(task: Examine) -> Examined:
     try:
         if task.content is not None:
             with _Unpacked(task.name, task.content) as path:
-                read, stamp = read_checked(path), Stamp(0, 0, "")
+                read, stamp = read_checked(path), task.stamp
         else:
             stamp = _stamped(Path(task.source))
             read = read_checked(Path(task.source))
     except OSError as wrong:
-        return Examined(task.name, "", _refused(task, wrong))
+        return Examined(task.name, "", refused(task, wrong))
     if read.problems:
         return Examined(task.name, "", _wrong(task, read, stamp, time.perf_counter() - began))
     return Examined(task.name, case_digest(read.data), None)  # type: ignore[union-attr]
@@ -184,10 +197,12 @@ def calculate(task: Work) -> Calculated:
 
     try:
         if task.content is None:
-            return _calculated(task, Path(task.source), Path(task.staging))
+            # A folder for each attempt: one that was begun by a worker that died is left aside.
+            staging = Path(task.staging, uuid.uuid4().hex[:8])
+            return _calculated(task, Path(task.source), staging)
         return _calculated_from_bytes(task)
     except OSError as wrong:
-        return Calculated(_refused(task, wrong))
+        return Calculated(refused(task, wrong))
     except Exception:  # one file's fault never ends a batch; its record says what happened
         sentence = (
             f"{task.name}: this is an error inside torsionbook; nothing was written for this file. "
@@ -205,7 +220,7 @@ def _calculated_from_bytes(task: Work) -> Calculated:
         source = Path(folder, "in", Path(task.name).name)
         source.parent.mkdir()
         source.write_bytes(task.content)
-        done = _calculated(replace(task, target=""), source, Path(folder, "out"))
+        done = _calculated(replace(task, ignore_lock=True), source, Path(folder, "out"))
         files = {
             one.name: Path(folder, "out", Path(one.name).name).read_bytes()
             for one in done.record.outputs
@@ -220,9 +235,9 @@ def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
 
     began = time.perf_counter()
     stamp = _stamped(source)
-    refused = None if task.ignore_lock or not task.target else _locked(Path(task.target))
-    if refused is not None:
-        return Calculated(_refused(task, refused))
+    locked = is_locked(task)
+    if locked is not None:
+        return Calculated(refused(task, locked))
     read = read_checked(source)
     if read.problems:
         return Calculated(_wrong(task, read, stamp, time.perf_counter() - began))
@@ -251,13 +266,27 @@ def _stamped(path: Path) -> Stamp:
     return replace(stamp_of(path), sha256=digest_of(path))
 
 
-def _locked(target: Path) -> Exception | None:
-    """Why a result cannot be replaced, where somebody has it open."""
+def is_locked(task: Work) -> Exception | None:
+    """Why a file is not calculated, where somebody has it or its result open.
+
+    Parameters
+    ----------
+    task : Work
+
+    Returns
+    -------
+    Exception or None
+    """
     from addin.package.errors import WorkbookLocked
     from addin.package.locks import check_not_open
 
+    if task.ignore_lock:
+        return None
     try:
-        check_not_open(target)
+        if not task.may_be_open:
+            check_not_open(Path(task.source))
+        if task.target:
+            check_not_open(Path(task.target))
     except WorkbookLocked as wrong:
         return wrong
     return None
@@ -342,8 +371,19 @@ def _failed(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: 
     )
 
 
-def _refused(task: Work | Examine, wrong: Exception) -> Record:
-    """The record of a file that cannot be used at all."""
+def refused(task: Work | Examine, wrong: Exception) -> Record:
+    """The record of a file that cannot be used at all.
+
+    Parameters
+    ----------
+    task : Work or Examine
+    wrong : Exception
+        Why.
+
+    Returns
+    -------
+    Record
+    """
     from addin.recalc import of_file
 
     sentence = of_file(Path(task.source), wrong).message

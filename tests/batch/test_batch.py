@@ -225,7 +225,7 @@ def test_a_twin_whose_first_failed_is_calculated_by_itself(trains, tmp_path, mon
     def failing(task):
         if task.name == "train 8.xlsx":
             raise_full = OSError(errno.EACCES, "Permission denied")
-            return work.Calculated(work._refused(task, raise_full))
+            return work.Calculated(work.refused(task, raise_full))
         return real(task)
 
     monkeypatch.setattr("addin.batch.conductor.calculate", failing)

@@ -59,7 +59,6 @@ def run(
             table,
             folder,
             workers or Here(),
-            jobs=1,
             resume=resume,
             stop=Stop(),
             listener=Listener(),
