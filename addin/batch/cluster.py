@@ -114,9 +114,7 @@ class Cluster(Workers):
         probe = folder / "probe"
         probe.write_text(token, encoding="ascii")
         try:
-            return all(
-                self._client.run(shared, str(folder), token, str(source)).values()
-            )
+            return all(self._client.run(shared, str(folder), token, str(source)).values())
         finally:
             for left in folder.glob("probe*"):
                 left.unlink(missing_ok=True)

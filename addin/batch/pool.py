@@ -8,6 +8,7 @@ same code runs on every system, and end as soon as the batch does, however it en
 from __future__ import annotations
 
 import contextlib
+import gc
 import multiprocessing
 import os
 import signal
@@ -27,6 +28,8 @@ LOOK = 0.2
 LAST_WORDS = 2.0
 #: How often a task is begun in all, when the processes that had it died. [count]
 ATTEMPTS = 2
+#: When garbage is looked for within a task: far less often than Python does of itself. [counts]
+_GARBAGE = (200_000, 10, 10)
 
 
 @dataclass(frozen=True)
@@ -231,6 +234,7 @@ def _serve(line: Connection) -> None:
     """Do one task after the other until the line ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the batch's to answer
     _end_with_parent()
+    settled = False
     while True:
         try:
             do, payload = line.recv()
@@ -238,6 +242,12 @@ def _serve(line: Connection) -> None:
             return
         with contextlib.suppress(BrokenPipeError, OSError):
             line.send(do(payload))
+        # Garbage is looked for between tasks, when little is there to look through.
+        gc.collect()
+        if not settled:
+            gc.freeze()  # what is loaded now stays
+            gc.set_threshold(*_GARBAGE)
+            settled = True
 
 
 def _end_with_parent() -> None:
