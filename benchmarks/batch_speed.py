@@ -77,10 +77,15 @@ def _damping(book: zipfile.ZipFile) -> tuple[str, str]:
 # --- throughput -----------------------------------------------------------------------------------
 
 
+def _cpu() -> float:
+    """Processor time of this process and of those it has ended. [s]"""
+    return sum(os.times()[:4])
+
+
 def ours(
     source: Path, out: Path, jobs: int, look: Callable[[Any, int], None] | None = None
-) -> float:
-    """Time of a batch, with the start of its processes. [s]"""
+) -> tuple[float, float]:
+    """Wall and processor time of a batch, with the start of its processes. [s]"""
     from addin.batch.conductor import Batch, Listener
     from addin.batch.folder import OutFolder
     from addin.batch.inputs import find_inputs
