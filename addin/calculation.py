@@ -16,7 +16,7 @@ from engine.report import modal_details, plan_details
 from engine.results import Results
 from engine.run import run
 
-__all__ = ["Calculation", "calculate"]
+__all__ = ["Calculation", "calculate", "shown"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,14 +93,44 @@ def calculate(
         If the train as a whole cannot be calculated.
     """
     results = run(case, on_stage)
+    digest = case_sha256 or results.case_sha256
+    return shown(results, case, input_warnings, digest, overrides or {})
+
+
+def shown(
+    results: Results,
+    case: Case,
+    input_warnings: Sequence[str],
+    case_sha256: str,
+    overrides: Mapping[str, object],
+) -> Calculation:
+    """Results of the engine with everything that is shown of them.
+
+    Parameters
+    ----------
+    results : Results
+        Of this case, or of one that differs from it in its title block only. [SI]
+    case : Case
+        The case. [SI]
+    input_warnings : sequence of str
+        What the reader found worth saying. [sentences]
+    case_sha256 : str
+        Digest of the inputs as typed. [hex]
+    overrides : mapping
+        Settings of the command line that differ from the workbook's. [names and values]
+
+    Returns
+    -------
+    Calculation
+        Complete. [SI]
+    """
     warnings = tuple(dict.fromkeys([*input_warnings, *results.warnings]))
     stamp = Stamp.now()
-    digest = case_sha256 or results.case_sha256
-    audit = audit_rows(results, stamp, digest, warnings, overrides or {})
+    audit = audit_rows(results, stamp, case_sha256, warnings, overrides)
     view = view_of(results, audit)
     return Calculation(
         case=case,
-        case_sha256=digest,
+        case_sha256=case_sha256,
         results=results,
         tables=view.tables,
         startup=view.startup,

@@ -32,7 +32,7 @@ from addin.units import UnitError, UnitScale, parse_unit
 from engine.case import TABLES, CaseData
 from engine.errors import Problem
 
-__all__ = ["FORMAT", "case_to_json", "read_case_json"]
+__all__ = ["FORMAT", "case_to_json", "read_case_json", "typed_value"]
 
 #: Value of the key ``format``.
 FORMAT = 1
@@ -63,6 +63,30 @@ def read_case_json(source: str | Path | Mapping[str, Any]) -> CaseInput:
     if content is not None:
         reading.read(content)
     return reading.result()
+
+
+def typed_value(value: Any, spec: Field, place: Place, findings: Findings) -> Entry | None:
+    """A single value by the rule of the case JSON: a number is in SI, a text carries its unit.
+
+    Parameters
+    ----------
+    value : object
+        Number or text. [as typed]
+    spec : Field
+        Its field. [field]
+    place : tuple
+        Table, row, column. [names]
+    findings : Findings
+        Takes a value that cannot be read. [problems]
+
+    Returns
+    -------
+    Entry or None
+        None for a blank and for a value that cannot be read. [as typed]
+    """
+    reading = _Reading()
+    reading.findings = findings
+    return reading._entry(value, spec, place)
 
 
 def case_to_json(data: CaseData) -> dict[str, Any]:

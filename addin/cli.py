@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from addin.batch.commands import batch
 from addin.calc.commands import calc
 from addin.diff.commands import diff
 from addin.excel.commands import excel
@@ -58,6 +59,7 @@ app.command()(serve)
 app.command()(report)
 app.command()(verify)
 app.command()(diff)
+app.command()(batch)
 
 Files = Annotated[
     list[Path],
@@ -498,39 +500,27 @@ def _decimal(value: float) -> str:
 
 
 def _summary_cells(one: Recalculated) -> list[str]:
-    from engine.start_fatigue import COUNTED_STARTS
-
     assert one.calculation is not None
-    results = one.calculation.results
-    modes = ", ".join(f"{f:.4g}" for f in results.modes.elastic_frequency[:3])
-    worst = results.margins.worst
-    margin = "–" if worst is None else f"{100 * worst.margin:.1f} % (mode {worst.mode})"
-    peak, starts, outcome = "–", "–", "–"
-    if results.start is not None:
-        outcome = results.start.outcome.outcome
-    if results.start is not None and results.start.peaks:
-        rated = results.case.ratings.rated_torque
-        ratio = {e.element: s for e, s in zip(results.case.elements, _ratios(results), strict=True)}
-        top = max(
-            results.start.peaks,
-            key=lambda p: max(abs(p.maximum), abs(p.minimum)) * ratio[p.element],
-        )
-        size = max(abs(top.maximum), abs(top.minimum))
-        peak = f"{size:.4g} N m {top.element}"
-        if rated:
-            peak = f"{size * ratio[top.element] / rated:.2f} × rated, {top.element}"
-    if results.starts is not None and results.starts.shafts:
-        allowed = results.starts.judged_starts
-        starts = "unlimited" if allowed is None else f"{math.floor(allowed):,}"
-        if results.start is not None and results.start.outcome.outcome not in COUNTED_STARTS:
-            starts = "not judged"
+    from addin.headline import headline
+
+    calculation = one.calculation
+    shown = headline(calculation.results, calculation.tables.get("StartupPeaks", ()))
+    modes = ", ".join(f"{f:.4g}" for f in shown.frequencies)
+    margin, peak, starts = "–", "–", "–"
+    if shown.margin is not None:
+        margin = f"{100 * shown.margin:.1f} % (mode {shown.margin_mode})"
+    if shown.peak_over_rated is not None:
+        peak = f"{shown.peak_over_rated:.2f} × rated, {shown.peak_where}"
+    elif shown.peak_torque is not None:
+        peak = f"{shown.peak_torque:.4g} N m {shown.peak_where}"
+    if shown.starts_not_judged:
+        starts = "not judged"
+    elif shown.starts_unlimited:
+        starts = "unlimited"
+    elif shown.starts is not None:
+        starts = f"{math.floor(shown.starts):,}"
+    outcome = "–" if one.calculation.results.start is None else shown.outcome
     return [modes, margin, peak, outcome, starts]
-
-
-def _ratios(results: Any) -> list[float]:
-    """Speed ratio of each element, so that peaks compare as torque at motor speed."""
-    ratio = {s.station: s.speed_ratio or 1.0 for s in results.case.stations}
-    return [ratio.get(e.from_) or ratio.get(e.to) or 1.0 for e in results.case.elements]
 
 
 def main() -> None:

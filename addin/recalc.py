@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from addin.package import Workbook
     from addin.typed_case import CaseInput
     from engine.errors import CaseError, ModelError
+    from engine.results import Results
 
 __all__ = [
     "Recalculated",
@@ -58,6 +59,9 @@ class Recalculated:
         What the engineer should know. [sentences]
     written : tuple of Path
         Files written: workbook, history, JSON. [paths]
+    cause : Exception or None
+        What was raised where a file could not be opened or written, for callers that tell one such
+        case from another.
     """
 
     source: Path
@@ -65,6 +69,7 @@ class Recalculated:
     problems: tuple[CellProblem, ...]
     warnings: tuple[str, ...]
     written: tuple[Path, ...]
+    cause: Exception | None = None
 
 
 @dataclass(frozen=True)
@@ -77,10 +82,13 @@ class Unreadable:
         Why. [problems]
     warnings : tuple of str
         Nothing. [sentences]
+    cause : Exception or None
+        What was raised.
     """
 
     problems: tuple[CellProblem, ...]
     warnings: tuple[str, ...] = ()
+    cause: Exception | None = None
 
 
 def read_checked(source: Path) -> CaseInput | Unreadable:
@@ -107,7 +115,7 @@ def read_checked(source: Path) -> CaseInput | Unreadable:
 
         return read_workbook(source)
     except (PackageError, OSError) as wrong:
-        return Unreadable((of_file(source, wrong),))
+        return Unreadable((of_file(source, wrong),), cause=wrong)
 
 
 def of_file(source: Path, wrong: Exception) -> CellProblem:
@@ -149,6 +157,8 @@ def recalculate(
     ignore_lock: bool = False,
     on_stage: Callable[[str], None] | None = None,
     on_written: Callable[[Workbook], None] | None = None,
+    read: CaseInput | Unreadable | None = None,
+    known: Results | None = None,
 ) -> Recalculated:
     """Calculate one input and write its results.
 
@@ -171,6 +181,10 @@ def recalculate(
         Called with the name of each stage as it begins.
     on_written : callable, optional
         Called with the workbook once its results are in the file.
+    read : CaseInput or Unreadable, optional
+        The input, where `read_checked` has read it already. [SI]
+    known : Results, optional
+        Results of the same case: they are shown in place of a calculation. [SI]
 
     Returns
     -------
@@ -184,14 +198,16 @@ def recalculate(
     from addin.version import product_version
 
     tell = on_stage or (lambda stage: None)
-    tell("reading")
-    read = read_checked(source)
+    if read is None:
+        tell("reading")
+        read = read_checked(source)
     problems = read.problems
+    cause = read.cause if isinstance(read, Unreadable) else None
     calculation: Calculation | None = None
     notes: tuple[str, ...] = ()
     files: list[Path] = []
     if not isinstance(read, Unreadable) and not problems:
-        calculation, problems = calculate_read(read, overrides or {}, tell)
+        calculation, problems = calculate_read(read, overrides or {}, tell, known)
     if calculation is not None:
         tell("writing")
         target = source if in_place else destination or _beside(source)
@@ -207,7 +223,7 @@ def recalculate(
                     on_written(read.workbook)
             files += _write_history(calculation, target)
         except (PackageError, HistoryUnavailable, OSError) as wrong:
-            calculation, problems = None, (of_file(source, wrong),)
+            calculation, problems, cause = None, (of_file(source, wrong),), wrong
     if json_file is None and source.suffix.lower() not in WORKBOOK_ENDINGS:
         json_file = destination or _beside(source)
     if json_file is not None:
@@ -221,9 +237,9 @@ def recalculate(
             write_json(json_file, content)
             files.append(json_file)
         except OSError as wrong:
-            problems = (*problems, of_file(json_file, wrong))
+            problems, cause = (*problems, of_file(json_file, wrong)), wrong
     warnings = read.warnings if calculation is None else (*calculation.warnings, *notes)
-    return Recalculated(source, calculation, problems, warnings, tuple(files))
+    return Recalculated(source, calculation, problems, warnings, tuple(files), cause)
 
 
 def _beside(source: Path) -> Path:
@@ -234,7 +250,10 @@ def _beside(source: Path) -> Path:
 
 
 def calculate_read(
-    read: CaseInput, overrides: Mapping[str, Any], tell: Callable[[str], None]
+    read: CaseInput,
+    overrides: Mapping[str, Any],
+    tell: Callable[[str], None],
+    known: Results | None = None,
 ) -> tuple[Calculation | None, tuple[CellProblem, ...]]:
     """The calculation of a checked input, or what makes it impossible as a problem.
 
@@ -246,6 +265,8 @@ def calculate_read(
         Fields of the case that the caller sets. [SI]
     tell : callable
         Called with the name of each stage as it begins.
+    known : Results, optional
+        Of an equal case, instead of calculating. [SI]
 
     Returns
     -------
@@ -254,7 +275,7 @@ def calculate_read(
     tuple of CellProblem
         What makes them impossible; empty with results.
     """
-    from addin.calculation import calculate
+    from addin.calculation import calculate, shown
     from engine.case import case_digest
     from engine.errors import CaseError, ModelError
     from engine.routines import load_routines
@@ -263,6 +284,10 @@ def calculate_read(
 
     try:
         case = replace(read.case(), **overrides)
+        if known is not None:
+            # the title block is no part of the case: it is this file's own
+            results = replace(known, case=case)
+            return shown(results, case, read.warnings, case_digest(read.data), overrides), ()
         if case.motor_torque and not is_compiled(advance_start):
             tell(COMPILING)
             load_routines()

@@ -1,0 +1,442 @@
+"""``torsionbook batch``: folders of workbooks, overnight."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from addin.batch.conductor import Batch, Listener, Stop
+    from addin.batch.inputs import Input
+    from addin.batch.pool import Workers
+    from addin.batch.records import Record
+
+__all__ = ["INTERRUPTED", "batch"]
+
+_DONE, _WRONG_INPUT = 0, 1
+#: Exit status after Ctrl-C, as shells have it; what was done is kept and summarised.
+INTERRUPTED = 130
+_SEND = ("auto", "files", "bytes")
+#: Errors that are listed in the terminal; the summary has all. [count]
+_LISTED = 20
+#: How often a batch that nobody watches says how far it is. [s]
+_SAYS = 30.0
+
+
+def batch(
+    what: Annotated[
+        list[str],
+        typer.Argument(
+            help="Folders, patterns in quotes, workbooks (.xlsx, .xlsm) or case JSON files.",
+            metavar="DIR|GLOB...",
+            show_default=False,
+        ),
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for the results.", show_default=False)],
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes; default one a core.", show_default=False)
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with an ended batch of the same folder.")
+    ] = False,
+    summary: Annotated[
+        Path | None,
+        typer.Option(
+            help="The summary (.xlsx, and .csv beside it); default summary.xlsx in --out."
+        ),
+    ] = None,
+    watch: Annotated[
+        bool,
+        typer.Option(
+            "--watch", help="Then calculate each file again when it is saved; Ctrl-C ends it."
+        ),
+    ] = False,
+    vary: Annotated[
+        Path | None,
+        typer.Option(
+            help="Calculate one base case with the values of each row of this CSV or Parquet table; "
+            "results go to results.parquet in --out."
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Give the work to the Dask cluster with this scheduler, such as tcp://host:8786.",
+        ),
+    ] = None,
+    send: Annotated[
+        str,
+        typer.Option(
+            help="How files reach the cluster: files (a shared folder), bytes, or auto, which tries."
+        ),
+    ] = "auto",
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
+    ] = False,
+    ignore_lock: Annotated[
+        bool, typer.Option("--ignore-lock", help="Go on although lock files are there.")
+    ] = False,
+) -> None:
+    """Calculate folders of workbooks on all cores; one bad file never stops the rest.
+
+    Each input is calculated into a file of the same name below --out; files that state the same case
+    are calculated once. Ctrl-C ends it cleanly, and --resume goes on after that, or after a crash,
+    without doing anything twice.
+
+    Example: `torsionbook batch trains --out results`
+    """
+    from addin.batch.conductor import Stop, Stopped
+    from addin.batch.folder import FolderRefused
+    from addin.batch.inputs import InputsRefused, find_inputs
+
+    if send not in _SEND:
+        raise typer.BadParameter(f"--send is '{send}'; it must be {', '.join(_SEND)}.")
+    book = _summary_file(summary, out)
+
+    def find() -> list[Input]:
+        try:
+            return find_inputs(what, out, [book, book.with_suffix(".csv")])
+        except InputsRefused as wrong:
+            if watch:
+                return []
+            raise _told(str(wrong)) from wrong
+
+    inputs = find()
+    stop = Stop()
+    if vary is not None:
+        if watch or len(inputs) != 1:
+            raise typer.BadParameter(
+                f"--vary needs one base case and no --watch; {len(inputs)} files are named."
+            )
+        raise typer.Exit(
+            _varied(inputs[0].path, vary, out, _workers(jobs, scheduler), resume, stop)
+        )
+    settings = {"resume": resume, "ignore_lock": ignore_lock, "may_be_open": watch}
+    workers = _workers(jobs, scheduler)
+    began = time.monotonic()
+    try:
+        with _opened(out, workers, stop, **settings) as work:
+            if inputs:
+                work.send = _way(work, inputs[0], send)
+            ended = _processed(work, inputs, stop)
+            records = _rows(work, inputs)
+            written = _summarised(book, records)
+            if watch and not ended:
+                _say(work, records, ended, began, written)
+                _watched(work, find, inputs, book, stop)
+                raise typer.Exit(_DONE)
+    except (FolderRefused, Stopped) as wrong:
+        raise _told(str(wrong)) from wrong
+    _say(work, records, ended, began, written)
+    raise typer.Exit(_status(records, stop, strict, bool(written)))
+
+
+def _workers(jobs: int | None, scheduler: str | None) -> Workers:
+    """Processes of this machine, or a cluster."""
+    from addin.batch.conductor import cores
+    from addin.batch.pool import Pool
+
+    if scheduler is None:
+        return Pool(jobs or cores())
+    if jobs is not None:
+        raise typer.BadParameter("--jobs is of this machine; a cluster has the workers it has.")
+    from addin.batch.cluster import Cluster, ClusterRefused
+
+    try:
+        return Cluster(scheduler)
+    except ClusterRefused as wrong:
+        raise _told(str(wrong)) from wrong
+
+
+def _way(work: Batch, first: Input, send: str) -> str:
+    """How files reach the workers: as files or as bytes."""
+    from addin.batch.pool import Pool
+
+    if isinstance(work.workers, Pool):
+        return "files"
+    from addin.batch.cluster import Cluster
+
+    assert isinstance(work.workers, Cluster)
+    shared = send == "files" or (
+        send == "auto" and work.workers.shares(work.folder.staging, first.path)
+    )
+    work.workers.sends_bytes = not shared
+    if send == "auto":
+        typer.echo(
+            f"Files reach the cluster {'by a shared folder' if shared else 'as bytes'}.", err=True
+        )
+    return "files" if shared else "bytes"
+
+
+def _varied(base: Path, table: Path, out: Path, workers: Workers, resume: bool, stop: Stop) -> int:
+    """A programme of cases; its exit status."""
+    from addin.batch.conductor import Abandoned, Stopped
+    from addin.batch.folder import FolderRefused, OutFolder
+    from addin.batch.records import DONE
+    from addin.batch.vary import TableRefused, run_programme
+
+    try:
+        import pyarrow  # noqa: F401  (said in time)
+    except ImportError:
+        raise _told("Results of --vary are Parquet: pip install 'torsionbook[parquet]'") from None
+    began = time.monotonic()
+    try:
+        with (
+            _progress() as listener,
+            OutFolder(out) as folder,
+            stop.listening(lambda sentence: typer.echo(sentence, err=True)),
+        ):
+            done = run_programme(
+                base,
+                table,
+                folder,
+                workers,
+                resume=resume,
+                stop=stop,
+                listener=listener,
+            )
+    except TableRefused as wrong:
+        for sentence in wrong.sentences:
+            typer.echo(f"{table}: {sentence}", err=True)
+        return _WRONG_INPUT
+    except (FolderRefused, Stopped) as wrong:
+        raise _told(str(wrong)) from wrong
+    except Abandoned:
+        typer.echo("Interrupted. Run again with --resume to go on.", err=True)
+        return INTERRUPTED
+    finally:
+        workers.close()
+    reached = sum(done.outcomes.values())
+    for reason in done.reasons:
+        typer.echo(reason, err=True)
+    counts = ", ".join(f"{count:,} {outcome}" for outcome, count in done.outcomes.items())
+    kept = f" ({done.kept:,} of them by an earlier run)" if done.kept else ""
+    left = f", {done.rows - reached:,} not begun" if reached < done.rows else ""
+    typer.echo(
+        f"{done.rows:,} rows in {_duration(time.monotonic() - began)}: {counts}{left}{kept}."
+    )
+    typer.echo(f"written: {done.result}")
+    if stop.asked:
+        typer.echo("Interrupted. Run again with --resume to go on.", err=True)
+        return INTERRUPTED
+    return _DONE if done.outcomes.get(DONE, 0) == done.rows else _WRONG_INPUT
+
+
+def _summary_file(summary: Path | None, out: Path) -> Path:
+    book = summary or out / "summary.xlsx"
+    if book.suffix.lower() != ".xlsx":
+        raise typer.BadParameter(f"--summary is '{book}'; it must end in .xlsx.")
+    return book
+
+
+@contextmanager
+def _opened(out: Path, workers: Any, stop: Stop, **settings: Any) -> Iterator[Batch]:
+    """A batch that listens to Ctrl-C and shows how far it is."""
+    from addin.batch.conductor import Batch
+    from addin.batch.folder import OutFolder
+
+    with (
+        _progress() as listener,
+        OutFolder(out) as folder,
+        Batch(folder, workers, stop=stop, listener=listener, **settings) as work,
+        stop.listening(lambda sentence: typer.echo(sentence, err=True)),
+    ):
+        yield work
+
+
+def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
+    """Do it; why it ended early, or nothing."""
+    from addin.batch.conductor import Abandoned, Stopped
+
+    try:
+        work.process(inputs)
+    except Abandoned:
+        return "Interrupted; files that were being calculated were given up."
+    except Stopped as wrong:
+        stop.reason = stop.reason or str(wrong)
+    if stop.reason:
+        return stop.reason
+    return "Interrupted." if stop.asked else ""
+
+
+def _watched(
+    work: Batch,
+    find: Callable[[], list[Input]],
+    inputs: Sequence[Input],
+    book: Path,
+    stop: Stop,
+) -> None:
+    """Calculate what is saved until Ctrl-C."""
+    from addin.batch.conductor import Abandoned, Listener
+    from addin.batch.watch import Watch
+
+    everything = {one.name: one for one in inputs}
+    work.listener = Listener()
+
+    def after(ready: Sequence[Input]) -> None:
+        everything.update((one.name, one) for one in ready)
+        for record in _rows(work, ready):
+            said = record.results.get("verdict") if record.done else record.sentence
+            typer.echo(f"{record.name}: {record.outcome}: {said}")
+        _summarised(book, _rows(work, list(everything.values())))
+
+    typer.echo("Watching; Ctrl-C ends it.")
+    try:
+        Watch(work, find, after).run(inputs)
+    except Abandoned:
+        raise typer.Exit(INTERRUPTED) from None
+    typer.echo("Watching has ended.")
+
+
+def _rows(work: Batch, inputs: Sequence[Input]) -> list[Record]:
+    """A record for each file, also for those that were not reached."""
+    from addin.batch.records import Record
+    from addin.batch.summary import NOT_BEGUN
+
+    sentence = "The batch ended before this file was calculated. Run again with --resume."
+    return [
+        work.records.get(one.name) or Record(one.name, str(one.path), NOT_BEGUN, sentence)
+        for one in inputs
+    ]
+
+
+def _summarised(book: Path, records: Sequence[Record]) -> tuple[Path, ...]:
+    """Write the summary; nothing if that is impossible, which is said."""
+    import datetime as dt
+
+    from addin.batch.records import counted
+    from addin.batch.summary import write_summary
+    from addin.recalc import of_file
+    from addin.version import product_version
+
+    counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
+    heading = (
+        f"{len(records)} files: {counts}. torsionbook {product_version()}, "
+        f"{dt.datetime.now(dt.UTC):%Y-%m-%d %H:%M} UTC."
+    )
+    try:
+        return write_summary(book, records, heading)
+    except OSError as wrong:
+        sentence = of_file(book, wrong).message
+        typer.echo(f"The summary was not written: {sentence} Run again with --resume.", err=True)
+        return ()
+
+
+def _say(
+    work: Batch, records: Sequence[Record], ended: str, began: float, written: Sequence[Path]
+) -> None:
+    """The end of a batch, in words."""
+    from addin.batch.records import counted
+
+    failed = [one for one in records if not one.done and one.version]
+    for one in failed[:_LISTED]:
+        typer.echo(f"{one.name}: {one.outcome}: {one.sentence}", err=True)
+    if len(failed) > _LISTED:
+        typer.echo(f"... and {len(failed) - _LISTED} more; the summary lists all.", err=True)
+    seconds = time.monotonic() - began
+    counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
+    kept = f" ({work.kept} of them by an earlier batch)" if work.kept else ""
+    same = sum(bool(one.same_as) for one in records)
+    shared = f" {same} had a case that another file states too, calculated once." if same else ""
+    typer.echo(f"{len(records)} files in {_duration(seconds)}: {counts}{kept}.{shared}")
+    if ended:
+        typer.echo(f"{ended} Run again with --resume to go on.", err=True)
+    for path in written:
+        typer.echo(f"written: {path}")
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    return f"{seconds // 3600:.0f} h {seconds % 3600 // 60:02.0f} min" if seconds >= 3600 else f"{seconds // 60:.0f} min {seconds % 60:02.0f} s"  # fmt: skip
+
+
+def _status(records: Sequence[Record], stop: Stop, strict: bool, summarised: bool) -> int:
+    if stop.asked:
+        return INTERRUPTED
+    if stop.reason or not summarised or any(not one.done for one in records):
+        return _WRONG_INPUT
+    if strict and any(one.results.get("verdict") == "fail" for one in records):
+        return _WRONG_INPUT
+    return _DONE
+
+
+@contextmanager
+def _progress() -> Iterator[Listener]:
+    """A bar with rate and time left where somebody watches, else a line now and then."""
+    from addin.batch.conductor import Listener
+
+    if not sys.stderr.isatty():
+        yield _Lines()
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[bad]}", style="red"),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as shown:
+
+        class Bar(Listener):
+            def begin(self, stage: str, total: int) -> None:
+                self.bad = 0
+                self.task = shown.add_task(f"{stage:<11}", total=total, rate="", bad="")
+
+            def advance(self, record: Record | None) -> None:
+                self.bad += record is not None and not record.done
+                shown.advance(self.task)
+                speed = next(one.speed for one in shown.tasks if one.id == self.task)
+                rate = f"{speed:.1f}/s" if speed else ""
+                shown.update(self.task, rate=rate, bad=f"{self.bad} not done" if self.bad else "")
+
+        yield Bar()
+
+
+def _Lines() -> Listener:
+    """How far a batch is, as lines for a log."""
+    from addin.batch.conductor import Listener
+
+    class Lines(Listener):
+        def begin(self, stage: str, total: int) -> None:
+            self.stage, self.total, self.count = stage, total, 0
+            self.began = self.said = time.monotonic()
+
+        def advance(self, record: Record | None) -> None:
+            self.count += 1
+            now = time.monotonic()
+            if now - self.said < _SAYS:
+                return
+            self.said = now
+            rate = self.count / (now - self.began)
+            left = _duration((self.total - self.count) / rate)
+            typer.echo(
+                f"{self.stage}: {self.count} of {self.total} files, {rate:.1f}/s, {left} left",
+                err=True,
+            )
+
+    return Lines()
+
+
+def _told(sentence: str) -> typer.Exit:
+    """A sentence for the user; to be raised."""
+    typer.echo(sentence, err=True)
+    return typer.Exit(_WRONG_INPUT)

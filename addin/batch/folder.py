@@ -1,0 +1,247 @@
+"""The folder of results: one batch at a time, results put in place in one step.
+
+A result is made in a staging folder of the batch, told in the journal, and only then put in place.
+Whenever the program is ended, a result is either recorded and complete, in its place or beside it,
+or it is not recorded and its parts are thrown away by the next batch.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import datetime as dt
+import hashlib
+import os
+import platform
+import shutil
+import uuid
+from collections.abc import Iterable
+from pathlib import Path
+from types import TracebackType
+
+from addin.batch.records import Output, Stamp
+
+__all__ = ["FolderRefused", "OutFolder", "digest_of", "stamp_of"]
+
+#: Folder of the batch inside that of the results.
+OWN = ".torsionbook-batch"
+
+
+class FolderRefused(Exception):
+    """The folder of results cannot be used; the sentence says why."""
+
+
+def digest_of(path: Path) -> str:
+    """SHA-256 of a file.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+    """
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def stamp_of(path: Path) -> Stamp:
+    """Which state a file is in; without digest, which `digest_of` gives.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+
+    Returns
+    -------
+    Stamp
+        Size and time.
+
+    Raises
+    ------
+    OSError
+        If it is not there.
+    """
+    found = path.stat()
+    return Stamp(found.st_size, found.st_mtime_ns, "")
+
+
+class OutFolder:
+    """The folder of results, held by one batch.
+
+    Parameters
+    ----------
+    path : Path
+        The folder; it is made if need be. [path]
+
+    Raises
+    ------
+    FolderRefused
+        If it cannot be written, or another batch holds it.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path.absolute()  # as processes with another working folder see it too
+        self._own = self.path / OWN
+        try:
+            self._own.mkdir(parents=True, exist_ok=True)
+            self._lock = _Lock(self._own / "lock", path)
+            self._clear()
+            self.staging = self._own / f"staging-{uuid.uuid4().hex[:8]}"
+            self.staging.mkdir(mode=0o700)
+        except OSError as wrong:
+            raise FolderRefused(
+                f"Results cannot be written to {path} ({wrong.strerror or wrong}). Name another folder "
+                "with --out, or free it."
+            ) from wrong
+
+    @property
+    def journal(self) -> Path:
+        """The journal of this folder. [path]"""
+        return self._own / "journal.jsonl"
+
+    def __enter__(self) -> OutFolder:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        wrong: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        shutil.rmtree(self.staging, ignore_errors=True)
+        self._lock.release()
+
+    def _clear(self) -> None:
+        """Keep recorded results of an ended batch that are still to be put in place; drop the rest."""
+        from addin.batch.journal import read_journal
+
+        left = [one for one in self._own.iterdir() if one.name.startswith("staging-")]
+        if left:
+            for record in read_journal(self.journal).values():
+                with contextlib.suppress(OSError):  # not in place: it will be made again
+                    self.put(record.outputs)
+        for folder in left:
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def place(self, name: str) -> Path:
+        """Where a result belongs.
+
+        Parameters
+        ----------
+        name : str
+            Its path inside the folder. [path]
+
+        Returns
+        -------
+        Path
+        """
+        return self.path / name
+
+    def put(self, outputs: Iterable[Output]) -> None:
+        """Put staged results in place; one that is there already stays.
+
+        Parameters
+        ----------
+        outputs : iterable of Output
+            As recorded.
+
+        Raises
+        ------
+        OSError
+            If one cannot be put in place.
+        """
+        folders = set()
+        for output in outputs:
+            staged = self.path / output.staged
+            if output.staged and staged.is_file():
+                target = self.place(output.name)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                os.replace(staged, target)
+                folders.add(target.parent)
+        for folder in folders:
+            _flush(folder)
+
+    def holds(self, outputs: Iterable[Output]) -> bool:
+        """Whether recorded results are in place and are those that were written.
+
+        Parameters
+        ----------
+        outputs : iterable of Output
+            As recorded.
+
+        Returns
+        -------
+        bool
+        """
+        try:
+            return all(
+                self.place(one.name).stat().st_size == one.size
+                and digest_of(self.place(one.name)) == one.sha256
+                for one in outputs
+            )
+        except OSError:
+            return False
+
+
+def _flush(folder: Path) -> None:
+    """Make new names in a folder durable; Windows has no such call and needs none."""
+    if os.name != "posix":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+class _Lock:
+    """A lock that the system takes away when its holder ends, however it ends."""
+
+    def __init__(self, path: Path, folder: Path) -> None:
+        self._file = open(path, "a+", encoding="utf-8")
+        if not _held(self._file.fileno()):
+            holder = _holder(path.with_suffix(".txt"))
+            self._file.close()
+            raise FolderRefused(
+                f"Another batch{holder} is writing to {folder}. Wait until it has ended, or name "
+                "another folder with --out."
+            )
+        with contextlib.suppress(OSError):
+            path.with_suffix(".txt").write_text(
+                f"process {os.getpid()} on {platform.node()}, begun {dt.datetime.now():%Y-%m-%d %H:%M}",
+                encoding="utf-8",
+            )
+
+    def release(self) -> None:
+        """Let others have it."""
+        self._file.close()
+
+
+def _holder(path: Path) -> str:
+    try:
+        return f" ({path.read_text(encoding='utf-8')[:200]})"
+    except OSError:
+        return ""
+
+
+def _held(file: int) -> bool:
+    """Lock an open file for this process; False if another has it."""
+    if os.name == "nt":
+        import msvcrt
+
+        try:
+            msvcrt.locking(file, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+        except OSError:
+            return False
+        return True
+    import fcntl
+
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True

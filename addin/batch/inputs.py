@@ -1,0 +1,215 @@
+"""Folders, patterns and files → what is to be calculated, in natural order."""
+
+from __future__ import annotations
+
+import glob
+import json
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+__all__ = ["Input", "InputsRefused", "find_inputs", "natural_key", "result_name"]
+
+#: Endings that are looked for in folders; .xls and .xlsb are refused with the reason, not passed over.
+ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")
+#: Ends of the names of files that torsionbook itself writes beside inputs.
+OURS = (".out.xlsx", ".out.xlsm", ".accuracy.xlsx", ".accuracy.xlsm", ".results.json", ".accuracy.json")  # fmt: skip
+#: A JSON file is looked into up to this size to see whether it is a case. [bytes]
+_LOOKED_INTO = 4 * 2**20
+_DIGITS = re.compile(r"(\d+)")
+
+
+class InputsRefused(Exception):
+    """Nothing can be calculated as asked; the sentence says why."""
+
+
+@dataclass(frozen=True)
+class Input:
+    """One file to calculate.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+    name : str
+        Its path relative to where the batch begins, with ``/``; results get the same. [path]
+    """
+
+    path: Path
+    name: str
+
+
+def find_inputs(patterns: Sequence[str], out: Path, also_ours: Iterable[Path] = ()) -> list[Input]:
+    """Everything that folders, patterns and names stand for.
+
+    A folder stands for the workbooks and case JSON files in it and below. Left out are the folder of
+    results, hidden files, lock files (``~$…``), copies (``.bak``) and files that torsionbook wrote.
+
+    Parameters
+    ----------
+    patterns : sequence of str
+        Folders, glob patterns (``**`` reaches into subfolders), files. [paths]
+    out : Path
+        The folder of results. [path]
+    also_ours : iterable of Path
+        Further files that are results, such as the summary. [paths]
+
+    Returns
+    -------
+    list of Input
+        In natural order, each once; a named file that does not exist is among them.
+
+    Raises
+    ------
+    InputsRefused
+        If a pattern finds nothing, or two files would have the same results.
+    """
+    ours = {path.resolve() for path in also_ours}
+    results = out.resolve()
+    found: dict[Path, Path] = {}  # file → where its relative path begins
+    for pattern in patterns:
+        some = False
+        for path, root in _expanded(pattern):
+            place = path.resolve()
+            if place in ours or results in place.parents:
+                continue
+            some = True
+            found.setdefault(Path(os.path.abspath(path)), root)
+        if not some:
+            raise InputsRefused(_nothing(pattern))
+    return _named(found)
+
+
+def _nothing(pattern: str) -> str:
+    if Path(pattern).is_dir():
+        return (
+            f"The folder {pattern} holds no workbook (.xlsx, .xlsm) and no case JSON besides results. "
+            "Name another."
+        )
+    return f"Nothing is found under {pattern}. Check the path; put a pattern in quotes."
+
+
+def _expanded(pattern: str) -> Iterator[tuple[Path, Path]]:
+    """Files of one word of the command line, each with the folder its name is relative to."""
+    path = Path(pattern)
+    if path.is_dir():
+        for place, folders, files in os.walk(path):
+            folders[:] = [one for one in folders if not one.startswith((".", "__pycache__"))]
+            for name in files:
+                file = Path(place, name)
+                if _is_input(file):
+                    yield file, path
+    elif path.exists() or not glob.has_magic(pattern):
+        yield path, path.parent
+    else:
+        root = _fixed_part(path)
+        for hit in glob.glob(pattern, recursive=True):
+            file = Path(hit)
+            if file.is_file() and _is_input(file):
+                yield file, root
+
+
+def _fixed_part(pattern: Path) -> Path:
+    """The folders of a pattern before its first wildcard."""
+    fixed: list[str] = []
+    for part in pattern.parts[:-1]:
+        if glob.has_magic(part):
+            break
+        fixed.append(part)
+    return Path(*fixed) if fixed else Path()
+
+
+def _is_input(file: Path) -> bool:
+    """Whether a file that was found, not named, is meant."""
+    name = file.name.lower()
+    if name.startswith(("~$", ".")) or name.endswith((*OURS, ".bak", ".tmp")):
+        return False
+    if file.suffix.lower() not in ENDINGS:
+        return False
+    return file.suffix.lower() != ".json" or _may_be_case(file)
+
+
+def _may_be_case(file: Path) -> bool:
+    """Whether a JSON file is a case: one that holds something else is passed over, a broken one not."""
+    try:
+        if file.stat().st_size > _LOOKED_INTO:
+            return True
+        content = json.loads(file.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError):
+        return True
+    return isinstance(content, dict) and "format" in content and "errors" not in content
+
+
+def _named(found: dict[Path, Path]) -> list[Input]:
+    """Names relative to each root; where two meet, relative to what all files have in common."""
+    names = {path: _relative(path, root) for path, root in found.items()}
+    if _clash(names) is not None:
+        try:
+            common = Path(os.path.commonpath([str(path.parent) for path in found]))
+        except ValueError:  # several drives
+            common = None
+        if common is not None:
+            names = {path: _relative(path, common) for path in found}
+    clash = _clash(names)
+    if clash is not None:
+        raise InputsRefused(
+            f"{clash[0]} and {clash[1]} would both be written to {result_name(names[clash[1]])}. "
+            "Rename one, or calculate them in two batches."
+        )
+    return sorted(
+        (Input(path, name) for path, name in names.items()), key=lambda one: natural_key(one.name)
+    )
+
+
+def _relative(path: Path, root: Path) -> str:
+    return Path(os.path.relpath(path, os.path.abspath(root))).as_posix()
+
+
+def _clash(names: dict[Path, str]) -> tuple[Path, Path] | None:
+    """Two files with the same results, capitals aside: not every disk tells them apart."""
+    seen: dict[str, Path] = {}
+    for path, name in names.items():
+        other = seen.setdefault(result_name(name).casefold(), path)
+        if other != path:
+            return other, path
+    return None
+
+
+def result_name(name: str) -> str:
+    """Name of the results of a file, as `torsionbook recalc --out` would give it.
+
+    Parameters
+    ----------
+    name : str
+        The file, relative. [path]
+
+    Returns
+    -------
+    str
+        The same for a workbook, ``.results.json`` for a case JSON. [path]
+    """
+    if name.lower().endswith(".json"):
+        return name[: -len(".json")] + ".results.json"
+    return name
+
+
+def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
+    """Sorts ``train 9`` before ``train 10``.
+
+    Parameters
+    ----------
+    name : str
+        A path. [path]
+
+    Returns
+    -------
+    tuple
+        To be compared.
+    """
+    return tuple(
+        (0, int(part), "") if part.isdigit() and part.isascii() else (1, 0, part.casefold())
+        for part in _DIGITS.split(name)
+        if part
+    )

@@ -1,0 +1,123 @@
+"""Records on the disk: each line whole or not there, whatever ends the program.
+
+A line is one JSON object with the check sum of its text. It is flushed to the disk before the results
+it tells of are put in place. A last line that was cut off is passed over and overwritten; so is one
+that the disk returned otherwise than it was written.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+
+from addin.batch.records import Record
+
+__all__ = ["Journal", "read_journal"]
+
+
+def read_journal(path: Path) -> dict[str, Record]:
+    """The last record of each file.
+
+    Parameters
+    ----------
+    path : Path
+        The journal; it need not exist. [path]
+
+    Returns
+    -------
+    dict of str to Record
+        By the file's name in its batch.
+    """
+    return {record.name: record for _, record in _whole_lines(path)}
+
+
+def _whole_lines(path: Path) -> Iterator[tuple[int, Record]]:
+    """Each record with where its line ends; the first line that is not whole ends it. [bytes]"""
+    end = 0
+    try:
+        file = open(path, "rb")
+    except FileNotFoundError:
+        return
+    with file:
+        for line in file:
+            end += len(line)
+            record = _parsed(line)
+            if record is None:
+                return
+            yield end, record
+
+
+def _parsed(line: bytes) -> Record | None:
+    check, _, text = line.partition(b" ")
+    if not line.endswith(b"\n") or check != _check(text[:-1]):
+        return None
+    try:
+        return Record.from_json(json.loads(text))
+    except (ValueError, TypeError, KeyError):  # of another version
+        return None
+
+
+def _check(text: bytes) -> bytes:
+    return b"%08x" % zlib.crc32(text)
+
+
+class Journal:
+    """A journal that is being written.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+    keep : bool
+        Go on after the whole lines that are there, instead of beginning anew. [flag]
+    """
+
+    def __init__(self, path: Path, *, keep: bool) -> None:
+        end = 0
+        if keep:
+            for end, _ in _whole_lines(path):  # noqa: B007  (the last one is wanted)
+                pass
+        self._file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+        os.ftruncate(self._file, end)
+        os.lseek(self._file, end, os.SEEK_SET)
+        os.fsync(self._file)
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        wrong: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        os.close(self._file)
+
+    def write(self, record: Record) -> None:
+        """Add a record; it is on the disk when this returns.
+
+        Parameters
+        ----------
+        record : Record
+
+        Raises
+        ------
+        OSError
+            If it could not be written; the journal is as before.
+        """
+        text = json.dumps(record.as_json(), ensure_ascii=True, default=str).encode("ascii")
+        line = _check(text) + b" " + text + b"\n"
+        began = os.lseek(self._file, 0, os.SEEK_CUR)
+        try:
+            left = memoryview(line)
+            while left:
+                left = left[os.write(self._file, left) :]
+            os.fsync(self._file)
+        except OSError:
+            os.ftruncate(self._file, began)
+            os.lseek(self._file, began, os.SEEK_SET)
+            raise

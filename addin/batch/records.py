@@ -1,0 +1,258 @@
+"""What became of one file: a record of plain values, as the journal keeps it."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+__all__ = [
+    "CHANGED",
+    "CRASHED",
+    "DISK_FULL",
+    "DONE",
+    "FAULT",
+    "LOCKED",
+    "MISSING",
+    "NO_ACCESS",
+    "UNREADABLE",
+    "WRONG_INPUT",
+    "Output",
+    "Record",
+    "Stamp",
+    "failed",
+    "outcome_of",
+]
+
+DONE = "done"
+WRONG_INPUT = "wrong input"
+UNREADABLE = "unreadable"
+MISSING = "missing"
+LOCKED = "locked"
+CHANGED = "changed meanwhile"
+NO_ACCESS = "no access"
+DISK_FULL = "disk full"
+CRASHED = "crashed"
+FAULT = "fault"
+
+#: Outcomes that follow from the file alone: the same file gives them again.
+SETTLED = frozenset({DONE, WRONG_INPUT, UNREADABLE})
+
+_FULL = (errno.ENOSPC, errno.EDQUOT) if hasattr(errno, "EDQUOT") else (errno.ENOSPC,)
+_FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
+
+
+@dataclass(frozen=True)
+class Stamp:
+    """Which state of a file: its size, when it was saved, what it held.
+
+    Parameters
+    ----------
+    size : int
+        Bytes. [count]
+    modified : int
+        Time of its last change. [ns]
+    sha256 : str
+        Digest of its bytes; empty if it could not be read. [hexadecimal]
+    """
+
+    size: int
+    modified: int
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Output:
+    """One result file.
+
+    Parameters
+    ----------
+    name : str
+        Path inside the folder of results, with ``/``. [path]
+    size : int
+        Bytes. [count]
+    sha256 : str
+        Digest of its bytes. [hexadecimal]
+    staged : str
+        Where it waits to be put in place, inside the folder of results. [path]
+    """
+
+    name: str
+    size: int
+    sha256: str
+    staged: str = ""
+
+
+@dataclass(frozen=True)
+class Record:
+    """What became of one file.
+
+    Parameters
+    ----------
+    name : str
+        The file, relative to where its batch began. [path]
+    source : str
+        Its full path. [path]
+    outcome : str
+        `DONE`, `WRONG_INPUT`, `LOCKED`, ... [word]
+    sentence : str
+        What happened and what to do; empty when done. [sentence]
+    stamp : Stamp
+        The state that was calculated.
+    case_sha256 : str
+        Digest of the case; empty if it could not be read. [hexadecimal]
+    same_as : str
+        File whose calculation these results are; empty for its own. [path]
+    results : mapping
+        Fields of `addin.headline.Headline`; empty unless done. [SI]
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+    errors : tuple of mapping
+        Problems in the form of the contract, and ``cell``.
+    outputs : tuple of Output
+        Result files.
+    seconds : float
+        What it took. [s]
+    version : str
+        Version that calculated it. [text]
+    """
+
+    name: str
+    source: str
+    outcome: str
+    sentence: str = ""
+    stamp: Stamp = Stamp(0, 0, "")
+    case_sha256: str = ""
+    same_as: str = ""
+    results: Mapping[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    errors: tuple[Mapping[str, Any], ...] = ()
+    outputs: tuple[Output, ...] = ()
+    seconds: float = 0.0
+    version: str = ""
+
+    @property
+    def done(self) -> bool:
+        """Whether its results are there."""
+        return self.outcome == DONE
+
+    @property
+    def settled(self) -> bool:
+        """Whether the same file would give the same outcome."""
+        return self.outcome in SETTLED
+
+    def as_json(self) -> dict[str, Any]:
+        """The record as an object of JSON.
+
+        Returns
+        -------
+        dict
+            Of plain values.
+        """
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, content: Mapping[str, Any]) -> Record:
+        """The record that `as_json` gave.
+
+        Parameters
+        ----------
+        content : mapping
+            Of plain values.
+
+        Returns
+        -------
+        Record
+        """
+        return replace(
+            cls(**content),
+            stamp=Stamp(**content["stamp"]),
+            warnings=tuple(content["warnings"]),
+            errors=tuple(content["errors"]),
+            outputs=tuple(Output(**one) for one in content["outputs"]),
+        )
+
+
+def failed(name: str, source: str, outcome: str, sentence: str, **more: Any) -> Record:
+    """The record of a file without results, its sentence among its errors.
+
+    Parameters
+    ----------
+    name, source : str
+        As in `Record`. [path]
+    outcome, sentence : str
+        What happened. [words]
+    **more
+        Other fields.
+
+    Returns
+    -------
+    Record
+    """
+    error = {
+        "sheet": "",
+        "table": "",
+        "row": None,
+        "column": "",
+        "found": outcome,
+        "allowed": "a file that can be used",
+        "message": sentence,
+        "cell": "",
+    }
+    return Record(name, source, outcome, sentence, errors=(error,), **more)
+
+
+def outcome_of(cause: BaseException) -> str:
+    """The outcome that an exception stands for.
+
+    Parameters
+    ----------
+    cause : BaseException
+        What was raised while a file was read or its results were written.
+
+    Returns
+    -------
+    str
+        One of the outcomes above. [word]
+    """
+    from addin.package.errors import SourceChanged, WorkbookLocked, WorkbookRefused
+
+    if isinstance(cause, WorkbookLocked):
+        return LOCKED
+    if isinstance(cause, SourceChanged):
+        return CHANGED
+    for one in _chain(cause):
+        if isinstance(one, FileNotFoundError):
+            return MISSING
+        if isinstance(one, OSError) and one.errno in _FULL:
+            return DISK_FULL
+        if isinstance(one, OSError) and one.errno in _FORBIDDEN:
+            return NO_ACCESS
+    return UNREADABLE if isinstance(cause, WorkbookRefused) else WRONG_INPUT
+
+
+def _chain(cause: BaseException) -> Iterator[BaseException]:
+    """An exception and those that led to it."""
+    one: BaseException | None = cause
+    while one is not None:
+        yield one
+        one = one.__cause__ or one.__context__
+
+
+def counted(records: Iterable[Record]) -> dict[str, int]:
+    """How many records have each outcome.
+
+    Parameters
+    ----------
+    records : iterable of Record
+
+    Returns
+    -------
+    dict of str to int
+        By outcome. [count]
+    """
+    found: dict[str, int] = {}
+    for record in records:
+        found[record.outcome] = found.get(record.outcome, 0) + 1
+    return found

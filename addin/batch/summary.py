@@ -1,0 +1,339 @@
+"""The records of a batch as workbook and CSV: a row a file, and a sheet of all errors.
+
+In the workbook every text is a text cell, whatever it begins with. A CSV has no types: a text that a
+spreadsheet program would take for a formula gets an apostrophe in front, which tells it that it is
+text. Numbers are never touched.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from addin.batch.records import DONE, Record
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["NOT_BEGUN", "ERROR_COLUMNS", "FILE_COLUMNS", "guarded", "write_summary"]
+
+#: Outcome of a file that was not reached before the batch ended.
+NOT_BEGUN = "not begun"
+#: A text that begins so may be taken for a formula. [characters]
+_FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r", "\n")
+#: Longest text of a cell. [characters]
+_LONGEST = 32_767
+_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f]")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the sheet of files.
+
+    Parameters
+    ----------
+    header : str
+        With its unit. [words]
+    value : callable
+        Takes a record. [SI → unit of the header]
+    width : int
+        Characters shown. [count]
+    form : str
+        Number format of the workbook; empty for text. [format]
+    """
+
+    header: str
+    value: Callable[[Record], Any]
+    width: int
+    form: str = ""
+
+
+def _of(key: str, factor: float = 1.0) -> Callable[[Record], Any]:
+    """A result, blank where there is none."""
+
+    def value(record: Record) -> Any:
+        found = record.results.get(key)
+        return found if found is None or isinstance(found, str) else factor * found
+
+    return value
+
+
+def _mode(number: int) -> Callable[[Record], Any]:
+    def value(record: Record) -> Any:
+        found = record.results.get("frequencies", ())
+        return found[number - 1] if number <= len(found) else None
+
+    return value
+
+
+def _starts(record: Record) -> Any:
+    if record.results.get("starts_not_judged"):
+        return "not judged"
+    if record.results.get("starts_unlimited"):
+        return "unlimited"
+    found = record.results.get("starts")
+    return None if found is None else math.floor(found)
+
+
+#: The sheet of files, from left to right.
+FILE_COLUMNS: tuple[Column, ...] = (
+    Column("File", lambda r: r.name, 30),
+    Column("Outcome", lambda r: r.outcome, 12),
+    Column("Verdict", _of("verdict"), 24),
+    Column("Tag", _of("tag"), 16),
+    Column("Title", _of("title"), 26),
+    *(Column(f"Mode {n} [Hz]", _mode(n), 9, "0.000") for n in (1, 2, 3)),
+    Column("Worst margin [%]", _of("margin", 100.0), 9, "0.0"),
+    Column("Worst margin at", _of("margin_where"), 22),
+    Column("Largest torque in a start [N·m]", _of("peak_torque"), 10, "#,##0"),
+    Column("Largest torque, at motor speed [× rated]", _of("peak_over_rated"), 11, "0.00"),
+    Column("Largest torque at", _of("peak_where"), 17),
+    Column("Largest stress in a start, nominal, peak-to-peak [MPa]", _of("stress", 1e-6), 12, "0.0"),
+    Column("Largest stress at", _of("stress_where"), 19),
+    Column("Torque reversals [count]", _of("reversals"), 10, "0"),
+    Column("Torque reverses at", _of("reversals_where"), 12),
+    Column("Allowable starts [count]", _starts, 10, "#,##0"),
+    Column("Starts governed by", _of("starts_where"), 19),
+    Column("Start", _of("outcome"), 11),
+    Column("Errors [count]", lambda r: len(r.errors), 8, "0"),
+    Column("What happened", lambda r: r.sentence or None, 50),
+    Column("Warnings", lambda r: "\n".join(r.warnings) or None, 60),
+    Column("Same case as", lambda r: r.same_as or None, 24),
+    Column("Results", lambda r: "\n".join(o.name for o in r.outputs) or None, 34),
+    Column("Inputs, SHA-256 of the case", lambda r: r.case_sha256 or None, 20),
+    Column("File, SHA-256", lambda r: r.stamp.sha256 or None, 20),
+    Column("Time [s]", lambda r: round(r.seconds, 3) if r.seconds else None, 9, "0.000"),
+    Column("Version", lambda r: r.version or None, 10),
+)  # fmt: skip
+
+#: The sheet of errors.
+ERROR_COLUMNS: tuple[tuple[str, str, int], ...] = (
+    ("File", "file", 34),
+    ("Outcome", "outcome", 13),
+    ("Sheet", "sheet", 12),
+    ("Table", "table", 16),
+    ("Row", "row", 6),
+    ("Column", "column", 18),
+    ("Cell", "cell", 8),
+    ("Found", "found", 24),
+    ("Allowed", "allowed", 34),
+    ("What is wrong, and what to do", "message", 90),
+)
+
+
+def guarded(text: str) -> str:
+    """A text for a CSV that no spreadsheet program takes for a formula.
+
+    Parameters
+    ----------
+    text : str
+        Any text. [text]
+
+    Returns
+    -------
+    str
+        With an apostrophe in front where it begins like a formula, else the same.
+    """
+    return f"'{text}" if text.startswith(_FORMULA_STARTS) else text
+
+
+def write_summary(workbook: Path, records: Sequence[Record], heading: str) -> tuple[Path, Path]:
+    """Write the summary as workbook and, beside it, its rows of files as CSV.
+
+    Parameters
+    ----------
+    workbook : Path
+        The .xlsx; the CSV gets the same name with .csv. [path]
+    records : sequence of Record
+        In the order of the rows.
+    heading : str
+        What this is a summary of. [sentence]
+
+    Returns
+    -------
+    tuple of Path
+        Workbook and CSV.
+
+    Raises
+    ------
+    OSError
+        If one cannot be written; one that was there is as before.
+    """
+    files = _file_rows(records)
+    errors = _error_rows(records)
+    _whole(workbook, lambda path: _write_workbook(path, files, errors, records, heading))
+    table = workbook.with_suffix(".csv")
+    _whole(table, lambda path: _write_csv(path, files))
+    return workbook, table
+
+
+def _whole(path: Path, write: Callable[[Path], None]) -> None:
+    """Write a file whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix)
+    os.close(handle)
+    try:
+        write(Path(name))
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(name, 0o666 & ~mask)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def _file_rows(records: Sequence[Record]) -> pd.DataFrame:
+    import pandas as pd
+
+    rows = [[column.value(record) for column in FILE_COLUMNS] for record in records]
+    return pd.DataFrame(rows, columns=_headers(), dtype=object)
+
+
+def _error_rows(records: Sequence[Record]) -> list[Mapping[str, Any]]:
+    return [
+        {"file": record.name, "outcome": record.outcome, **error}
+        for record in records
+        for error in record.errors
+    ]
+
+
+def _write_csv(path: Path, files: pd.DataFrame) -> None:
+    shown = files.map(lambda value: guarded(_text(value)) if isinstance(value, str) else value)
+    # With a byte order mark, without which Excel would not read it as UTF-8.
+    shown.to_csv(path, index=False, encoding="utf-8-sig", lineterminator="\r\n")
+
+
+def _text(value: Any) -> str:
+    return _CONTROL.sub("�", str(value))[:_LONGEST]
+
+
+def _write_workbook(
+    path: Path,
+    files: pd.DataFrame,
+    errors: Sequence[Mapping[str, Any]],
+    records: Sequence[Record],
+    heading: str,
+) -> None:
+    import xlsxwriter
+
+    book = xlsxwriter.Workbook(str(path))
+    styles = _Styles(book)
+    _write_files(book, styles, files, records, heading)
+    _write_errors(book, styles, errors)
+    book.set_properties({"title": "Summary of a batch", "comments": heading})
+    book.close()
+
+
+class _Styles:
+    """Formats of the two sheets."""
+
+    def __init__(self, book: Any) -> None:
+        common = {"font_name": "Arial", "font_size": 9, "valign": "top"}
+        self._book, self._common = book, common
+        self.title = book.add_format({**common, "bold": True, "font_size": 13})
+        self.note = book.add_format({**common, "font_color": "#595959"})
+        self.head = book.add_format(
+            {**common, "bold": True, "text_wrap": True, "align": "left", "indent": 1, "bg_color": "#1F3864",
+             "font_color": "#FFFFFF", "border": 1, "border_color": "#BFBFBF"}
+        )  # fmt: skip
+        self.text = book.add_format({**common, "align": "left", "indent": 1})
+        self.wrapped = book.add_format({**common, "text_wrap": True, "align": "left", "indent": 1})
+        self.good = book.add_format({"font_color": "#006100", "bg_color": "#E2EFDA"})
+        self.bad = book.add_format({"font_color": "#9C0006", "bg_color": "#FCE4E4"})
+        self._numbers: dict[str, Any] = {}
+
+    def number(self, form: str) -> Any:
+        if form not in self._numbers:
+            self._numbers[form] = self._book.add_format({**self._common, "num_format": form})
+        return self._numbers[form]
+
+
+_FIRST = 3  # row of the headers, counted from 0
+
+
+def _write_files(
+    book: Any, styles: _Styles, files: pd.DataFrame, records: Sequence[Record], heading: str
+) -> None:
+    sheet = book.add_worksheet("Files")
+    sheet.write_string(0, 0, "Summary of a batch", styles.title)
+    sheet.write_string(1, 0, heading, styles.note)
+    for at, column in enumerate(FILE_COLUMNS):
+        sheet.set_column(at, at, column.width)
+        sheet.write_string(_FIRST, at, column.header, styles.head)
+    sheet.set_row(_FIRST, 62)
+    for offset, row in enumerate(files.itertuples(index=False, name=None), start=_FIRST + 1):
+        sheet.set_row(offset, 12.75)  # one line: long texts are read in the cell
+        for at, (column, value) in enumerate(zip(FILE_COLUMNS, row, strict=True)):
+            _write(sheet, offset, at, value, styles.number(column.form) if column.form else styles.text)  # fmt: skip
+    last = _FIRST + max(len(files), 1)
+    sheet.autofilter(_FIRST, 0, last, len(FILE_COLUMNS) - 1)
+    sheet.freeze_panes(_FIRST + 1, 1)
+    _colour(sheet, styles, last, "Outcome", {DONE: styles.good}, styles.bad)
+    _colour(sheet, styles, last, "Verdict", {"pass": styles.good, "fail": styles.bad}, None)
+    # Two pages side by side: what was found, and where it comes from.
+    sheet.set_paper(8)  # A3
+    sheet.set_print_scale(50)
+    sheet.set_v_pagebreaks([_headers().index("Errors [count]")])
+    sheet.repeat_columns(0)
+    _page(sheet, "Files")
+
+
+def _colour(
+    sheet: Any, styles: _Styles, last: int, header: str, words: Mapping[str, Any], other: Any
+) -> None:
+    """Colours of a column of words."""
+    at = _headers().index(header)
+    place = (_FIRST + 1, at, last, at)
+    for word, style in words.items():
+        rule = {"type": "cell", "criteria": "==", "value": f'"{word}"', "format": style}
+        sheet.conditional_format(*place, {**rule, "stop_if_true": True})
+    if other is not None:
+        sheet.conditional_format(*place, {"type": "no_blanks", "format": other})
+
+
+def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]]) -> None:
+    sheet = book.add_worksheet("Errors")
+    many = f"{len(errors):,} error{'' if len(errors) == 1 else 's'}"
+    sheet.write_string(0, 0, many if errors else "No errors", styles.title)
+    note = "Row counts the rows of the table, blank ones included; Cell is where it stands."
+    sheet.write_string(1, 0, note if errors else "", styles.note)
+    for at, (header, _, width) in enumerate(ERROR_COLUMNS):
+        sheet.set_column(at, at, width)
+        sheet.write_string(_FIRST, at, header, styles.head)
+    for offset, error in enumerate(errors, start=_FIRST + 1):
+        for at, (_, key, _) in enumerate(ERROR_COLUMNS):
+            _write(sheet, offset, at, error.get(key), styles.wrapped)
+    sheet.autofilter(_FIRST, 0, _FIRST + max(len(errors), 1), len(ERROR_COLUMNS) - 1)
+    sheet.freeze_panes(_FIRST + 1, 1)
+    sheet.set_paper(9)  # A4
+    sheet.fit_to_pages(1, 0)
+    _page(sheet, "Errors")
+
+
+def _write(sheet: Any, row: int, column: int, value: Any, style: Any) -> None:
+    """A number as number, anything else as text; never a formula."""
+    if value is None or value == "":
+        sheet.write_blank(row, column, None, style)
+    elif isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
+        sheet.write_number(row, column, value, style)
+    else:
+        sheet.write_string(row, column, _text(value), style)
+
+
+def _page(sheet: Any, name: str) -> None:
+    sheet.set_landscape()
+    sheet.set_margins(left=0.4, right=0.4, top=0.5, bottom=0.6)
+    sheet.repeat_rows(_FIRST)
+    sheet.set_footer(f"&L{name}&R&P / &N")
+    sheet.hide_gridlines(2)
+
+
+def _headers() -> list[str]:
+    return [one.header for one in FILE_COLUMNS]

@@ -1,0 +1,137 @@
+"""Recalculation when a file is saved.
+
+Folders are looked at again and again, which works on every disk, those of a network included. A file
+is taken when it has been the same at two looks and can be opened: programs save in several steps.
+That somebody has it open does not matter, as long as the result is not open as well.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from addin.batch.conductor import Batch
+from addin.batch.folder import stamp_of
+from addin.batch.inputs import Input
+from addin.batch.records import Stamp
+
+__all__ = ["Watch"]
+
+#: Time between two looks. [s]
+LOOK = 1.0
+#: After this time a file that could not be calculated for a passing reason is tried again. [s]
+TRY_AGAIN = 10.0
+#: How often it is asked whether to stop. [s]
+_ASK = 0.1
+
+
+class Watch:
+    """Files that are watched.
+
+    Parameters
+    ----------
+    batch : Batch
+        Calculates them.
+    find : callable
+        Returns the inputs that are there now; none if there are none.
+    after : callable
+        Called with the inputs that have been calculated, after each round.
+    look : float
+        Time between two looks. [s]
+    """
+
+    def __init__(
+        self,
+        batch: Batch,
+        find: Callable[[], Sequence[Input]],
+        after: Callable[[Sequence[Input]], None],
+        look: float = LOOK,
+    ) -> None:
+        self._batch = batch
+        self._find = find
+        self._after = after
+        self._look = look
+        self._seen: dict[str, Stamp] = {}
+        self._done: dict[str, Stamp] = {}
+        self._retry: dict[str, float] = {}
+
+    def run(self, first: Sequence[Input]) -> None:
+        """Watch until the batch is asked to stop.
+
+        Parameters
+        ----------
+        first : sequence of Input
+            Files that have been calculated already.
+
+        Raises
+        ------
+        Abandoned, Stopped
+            As of `Batch.process`.
+        """
+        for one in first:
+            self._keep(one)
+        while not self._batch.stop():
+            ready = self.ready(self._find())
+            if ready:
+                for one in ready:
+                    self._batch.records.pop(one.name, None)
+                before = {one.name: _stamp(one.path) for one in ready}
+                self._batch.process(ready)
+                for one in ready:
+                    self._keep(one, before[one.name])
+                self._after(ready)
+            until = time.monotonic() + self._look
+            while not self._batch.stop() and time.monotonic() < until:
+                time.sleep(_ASK)
+
+    def ready(self, inputs: Sequence[Input]) -> list[Input]:
+        """Files that were saved since they were calculated and rest now.
+
+        Parameters
+        ----------
+        inputs : sequence of Input
+            What is there.
+
+        Returns
+        -------
+        list of Input
+        """
+        found = []
+        now = time.monotonic()
+        for one in inputs:
+            stamp = _stamp(one.path)
+            before, self._seen[one.name] = self._seen.get(one.name), stamp  # type: ignore[assignment]
+            if stamp is None or stamp != before:
+                continue
+            again = now >= self._retry.get(one.name, float("inf"))
+            if (stamp != self._done.get(one.name) or again) and _opens(one.path):
+                found.append(one)
+        return found
+
+    def _keep(self, one: Input, stamp: Stamp | None = None) -> None:
+        """Remember in which state a file was calculated, and whether to try it again."""
+        record = self._batch.records.get(one.name)
+        self._retry.pop(one.name, None)
+        if record is None:
+            return
+        self._done[one.name] = stamp or Stamp(record.stamp.size, record.stamp.modified, "")
+        if not record.settled:
+            self._retry[one.name] = time.monotonic() + TRY_AGAIN
+
+
+def _stamp(path: Path) -> Stamp | None:
+    try:
+        return stamp_of(path)
+    except OSError:  # just being replaced, or gone
+        return None
+
+
+def _opens(path: Path) -> bool:
+    """Whether a file can be read now; on Windows a program that saves it may not let us."""
+    try:
+        with open(path, "rb") as file:
+            file.read(1)
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,414 @@
+"""One file → its record and its result files. Runs in any process, on any machine.
+
+Tasks and answers are plain values that can be pickled; nothing is kept between two tasks but what
+Python itself keeps. Files come by their path or as bytes; results go to a staging folder or back as
+bytes.
+"""
+
+from __future__ import annotations
+
+import pickle
+import time
+import uuid
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from addin.batch.folder import digest_of, stamp_of
+from addin.batch.records import (
+    DONE,
+    FAULT,
+    WRONG_INPUT,
+    Output,
+    Record,
+    Stamp,
+    failed,
+    outcome_of,
+)
+
+if TYPE_CHECKING:
+    from addin.recalc import Recalculated, Unreadable
+    from addin.typed_case import CaseInput
+    from engine.results import Results
+
+__all__ = [
+    "Calculated",
+    "Examine",
+    "Examined",
+    "Work",
+    "calculate",
+    "examine",
+    "is_locked",
+    "refused",
+]
+
+
+@dataclass(frozen=True)
+class Examine:
+    """The task of reading a file without calculating it.
+
+    Parameters
+    ----------
+    name, source : str
+        As in `Record`. [path]
+    content : bytes or None
+        The file, where it is not to be read from its path. [bytes]
+    stamp : Stamp
+        Its state, where it comes as bytes.
+    """
+
+    name: str
+    source: str
+    content: bytes | None = None
+    stamp: Stamp = Stamp(0, 0, "")
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What reading a file showed.
+
+    Parameters
+    ----------
+    name : str
+        As in `Record`. [path]
+    case_sha256 : str
+        Digest of its case; empty if it cannot be calculated. [hexadecimal]
+    record : Record or None
+        Why it cannot be calculated; None if it can.
+    """
+
+    name: str
+    case_sha256: str
+    record: Record | None
+
+
+@dataclass(frozen=True)
+class Work:
+    """The task of calculating a file.
+
+    Parameters
+    ----------
+    name, source : str
+        As in `Record`. [path]
+    target : str
+        Where its result belongs in the end. [path]
+    staging : str
+        Folder of its own, to be made, for its results; empty if they are to come back as bytes.
+        [path]
+    root : str
+        Folder of results, to which the names of outputs are relative. [path]
+    content : bytes or None
+        The file, where it is not to be read from its path. [bytes]
+    stamp : Stamp
+        Size and time of the file where it comes as bytes.
+    known : bytes or None
+        Pickled `Results` of the same case. [bytes]
+    known_file : str
+        The same in a file. [path]
+    same_as : str
+        File whose calculation that was. [path]
+    case_sha256 : str
+        The case that was examined. [hexadecimal]
+    keep : bool
+        Send `Results` back too. [flag]
+    ignore_lock : bool
+        Calculate although lock files say somebody has the workbook or its result open. [flag]
+    may_be_open : bool
+        That somebody has the workbook itself open does not matter: the file as saved counts. [flag]
+    """
+
+    name: str
+    source: str
+    target: str
+    root: str
+    staging: str = ""
+    content: bytes | None = None
+    stamp: Stamp = Stamp(0, 0, "")
+    known: bytes | None = None
+    known_file: str = ""
+    same_as: str = ""
+    case_sha256: str = ""
+    keep: bool = False
+    ignore_lock: bool = False
+    may_be_open: bool = False
+
+
+@dataclass(frozen=True)
+class Calculated:
+    """What became of a file.
+
+    Parameters
+    ----------
+    record : Record
+        Its outputs wait in the staging folder, or in `files`.
+    results : bytes or None
+        Pickled `Results` where they were asked for. [bytes]
+    files : mapping of str to bytes
+        Result files by name, where there is no staging folder. [bytes]
+    """
+
+    record: Record
+    results: bytes | None = None
+    files: dict[str, bytes] = field(default_factory=dict)
+
+
+def examine(task: Examine) -> Examined:
+    """Read a file and find what it holds.
+
+    Parameters
+    ----------
+    task : Examine
+
+    Returns
+    -------
+    Examined
+    """
+    from addin.recalc import read_checked
+    from engine.case import case_digest
+
+    began = time.perf_counter()
+    try:
+        if task.content is not None:
+            with _Unpacked(task.name, task.content) as path:
+                read, stamp = read_checked(path), task.stamp
+        else:
+            stamp = _stamped(Path(task.source))
+            read = read_checked(Path(task.source))
+    except OSError as wrong:
+        return Examined(task.name, "", refused(task, wrong))
+    if read.problems:
+        return Examined(task.name, "", _wrong(task, read, stamp, time.perf_counter() - began))
+    return Examined(task.name, case_digest(read.data), None)  # type: ignore[union-attr]
+
+
+def calculate(task: Work) -> Calculated:
+    """Calculate a file and write its results into the staging folder.
+
+    Parameters
+    ----------
+    task : Work
+
+    Returns
+    -------
+    Calculated
+        Whatever happens, with a record that says so.
+    """
+    import traceback
+
+    try:
+        if task.content is None:
+            # A folder for each attempt: one that was begun by a worker that died is left aside.
+            staging = Path(task.staging, uuid.uuid4().hex[:8])
+            return _calculated(task, Path(task.source), staging)
+        return _calculated_from_bytes(task)
+    except OSError as wrong:
+        return Calculated(refused(task, wrong))
+    except Exception:  # one file's fault never ends a batch; its record says what happened
+        sentence = (
+            f"{task.name}: this is an error inside torsionbook; nothing was written for this file. "
+            f"Please report it: {traceback.format_exc()}"
+        )
+        return Calculated(failed(task.name, task.source, FAULT, sentence))
+
+
+def _calculated_from_bytes(task: Work) -> Calculated:
+    """The same where the file comes as bytes and the results go back as bytes."""
+    import tempfile
+
+    assert task.content is not None
+    with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+        source = Path(folder, "in", Path(task.name).name)
+        source.parent.mkdir()
+        source.write_bytes(task.content)
+        done = _calculated(replace(task, ignore_lock=True), source, Path(folder, "out"))
+        files = {
+            one.name: Path(folder, "out", Path(one.name).name).read_bytes()
+            for one in done.record.outputs
+        }
+    return Calculated(replace(done.record, stamp=task.stamp), done.results, files)
+
+
+def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
+    from addin.batch.inputs import result_name
+    from addin.recalc import read_checked, recalculate
+    from engine.case import case_digest
+
+    began = time.perf_counter()
+    stamp = _stamped(source)
+    locked = is_locked(task)
+    if locked is not None:
+        return Calculated(refused(task, locked))
+    read = read_checked(source)
+    if read.problems:
+        return Calculated(_wrong(task, read, stamp, time.perf_counter() - began))
+    digest = case_digest(read.data)  # type: ignore[union-attr]
+    known = _known(task) if digest == task.case_sha256 else None
+    done = recalculate(
+        source,
+        destination=staging / Path(result_name(task.name)).name,
+        ignore_lock=task.ignore_lock or task.may_be_open,
+        read=read,
+        known=known,
+    )
+    seconds = time.perf_counter() - began
+    if done.calculation is None or done.problems:
+        return Calculated(_failed(task, done, stamp, digest, seconds))
+    record = _done(task, done, stamp, digest, seconds)
+    if known is None:
+        record = replace(record, same_as="")
+    record = replace(record, outputs=_outputs(task, staging))
+    kept = pickle.dumps(done.calculation.results, pickle.HIGHEST_PROTOCOL) if task.keep else None
+    return Calculated(record, kept)
+
+
+def _stamped(path: Path) -> Stamp:
+    """State of a file, its digest included."""
+    return replace(stamp_of(path), sha256=digest_of(path))
+
+
+def is_locked(task: Work) -> Exception | None:
+    """Why a file is not calculated, where somebody has it or its result open.
+
+    Parameters
+    ----------
+    task : Work
+
+    Returns
+    -------
+    Exception or None
+    """
+    from addin.package.errors import WorkbookLocked
+    from addin.package.locks import check_not_open
+
+    if task.ignore_lock:
+        return None
+    try:
+        if not task.may_be_open:
+            check_not_open(Path(task.source))
+        if task.target:
+            check_not_open(Path(task.target))
+    except WorkbookLocked as wrong:
+        return wrong
+    return None
+
+
+def _known(task: Work) -> Results | None:
+    """Results of the same case, calculated for another file of this batch."""
+    content = task.known
+    if task.known_file:
+        try:
+            content = Path(task.known_file).read_bytes()
+        except OSError:  # then this file is calculated by itself
+            return None
+    return None if content is None else pickle.loads(content)
+
+
+def _done(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: float) -> Record:
+    from addin.headline import headline
+    from addin.version import product_version
+
+    assert done.calculation is not None
+    peaks = done.calculation.tables.get("StartupPeaks", ())
+    return Record(
+        task.name,
+        task.source,
+        DONE,
+        stamp=stamp,
+        case_sha256=digest,
+        same_as=task.same_as,
+        results=asdict(headline(done.calculation.results, peaks)),
+        warnings=done.warnings,
+        seconds=seconds,
+        version=product_version(),
+    )
+
+
+def _outputs(task: Work, staging: Path) -> tuple[Output, ...]:
+    """The result files in the staging folder."""
+    parent = task.name.rpartition("/")[0]
+    prefix = f"{parent}/" if parent else ""
+    inside = bool(task.staging)
+    return tuple(
+        Output(
+            prefix + file.name,
+            file.stat().st_size,
+            digest_of(file),
+            file.relative_to(task.root).as_posix() if inside else "",
+        )
+        for file in sorted(staging.iterdir())
+    )
+
+
+def _wrong(
+    task: Work | Examine, read: CaseInput | Unreadable, stamp: Stamp, seconds: float
+) -> Record:
+    """The record of an input with errors."""
+    cause = getattr(read, "cause", None)
+    return Record(
+        task.name,
+        task.source,
+        WRONG_INPUT if cause is None else outcome_of(cause),
+        _sentence(read.problems),
+        stamp=stamp,
+        warnings=tuple(read.warnings),
+        errors=tuple(one.as_json() | {"cell": one.cell} for one in read.problems),
+        seconds=seconds,
+    )
+
+
+def _failed(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: float) -> Record:
+    """The record of a file that was read but not calculated or written."""
+    return Record(
+        task.name,
+        task.source,
+        WRONG_INPUT if done.cause is None else outcome_of(done.cause),
+        _sentence(done.problems),
+        stamp=stamp,
+        case_sha256=digest,
+        warnings=tuple(done.warnings),
+        errors=tuple(one.as_json() | {"cell": one.cell} for one in done.problems),
+        seconds=seconds,
+    )
+
+
+def refused(task: Work | Examine, wrong: Exception) -> Record:
+    """The record of a file that cannot be used at all.
+
+    Parameters
+    ----------
+    task : Work or Examine
+    wrong : Exception
+        Why.
+
+    Returns
+    -------
+    Record
+    """
+    from addin.recalc import of_file
+
+    sentence = of_file(Path(task.source), wrong).message
+    return failed(task.name, task.source, outcome_of(wrong), sentence)
+
+
+def _sentence(problems: Any) -> str:
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return f"{problems[0].message}{more}"
+
+
+class _Unpacked:
+    """A file that came as bytes, for a while on the disk."""
+
+    def __init__(self, name: str, content: bytes) -> None:
+        self._name = Path(name).name
+        self._content = content
+
+    def __enter__(self) -> Path:
+        import tempfile
+
+        self._folder = tempfile.TemporaryDirectory(prefix="torsionbook-")
+        path = Path(self._folder.name, self._name)
+        path.write_bytes(self._content)
+        return path
+
+    def __exit__(self, *_: object) -> None:
+        self._folder.cleanup()

@@ -1,0 +1,519 @@
+"""Batches from folder to summary: in this process where something is to fail, else as a user runs them."""
+
+from __future__ import annotations
+
+import errno
+import math
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import openpyxl
+import pandas as pd
+import pytest
+from batch_helpers import Here, command, environment, make_train, spoil, torsionbook
+
+from addin.batch import work
+from addin.batch.conductor import Batch, Stop, Stopped
+from addin.batch.folder import OWN, FolderRefused, OutFolder
+from addin.batch.inputs import find_inputs
+from addin.batch.pool import Crashed
+from addin.batch.records import Record
+from addin.batch.summary import ERROR_COLUMNS, FILE_COLUMNS, guarded, write_summary
+from addin.recalc import recalculate
+
+#: Tables with times of this very run in them.
+TIMED = {"Audit", "AccuracyCost", "Effects", "RunFacts", "ChartAccuracy"}
+
+
+def run(trains: Path, out: Path, *, resume: bool = False, **more) -> dict[str, Record]:
+    """A batch in this process."""
+    inputs = find_inputs([str(trains)], out)
+    with OutFolder(out) as folder, Batch(folder, Here(), resume=resume, **more) as batch:
+        batch.process(inputs)
+        return {one.name: batch.records[one.name] for one in inputs if one.name in batch.records}
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """How often the engine runs."""
+    import addin.calculation
+
+    calls = []
+    real = addin.calculation.run
+    monkeypatch.setattr(
+        addin.calculation, "run", lambda *words: calls.append(words[0]) or real(*words)
+    )
+    return calls
+
+
+def table_values(path: Path) -> dict[str, list[tuple]]:
+    """Every table of a workbook but those with times."""
+    book = openpyxl.load_workbook(path, data_only=True)
+    return {
+        name: [tuple(cell.value for cell in row) for row in sheet[place]]
+        for sheet in book
+        for name, place in sheet.tables.items()
+        if name not in TIMED
+    }
+
+
+def left_over(out: Path) -> list[str]:
+    """Files and folders that a batch should have tidied away."""
+    return [p.name for p in out.rglob("*") if p.name.startswith("staging-") or ".tmp" in p.name]
+
+
+# --- a whole folder -------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def whole(made, tmp_path_factory):
+    """A batch as a user runs it: five good files, four bad ones."""
+    folder = tmp_path_factory.mktemp("whole")
+    shutil.copytree(made, folder / "in")
+    spoil(make_train(folder / "in" / "sub" / "wrong.xlsx", 50))
+    (folder / "in" / "garbage.xlsx").write_bytes(b"PK no workbook")
+    (folder / "in" / "~$train 7.xlsx.txt").write_bytes(b"")
+    make_train(folder / "in" / "open.xlsx", 51)
+    (folder / "in" / "~$open.xlsx").write_bytes(b"\x03Ada")
+    (folder / "in" / "case.json").write_text('{"format": 1, "poles": 4}', encoding="utf-8")
+    said = torsionbook("batch", "in", "--out", "out", "--jobs", 2, cwd=folder)
+    return folder, said
+
+
+def test_bad_files_do_not_stop_the_others(whole):
+    folder, said = whole
+    assert said.returncode == 1, said.stderr
+    assert "9 files in" in said.stdout
+    for words in ("5 done", "2 wrong input", "1 unreadable", "1 locked"):
+        assert words in said.stdout
+    assert {p.name for p in (folder / "out").glob("*.xlsx")} == {
+        *(f"train {n}.xlsx" for n in (7, 8, 9, 10)),
+        "summary.xlsx",
+        "twin.xlsx",
+    }
+    assert not (folder / "out" / "sub").exists()
+    assert left_over(folder / "out") == []
+
+
+def test_each_failure_is_told_with_its_reason(whole):
+    _, said = whole
+    assert "open.xlsx: locked: open.xlsx is open in Excel by Ada" in said.stderr
+    assert "garbage.xlsx: unreadable:" in said.stderr
+    assert (
+        "sub/wrong.xlsx: wrong input: Sheet Train, table Elements, row 2, Stiffness" in said.stderr
+    )
+
+
+def test_results_are_those_of_recalc(whole, tmp_path):
+    folder, _ = whole
+    for name in ("train 9.xlsx", "train 8.xlsx", "twin.xlsx"):
+        alone = recalculate(folder / "in" / name, destination=tmp_path / name)
+        assert not alone.problems
+        ours, theirs = table_values(folder / "out" / name), table_values(tmp_path / name)
+        assert len(ours) > 20
+        assert ours == theirs
+
+
+def test_the_summary_has_a_row_a_file_in_order(whole):
+    folder, _ = whole
+    rows = pd.read_excel(folder / "out" / "summary.xlsx", header=3, keep_default_na=False)
+    assert list(rows.columns) == [one.header for one in FILE_COLUMNS]
+    assert list(rows["File"]) == [
+        "case.json", "garbage.xlsx", "open.xlsx", "sub/wrong.xlsx",
+        *(f"train {n}.xlsx" for n in (7, 8, 9, 10)), "twin.xlsx",
+    ]  # fmt: skip
+    done = rows[rows["Outcome"] == "done"].set_index("File")
+    row = done.loc["train 7.xlsx"]
+    # the paper: 30, 53 and 86 Hz; 2.0 times rated torque; several hundred starts
+    assert [round(row[f"Mode {n} [Hz]"]) for n in (1, 2, 3)] == [30, 53, 86]
+    assert row["Verdict"] == "fail"
+    assert row["Tag"] == "T-0"
+    assert row["Worst margin [%]"] == pytest.approx(0.0, abs=0.01)
+    assert len(row["Inputs, SHA-256 of the case"]) == 64
+    assert done.loc["twin.xlsx", "Same case as"] == "train 8.xlsx"
+    assert done.loc["twin.xlsx", "Tag"] == "its own"
+
+
+def test_its_numbers_are_those_of_the_results(whole):
+    folder, _ = whole
+    rows = pd.read_excel(folder / "out" / "summary.xlsx", header=3).set_index("File")
+    row = rows.loc["train 9.xlsx"]
+    tables = table_values(folder / "out" / "train 9.xlsx")
+    header, *peaks = tables["StartupPeaks"]
+    # the examples show torque in lbf·ft and stress in psi
+    pp = [p[header.index("Peak-to-peak stress")] for p in peaks]
+    psi = max(x for x in pp if isinstance(x, float))
+    stress = row["Largest stress in a start, nominal, peak-to-peak [MPa]"]
+    assert stress == pytest.approx(psi * 0.006894757293168361, rel=1e-9)
+    at = next(p for p in peaks if p[0] == row["Largest torque at"])
+    size = max(abs(at[header.index(f"{end} torque")]) for end in ("Maximum", "Minimum"))
+    assert row["Largest torque in a start [N·m]"] == pytest.approx(
+        size * 1.3558179483314004, rel=1e-9
+    )
+    header, *starts = tables["AllowableStarts"]
+    allowed = min(s[header.index("Allowable starts")] for s in starts if s[0])
+    assert row["Allowable starts [count]"] == math.floor(allowed)
+    header, *reversals = tables["TorqueReversals"]
+    most = max(r[header.index("Reversals")] for r in reversals if r[0])
+    assert row["Torque reversals [count]"] == most
+
+
+def test_the_sheet_of_errors_names_sheet_table_row_and_column(whole):
+    folder, _ = whole
+    errors = pd.read_excel(
+        folder / "out" / "summary.xlsx", sheet_name="Errors", header=3, keep_default_na=False
+    )
+    assert list(errors.columns) == [header for header, _, _ in ERROR_COLUMNS]
+    wrong = errors[errors["File"] == "sub/wrong.xlsx"]
+    places = set(zip(wrong["Sheet"], wrong["Table"], wrong["Row"], wrong["Column"], strict=True))
+    assert {("Train", "Elements", 2, "Stiffness"), ("Train", "Elements", 3, "Stiffness")} <= places
+    assert set(wrong["Cell"].str.len()) == {2} or all(wrong["Cell"])
+    assert set(errors["File"]) == {"case.json", "garbage.xlsx", "open.xlsx", "sub/wrong.xlsx"}
+    assert all(errors["What is wrong, and what to do"])
+
+
+def test_the_csv_says_the_same(whole):
+    folder, _ = whole
+    book = pd.read_excel(folder / "out" / "summary.xlsx", header=3)
+    table = pd.read_csv(folder / "out" / "summary.csv", encoding="utf-8-sig")
+    pd.testing.assert_frame_equal(book, table, check_dtype=False)
+
+
+def test_resuming_does_nothing_twice_but_what_may_succeed_now(whole):
+    """On a copy: the locked file is free now, the others are not touched."""
+    folder, _ = whole
+    copy = folder.with_name("resumed")
+    shutil.copytree(folder, copy)
+    for path in copy.rglob("*.xlsx"):  # the sources are where they were for the records
+        os.utime(path, ns=(1, 1)) if "out" in path.parts else None
+    (folder / "in" / "~$open.xlsx").unlink()
+    try:
+        before = {p: p.stat().st_mtime_ns for p in (copy / "out").glob("t*.xlsx")}
+        said = torsionbook("batch", folder / "in", "--out", copy / "out", "--resume", cwd=copy)
+    finally:
+        (folder / "in" / "~$open.xlsx").write_bytes(b"\x03Ada")
+    assert "6 done" in said.stdout
+    assert "(8 of them by an earlier batch)" in said.stdout
+    assert {p: p.stat().st_mtime_ns for p in before} == before
+    assert (copy / "out" / "open.xlsx").is_file()
+
+
+# --- identical cases ------------------------------------------------------------------------------
+
+
+def test_identical_cases_are_calculated_once_and_keep_their_own_title_block(
+    trains, tmp_path, counted
+):
+    records = run(trains, tmp_path / "out")
+    assert len(records) == 5
+    assert all(one.done for one in records.values())
+    assert len(counted) == 4
+    assert records["twin.xlsx"].same_as == "train 8.xlsx"
+    book = openpyxl.load_workbook(tmp_path / "out" / "twin.xlsx")
+    name = book.defined_names["Tag"]
+    sheet, cell = next(name.destinations)
+    assert book[sheet][cell].value == "its own"
+
+
+def test_a_twin_whose_first_failed_is_calculated_by_itself(trains, tmp_path, monkeypatch, counted):
+    real = work.calculate
+
+    def failing(task):
+        if task.name == "train 8.xlsx":
+            raise_full = OSError(errno.EACCES, "Permission denied")
+            return work.Calculated(work.refused(task, raise_full))
+        return real(task)
+
+    monkeypatch.setattr("addin.batch.conductor.calculate", failing)
+    records = run(trains, tmp_path / "out")
+    assert records["train 8.xlsx"].outcome == "no access"
+    assert records["twin.xlsx"].done
+    assert records["twin.xlsx"].same_as == ""
+    assert len(counted) == 4
+
+
+# --- resume ---------------------------------------------------------------------------------------
+
+
+def test_resume_redoes_what_changed_and_nothing_else(trains, tmp_path, counted):
+    out = tmp_path / "out"
+    run(trains, out)
+    counted.clear()
+    assert len(run(trains, out, resume=True)) == 5
+    assert counted == []
+    os.utime(trains / "train 8.xlsx")  # touched, not changed
+    make_train(trains / "train 9.xlsx", 99)  # changed
+    (out / "train 10.xlsx").unlink()  # lost
+    (out / "train 7.xlsx").write_bytes((out / "train 7.xlsx").read_bytes()[:5000])  # damaged
+    before = (out / "train 8.xlsx").stat().st_mtime_ns
+    records = run(trains, out, resume=True)
+    assert all(one.done for one in records.values())
+    assert len(counted) == 3
+    assert (out / "train 8.xlsx").stat().st_mtime_ns == before
+    for name in ("train 9.xlsx", "train 10.xlsx", "train 7.xlsx"):
+        openpyxl.load_workbook(out / name)
+
+
+def test_without_resume_everything_is_done_again(trains, tmp_path, counted):
+    run(trains, tmp_path / "out")
+    run(trains, tmp_path / "out")
+    assert len(counted) == 8
+
+
+def test_an_earlier_version_is_no_record(trains, tmp_path, counted, monkeypatch):
+    run(trains, tmp_path / "out")
+    monkeypatch.setattr("addin.version.product_version", lambda: "99.0")
+    run(trains, tmp_path / "out", resume=True)
+    assert len(counted) == 8
+
+
+# --- named outcomes -------------------------------------------------------------------------------
+
+
+def outcomes(records: dict[str, Record]) -> dict[str, str]:
+    return {name: one.outcome for name, one in records.items()}
+
+
+def test_a_result_that_is_open_in_excel_is_named_and_the_old_one_stays(trains, tmp_path):
+    out = tmp_path / "out"
+    run(trains, out)
+    old = (out / "train 7.xlsx").read_bytes()
+    (out / "~$train 7.xlsx").write_bytes(b"\x03Eve")
+    make_train(trains / "train 7.xlsx", 42)
+    records = run(trains, out, resume=True)
+    assert records["train 7.xlsx"].outcome == "locked"
+    assert "Eve" in records["train 7.xlsx"].sentence
+    assert (out / "train 7.xlsx").read_bytes() == old
+    (out / "~$train 7.xlsx").unlink()
+    assert run(trains, out, resume=True)["train 7.xlsx"].done
+
+
+def test_a_full_disk_ends_the_batch_cleanly(trains, tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    real = os.fsync
+    allowed = [12]
+
+    def fsync(handle):
+        allowed[0] -= 1
+        if allowed[0] < 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        real(handle)
+
+    monkeypatch.setattr("addin.package.save.os.fsync", fsync)
+    stop = Stop()
+    inputs = find_inputs([str(trains)], out)
+    with OutFolder(out) as folder, Batch(folder, Here(), stop=stop) as batch:
+        try:
+            batch.process(inputs)
+        except Stopped as wrong:  # the journal could not be written either
+            stop.reason = stop.reason or str(wrong)
+        records = dict(batch.records)
+    assert "free some space" in stop.reason.lower()
+    assert "--resume" in stop.reason
+    monkeypatch.undo()
+    assert left_over(out) == []
+    for name, one in records.items():
+        assert one.done == (out / name).is_file()
+    after = run(trains, out, resume=True)
+    assert set(outcomes(after).values()) == {"done"}
+    assert len(after) == 5
+
+
+def test_a_file_saved_while_it_is_calculated_is_tried_once_more(trains, tmp_path, monkeypatch):
+    import addin.recalc
+
+    real = addin.recalc._calculate
+    touched = []
+
+    def meanwhile(read, *words):
+        found = real(read, *words)
+        if read.path.name == "train 9.xlsx" and len(touched) < limit:
+            touched.append(1)
+            make_train(trains / "train 9.xlsx", 60 + len(touched))
+        return found
+
+    monkeypatch.setattr("addin.recalc._calculate", meanwhile)
+    limit = 1
+    assert run(trains, tmp_path / "a")["train 9.xlsx"].done
+    limit = 9
+    record = run(trains, tmp_path / "b")["train 9.xlsx"]
+    assert record.outcome == "changed meanwhile"
+    assert not (tmp_path / "b" / "train 9.xlsx").exists()
+
+
+def test_a_folder_where_a_result_should_be(trains, tmp_path):
+    out = tmp_path / "out"
+    (out / "train 7.xlsx" / "x").mkdir(parents=True)
+    records = run(trains, out)
+    assert not records["train 7.xlsx"].done
+    assert records["train 7.xlsx"].sentence
+    assert sum(one.done for one in records.values()) == 4
+    assert left_over(out) == []
+
+
+def test_a_folder_that_may_not_be_written(trains, tmp_path, monkeypatch):
+    """By hand, as root may write anywhere."""
+
+    def refused(*words, **more):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr("addin.batch.folder.Path.mkdir", refused)
+    with pytest.raises(FolderRefused, match="Results cannot be written to .*Permission denied"):
+        OutFolder(tmp_path / "out")
+
+
+def test_a_result_that_cannot_be_put_in_place_is_named(trains, tmp_path, monkeypatch):
+    real = os.replace
+
+    def refused(source, target):
+        if Path(target) == tmp_path / "out" / "train 8.xlsx":
+            raise PermissionError(errno.EACCES, "Permission denied", str(target))
+        real(source, target)
+
+    monkeypatch.setattr("addin.batch.folder.os.replace", refused)
+    records = run(trains, tmp_path / "out")
+    assert records["train 8.xlsx"].outcome == "no access"
+    assert "probably open in Excel" in records["train 8.xlsx"].sentence
+    assert sum(one.done for one in records.values()) == 4
+    monkeypatch.undo()
+    assert run(trains, tmp_path / "out", resume=True)["train 8.xlsx"].done
+
+
+def test_our_own_fault_is_recorded_and_the_rest_goes_on(trains, tmp_path, monkeypatch):
+    real = work._calculated
+    monkeypatch.setattr(
+        work,
+        "_calculated",
+        lambda task, *more: 1 / 0 if task.name == "train 8.xlsx" else real(task, *more),
+    )
+    records = run(trains, tmp_path / "out")
+    assert records["train 8.xlsx"].outcome == "fault"
+    assert "ZeroDivisionError" in records["train 8.xlsx"].sentence
+    assert sum(one.done for one in records.values()) == 4
+
+
+def test_a_crash_is_recorded_with_what_to_do(trains, tmp_path):
+    class Crashing(Here):
+        def answers(self, stopped):
+            for task, answer in super().answers(stopped):
+                crash = isinstance(answer, work.Calculated) and task.tag.name == "train 9.xlsx"
+                yield task, Crashed("the process was ended by SIGKILL") if crash else answer
+
+    inputs = find_inputs([str(trains)], tmp_path / "out")
+    with OutFolder(tmp_path / "out") as folder, Batch(folder, Crashing()) as batch:
+        batch.process(inputs)
+        record = batch.records["train 9.xlsx"]
+    assert record.outcome == "crashed"
+    assert "SIGKILL" in record.sentence
+
+
+def test_two_batches_on_one_folder(trains, tmp_path):
+    with OutFolder(tmp_path / "out"):
+        said = torsionbook("batch", trains, "--out", "out", cwd=tmp_path)
+    assert said.returncode == 1
+    assert "Another batch" in said.stderr
+    assert "Traceback" not in said.stderr
+
+
+# --- Ctrl-C ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a signal to a group is not sent there")
+@pytest.mark.parametrize("times", [1, 2])
+def test_ctrl_c_ends_it_cleanly_and_resume_completes(tmp_path, times):
+    for number in range(16):
+        make_train(tmp_path / "in" / f"t{number}.xlsx", number)
+    words = command("batch", "in", "--out", "out", "--jobs", 2)
+    batch = subprocess.Popen(
+        words,
+        cwd=tmp_path,
+        env=environment(),
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # so that the signal goes to the whole group, as from a terminal
+    )
+    until = time.monotonic() + 120
+    while len(list((tmp_path / "out").glob("t*.xlsx"))) < 3:
+        assert time.monotonic() < until
+        time.sleep(0.02)
+    for _ in range(times):
+        os.killpg(batch.pid, signal.SIGINT)
+        time.sleep(0.05)
+    out, said = batch.communicate(timeout=120)
+    assert batch.returncode == 130, said
+    assert "Traceback" not in said
+    assert "Interrupted" in said
+    assert "--resume" in said
+    assert "not begun" in out
+    assert left_over(tmp_path / "out") == []
+    rows = pd.read_csv(tmp_path / "out" / "summary.csv", encoding="utf-8-sig")
+    assert len(rows) == 16
+    done = set(rows[rows["Outcome"] == "done"]["File"])
+    assert done == {p.name for p in (tmp_path / "out").glob("t*.xlsx")}
+    assert 3 <= len(done) < 16
+    again = torsionbook("batch", "in", "--out", "out", "--resume", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert f"16 done ({len(done)} of them by an earlier batch)" in again.stdout
+
+
+# --- text that looks like a formula ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "\n=1", "plain"])
+def test_no_text_becomes_a_formula(tmp_path, text):
+    record = Record(
+        "a.xlsx",
+        "/in/a.xlsx",
+        "wrong input",
+        text,
+        results={"tag": text},
+        errors=({"sheet": text, "found": text, "message": text},),
+    )
+    book, table = write_summary(tmp_path / "s.xlsx", [record], text)
+    for sheet in openpyxl.load_workbook(book):
+        for row in sheet.iter_rows():
+            for cell in row:
+                assert cell.data_type != "f", (sheet.title, cell.coordinate)
+    content = pd.read_csv(table, encoding="utf-8-sig", dtype=str)
+    for value in content.loc[0, ["Tag", "What happened"]]:
+        assert value == (text if text == "plain" else "'" + text)
+
+
+def test_numbers_are_not_guarded(tmp_path):
+    record = Record("a.xlsx", "/a", "done", results={"margin": -0.05})
+    _, table = write_summary(tmp_path / "s.xlsx", [record], "")
+    assert pd.read_csv(table, encoding="utf-8-sig").loc[0, "Worst margin [%]"] == -5.0
+    assert guarded("a=1") == "a=1"
+
+
+# --- words of the command line --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["nothing", "--out", "o"], 1, "nothing"),
+        (["gone/*.xlsx", "--out", "o"], 1, "Nothing is found under gone"),
+        ([".", "--out", "o", "--summary", "s.csv"], 2, "must end in .xlsx"),
+        (["."], 2, "--out"),
+        ([".", "--out", "o", "--jobs", "0"], 2, "--jobs"),
+    ],
+)
+def test_wrong_words(tmp_path, words, status, said):
+    done = torsionbook("batch", *words, cwd=tmp_path)
+    assert done.returncode == status, done.stderr
+    assert said in done.stdout + done.stderr
+    assert not (tmp_path / "o" / OWN / "journal.jsonl").exists() or words[0] == "nothing"
+
+
+def test_strict_exits_with_one_where_a_verdict_fails(tmp_path):
+    make_train(tmp_path / "a.xlsx")  # fails
+    words = ("batch", "a.xlsx", "--out", "o", "--summary", "s/all.xlsx")
+    assert torsionbook(*words, cwd=tmp_path).returncode == 0
+    assert torsionbook(*words, "--strict", "--resume", cwd=tmp_path).returncode == 1
+    assert (tmp_path / "s" / "all.csv").is_file()

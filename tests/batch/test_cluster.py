@@ -1,0 +1,206 @@
+"""Batches on a real Dask cluster: a scheduler and workers in processes of their own, on loopback."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import openpyxl
+import pandas as pd
+import pytest
+from batch_helpers import command, environment, make_train, spoil, torsionbook
+
+from addin.batch import cluster
+from addin.batch.cluster import Cluster, ClusterRefused
+from addin.batch.folder import OWN
+from addin.batch.journal import read_journal
+from addin.batch.pool import Crashed, Task
+
+
+class Dask:
+    """A scheduler and workers."""
+
+    def __init__(self, place: Path) -> None:
+        self.place = place
+        place.mkdir()
+        self.processes: list[subprocess.Popen[bytes]] = []
+        self.log = open(place / "log", "wb")
+        found = place / "scheduler.json"
+        self._start("dask_scheduler", "--port", "0", "--scheduler-file", str(found))
+        self._wait(found.exists)
+        time.sleep(0.2)
+        self.address = json.loads(found.read_text())["address"]
+        self.workers = [self.worker() for _ in range(3)]
+
+    def _start(self, program: str, *words: str) -> subprocess.Popen[bytes]:
+        here = environment() | {"OPENBLAS_NUM_THREADS": "1"}
+        here["PYTHONPATH"] += os.pathsep + str(Path(__file__).parent)
+        process = subprocess.Popen(
+            [sys.executable, "-m", f"distributed.cli.{program}", "--host", "127.0.0.1",
+             "--no-dashboard", *words],
+            cwd=self.place,
+            env=here,
+            stdout=self.log,
+            stderr=self.log,
+        )  # fmt: skip
+        self.processes.append(process)
+        return process
+
+    def worker(self) -> subprocess.Popen[bytes]:
+        return self._start("dask_worker", self.address, "--nthreads", "1", "--no-nanny")
+
+    def stop(self) -> None:
+        for process in reversed(self.processes):
+            process.kill()
+            process.wait()
+        self.log.close()
+
+    @staticmethod
+    def _wait(happens) -> None:
+        until = time.monotonic() + 60
+        while not happens():
+            assert time.monotonic() < until
+            time.sleep(0.05)
+
+
+@pytest.fixture(scope="module")
+def dask(tmp_path_factory) -> Iterator[Dask]:
+    running = Dask(tmp_path_factory.mktemp("dask") / "cluster")
+    yield running
+    running.stop()
+
+
+@contextmanager
+def joined(dask: Dask) -> Iterator[Cluster]:
+    work = Cluster(dask.address)
+    yield work
+    work.close()
+
+
+def never() -> bool:
+    return False
+
+
+def tripled(number: int) -> tuple[int, int]:
+    return 3 * number, os.getpid()
+
+
+def die(_: object) -> None:
+    os._exit(9)
+
+
+def test_tasks_run_in_the_processes_of_the_cluster(dask):
+    with joined(dask) as work:
+        work._client.wait_for_workers(3)
+        for number in range(30):
+            work.add(Task(tripled, number, tag=number))
+        found = {task.tag: answer for task, answer in work.answers(never)}
+    assert {tag: answer[0] for tag, answer in found.items()} == {n: 3 * n for n in range(30)}
+    assert {answer[1] for answer in found.values()} <= {one.pid for one in dask.workers}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("send", ["files", "bytes"])
+def test_a_worker_killed_in_the_middle_loses_nothing(dask, tmp_path, send):
+    source = tmp_path / "in"
+    for number in range(12):
+        make_train(source / str(number % 2) / f"t{number}.xlsx", number % 10)  # two twins
+    spoil(make_train(source / "wrong.xlsx", 20))
+    make_train(source / "open.xlsx", 21)
+    (source / "~$open.xlsx").write_bytes(b"\x03Ada")
+    batch = subprocess.Popen(
+        command("batch", "in", "--out", "out", "--scheduler", dask.address, "--send", send),
+        cwd=tmp_path,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    out = tmp_path / "out"
+    Dask._wait(lambda: len(list(out.rglob("t*.xlsx"))) > 1 or batch.poll() is not None)
+    victim = dask.workers.pop()
+    victim.send_signal(signal.SIGKILL)
+    said, _ = batch.communicate(timeout=300)
+    dask.workers.append(dask.worker())
+    assert batch.returncode == 1, said
+    assert "12 done" in said
+    rows = pd.read_csv(out / "summary.csv", encoding="utf-8-sig").set_index("File")
+    assert rows.loc["wrong.xlsx", "Outcome"] == "wrong input"
+    assert rows.loc["open.xlsx", "Outcome"] == "locked"
+    assert rows["Same case as"].notna().sum() == 2
+    for number in range(12):
+        name = f"{number % 2}/t{number}.xlsx"
+        openpyxl.load_workbook(out / name)
+        record = read_journal(out / OWN / "journal.jsonl")[name]
+        assert record.source == str(source / name)
+        assert record.stamp.size == (source / name).stat().st_size
+    again = torsionbook("batch", "in", "--out", "out", "--resume", cwd=tmp_path)
+    assert "(13 of them by an earlier batch)" in again.stdout, again.stdout + again.stderr
+
+
+def test_results_are_those_of_this_machine(dask, tmp_path):
+    make_train(tmp_path / "in" / "t.xlsx", 3)
+    for out, words in {
+        "here": [],
+        "files": ["--scheduler", dask.address, "--send", "files"],
+        "bytes": ["--scheduler", dask.address, "--send", "bytes"],
+        "auto": ["--scheduler", dask.address],
+    }.items():
+        done = torsionbook("batch", "in", "--out", out, *words, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        if out == "auto":
+            assert "by a shared folder" in done.stderr
+    shown = [
+        read_journal(tmp_path / out / OWN / "journal.jsonl")["t.xlsx"].results
+        for out in ("here", "files", "bytes", "auto")
+    ]
+    assert shown[0] == shown[1] == shown[2] == shown[3]
+
+
+def test_a_programme_of_cases_on_the_cluster(dask, tmp_path):
+    make_train(tmp_path / "base.xlsx")
+    lines = ["DampingRatio [%]", *(f"{1 + 0.01 * n}" for n in range(12)), "-1"]
+    (tmp_path / "t.csv").write_text("\n".join(lines))
+    words = ("batch", "base.xlsx", "--vary", "t.csv", "--out", "o", "--scheduler", dask.address)
+    done = torsionbook(*words, cwd=tmp_path)
+    assert done.returncode == 1, done.stderr
+    assert "12 done, 1 wrong input" in done.stdout
+
+
+def test_a_folder_that_workers_do_not_see_is_found_out(dask, tmp_path, monkeypatch):
+    (tmp_path / "a.xlsx").write_text("x")
+    with joined(dask) as work:
+        assert work.shares(tmp_path, tmp_path / "a.xlsx")
+        assert list(tmp_path.iterdir()) == [tmp_path / "a.xlsx"]
+        assert not work.shares(tmp_path, tmp_path / "not there.xlsx")
+    assert not cluster.shared(str(tmp_path), "token", str(tmp_path / "a.xlsx"))
+
+
+def test_a_task_that_kills_every_worker_is_given_up_and_named(tmp_path):
+    """On a cluster of its own, whose workers it ends."""
+    own = Dask(tmp_path / "cluster")
+    try:
+        with joined(own) as work:
+            work.add(Task(die, None, tag="bad"))
+            for _ in range(3):
+                own.worker()
+            found = {task.tag: answer for task, answer in work.answers(never)}
+        assert isinstance(found["bad"], Crashed)
+        assert "died" in found["bad"].sentence
+    finally:
+        own.stop()
+
+
+def test_no_scheduler_and_another_version_are_told(dask, tmp_path, monkeypatch):
+    with pytest.raises(ClusterRefused, match="cannot be used, or has no worker"):
+        Cluster("tcp://127.0.0.1:9", patience=1.0)
+    monkeypatch.setattr("addin.version.product_version", lambda: "99.0")
+    with pytest.raises(ClusterRefused, match=r"has 0\.\d.*here it is 99\.0"):
+        Cluster(dask.address)

@@ -1,0 +1,330 @@
+"""A programme of cases from a table: names, units, wrong rows, resume."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from batch_helpers import Here, command, environment, make_train, torsionbook
+
+from addin.batch import vary
+from addin.batch.conductor import Listener, Stop
+from addin.batch.folder import OWN, OutFolder
+from addin.batch.pool import Crashed
+from addin.batch.vary import Programme, TableRefused, run_programme
+from addin.recalc import recalculate
+
+#: Two discs and a shaft: f = √(k (1/J1 + 1/J2)) / 2π.
+TWO_DISCS = {
+    "format": 1,
+    "line_frequency": 60,
+    "poles": 4,
+    "rated_power": 1e6,
+    "damping_ratio": 0.02,
+    "stations": [
+        {"station": "Motor", "inertia": 10.0},
+        {"station": "Fan", "inertia": 40.0, "running_load": 1000.0},
+    ],
+    "elements": [
+        {"element": "Shaft", "kind": "shaft", "from": "Motor", "to": "Fan", "stiffness": 1e6}
+    ],
+}
+
+
+def frequency(stiffness: float, first: float = 10.0, second: float = 40.0) -> float:
+    return math.sqrt(stiffness * (1 / first + 1 / second)) / (2 * math.pi)
+
+
+@pytest.fixture
+def base(tmp_path) -> Path:
+    (tmp_path / "base.json").write_text(json.dumps(TWO_DISCS), encoding="utf-8")
+    return tmp_path / "base.json"
+
+
+def run(
+    base: Path, table: Path, out: Path, *, workers=None, resume: bool = False
+) -> tuple[Programme, pd.DataFrame]:
+    with OutFolder(out) as folder:
+        done = run_programme(
+            base,
+            table,
+            folder,
+            workers or Here(),
+            resume=resume,
+            stop=Stop(),
+            listener=Listener(),
+        )
+    return done, pd.read_parquet(done.result)
+
+
+def csv(place: Path, *lines: str, **more) -> Path:
+    path = place / "table.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8", **more)
+    return path
+
+
+# --- names and units ------------------------------------------------------------------------------
+
+
+def test_each_row_is_a_case_and_a_blank_leaves_the_base(base, tmp_path):
+    table = csv(
+        tmp_path,
+        "Name,Elements[Shaft].Stiffness,Stations[Fan].Inertia",
+        "soft,250000,",
+        "heavy,,160",
+        "both,4e6,160",
+    )
+    done, rows = run(base, table, tmp_path / "out")
+    assert done.outcomes == {"done": 3}
+    assert list(rows["name"]) == ["soft", "heavy", "both"]
+    assert list(rows["row"]) == [1, 2, 3]
+    exact = [frequency(2.5e5), frequency(1e6, second=160), frequency(4e6, second=160)]
+    assert list(rows["mode_1_Hz"]) == pytest.approx(exact, rel=1e-12)
+    assert rows["Stations[Fan].Inertia"].isna().tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("header", "value"),
+    [
+        ("Elements[Shaft].Stiffness", "2e6"),
+        ("Elements[1].Stiffness", "2e6"),
+        ("elements[Shaft].stiffness", "2e6"),
+        ("Elements[Shaft].Stiffness [kN*m/rad]", "2000"),
+        ("Elements[Shaft].Stiffness", "2000 kN*m/rad"),
+        ("Elements[Shaft].Stiffness [lbf*in/rad]", "2 MN*m/rad"),
+    ],
+)
+def test_units_stand_in_the_header_or_in_the_cell_else_they_are_si(base, tmp_path, header, value):
+    _, rows = run(base, csv(tmp_path, header, value), tmp_path / "out")
+    assert rows["mode_1_Hz"][0] == pytest.approx(frequency(2e6), rel=1e-12)
+
+
+def test_the_result_holds_the_values_in_the_unit_of_their_column(base, tmp_path):
+    table = csv(tmp_path, "Elements[Shaft].Stiffness [kN*m/rad]", "2000", "3 MN*m/rad")
+    _, rows = run(base, table, tmp_path / "out")
+    assert list(rows["Elements[Shaft].Stiffness [kN*m/rad]"]) == pytest.approx([2000.0, 3000.0])
+
+
+def test_numbers_are_those_of_the_workbook_with_the_value_typed_in(tmp_path):
+    """Bit for bit, torques in per unit of the rated torque follow it."""
+    base = make_train(tmp_path / "base.xlsx", 0)
+    typed = make_train(tmp_path / "typed.xlsx", 0, DampingRatio=2.25, RatedTorque=45000.0)
+    alone = recalculate(typed, destination=tmp_path / "typed.out.xlsx")
+    assert alone.calculation is not None
+    table = csv(tmp_path, "DampingRatio [%],RatedTorque [lbf*ft]", "2.25,45000")
+    _, rows = run(base, table, tmp_path / "out")
+    results = alone.calculation.results
+    assert rows["mode_1_Hz"][0] == results.modes.elastic_frequency[0]
+    assert rows["allowable_starts"][0] == results.starts.judged_starts
+    peaks = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in results.start.peaks}
+    assert rows["peak_torque_N_m"][0] == peaks[rows["peak_torque_at"][0]]
+    assert rows["case_sha256"][0] == alone.calculation.case_sha256
+
+
+def test_parquet_and_csv_with_semicolons_give_the_same(base, tmp_path):
+    header = "Elements[Shaft].Stiffness"
+    _, plain = run(
+        base, csv(tmp_path, f"{header},DampingRatio", "1e6,0.01", "2e6,"), tmp_path / "a"
+    )
+    semicolons = csv(tmp_path, f"\ufeff{header};DampingRatio", "1e6;0.01", "2e6;")
+    _, second = run(base, semicolons, tmp_path / "b")
+    columns = pd.DataFrame({header: [1e6, 2e6], "DampingRatio": [0.01, None]})
+    columns.to_parquet(tmp_path / "table.parquet")
+    _, third = run(base, tmp_path / "table.parquet", tmp_path / "c")
+    for other in (second, third):
+        pd.testing.assert_frame_equal(plain.drop(columns="seconds"), other.drop(columns="seconds"))
+
+
+# --- what is wrong --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ("DampingRato", "column 1, 'DampingRato': there is no scalar 'DampingRato'. Did you mean 'DampingRatio'"),
+        ("Elements[Shaft].Stifness", "no column of Elements 'Stifness'. Did you mean 'Stiffness'"),
+        ("Elements[Shft].Stiffness", "no row 'Shft'. Did you mean 'Shaft'"),
+        ("Elements[7].Stiffness", "1 to 1"),
+        ("Materials[1].UTS", "the base case has no row in table Materials"),
+        ("Element[Shaft].Stiffness", "no input table 'Element'. Did you mean 'Elements'"),
+        ("Elements[Shaft].Stiffness [kg]", "'kg' is not a unit of torsional stiffness"),
+        ("Poles [rpm]", "Poles has no unit"),
+        ("Elements.Stiffness", "it must name a scalar"),
+        ("DampingRatio,dampingratio", "column 2, 'dampingratio': column 'DampingRatio' names the same"),
+        ("Name", "names no input"),
+    ],
+)  # fmt: skip
+def test_a_wrong_column_is_named_before_anything_is_calculated(base, tmp_path, header, said):
+    with pytest.raises(TableRefused) as wrong:
+        run(base, csv(tmp_path, header, "1"), tmp_path / "out")
+    assert said in str(wrong.value)
+    assert not (tmp_path / "out" / "results.parquet").exists()
+
+
+def test_wrong_rows_are_rows_with_the_reason(base, tmp_path):
+    table = csv(
+        tmp_path,
+        "Elements[Shaft].Stiffness [kN*m/rad],DampingRatio",
+        "1000,0.02",
+        "-5,0.02",
+        "soft,0.02",
+        '"1,5",0.02',
+        "1000",
+        "1000,0.02,3",
+        "1000,70 kg",
+        "2000,0.02",
+    )
+    done, rows = run(base, table, tmp_path / "out")
+    assert done.outcomes == {"done": 2, "wrong input": 6}
+    assert list(rows["outcome"] == "done") == [True, *[False] * 6, True]
+    reasons = list(rows["reason"])
+    assert reasons[1].startswith("Elements[Shaft].Stiffness [kN*m/rad]: found -5 kN*m/rad")
+    assert "found 'soft'" in reasons[2]
+    assert "decimal sign as a point" in reasons[3]
+    assert "1 values, the table 2 columns" in reasons[4]
+    assert "3 values" in reasons[5]
+    assert reasons[6].startswith("DampingRatio: ")
+    assert done.reasons[0].startswith("row 2: Elements[Shaft].Stiffness")
+    assert rows["mode_1_Hz"][7] == pytest.approx(frequency(2e6), rel=1e-12)
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"DampingRatio\n"])
+def test_odd_tables(base, tmp_path, content):
+    (tmp_path / "table.csv").write_bytes(content)
+    if content.startswith(b"Damping"):
+        done, rows = run(base, tmp_path / "table.csv", tmp_path / "out")
+        assert (done.rows, len(rows)) == (0, 0)
+        return
+    with pytest.raises(TableRefused):
+        run(base, tmp_path / "table.csv", tmp_path / "out")
+
+
+def test_a_base_case_with_errors_is_told(tmp_path, base):
+    base.write_text('{"format": 1, "poles": 3}', encoding="utf-8")
+    with pytest.raises(TableRefused, match="base case"):
+        run(base, csv(tmp_path, "DampingRatio", "0.02"), tmp_path / "out")
+
+
+def test_a_row_whose_process_dies_does_not_take_its_chunk_along(base, tmp_path):
+    class Crashing(Here):
+        def answers(self, stopped):
+            for task, answer in super().answers(stopped):
+                dies = any(number == 3 for number, *_ in task.payload.rows)
+                yield task, Crashed("ended by SIGKILL") if dies else answer
+
+    table = csv(tmp_path, "DampingRatio", *[f"0.0{n}" for n in range(1, 8)])
+    done, rows = run(base, table, tmp_path / "out", workers=Crashing())
+    assert done.outcomes == {"done": 6, "crashed": 1}
+    assert list(rows["row"]) == list(range(1, 8))
+    assert rows["reason"][2] == "ended by SIGKILL"
+
+
+# --- chunks and resume ----------------------------------------------------------------------------
+
+
+def many(place: Path, count: int = 230) -> Path:
+    stiffness = [1e6 + 1e3 * n for n in range(count)]
+    return csv(place, "Elements[Shaft].Stiffness", *map(str, stiffness))
+
+
+def test_rows_keep_their_order_over_chunks(base, tmp_path):
+    _, rows = run(base, many(tmp_path), tmp_path / "out")
+    assert list(rows["row"]) == list(range(1, 231))
+    exact = [frequency(1e6 + 1e3 * n) for n in range(230)]
+    assert list(rows["mode_1_Hz"]) == pytest.approx(exact, rel=1e-12)
+
+
+def test_resume_calculates_only_chunks_that_are_missing(base, tmp_path, monkeypatch):
+    table, out = many(tmp_path), tmp_path / "out"
+    _, first = run(base, table, out)
+    (out / OWN / "vary" / "0000002.parquet").unlink()
+    calls = []
+    real = vary._answers
+    monkeypatch.setattr(vary, "_answers", lambda case: calls.append(1) or real(case))
+    done, second = run(base, table, out, resume=True)
+    assert len(calls) == vary.ROWS
+    assert done.kept == 230 - vary.ROWS
+    pd.testing.assert_frame_equal(first.drop(columns="seconds"), second.drop(columns="seconds"))
+
+
+@pytest.mark.parametrize("changed", ["table", "base"])
+def test_resume_refuses_another_programme(base, tmp_path, changed):
+    table = many(tmp_path)
+    run(base, table, tmp_path / "out")
+    (table if changed == "table" else base).write_text(
+        "DampingRatio\n0.1\n" if changed == "table" else json.dumps(TWO_DISCS | {"poles": 6})
+    )
+    with pytest.raises(TableRefused, match="has changed"):
+        run(base, table, tmp_path / "out", resume=True)
+    _, rows = run(base, table, tmp_path / "out")
+    assert len(rows) == (1 if changed == "table" else 230)
+
+
+def test_equal_rows_of_a_chunk_are_calculated_once(base, tmp_path, monkeypatch):
+    calls = []
+    real = vary._answers
+    monkeypatch.setattr(vary, "_answers", lambda case: calls.append(1) or real(case))
+    table = csv(tmp_path, "DampingRatio", "0.01", "0.02", "0.01", "1 %")
+    _, rows = run(base, table, tmp_path / "out")
+    assert len(calls) == 2
+    assert rows["mode_1_Hz"].nunique() == 1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="kills a group of processes")
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_ended_in_the_middle_it_goes_on(base, tmp_path, how):
+    table = many(tmp_path, 3000)
+    words = ("batch", base, "--vary", table, "--out", "out")
+    process = subprocess.Popen(
+        command(*words, "--jobs", 2),
+        cwd=tmp_path,
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+    parts = tmp_path / "out" / OWN / "vary"
+    until = time.monotonic() + 120
+    while len(list(parts.glob("*.parquet"))) < 3 and process.poll() is None:
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    os.killpg(process.pid, how)
+    said, _ = process.communicate(timeout=60)
+    if how == signal.SIGINT:
+        assert process.returncode == 130
+        assert "not begun" in said
+        reached = pq.ParquetFile(tmp_path / "out" / "results.parquet").metadata.num_rows
+        assert vary.ROWS * 3 <= reached < 3000
+    again = torsionbook(*words, "--resume", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert "3,000 done" in again.stdout
+    assert "by an earlier run" in again.stdout
+    shutil.rmtree(parts)
+    rows = pd.read_parquet(tmp_path / "out" / "results.parquet")
+    exact = [frequency(1e6 + 1e3 * n) for n in range(3000)]
+    assert list(rows["mode_1_Hz"]) == pytest.approx(exact, rel=1e-12)
+
+
+def test_words_of_the_command_line(base, tmp_path):
+    shutil.copy(base, tmp_path / "second.json")
+    csv(tmp_path, "DampingRatio", "0.02", "-1")
+    two = torsionbook("batch", "base.json", "second.json", "--vary", "table.csv", "--out", "o", cwd=tmp_path)  # fmt: skip
+    assert two.returncode == 2
+    assert "one base case" in two.stderr
+    gone = torsionbook("batch", "base.json", "--vary", "no.csv", "--out", "o", cwd=tmp_path)
+    assert gone.returncode == 1
+    assert "no.csv cannot be read" in gone.stderr
+    some = torsionbook("batch", "base.json", "--vary", "table.csv", "--out", "o", cwd=tmp_path)
+    assert some.returncode == 1
+    assert "2 rows in" in some.stdout
+    assert "row 2: DampingRatio: found -1" in some.stderr
