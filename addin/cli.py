@@ -492,6 +492,8 @@ def _decimal(value: float) -> str:
 
 
 def _summary_cells(one: Recalculated) -> list[str]:
+    from engine.start_fatigue import COUNTED_STARTS
+
     assert one.calculation is not None
     results = one.calculation.results
     modes = ", ".join(f"{f:.4g}" for f in results.modes.elastic_frequency[:3])
@@ -514,6 +516,8 @@ def _summary_cells(one: Recalculated) -> list[str]:
     if results.starts is not None and results.starts.shafts:
         allowed = results.starts.judged_starts
         starts = "unlimited" if allowed is None else f"{math.floor(allowed):,}"
+        if results.start is not None and results.start.outcome.outcome not in COUNTED_STARTS:
+            starts = "not judged"
     return [modes, margin, peak, outcome, starts]
 
 

@@ -998,7 +998,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         "Fatigue damage of one start and how many are allowed.",
         _text("Element", "Element.", kind="element"),
         _number("Damage", "count", "Miner sum of one start."),
-        _number("Allowable starts", "count", "1 / damage; unlimited when there is no damage."),
+        _number(
+            "Allowable starts",
+            "count",
+            "1 / damage; unlimited when there is no damage, not judged when the start "
+            "did not come to its end.",
+        ),
         _number("Paper count", "count", "Allowable starts by the paper's cycle-by-cycle count."),
         _number("Error", "fraction", "Estimated relative error of the allowable starts."),
         _text("Governing", "yes for the element that allows the fewest starts.", kind="flag"),

@@ -95,6 +95,7 @@ def _check_formulas() -> dict[tuple[str, str], str]:
         f"INDEX(Elements[Material],MATCH({_row('SteadyState', 'Element')},Elements[Element],0))"
     )
     damage = f"N({_row('AllowableStarts', 'Damage')})"
+    counted = f"ISNUMBER({_row('AllowableStarts', 'Allowable starts')})"
     transmitted = f"({_row('TorqueReversals', 'Transmitted torque')}*run_NmPerTransmitted)"
     return {
         ("NaturalFrequencies", "Percent speed check"): (
@@ -118,9 +119,9 @@ def _check_formulas() -> dict[tuple[str, str], str]:
             f"=IF(N({_row('StartCycles', 'Cycles to failure')})>0,"
             f'{_row("StartCycles", "Cycles")}/{_row("StartCycles", "Cycles to failure")},"")'
         ),
-        ("AllowableStarts", "Starts check"): f'=IF({damage}>0,1/{damage},"")',
+        ("AllowableStarts", "Starts check"): f'=IF({counted},1/{damage},"")',
         ("AllowableStarts", "Starts to judge"): (
-            f"=IF(AND({damage}>0,N(run_StartsFactor)>0),"
+            f"=IF(AND({counted},N(run_StartsFactor)>0),"
             f'ROUNDDOWN({1 + WHOLE_STARTS!r}/{damage}/run_StartsFactor,0),"")'
         ),
     }

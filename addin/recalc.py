@@ -239,6 +239,7 @@ def _calculate(
     from addin.calculation import calculate
     from engine.case import case_digest
     from engine.errors import CaseError, ModelError
+    from engine.routines import load_routines
     from engine.stepping.compiling import is_compiled
     from engine.stepping.kernels import advance_start
 
@@ -246,8 +247,7 @@ def _calculate(
         case = replace(read.case(), **overrides)
         if case.motor_torque and not is_compiled(advance_start):
             tell(COMPILING)
-            # its times would be those of the compiler: this run is thrown away
-            calculate(case, on_stage=lambda stage: tell(stage) if is_compiling(stage) else None)
+            load_routines()
         done = calculate(
             case,
             input_warnings=read.warnings,

@@ -392,7 +392,8 @@ CYCLE_FACTS: tuple[tuple[str, str, str, str], ...] = (
     (
         "1 / sum = allowable starts",
         '=IF(run_GoverningShaft="","",'
-        'IF(SUM(StartCycles[Damage check])>0,1/SUM(StartCycles[Damage check]),"unlimited"))',
+        'IF(COUNTIF(AllowableStarts[Allowable starts],"not judged")>0,"not judged",'
+        'IF(SUM(StartCycles[Damage check])>0,1/SUM(StartCycles[Damage check]),"unlimited")))',
         "",
         "#,##0.0",
     ),
@@ -461,7 +462,8 @@ KEY_NUMBERS: tuple[tuple[str, str, str, str, str], ...] = (
     (
         "Least allowable starts, whole",
         '=IF(COUNT(AllowableStarts[Starts to judge])>0,MIN(AllowableStarts[Starts to judge]),'
-        'IF(COUNTIF(AllowableStarts[Allowable starts],"?*")>0,"unlimited",""))',
+        'IF(COUNTIF(AllowableStarts[Allowable starts],"unlimited")>0,"unlimited",'
+        'IF(COUNTIF(AllowableStarts[Allowable starts],"?*")>0,"not judged","")))',
         "",
         _element_at("AllowableStarts[Starts to judge]", "MIN"),
         "#,##0",

@@ -83,6 +83,7 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartAccuracy",
 }
 #: Columns in which no number means that there is no limit.
+_ALLOWED = "AllowableStarts"
 _STARTS = frozenset({"Allowable starts", "Paper count", "Cycles to failure"})
 #: Flags that are shown as on or off; all others as yes or nothing.
 _SWITCHES = frozenset({"On"})
@@ -355,7 +356,10 @@ def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: Sho
     """
     value = row.get(field.key)
     if value is None:
-        return "unlimited" if field.name in _STARTS else None
+        if field.name not in _STARTS:
+            return None
+        # A row that does not say whether its starts are limited is of no whole start.
+        return "not judged" if spec.name == _ALLOWED and "unlimited" not in row else "unlimited"
     if isinstance(value, bool):
         if field.name in _SWITCHES:
             return "on" if value else "off"

@@ -39,6 +39,7 @@ from engine.plausibility import implausible
 from engine.prescribed import run_prescribed
 from engine.results import AccuracyRow, AtSpeed, Results
 from engine.reversals import Reversal, torque_reversals
+from engine.routines import load_routines
 from engine.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, starts_of
 from engine.startup import DEFAULT_TOLERANCE_PEAK, Start, has_start, run_start
 from engine.steady_state import steady_state
@@ -352,6 +353,7 @@ def planned_start(
         evidence = _evidence(case, analysed)
         plan = first_plan(case, evidence)
     model = analysed.of(plan)
+    load_routines()
     plain = replace(plan.effects, clearances=())
     with stage("start"):
         linear, wall = _timed(lambda: calculate_start(case, model, plain, None))

@@ -23,7 +23,9 @@ from engine.fatigue import (
 from engine.startup import Start
 
 __all__ = [
+    "COUNTED_STARTS",
     "DEFAULT_TOLERANCE_STARTS",
+    "WHOLE_STARTS",
     "judged_shafts",
     "sn_curve_of",
     "sn_slope",
@@ -33,6 +35,11 @@ __all__ = [
 
 #: Accuracy of allowable starts where the case leaves it blank. [1]
 DEFAULT_TOLERANCE_STARTS = 0.02
+#: Outcomes after which the cycles are those of a whole start.
+WHOLE_STARTS = frozenset({"reached", "synchronised", "asynchronous", "completed"})
+#: Outcomes whose damage says how many such starts are allowed; a trip was asked for. After any
+#: other the shaft has not seen what is still to come, and "unlimited" would be a lie.
+COUNTED_STARTS = WHOLE_STARTS | {"tripped"}
 #: Largest cycles compared between two steps to estimate the error of turning points.
 COMPARED_CYCLES = 50
 

@@ -13,6 +13,7 @@ from engine.case import CaseData
 from engine.fatigue import AllowableStarts
 from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
 from engine.reversals import Reversal
+from engine.start_fatigue import WHOLE_STARTS
 from engine.startup import Start
 from engine.steady_state import SteadyState
 
@@ -132,10 +133,6 @@ OUTCOME_VERDICTS = {
     "asynchronous": NOT_JUDGED,
     "completed": NOT_JUDGED,
 }
-
-
-#: Outcomes after which the cycles are those of a whole start.
-WHOLE_STARTS = frozenset({"reached", "synchronised", "asynchronous", "completed"})
 
 
 def _outcome(case: CaseData, start: Start) -> Verdict:

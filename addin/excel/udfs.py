@@ -1,6 +1,6 @@
 """What desktop Excel calls: one function per entry of the registry, and the macro `Recalculate`.
 
-The only module that imports xlwings. Excel hands cells over COM: doubles, texts, flags, dates, None for
+The only module of the installation that imports xlwings. Excel hands cells over COM: doubles, texts, flags, dates, None for
 a blank; error cells come as their text, since xlwings would make blanks of them. A classic function
 cannot return one of Excel's error values: where there is no answer the cell shows the sentence
 that says why, so formulas that hang on it test with ISNUMBER, not with ISERROR. Blank cells of an

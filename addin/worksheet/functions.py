@@ -592,6 +592,20 @@ def tv_effects(model: str, units: str | None, headers: bool | None) -> Rows:
     return _run_table("Effects", model, units, headers)
 
 
+@registered(
+    "TV_VERDICTS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=_width("Verdicts"),
+    example="=TV_VERDICTS(A1)",
+)
+def tv_verdicts(model: str, units: str | None, headers: bool | None) -> Rows:
+    """The checks of sheet Summary: how the start ended, margins, peaks, starts against required."""
+    return _run_table("Verdicts", model, units, headers, "Nothing is judged.")
+
+
 # --- units ----------------------------------------------------------------------------------------
 
 

@@ -32,7 +32,8 @@ CALLS = {
     "TV_HISTORY": [('"LS coupling";101', ["LS coupling", 101.0])],
     "TV_REVERSALS": [("", [])],
     "TV_CYCLES": [("", [])],
-    "TV_STARTS": [("", [])],
+    "TV_STARTS": [("", []), (";;4", [None, None, 4.0])],
+    "TV_VERDICTS": [("", [])],
     "TV_EFFECTS": [("", [])],
 }
 #: The others: formula after the name, and what the registry gets.

@@ -36,8 +36,8 @@ def recalculated(tmp_path_factory):
     return openpyxl.load_workbook(folder / "done.xlsx", data_only=True)
 
 
-def test_every_function_of_the_contract_is_there_and_no_other():
-    assert sorted(FUNCTIONS) == sorted(CONTRACT)
+def test_every_function_of_the_contract_is_there_and_one_more():
+    assert sorted(FUNCTIONS) == sorted([*CONTRACT, "TV_VERDICTS"])
 
 
 def test_every_function_is_documented_for_a_wizard():
@@ -70,6 +70,34 @@ def test_cells_are_those_of_the_recalculated_workbook(name, handle, recalculated
             assert mine[j] == its[column], (header, mine[j], its[column])
             compared += 1
     assert compared >= len(rows[0])
+
+
+def test_verdicts_are_those_of_the_summary(handle, recalculated):
+    head, *rows = call("TV_VERDICTS", [handle])
+    there = table(recalculated, "Verdicts")
+    assert head == there[1]
+    written = [row for row in there[2:] if any(cell is not None for cell in row)]
+    assert rows == written
+    assert "Start" in [row[0] for row in rows]
+
+
+@pytest.mark.parametrize(("name", "value"), [("Maximum time", 2.0), ("Trip speed", 40.0)])
+def test_starts_that_did_not_come_to_their_end_are_not_judged(name, value):
+    """Two seconds of an eight-second start meet no resonance: that is no unlimited number."""
+    blocks = model_arguments()
+    blocks[2] = [list(row) for row in blocks[2]]
+    for row in blocks[2]:
+        if name in row:
+            row[row.index(name) + 1] = value
+    handle = call("TV_MODEL", blocks)[0][0]
+    head, row = call("TV_STARTS", [handle])
+    verdict = next(v for v in call("TV_VERDICTS", [handle]) if v[0] == "Allowable starts")
+    assert verdict[3] == "not judged"
+    allowed, paper = row[head.index("Allowable starts")], row[head.index("Paper count")]
+    if name == "Maximum time":
+        assert (allowed, paper) == ("not judged", "not judged")
+    else:  # a trip was asked for: so many starts that are tripped, before the first resonance
+        assert allowed > 1e5
 
 
 def test_modes_are_those_of_the_sheet(handle, recalculated):

@@ -1,0 +1,59 @@
+"""The worksheet functions for xlwings Server, for those who hold its licence.
+
+Not part of the default installation, and not needed: `torsionbook serve` brings the same functions
+to the same programs without a licence. Who runs xlwings Server for other things imports this in the
+``custom_functions`` of its project::
+
+    from addin.excel.xlwings_server import *
+
+The functions are called ``=TV.FREQUENCIES(...)`` as with our own server. Starts calculate in a
+thread, so that the server answers others meanwhile. xlwings Server hands over a blank cell as 0
+(its documentation says so), which these functions cannot tell from a typed 0: a blank number inside a
+table is then told as an implausible 0, not as blank. Without a licence key xlwings refuses the import.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+import xlwings
+from xlwings import server as xlwings_server
+
+from addin.excel.signatures import ExcelFunction, excel_functions
+from addin.server.office import NAMESPACE
+from addin.worksheet.registry import FunctionError, call
+
+__all__: list[str] = []
+
+
+def _answer(name: str, cells: tuple[Any, ...]) -> list[list[Any]]:
+    """Rows; where there is none, xlwings shows the sentence with an error value."""
+    try:
+        rows = call(name, cells)
+    except FunctionError as wrong:
+        raise xlwings.XlwingsError(wrong.message) from None
+    return [["" if value is None else value for value in row] for row in rows]
+
+
+def _exported(one: ExcelFunction) -> Callable[..., Any]:
+    """A function as xlwings Server wants it: with its name, signature and help."""
+
+    async def function(*cells: Any) -> list[list[Any]]:
+        return await asyncio.to_thread(_answer, one.name, cells)
+
+    function.__name__ = function.__qualname__ = one.name.lower()
+    function.__doc__ = one.help
+    function.__annotations__ = {}
+    function.__signature__ = one.signature  # type: ignore[attr-defined]
+    for argument in one.arguments:
+        decorate = xlwings_server.arg(argument.name, ndim=2, err_to_str=True, doc=argument.help)
+        function = decorate(function)
+    name = one.name.removeprefix(f"{NAMESPACE}_")
+    return xlwings_server.func(name=name, namespace=NAMESPACE)(function)
+
+
+for _one in excel_functions():
+    globals()[_one.name.lower()] = _exported(_one)
+    __all__ += [_one.name.lower()]  # noqa: PLE0604
