@@ -54,6 +54,7 @@ CALLS = {
     "TV_STARTS": [None, False],
     "TV_SN_LIFE": ["4340", [[30000.0, None], [40000.0, 1.0]]],
     "TV_EFFECTS": [],
+    "TV_VERDICTS": [],
 }
 
 
