@@ -10,7 +10,7 @@ import typer
 __all__ = ["serve"]
 
 #: How long calculations may go on once the server is told to end. [s]
-GRACE = 5
+GRACE = 3
 
 
 def serve(

@@ -394,9 +394,7 @@ class Guard:
             if not begun:
                 await _refuse(Refused(500, OURS), scope, receive, send)
 
-    async def _at_the_door(
-        self, scope: Scope, receive: Receive, send: Send, address: str
-    ) -> None:
+    async def _at_the_door(self, scope: Scope, receive: Receive, send: Send, address: str) -> None:
         """A WebSocket that has to send its key: it has little time, and makes room for the next."""
         limits = self._settings.limits
         door = Door(self, address)

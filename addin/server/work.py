@@ -411,9 +411,7 @@ def _limits() -> Any:
     """What is taken for a workbook here: less than on a machine of one's own."""
     from addin.package.container import Limits
 
-    return Limits(
-        file_size=25 * 2**20, total_size=100 * 2**20, part_size=60 * 2**20, entries=2_000
-    )
+    return Limits(file_size=25 * 2**20, total_size=100 * 2**20, part_size=60 * 2**20, entries=2_000)
 
 
 def _speed(case: Any, tell: Callable[[str], None]) -> Any:
