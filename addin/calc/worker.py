@@ -93,9 +93,11 @@ def _answer_to(message: bytes) -> dict[str, Any]:
     try:
         request = json.loads(message)
         function, arguments = request["function"], request["arguments"]
-    except (ValueError, KeyError, TypeError):
+        if not isinstance(function, str) or not isinstance(arguments, list):
+            raise TypeError
+    except (ValueError, KeyError, TypeError, RecursionError):
         return {"error": "The request is none: see addin/calc/worker.py.", "code": "#VALUE!"}
-    return answer(str(function), list(arguments))
+    return answer(function, arguments)
 
 
 def _read(requests: BinaryIO) -> bytes | None:

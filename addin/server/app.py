@@ -58,19 +58,23 @@ def create_app(settings: Settings) -> Starlette:
     """
     limits = settings.limits
     work = Work(settings.workers, limits.waiting, limits.long_time)
+    # a page that shows a workbook does not wait for a start
+    reading = Work(1, limits.waiting, limits.short_time)
     starts = Starts(work)
     calls = Calls(starts, limits)
 
     async def batch(request: Request) -> Response:
-        wanted = read_calls(await read_json(request, limits.body), limits.calls)
-        answers = await while_connected(request, calls.answers(wanted))
-        return answer(await calls.encoded({"results": answers}))
+        content, size = await read_json(request, limits.body, limits.body_time)
+        wanted = read_calls(content, limits.calls)
+        with calls.room() as room:
+            answers = await while_connected(request, calls.answers(wanted, room, size))
+            return answer(await calls.encoded({"results": answers}))
 
     async def workbook(request: Request) -> Response:
-        return await uploads.recalculated(request, work, limits.body)
+        return await uploads.recalculated(request, work, limits)
 
     async def model(request: Request) -> Response:
-        return await uploads.model_of(request, limits.body)
+        return await uploads.model_of(request, reading, limits)
 
     async def stream(socket: WebSocket) -> None:
         await Stream(socket, settings, calls, starts).serve()
@@ -83,11 +87,12 @@ def create_app(settings: Settings) -> Starlette:
     async def running(app: Starlette) -> AsyncIterator[None]:
         yield
         calls.close()
-        work.close()
+        for pool in (work, reading):
+            pool.close()
 
     about = {"name": "torsionbook", "version": product_version()}
     description = document()
-    return Starlette(
+    app = Starlette(
         routes=[
             Route("/api/v1/batch", batch, methods=["POST"]),
             Route("/api/v1/model", model, methods=["POST"]),
@@ -112,6 +117,8 @@ def create_app(settings: Settings) -> Starlette:
         exception_handlers={HTTPException: _no_such_thing, Refused: _refused},
         lifespan=running,
     )
+    app.state.pools = (work, reading)
+    return app
 
 
 def _page(office_js: bytes) -> bytes:

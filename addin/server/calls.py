@@ -6,9 +6,12 @@ import asyncio
 import logging
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
+from contextvars import copy_context
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from addin.server.guard import Refused, encoded
@@ -16,16 +19,24 @@ from addin.server.settings import Limits
 from addin.server.starts import Starts, Tell
 from addin.server.work import OURS, Busy, TooLong
 from addin.worksheet import functions  # noqa: F401  (enters the functions)
-from addin.worksheet.models import MODELS, Model
-from addin.worksheet.registry import FUNCTIONS, FunctionError, call, rows_of
+from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model, handed
+from addin.worksheet.registry import FUNCTIONS, FunctionError, call
 
-__all__ = ["Call", "Calls", "error", "read_call", "read_calls"]
+__all__ = ["Call", "Calls", "Room", "error", "is_large", "read_call", "read_calls"]
 
 LOG = logging.getLogger("torsionbook.server")
-#: Threads for short functions, and for what a long one shows of its start. [count]
-SHORT_THREADS, LONG_THREADS = 8, 2
-#: Most cells in one answer: what more would take no spreadsheet shows. [count]
-MOST_CELLS = 3_000_000
+#: Threads for short functions, for requests of many cells, for what a long one shows of its start,
+#: and for JSON. [count]
+SHORT_THREADS, HEAVY_THREADS, LONG_THREADS, JSON_THREADS = 8, 2, 2, 2
+#: A request beyond this is one of many cells. [B]
+HEAVY = 250_000
+#: How long a request may keep a thread while others wait. [s]
+TURN = 0.1
+#: Most cells in one answer: what more would take no spreadsheet shows; and in all that have not been
+#: sent. [count]
+MOST_CELLS, MOST_UNSENT = 3_000_000, 6_000_000
+#: A train of more stations takes longer than a cell may wait: it goes to the pool. [count]
+LARGE_TRAIN = 120
 
 Answer = dict[str, Any]
 
@@ -59,15 +70,48 @@ class Call:
         Model or None
             The model.
         """
-        function = FUNCTIONS[self.name]
-        for argument, given in zip(function.arguments, self.arguments, strict=False):
+        function = FUNCTIONS.get(self.name)
+        arguments = () if function is None else function.arguments
+        for argument, given in zip(arguments, self.arguments, strict=False):
             if argument.kind == "model":
+                cell = _only_cell(given)
                 try:
-                    cell = rows_of(given)[0][0]
-                    return MODELS.of(cell) if isinstance(cell, str) else None
-                except (FunctionError, IndexError):
+                    return MODELS.of(cell.strip()) if isinstance(cell, str) else None
+                except FunctionError:
                     return None
         return None
+
+    @property
+    def takes_model(self) -> bool:
+        """Whether it asks about a model."""
+        function = FUNCTIONS.get(self.name)
+        return function is not None and any(a.kind == "model" for a in function.arguments)
+
+
+def _only_cell(given: Any) -> Any:
+    """The one cell of an argument; None where there are more, which are not looked at."""
+    for _ in range(2):
+        if isinstance(given, (list, tuple)):
+            given = given[0] if len(given) == 1 else None
+    if isinstance(given, dict):
+        given = given.get("basicValue")
+    return given
+
+
+def is_large(model: Model) -> bool:
+    """Whether even the modes of a train take too long for a thread of the server.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+
+    Returns
+    -------
+    bool
+        By the number of its stations.
+    """
+    return len(model.case.stations) > LARGE_TRAIN
 
 
 def read_calls(content: Any, most: int) -> list[Call]:
@@ -147,6 +191,69 @@ def error(message: str, code: str = "#VALUE!") -> Answer:
     return {"error": {"message": message, "code": code}}
 
 
+class _Unsent:
+    """Cells of all answers that have not been sent."""
+
+    def __init__(self) -> None:
+        self.cells = 0
+        self.lock = threading.Lock()
+
+
+class Room:
+    """Counts the cells of one answer until it is sent."""
+
+    def __init__(self, unsent: _Unsent) -> None:
+        self._unsent = unsent
+        self._cells = 0
+        self._is_sent = False
+        self.refused: Answer | None = None
+
+    def take(self, rows: Sequence[Sequence[Any]]) -> Answer | None:
+        """Make room for rows; once there is none, there is none for what follows.
+
+        Parameters
+        ----------
+        rows : sequence of sequence
+            Cells. [as shown]
+
+        Returns
+        -------
+        dict or None
+            The answer in their place where there is no room.
+        """
+        cells = len(rows) * len(rows[0]) if rows else 0
+        with self._unsent.lock:
+            if self._cells + cells > MOST_CELLS:
+                self.refused = error(
+                    f"The answers of this request hold more than {MOST_CELLS:,} cells. Send several.",
+                    "#N/A",
+                )
+            elif self._is_sent or self._unsent.cells + cells > MOST_UNSENT:
+                self.refused = error(
+                    "The server has too many answers to send already. Try again in a few seconds.",
+                    "#N/A",
+                )
+            else:
+                self._cells += cells
+                self._unsent.cells += cells
+        return self.refused
+
+    def free(self) -> None:
+        """The answer is sent, or nobody wants it any more."""
+        with self._unsent.lock:
+            self._unsent.cells -= self._cells
+            self._cells, self._is_sent = 0, True
+
+
+@dataclass(frozen=True)
+class _Given:
+    """A result that calls bring along."""
+
+    model: Model
+    what: str
+    value: Any
+
+
 class Calls:
     """Answers calls: short ones in threads, long ones once their start is there.
 
@@ -161,37 +268,85 @@ class Calls:
     def __init__(self, starts: Starts, limits: Limits) -> None:
         self._starts = starts
         self._limits = limits
+        self._unsent = _Unsent()
         self._short = ThreadPoolExecutor(SHORT_THREADS, "short")
+        self._heavy = ThreadPoolExecutor(HEAVY_THREADS, "heavy")
         self._long = ThreadPoolExecutor(LONG_THREADS, "long")
+        self._json = ThreadPoolExecutor(JSON_THREADS, "json")
 
     def close(self) -> None:
         """Let the threads go."""
-        for pool in (self._short, self._long):
+        for pool in (self._short, self._heavy, self._long, self._json):
             pool.shutdown(wait=False, cancel_futures=True)
 
-    async def answers(self, calls: Sequence[Call]) -> list[Answer]:
+    def new_room(self) -> Room:
+        """Room for the cells of one answer, to be freed when it is sent."""
+        return Room(self._unsent)
+
+    @contextmanager
+    def room(self) -> Iterator[Room]:
+        """Room for the cells of one answer, until it is sent."""
+        room = self.new_room()
+        try:
+            yield room
+        finally:
+            room.free()
+
+    async def answers(
+        self, calls: Sequence[Call], room: Room | None = None, size: int = 0
+    ) -> list[Answer]:
         """Answers in the order of the calls.
 
         Parameters
         ----------
         calls : sequence of Call
             What is asked for.
+        room : Room, optional
+            Counts the cells.
+        size : int
+            Size of the request. [B]
 
         Returns
         -------
         list of dict
             ``value``, rows of cells, or ``error`` each. [shown units]
         """
+        room = room or Room(self._unsent)
+        pool = self._pool(size)
         found: dict[int, Answer] = {}
-        short = [i for i, one in enumerate(calls) if not one.is_long]
-        long = [i for i, one in enumerate(calls) if one.is_long]
-        # the short ones first: a TV_MODEL among them makes the handle that a long one asks about
-        found |= await self._in_thread(self._short, calls, short)
-        found |= await self._wait_for_starts(calls, long)
-        found |= await self._in_thread(self._long, calls, [i for i in long if i not in found])
-        return _bounded(found[i] for i in range(len(calls)))
+        # those without a model first: a TV_MODEL among them makes the handle that others ask about
+        bare = [i for i, one in enumerate(calls) if not one.takes_model]
+        found |= await self._in_thread(pool, calls, bare, room)
+        at_once: list[int] = []
+        waiting: dict[tuple[str, str], tuple[Model, list[int]]] = {}
+        for i, one in enumerate(calls):
+            if i in found:
+                continue
+            model = one.model()
+            what = None if model is None else _wanted(one, model)
+            if model is None or what is None:
+                at_once.append(i)
+            else:
+                waiting.setdefault((model.handle, what), (model, []))[1].append(i)
+        told = await asyncio.gather(
+            self._in_thread(pool, calls, at_once, room),
+            *(
+                self._with_result(calls, indices, model, what, room)
+                for (_, what), (model, indices) in waiting.items()
+            ),
+        )
+        for one_part in told:
+            found |= one_part
+        return [found[i] for i in range(len(calls))]
 
-    async def one(self, wanted: Call, tell: Tell | None = None) -> Answer:
+    async def one(
+        self,
+        wanted: Call,
+        tell: Tell | None = None,
+        room: Room | None = None,
+        turn: Callable[[], Awaitable[None]] | None = None,
+        size: int = 0,
+    ) -> Answer:
         """The answer of one call, its stages told.
 
         Parameters
@@ -200,16 +355,31 @@ class Calls:
             What is asked for.
         tell : callable, optional
             Called with each stage. [words]
+        room : Room, optional
+            Counts the cells.
+        turn : callable, optional
+            Awaited before the answer takes memory.
+        size : int
+            Size of the request. [B]
 
         Returns
         -------
         dict
             ``value`` or ``error``. [shown units]
         """
-        if not wanted.is_long:
-            return (await self._in_thread(self._short, [wanted], [0]))[0]
-        failed = await self._start_of(wanted.model(), tell)
-        return failed or (await self._in_thread(self._long, [wanted], [0]))[0]
+        room = room or Room(self._unsent)
+        model = wanted.model()
+        what = None if model is None else _wanted(wanted, model)
+        if model is not None and what is not None:
+            found = await self._with_result([wanted], [0], model, what, room, tell, turn)
+        else:
+            if turn is not None:
+                await turn()
+            found = await self._in_thread(self._pool(size), [wanted], [0], room)
+        return found[0]
+
+    def _pool(self, size: int) -> ThreadPoolExecutor:
+        return self._heavy if size > HEAVY else self._short
 
     async def encoded(self, content: Any) -> bytes:
         """JSON, made in a thread since it may be large.
@@ -224,77 +394,105 @@ class Calls:
         bytes
             JSON.
         """
-        return await asyncio.get_running_loop().run_in_executor(self._short, encoded, content)
+        return await asyncio.get_running_loop().run_in_executor(self._json, encoded, content)
 
-    async def _wait_for_starts(
-        self, calls: Sequence[Call], long: Iterable[int]
+    async def in_thread(self, work: Callable[..., Any], *given: Any) -> Any:
+        """Something of the page's, in a thread of the long calls.
+
+        Parameters
+        ----------
+        work : callable
+            What is done.
+        *given : object
+            What it takes.
+
+        Returns
+        -------
+        object
+            What it gives.
+        """
+        act = partial(copy_context().run, work, *given)
+        return await asyncio.get_running_loop().run_in_executor(self._long, act)
+
+    async def _with_result(
+        self,
+        calls: Sequence[Call],
+        wanted: Sequence[int],
+        model: Model,
+        what: str,
+        room: Room,
+        tell: Tell | None = None,
+        turn: Callable[[], Awaitable[None]] | None = None,
     ) -> dict[int, Answer]:
-        """Have every start asked for; the answers of calls whose start could not be had."""
-        models = {i: model for i in long if (model := calls[i].model()) is not None}
-        distinct = {model.handle: model for model in models.values()}
-        failed = await asyncio.gather(*(self._start_of(model) for model in distinct.values()))
-        of_handle = dict(zip(distinct, failed, strict=True))
-        return {i: told for i, m in models.items() if (told := of_handle[m.handle]) is not None}
-
-    async def _start_of(self, model: Model | None, tell: Tell | None = None) -> Answer | None:
+        """Calls about one model, once its result is there; they get it from here."""
         try:
-            if model is not None:
-                await self._starts.ready(model, tell)
+            value = await self._starts.ready(model, tell, what)
         except (Busy, TooLong, RuntimeError) as wrong:
-            return error(str(wrong), "#N/A")
-        return None
+            return {i: error(str(wrong), "#N/A") for i in wanted}
+        if turn is not None:
+            await turn()
+        return await self._in_thread(self._long, calls, wanted, room, _Given(model, what, value))
 
     async def _in_thread(
-        self, pool: ThreadPoolExecutor, calls: Sequence[Call], wanted: Sequence[int]
+        self,
+        pool: ThreadPoolExecutor,
+        calls: Sequence[Call],
+        wanted: Sequence[int],
+        room: Room,
+        given: _Given | None = None,
     ) -> dict[int, Answer]:
-        """Some of the calls, one after the other in one thread, as many as the time allows."""
-        if not wanted:
-            return {}
+        """Some of the calls, turn about with those of other requests, as many as the time allows."""
         found: dict[int, Answer] = {}
+        left = iter(wanted)
         given_up = threading.Event()
+        has_begun = False
 
         def work() -> None:
-            until = time.monotonic() + self._limits.short_time
-            for i in wanted:
-                if given_up.is_set() or time.monotonic() > until:
-                    return
-                found[i] = _answer(calls[i])
+            nonlocal has_begun
+            has_begun = True
+            began = time.monotonic()
+            brought = handed(given.model, given.what, given.value) if given else nullcontext()
+            with brought:
+                while not given_up.is_set() and time.monotonic() - began < TURN:
+                    i = next(left, None)
+                    if i is None:
+                        break
+                    found[i] = room.refused or _answer(calls[i], room)
 
+        loop = asyncio.get_running_loop()
         try:
             async with asyncio.timeout(self._limits.short_time):
-                await asyncio.get_running_loop().run_in_executor(pool, work)
+                while len(found) < len(wanted):
+                    await loop.run_in_executor(pool, partial(copy_context().run, work))
         except TimeoutError:
             pass
         finally:
             given_up.set()
-        late = error(
-            f"The calls of this request took longer than {self._limits.short_time:g} s. Ask for fewer "
-            "at a time.",
-            "#N/A",
-        )
-        return {i: found.get(i, late) for i in wanted}
+        if len(found) < len(wanted):
+            late = error(self._too_late(has_begun), "#N/A")
+            return {i: found.get(i, late) for i in wanted}
+        return found
+
+    def _too_late(self, has_begun: bool) -> str:
+        seconds = f"{self._limits.short_time:g} s"
+        if has_begun:
+            return f"The calls of this request took longer than {seconds}. Ask for fewer at a time."
+        return f"The server was busy: this call has waited for {seconds}. Try again in a minute."
 
 
-def _answer(wanted: Call) -> Answer:
+def _wanted(one: Call, model: Model) -> str | None:
+    """The result of the model that a call waits for; None for one that is answered at once."""
+    if one.is_long:
+        return RUN
+    return AT_SPEED if is_large(model) else None
+
+
+def _answer(wanted: Call, room: Room) -> Answer:
     try:
-        return {"value": call(wanted.name, wanted.arguments)}
+        rows = call(wanted.name, wanted.arguments)
+        return room.take(rows) or {"value": rows}
     except FunctionError as wrong:
         return error(wrong.message, wrong.code)
     except Exception:
         LOG.exception("%s failed", wanted.name[:60])
         return error(OURS)
-
-
-def _bounded(answers: Iterable[Answer]) -> list[Answer]:
-    """The answers as far as one request may carry them."""
-    cells, kept = 0, []
-    for one in answers:
-        rows = one.get("value") or ()
-        cells += len(rows) * len(rows[0]) if rows else 0
-        if cells > MOST_CELLS:
-            one = error(
-                f"The answers of this request hold more than {MOST_CELLS:,} cells. Send several.",
-                "#N/A",
-            )
-        kept.append(one)
-    return kept

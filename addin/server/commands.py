@@ -9,6 +9,9 @@ import typer
 
 __all__ = ["serve"]
 
+#: How long calculations may go on once the server is told to end. [s]
+GRACE = 3
+
 
 def serve(
     host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
@@ -64,22 +67,49 @@ def run(settings: Any) -> None:
     settings : Settings
         Addresses, keys, certificates, limits.
     """
+    import threading
+
     import uvicorn
 
     from addin.server.app import create_app
 
-    uvicorn.run(
-        create_app(settings),
+    app = create_app(settings)
+
+    def give_up() -> None:
+        for pool in app.state.pools:
+            pool.stop()
+
+    class Server(uvicorn.Server):
+        def handle_exit(self, sig: int, frame: Any) -> None:
+            """What does not end in time is told so while its connection is still there."""
+            timer = threading.Timer(GRACE, give_up)
+            timer.daemon = True
+            timer.start()
+            super().handle_exit(sig, frame)
+
+    config = uvicorn.Config(
+        app,
         host=settings.host,
         port=settings.port,
         ssl_certfile=settings.certificate,
         ssl_keyfile=settings.certificate_key,
-        ws_max_size=settings.limits.body,
-        timeout_graceful_shutdown=5,
+        ws_max_size=settings.limits.message,
+        ws_per_message_deflate=False,  # a few kB sent would be many MB here
+        proxy_headers=False,  # anybody can write them; the address of a proxy counts as one client
+        timeout_graceful_shutdown=GRACE + 3,
         log_level="info",
         access_log=False,  # a proxy keeps one; here it would cost as much as a short call
         server_header=False,
     )
+    server = Server(config)
+    try:
+        server.run()
+    except KeyboardInterrupt:
+        pass
+    except OSError as wrong:  # the password of the key, for one
+        _sorry(f"The server cannot be started: {wrong}.")
+    if not server.started:
+        raise typer.Exit(3)
 
 
 def _sorry(sentence: str) -> NoReturn:

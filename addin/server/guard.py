@@ -6,7 +6,8 @@ import asyncio
 import hmac
 import json
 import logging
-from collections.abc import Awaitable, Mapping
+from collections.abc import Awaitable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, TypeVar
 from urllib.parse import urlsplit
 
@@ -15,11 +16,12 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from addin.server.settings import LARGE, Settings
+from addin.server.settings import BODY_RATE, LARGE, LOOPBACK, Settings
 from addin.server.work import OURS
+from addin.worksheet.models import OWNER
 
 __all__ = [
-    "Guard", "Refused", "answer", "encoded", "is_key", "no_key", "read_body", "read_json", "while_connected",
+    "Door", "Guard", "Refused", "answer", "encoded", "is_key", "no_key", "read_body", "read_json", "while_connected",
 ]  # fmt: skip
 
 LOG = logging.getLogger("torsionbook.server")
@@ -104,7 +106,7 @@ def is_key(settings: Settings, given: str | None) -> bool:
     """
     if not settings.keys:
         return True
-    sent = (given or "").encode("utf-8", "surrogateescape")
+    sent = (given or "").encode("utf-8", "surrogatepass")
     found = [hmac.compare_digest(sent, key.encode()) for key in settings.keys]
     return any(found)
 
@@ -140,8 +142,8 @@ def no_key(given: str | None) -> str:
     )
 
 
-async def read_body(request: Request, limit: int) -> bytes:
-    """The body of a request, given up as soon as it is too large.
+async def read_body(request: Request, limit: int, seconds: float = 20.0) -> bytes:
+    """The body of a request, given up as soon as it is too large or comes too slowly.
 
     Parameters
     ----------
@@ -149,6 +151,8 @@ async def read_body(request: Request, limit: int) -> bytes:
         The request.
     limit : int
         Most bytes. [B]
+    seconds : float
+        How long it may take, and a second more for every `BODY_RATE`. [s]
 
     Returns
     -------
@@ -158,15 +162,25 @@ async def read_body(request: Request, limit: int) -> bytes:
     Raises
     ------
     Refused
-        With 413.
+        With 413 or 408.
     """
     parts, size = [], 0
+    began = asyncio.get_running_loop().time()
     try:
-        async for part in request.stream():
-            size += len(part)
-            if size > limit:
-                raise _too_large(limit)
-            parts.append(part)
+        async with asyncio.timeout_at(began + seconds) as until:
+            async for part in request.stream():
+                size += len(part)
+                if size > limit:
+                    raise _too_large(limit)
+                parts.append(part)
+                until.reschedule(began + seconds + size / BODY_RATE)
+    except TimeoutError:
+        raise Refused(
+            408,
+            f"The request came too slowly: {size:,} bytes after "
+            f"{asyncio.get_running_loop().time() - began:.0f} s. Send it again.",
+            {"Connection": "close"},
+        ) from None
     except ClientDisconnect:
         raise Refused(400, "The connection was closed before the request was complete.") from None
     return b"".join(parts)
@@ -181,8 +195,8 @@ def _too_large(limit: int) -> Refused:
     )
 
 
-async def read_json(request: Request, limit: int) -> Any:
-    """The body of a request as plain values.
+async def read_json(request: Request, limit: int, seconds: float = 20.0) -> tuple[Any, int]:
+    """The body of a request as plain values, and its size.
 
     Parameters
     ----------
@@ -190,11 +204,13 @@ async def read_json(request: Request, limit: int) -> Any:
         The request.
     limit : int
         Most bytes. [B]
+    seconds : float
+        As in `read_body`. [s]
 
     Returns
     -------
-    object
-        What the JSON holds.
+    tuple of object and int
+        What the JSON holds, and its bytes. [B]
 
     Raises
     ------
@@ -204,8 +220,8 @@ async def read_json(request: Request, limit: int) -> Any:
     kind = request.headers.get("content-type", "").partition(";")[0].strip().casefold()
     if kind != "application/json":
         raise Refused(415, "Send JSON, with the header Content-Type: application/json.")
-    body = await read_body(request, limit)
-    return await asyncio.to_thread(parsed, body)
+    body = await read_body(request, limit, seconds)
+    return await asyncio.to_thread(parsed, body), len(body)
 
 
 def parsed(text: bytes | str) -> Any:
@@ -231,6 +247,12 @@ def parsed(text: bytes | str) -> Any:
     except RecursionError:
         raise Refused(400, "The JSON is nested too deeply.") from None
     except (ValueError, UnicodeDecodeError) as wrong:
+        if "set_int_max_str_digits" in str(wrong):
+            raise Refused(
+                400,
+                "The JSON holds a whole number of more digits than any number of a cell has. "
+                "Correct it.",
+            ) from None
         raise Refused(400, f"This is no JSON that can be read: {wrong}.") from None
 
 
@@ -276,6 +298,46 @@ async def _gone(request: Request) -> None:
         pass
 
 
+class Door:
+    """A WebSocket that has not sent its key yet.
+
+    Parameters
+    ----------
+    guard : Guard
+        Who counts it.
+    address : str
+        Where it comes from. [name]
+    """
+
+    def __init__(self, guard: Guard, address: str) -> None:
+        self._guard = guard
+        self.address = address
+        #: How long it may still wait; set by whoever waits.
+        self.limit: asyncio.Timeout | None = None
+        self.has_entered = False
+
+    def enter(self, key: str) -> None:
+        """It has sent its key: from now on it counts as a request.
+
+        Parameters
+        ----------
+        key : str
+            The key. [text]
+
+        Raises
+        ------
+        Refused
+            If there are too many requests.
+        """
+        self._guard.enter(self)
+        OWNER.set(f"{key}@{self.address}")
+
+    def close(self) -> None:
+        """Wait no longer."""
+        if self.limit is not None:
+            self.limit.reschedule(0.0)
+
+
 class Guard:
     """Stands in front of every route.
 
@@ -292,6 +354,8 @@ class Guard:
         self._settings = settings
         self._answering = 0
         self._large = 0
+        #: WebSockets without a key, the oldest first.
+        self._doors: list[Door] = []
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request, or refuse it."""
@@ -306,14 +370,22 @@ class Guard:
             await send(message)
 
         try:
-            is_large = self._check(scope)
-            self._answering += 1
-            self._large += is_large
-            try:
+            is_large, key = self._check(scope)
+            address = (scope.get("client") or ("",))[0]
+            OWNER.set(f"{key or ''}@{address}")
+            if scope["type"] == "http" and scope["path"] == "/healthz":
                 await self._app(scope, receive, note)
-            finally:
-                self._answering -= 1
-                self._large -= is_large
+            elif scope["type"] == "websocket" and not is_key(self._settings, key):
+                await self._at_the_door(scope, receive, note, address)
+            else:
+                self._not_too_many()
+                self._answering += 1
+                self._large += is_large
+                try:
+                    await self._app({**scope, "reading": self._reading}, receive, note)
+                finally:
+                    self._answering -= 1
+                    self._large -= is_large
         except Refused as wrong:
             if not begun:
                 await _refuse(wrong, scope, receive, send)
@@ -322,8 +394,58 @@ class Guard:
             if not begun:
                 await _refuse(Refused(500, OURS), scope, receive, send)
 
-    def _check(self, scope: Scope) -> bool:
-        """Refuse a request at its door, or tell whether its body is large."""
+    async def _at_the_door(self, scope: Scope, receive: Receive, send: Send, address: str) -> None:
+        """A WebSocket that has to send its key: it has little time, and makes room for the next."""
+        limits = self._settings.limits
+        door = Door(self, address)
+        same = [d for d in self._doors if d.address == address and address not in LOOPBACK]
+        if len(same) >= limits.strangers_each:
+            self._turn_away(same[0])
+        elif len(self._doors) >= limits.strangers:
+            self._turn_away(self._doors[0])
+        self._doors.append(door)
+        try:
+            await self._app({**scope, "door": door, "reading": self._reading}, receive, send)
+        finally:
+            if door in self._doors:
+                self._doors.remove(door)
+            self._answering -= door.has_entered
+
+    def _turn_away(self, door: Door) -> None:
+        self._doors.remove(door)
+        door.close()
+
+    def enter(self, door: Door) -> None:
+        """A WebSocket has sent its key.
+
+        Parameters
+        ----------
+        door : Door
+            Where it waited.
+        """
+        self._not_too_many()
+        if door in self._doors:
+            self._doors.remove(door)
+        door.has_entered = True
+        self._answering += 1
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        """Something large is read."""
+        if self._large >= self._settings.limits.large:
+            raise _busy(f"{self._settings.limits.large} large requests")
+        self._large += 1
+        try:
+            yield
+        finally:
+            self._large -= 1
+
+    def _not_too_many(self) -> None:
+        if self._answering >= self._settings.limits.requests:
+            raise _busy(f"{self._settings.limits.requests} requests")
+
+    def _check(self, scope: Scope) -> tuple[bool, str | None]:
+        """Refuse a request at its door, or tell whether its body is large, and its key."""
         headers, settings = Headers(scope=scope), self._settings
         host = headers.get("host", "")
         if not settings.knows_host(host):
@@ -335,22 +457,20 @@ class Guard:
         origin = headers.get("origin")
         if origin is not None and not self._is_own(origin, host):
             raise Refused(403, "This server answers its own pages only, not those of another site.")
+        given = key_of(headers)
         if scope["type"] == "http" and scope["path"].startswith("/api/"):
-            given = key_of(headers)
             if not is_key(settings, given):
                 raise Refused(401, no_key(given), {"WWW-Authenticate": "Bearer"})
             length = headers.get("content-length", "0")
             if length.isdecimal() and int(length[:20]) > settings.limits.body:
                 raise _too_large(settings.limits.body)
-        if self._answering >= settings.limits.requests:
-            raise _busy(f"{settings.limits.requests} requests")
         length = headers.get("content-length", "0")
         is_large = "transfer-encoding" in headers or (
             length.isdecimal() and int(length[:20]) > LARGE
         )
         if is_large and self._large >= settings.limits.large:
             raise _busy(f"{settings.limits.large} large requests")
-        return is_large
+        return is_large, given
 
     def _is_own(self, origin: str, host: str) -> bool:
         try:

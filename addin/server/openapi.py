@@ -72,6 +72,7 @@ def _errors(*statuses: int) -> dict[str, Any]:
         400: "The request cannot be read.",
         401: "An API key is needed.",
         403: "Sent by a page of another site.",
+        408: "The body came too slowly.",
         413: "Larger than the server takes.",
         415: "Of a kind that is not taken here.",
         421: "Addressed to a name the server does not go by.",
@@ -98,7 +99,7 @@ def _batch() -> dict[str, Any]:
         "requestBody": {"required": True, "content": {JSON: {"schema": _ref("Batch")}}},
         "responses": {
             "200": _said("An answer for each call.", "Answers"),
-            **_errors(400, 401, 403, 413, 415, 421, 503),
+            **_errors(400, 401, 403, 408, 413, 415, 421, 503),
         },
     }
 
@@ -124,7 +125,7 @@ def _model() -> dict[str, Any]:
         "responses": {
             "200": _said("The handle, for the functions that take a model.", "Model"),
             "422": _said("Everything wrong with the input.", "Problems"),
-            **_errors(400, 401, 403, 413, 415, 421, 503),
+            **_errors(400, 401, 403, 408, 413, 415, 421, 503),
         },
     }
 
@@ -140,7 +141,7 @@ def _workbook() -> dict[str, Any]:
                 "content": {kind: {} for kind in WORKBOOKS},
             },
             "422": _said("Everything wrong with the input.", "Problems"),
-            **_errors(400, 401, 403, 413, 415, 421, 503),
+            **_errors(400, 401, 403, 408, 413, 415, 421, 503),
         },
     }
 
@@ -218,7 +219,7 @@ def _schemas() -> dict[str, Any]:
             "type": "object",
             "required": ["model", "units", "warnings"],
             "properties": {
-                "model": {"type": "string", "pattern": "^tv:[0-9a-f]{16}(-US)?$"},
+                "model": {"type": "string", "pattern": "^tv:[0-9a-f]{16}\\.[0-9a-f]{16}(-US)?$"},
                 "units": {"enum": ["SI", "US"]},
                 "warnings": {"type": "array", "items": text},
             },

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import ssl
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
 __all__ = [
+    "BODY_RATE",
     "LARGE",
     "LOOPBACK",
     "Limits",
@@ -23,6 +25,8 @@ __all__ = [
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 #: A body beyond this, or of a size not told, counts as large. [B]
 LARGE = 1_000_000
+#: What of a body has to arrive in each second beyond the first. [B]
+BODY_RATE = 50_000
 #: Shortest API key that is accepted: shorter ones can be guessed. [characters]
 SHORTEST_KEY = 16
 
@@ -49,6 +53,14 @@ class Limits:
         Most long calculations waiting for a process. [count]
     streams : int
         Most long calls at a time of one WebSocket. [count]
+    message : int
+        Largest message of a WebSocket. [B]
+    strangers : int
+        Most WebSockets that have not sent their key; with one more the oldest is closed. [count]
+    strangers_each : int
+        The same of one address beyond this machine. [count]
+    body_time : float
+        Time for the body of a request to arrive, and a second more for every `BODY_RATE`. [s]
     short_time : float
         Time for the short functions of one request. [s]
     long_time : float
@@ -61,6 +73,10 @@ class Limits:
     large: int = 32
     waiting: int = 64
     streams: int = 500
+    message: int = 4_000_000
+    strangers: int = 64
+    strangers_each: int = 8
+    body_time: float = 20.0
     short_time: float = 60.0
     long_time: float = 900.0
 
@@ -126,8 +142,7 @@ class Settings:
             raise SettingsError(f"--workers is {self.workers}; at least 1 process is needed.")
         if not 0 <= self.port <= 65535:
             raise SettingsError(f"--port is {self.port}; it must lie between 0 and 65535.")
-        parts = urlsplit(self.public_url)
-        if self.public_url and (parts.scheme not in ("http", "https") or not parts.hostname):
+        if self.public_url and not _is_address(self.public_url):
             raise SettingsError(
                 f"--public-url is '{self.public_url}'; write an address such as "
                 "https://torsion.example.com."
@@ -162,6 +177,15 @@ class Settings:
         return not self.is_loopback or host in LOOPBACK or (own is not None and host == own)
 
 
+def _is_address(url: str) -> bool:
+    """Whether a text is an address a browser can be sent to."""
+    try:
+        parts = urlsplit(url)
+        return parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+    except ValueError:  # brackets that do not match, a port beyond 65535
+        return False
+
+
 def check_certificate(settings: Settings) -> None:
     """See that certificate and key can be served with, before the server starts.
 
@@ -192,10 +216,15 @@ def check_certificate(settings: Settings) -> None:
             what = "certificate" if option == "--cert" else "private key"
             raise SettingsError(f"{option} {path} holds no {what} in PEM (-----BEGIN ...-----).")
     if "ENCRYPTED" in text[key]:
-        return  # its password is asked for when the server starts
+        if sys.stdin is not None and sys.stdin.isatty():
+            return  # its password is asked for when the server starts
+        raise SettingsError(
+            f"--key {key} is encrypted, and there is no terminal to ask for its password. Give the "
+            "key without one: openssl pkey -in KEY -out NEW, readable for this service only."
+        )
     try:
         ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(chain, key)
-    except (ssl.SSLError, ValueError) as wrong:
+    except (OSError, ValueError) as wrong:  # an SSLError is an OSError
         reason = getattr(wrong, "reason", None) or str(wrong)
         why = (
             "the key is not that of the certificate"

@@ -1,4 +1,4 @@
-"""One calculation of a start for everybody who waits for it."""
+"""One calculation of a start, or of a large train, for everybody who waits for it."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from addin.server.work import Cancelled, Job, Work
-from addin.worksheet.models import MODELS, RUN, Model
+from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
 from addin.worksheet.registry import FunctionError
 
 __all__ = ["Starts", "waited_for"]
 
 Tell = Callable[[str], None]
+#: Result → task of the pool.
+TASK = {RUN: "start", AT_SPEED: "speed"}
 
 
 async def waited_for(job: Job, tell: Tell | None = None) -> Any:
@@ -51,7 +53,7 @@ def _post(loop: asyncio.AbstractEventLoop, tell: Tell | None, stage: str) -> Non
 class _Shared:
     """A start on its way, with those who wait."""
 
-    task: asyncio.Task[None]
+    task: asyncio.Task[Any]
     tellers: list[Tell]
     stage: str = ""
     waiting: int = 0
@@ -63,7 +65,7 @@ class _Shared:
 
 
 class Starts:
-    """The starts being calculated, by handle of their model.
+    """The results being calculated, by what can change them.
 
     Parameters
     ----------
@@ -73,10 +75,10 @@ class Starts:
 
     def __init__(self, work: Work) -> None:
         self._work = work
-        self._shared: dict[str, _Shared] = {}
+        self._shared: dict[tuple[str, str], _Shared] = {}
 
-    async def ready(self, model: Model, tell: Tell | None = None) -> None:
-        """Return once the results of a model's start are kept with it.
+    async def ready(self, model: Model, tell: Tell | None = None, what: str = RUN) -> Any:
+        """A result of a model, kept or calculated in the pool, never in this process.
 
         Cancelling this call gives the calculation up, unless somebody else waits for it.
 
@@ -86,50 +88,77 @@ class Starts:
             The model.
         tell : callable, optional
             Called with each stage. [words]
+        what : str
+            Name of the result. [name]
+
+        Returns
+        -------
+        object
+            The result, or the `FunctionError` that says why there is none: kept with the model for
+            as long as there is memory, so whoever asked takes it from here. [SI]
 
         Raises
         ------
         Busy, TooLong, RuntimeError
-            If there is no result. What is wrong with the train is kept with the model as well.
+            If there is no result.
         """
-        if RUN in model.kept:
-            return
-        shared = self._shared.get(model.handle)
+        found = model.kept.get(what)
+        if found is not None:
+            return found
+        shared = self._shared.get((model.results, what))
         if shared is None:
-            shared = self._begin(model)
+            shared = self._begin(model, what)
         elif tell is not None and shared.stage:
             tell(shared.stage)
         if tell is not None:
             shared.tellers.append(tell)
         shared.waiting += 1
         try:
-            await asyncio.shield(shared.task)
+            return await asyncio.shield(shared.task)
         finally:
             shared.waiting -= 1
             if tell is not None:
                 shared.tellers.remove(tell)
             if not shared.waiting and not shared.task.done():
-                self._forget(model, shared)
+                self._forget(model, what, shared)
                 shared.task.cancel()
 
-    def _begin(self, model: Model) -> _Shared:
-        job = self._work.submit("start", model.case)
-        shared = _Shared(asyncio.create_task(self._calculate(model, job)), [])
+    async def view(self, model: Model) -> Any:
+        """What the page draws of a large train without its start; not kept.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+
+        Returns
+        -------
+        dict
+            Plain values. [shown units]
+        """
+        job = self._work.submit("view", (model.handle, model.case, model.system))
+        return await waited_for(job)
+
+    def _begin(self, model: Model, what: str) -> _Shared:
+        job = self._work.submit(TASK[what], model.case)
+        shared = _Shared(asyncio.create_task(self._calculate(model, what, job)), [])
         # whoever waited may be gone by the time it fails: that is no error of the server's
         shared.task.add_done_callback(lambda task: task.cancelled() or task.exception())
-        self._shared[model.handle] = shared
+        self._shared[model.results, what] = shared
         return shared
 
-    async def _calculate(self, model: Model, job: Job) -> None:
-        shared = self._shared[model.handle]
+    async def _calculate(self, model: Model, what: str, job: Job) -> Any:
+        shared = self._shared[model.results, what]
         try:
-            await asyncio.to_thread(MODELS.keep, model, RUN, await _found(job, shared.tell))
+            found = await _found(job, shared.tell)
+            await asyncio.to_thread(MODELS.keep, model, what, found)
+            return found
         finally:
-            self._forget(model, shared)
+            self._forget(model, what, shared)
 
-    def _forget(self, model: Model, shared: _Shared) -> None:
-        if self._shared.get(model.handle) is shared:
-            del self._shared[model.handle]
+    def _forget(self, model: Model, what: str, shared: _Shared) -> None:
+        if self._shared.get((model.results, what)) is shared:
+            del self._shared[model.results, what]
 
 
 async def _found(job: Job, tell: Tell) -> Any:

@@ -10,28 +10,49 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import Awaitable, Callable
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from addin.server.calls import Calls, error, read_call
-from addin.server.guard import Refused, encoded, is_key, key_of, parsed
-from addin.server.settings import Settings
+from addin.server.calls import Calls, Room, error, is_large, read_call
+from addin.server.guard import Door, Refused, encoded, is_key, key_of, parsed
+from addin.server.settings import LARGE, Settings
 from addin.server.starts import Starts
 from addin.server.view import speed_view, start_view
 from addin.server.work import OURS, Busy, TooLong
-from addin.worksheet.models import MODELS, RUN
+from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
 
 __all__ = ["Stream"]
 
 LOG = logging.getLogger("torsionbook.server")
-#: Close code for a client without a key. [number]
-NO_KEY = 4401
-#: Longest time a client may take to send its key. [s]
-KEY_TIME = 10.0
+#: Close codes for a client without a key, and of a busy server. [number]
+NO_KEY, TRY_AGAIN = 4401, 1013
+#: Longest time a client may take to send its key, and longest message with a key. [s, characters]
+KEY_TIME, LONGEST_KEY = 10.0, 4096
+#: Values of one WebSocket that are made but not sent, and messages of any kind. [count]
+MOST_VALUES, MOST_MESSAGES = 4, 1000
+#: Longest time a client may take to read a message. [s]
+READ_TIME = 60.0
 
 Identity = int | str
+
+
+@dataclass
+class _Answering:
+    """One request under way: what it holds until its message is sent."""
+
+    identity: Identity
+    room: Room
+    has_turn: bool = False
+    found: dict[str, Any] | None = None
+
+
+Work = Callable[[_Answering], Awaitable[dict[str, Any]]]
 
 
 class Stream:
@@ -55,58 +76,113 @@ class Stream:
         self._calls = calls
         self._starts = starts
         self._running: dict[Identity, asyncio.Task[None]] = {}
-        self._out: asyncio.Queue[Any] = asyncio.Queue()
+        self._out: asyncio.Queue[tuple[dict[str, Any], _Answering | None]] = asyncio.Queue()
+        self._sent = asyncio.Event()
+        self._turns = asyncio.Semaphore(MOST_VALUES)
 
     async def serve(self) -> None:
         """Answer until the client is gone; then nothing of it goes on."""
         await self._socket.accept()
         sender = asyncio.create_task(self._send())
+        receiver = asyncio.create_task(self._receive())
         try:
-            if await self._is_welcome():
-                while True:
-                    self._take(await self._socket.receive_text())
-        except (WebSocketDisconnect, KeyError):  # a KeyError is a message of bytes
-            pass
+            # a client that does not read any more is as good as gone
+            await asyncio.wait({sender, receiver}, return_when=asyncio.FIRST_COMPLETED)
         finally:
-            tasks = [*self._running.values(), sender]
+            tasks = [*self._running.values(), sender, receiver]
             for task in tasks:
                 task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+            await asyncio.wait(tasks)
+            for task in (sender, receiver):
+                wrong = None if task.cancelled() else task.exception()
+                if wrong is not None and not isinstance(wrong, (WebSocketDisconnect, TimeoutError)):
+                    LOG.error("a stream failed", exc_info=wrong)
+            await asyncio.sleep(0)  # their ends are put into the queue
+            while not self._out.empty():
+                self._free(self._out.get_nowait()[1])
+
+    async def _receive(self) -> None:
+        if not await self._is_welcome():
+            return
+        while True:
+            message = await self._socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            text = message.get("text")
+            if text is None:
+                return  # a message of bytes
+            await self._take(text)
+            while self._out.qsize() >= MOST_MESSAGES:  # whoever does not read is not listened to
+                self._sent.clear()
+                await self._sent.wait()
 
     async def _send(self) -> None:
         while True:
-            message = await self._out.get()
-            body = await self._calls.encoded(message) if "value" in message else encoded(message)
-            await self._socket.send_text(body.decode("ascii"))
+            message, answering = await self._out.get()
+            is_long = "value" in message or "partial" in message
+            try:
+                body = await self._calls.encoded(message) if is_long else encoded(message)
+                async with asyncio.timeout(READ_TIME):
+                    await self._socket.send_text(body.decode("ascii"))
+            finally:
+                self._free(answering)
+                self._sent.set()
+
+    def _free(self, answering: _Answering | None) -> None:
+        """What an answer held is free again."""
+        if answering is None:
+            return
+        answering.room.free()
+        if answering.has_turn:
+            answering.has_turn = False
+            self._turns.release()
 
     async def _is_welcome(self) -> bool:
         settings = self._settings
+        door: Door | None = self._socket.scope.get("door")
         if is_key(settings, key_of(self._socket.headers)):
             return True
         given = None
         try:
-            async with asyncio.timeout(KEY_TIME):
-                first = parsed(await self._socket.receive_text())
-            given = first.get("key") if isinstance(first, dict) else None
+            async with asyncio.timeout(KEY_TIME) as limit:
+                if door is not None:
+                    door.limit = limit
+                first = await self._socket.receive()
+            text = first.get("text")
+            if text is not None and len(text) <= LONGEST_KEY:  # not even looked at beyond that
+                content = parsed(text)
+                given = content.get("key") if isinstance(content, dict) else None
         except (TimeoutError, Refused):
             pass
         if isinstance(given, str) and is_key(settings, given):
-            return True
+            try:
+                if door is not None:
+                    door.enter(given)
+                return True
+            except Refused as full:
+                await self._refuse(full.message, TRY_AGAIN, "The server is busy.")
+                return False
         wrong = isinstance(given, str) and given
         why = "The API key is not one of this server's" if wrong else "An API key is needed"
-        await self._socket.send_text(
-            encoded({"id": None, **error(f'{why}: send {{"key": ...}} first.')}).decode()
-        )
-        await self._socket.close(NO_KEY, f"{why}.")
+        await self._refuse(f'{why}: send {{"key": ...}} first.', NO_KEY, f"{why}.")
         return False
+
+    async def _refuse(self, sentence: str, code: int, reason: str) -> None:
+        async with asyncio.timeout(KEY_TIME):
+            await self._socket.send_text(encoded({"id": None, **error(sentence)}).decode())
+            await self._socket.close(code, reason)
 
     # ---- what is asked for -----------------------------------------------------------------------
 
-    def _take(self, text: str) -> None:
+    async def _take(self, text: str) -> None:
         """One message of the client."""
         identity: Any = None
         try:
-            message = parsed(text)
+            if len(text) > LARGE:
+                with self._reading():
+                    message = await asyncio.to_thread(parsed, text)
+            else:
+                message = parsed(text)
             if not isinstance(message, dict):
                 raise Refused(400, 'Send objects, such as {"id": 1, "name": ..., "arguments": []}.')
             if "key" in message and "id" not in message:
@@ -118,16 +194,20 @@ class Stream:
             if message.get("cancel") is True:
                 self._cancel(identity)
             else:
-                self._begin(identity, message)
+                self._begin(identity, message, len(text))
         except Refused as wrong:
-            self._out.put_nowait({"id": identity, **error(wrong.message)})
+            self._out.put_nowait(({"id": identity, **error(wrong.message)}, None))
+
+    def _reading(self) -> Any:
+        reading = self._socket.scope.get("reading")
+        return nullcontext() if reading is None else reading()
 
     def _cancel(self, identity: Identity) -> None:
         task = self._running.get(identity)
         if task is not None:
             task.cancel()
 
-    def _begin(self, identity: Identity, message: dict[str, Any]) -> None:
+    def _begin(self, identity: Identity, message: dict[str, Any], size: int) -> None:
         if identity in self._running:
             raise Refused(
                 400, f"The id {str(identity)[:40]} is being answered already. Use another."
@@ -138,46 +218,67 @@ class Stream:
         if "view" in message:
             if not isinstance(message["view"], str):
                 raise Refused(400, "view is no text. Give the handle of a model.")
-            work = self._view(identity, message["view"])
+            work = partial(self._view, message["view"])
         else:
-            work = self._call(identity, message)
-        self._running[identity] = asyncio.create_task(self._answer(identity, work))
+            work = partial(self._call, message, size)
+        answering = _Answering(identity, self._calls.new_room())
+        task = asyncio.create_task(self._answer(answering, work))
+        self._running[identity] = task
+        # also of one that is cancelled before it begins
+        task.add_done_callback(partial(self._end, answering))
 
-    async def _answer(self, identity: Identity, work: Any) -> None:
-        """One answer, whatever comes of it."""
+    def _end(self, answering: _Answering, task: asyncio.Task[None]) -> None:
+        """One request is over, whatever came of it."""
+        if self._running.get(answering.identity) is task:
+            del self._running[answering.identity]
+        found = answering.found or {"cancelled": True}
+        self._out.put_nowait(({"id": answering.identity, **found}, answering))
+
+    async def _answer(self, answering: _Answering, work: Work) -> None:
         try:
-            found = await work
-        except asyncio.CancelledError:
-            found = {"cancelled": True}
+            answering.found = await work(answering)
         except Refused as wrong:
-            found = error(wrong.message)
+            answering.found = error(wrong.message)
         except FunctionError as wrong:
-            found = error(wrong.message, wrong.code)
+            answering.found = error(wrong.message, wrong.code)
         except (Busy, TooLong, RuntimeError) as wrong:
-            found = error(str(wrong), "#N/A")
+            answering.found = error(str(wrong), "#N/A")
         except Exception:
             LOG.exception("a stream failed")
-            found = error(OURS)
-        self._running.pop(identity, None)
-        self._out.put_nowait({"id": identity, **found})
+            answering.found = error(OURS)
 
-    async def _call(self, identity: Identity, message: dict[str, Any]) -> dict[str, Any]:
+    async def _turn(self, answering: _Answering) -> None:
+        """Wait until few enough values are on their way."""
+        await self._turns.acquire()
+        answering.has_turn = True
+
+    async def _call(
+        self, message: dict[str, Any], size: int, answering: _Answering
+    ) -> dict[str, Any]:
         wanted = read_call(message, "The message")
-        return await self._calls.one(wanted, self._teller(identity))
+        turn = partial(self._turn, answering)
+        tell = self._teller(answering.identity)
+        return await self._calls.one(wanted, tell, answering.room, turn, size)
 
-    async def _view(self, identity: Identity, handle: str) -> dict[str, Any]:
+    async def _view(self, handle: str, answering: _Answering) -> dict[str, Any]:
         """The page's numbers: first without the start, then with it."""
         model = MODELS.of(handle)
-        self._out.put_nowait(
-            {"id": identity, "partial": await asyncio.to_thread(speed_view, model)}
-        )
-        await self._starts.ready(model, self._teller(identity))
-        found = model.kept.get(RUN)
-        if found is None:
-            raise RuntimeError("The results were dropped for want of memory. Ask for them again.")
+        first = _Answering(answering.identity, self._calls.new_room())
+        await self._turn(first)
+        try:
+            if is_large(model):
+                partly = await self._starts.view(model)
+            else:
+                partly = await self._calls.in_thread(speed_view, model)
+        except BaseException:
+            self._free(first)
+            raise
+        self._out.put_nowait(({"id": answering.identity, "partial": partly}, first))
+        found = await self._starts.ready(model, self._teller(answering.identity))
         if isinstance(found, FunctionError):
             raise found
-        return {"value": await asyncio.to_thread(start_view, model, found)}
+        await self._turn(answering)
+        return {"value": await self._calls.in_thread(start_view, model, found)}
 
     def _teller(self, identity: Identity) -> Any:
-        return lambda stage: self._out.put_nowait({"id": identity, "stage": stage})
+        return lambda stage: self._out.put_nowait(({"id": identity, "stage": stage}, None))

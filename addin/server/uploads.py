@@ -9,7 +9,7 @@ import asyncio
 import re
 import tempfile
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -18,9 +18,10 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from addin.problems import CellProblem
-from addin.recalc import WORKBOOK_ENDINGS, Unreadable, read_checked
+from addin.recalc import WORKBOOK_ENDINGS
 from addin.results_json import errors_to_json
 from addin.server.guard import Refused, answer, read_body, while_connected
+from addin.server.settings import Limits
 from addin.server.starts import waited_for
 from addin.server.work import Busy, TooLong, Work
 from addin.version import product_version
@@ -36,7 +37,7 @@ MEDIA = {
 }
 
 
-async def recalculated(request: Request, work: Work, limit: int) -> Response:
+async def recalculated(request: Request, work: Work, limits: Limits) -> Response:
     """Answer with the workbook of a request, its result sheets filled.
 
     Parameters
@@ -45,31 +46,25 @@ async def recalculated(request: Request, work: Work, limit: int) -> Response:
         Its body is the workbook; its query may hold the ``name`` of the file.
     work : Work
         Where it is recalculated.
-    limit : int
-        Largest workbook. [B]
+    limits : Limits
+        Largest workbook, and how long it may take to arrive.
 
     Returns
     -------
     Response
         The workbook; or 422 and the errors as the contract has them.
     """
-    body, name = await _sent(request, limit)
+    body, name = await _sent(request, limits)
     if Path(name).suffix.lower() not in WORKBOOK_ENDINGS:
         raise Refused(415, "Send a workbook, .xlsx or .xlsm. /api/v1/model also takes a case JSON.")
     with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
-        source, target = Path(folder, name), Path(folder, f"out-{name}")
+        # the name given may be one that no file can have: it only names what is sent back
+        inner = f"train{Path(name).suffix}"
+        source, target = Path(folder, inner), Path(folder, f"out-{inner}")
         await asyncio.to_thread(source.write_bytes, body)
-        try:
-            job = work.submit("workbook", (str(source), str(target)))
-            problems, warnings = await while_connected(request, waited_for(job))
-        except Busy as wrong:
-            raise Refused(503, str(wrong), {"Retry-After": "30"}) from None
-        except TooLong as wrong:
-            raise Refused(503, str(wrong)) from None
-        except FunctionError as wrong:
-            raise Refused(422, wrong.message) from None
+        problems, warnings = await _done(request, work, "workbook", (str(source), str(target)))
         if problems:
-            return _wrong(problems, warnings, folder)
+            return _wrong(problems, warnings, Hidden(folder, inner, name))
         content = await asyncio.to_thread(target.read_bytes)
     stem, ending = Path(name).stem, Path(name).suffix
     disposition = f"attachment; filename*=UTF-8''{quote(f'{stem}.out{ending}')}"
@@ -78,44 +73,67 @@ async def recalculated(request: Request, work: Work, limit: int) -> Response:
     )
 
 
-async def model_of(request: Request, limit: int) -> Response:
+async def model_of(request: Request, work: Work, limits: Limits) -> Response:
     """Answer with the handle of the model that a workbook or a case JSON holds.
 
     Parameters
     ----------
     request : Request
         Its body is the file; its query may hold the ``name`` of the file.
-    limit : int
-        Largest file. [B]
+    work : Work
+        Where it is read.
+    limits : Limits
+        Largest file, and how long it may take to arrive.
 
     Returns
     -------
     Response
         ``model``, ``units`` and ``warnings``; or 422 and the errors as the contract has them.
     """
-    body, name = await _sent(request, limit)
+    body, name = await _sent(request, limits)
     if name.endswith(".json"):
         _refuse_no_case(body)
     with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
-        source = Path(folder, name)
+        inner = f"train{Path(name).suffix}"
+        source = Path(folder, inner)
         await asyncio.to_thread(source.write_bytes, body)
-        read = await asyncio.to_thread(read_checked, source)
-    if isinstance(read, Unreadable) or read.problems:
-        return _wrong(read.problems, read.warnings, folder)
-    model = MODELS.add(read)
+        problems, warnings, case, system = await _done(request, work, "read", str(source))
+    hidden = Hidden(folder, inner, name)
+    if problems:
+        return _wrong(problems, warnings, hidden)
+    try:
+        model = await asyncio.to_thread(MODELS.add_case, case, system)
+    except UnicodeEncodeError:
+        raise Refused(
+            422,
+            "A name or a text of the case holds half a character (a lone surrogate, such as "
+            "\\ud800). Write it again.",
+        ) from None
     return answer(
-        {"model": model.handle, "units": model.system, "warnings": _clean(read.warnings, folder)}
+        {"model": model.handle, "units": model.system, "warnings": _clean(warnings, hidden)}
     )
 
 
-async def _sent(request: Request, limit: int) -> tuple[bytes, str]:
+async def _done(request: Request, work: Work, task: str, payload: Any) -> Any:
+    """The result of a task for a client that waits; 503 where there is none."""
+    try:
+        return await while_connected(request, waited_for(work.submit(task, payload)))
+    except Busy as wrong:
+        raise Refused(503, str(wrong), {"Retry-After": "30"}) from None
+    except (TooLong, RuntimeError) as wrong:
+        raise Refused(503, str(wrong)) from None
+    except FunctionError as wrong:
+        raise Refused(422, wrong.message) from None
+
+
+async def _sent(request: Request, limits: Limits) -> tuple[bytes, str]:
     """The file and the name it is worked on under: harmless, with the ending of what it is."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().casefold()
     if kind.startswith("multipart/"):
         raise Refused(
             415, "Send the file itself as the body, not as a form (curl --data-binary @train.xlsx)."
         )
-    body = await read_body(request, limit)
+    body = await read_body(request, limits.body, limits.body_time)
     if not body:
         raise Refused(
             400, "The body is empty. Send the file itself (curl --data-binary @train.xlsx)."
@@ -145,7 +163,16 @@ def _refuse_no_case(body: bytes) -> None:
     )
 
 
-def _wrong(problems: Iterable[CellProblem], warnings: Iterable[str], folder: str) -> Response:
+@dataclass(frozen=True)
+class Hidden:
+    """The folder a file was worked on in, its name there, and the name it goes by outside."""
+
+    folder: str
+    inner: str
+    name: str
+
+
+def _wrong(problems: Iterable[CellProblem], warnings: Iterable[str], folder: Hidden) -> Response:
     """422 with every error, in the form of a result JSON, and one sentence over them."""
     told = [
         replace(p, message=_without(p.message, folder), found=_found(p, folder)) for p in problems
@@ -158,15 +185,18 @@ def _wrong(problems: Iterable[CellProblem], warnings: Iterable[str], folder: str
     return answer(content, 422)
 
 
-def _found(problem: CellProblem, folder: str) -> Any:
+def _found(problem: CellProblem, folder: Hidden) -> Any:
     found = problem.found
     return _without(found, folder) if isinstance(found, str) else found
 
 
-def _clean(sentences: Iterable[str], folder: str) -> list[str]:
+def _clean(sentences: Iterable[str], folder: Hidden) -> list[str]:
     return [_without(sentence, folder) for sentence in sentences]
 
 
-def _without(text: str, folder: str) -> str:
+def _without(text: str, hidden: Hidden) -> str:
     """A sentence without the folder the file was worked on in."""
-    return text.replace(f"{folder}/", "").replace(f"{folder}\\", "")
+    for slash in "/\\":
+        text = text.replace(f"{hidden.folder}{slash}{hidden.inner}", hidden.name)
+        text = text.replace(f"{hidden.folder}{slash}", "")
+    return text

@@ -6,6 +6,7 @@ The page gets the same numbers as the sheets, in the units shown there, and know
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from addin.calculation import Calculation
@@ -72,7 +73,9 @@ def start_view(model: Model, calculation: Calculation) -> dict[str, Any]:
         Plain values. [shown units]
     """
     startup = calculation.startup or {}
-    return _shown(model, calculation.view, (*SPEED_TABLES, *START_TABLES)) | {
+    # the numbers may come from a case of equal numbers and another title
+    view = replace(calculation.view, case=model.case)
+    return _shown(model, view, (*SPEED_TABLES, *START_TABLES)) | {
         "complete": True,
         "outcome": calculation.outcome,
         "sentence": str(startup.get("sentence") or ""),

@@ -12,6 +12,7 @@ import logging
 import multiprocessing
 import queue
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -32,6 +33,10 @@ LOOK = 0.05
 START_TIME = 120.0
 #: How long a process that is told to end may take. [s]
 LAST_WORDS = 2.0
+#: A process that has used more memory than this is replaced after its task. [B]
+MOST_MEMORY = 1_200_000_000
+#: What is told when the server ends.
+STOPPING = "The server is being stopped. Try again in a minute."
 #: What is told of an error of ours; the rest is in the log.
 OURS = "This is an error inside torsionbook. The server's log says more; please report it."
 
@@ -46,6 +51,20 @@ class TooLong(Exception):
 
 class Cancelled(Exception):
     """Nobody wants the result any more."""
+
+
+class _Died(Exception):
+    """A process ended by itself.
+
+    Parameters
+    ----------
+    has_spoken : bool
+        Whether it had told a stage of its task. [flag]
+    """
+
+    def __init__(self, has_spoken: bool) -> None:
+        super().__init__()
+        self.has_spoken = has_spoken
 
 
 class Job:
@@ -161,8 +180,9 @@ class Work:
             If too many wait already.
         """
         if self._closed:
-            raise Busy("The server is being stopped. Try again in a minute.")
-        if self._queue.qsize() >= self._most:
+            raise Busy(STOPPING)
+        wanted = [job for job in list(self._queue.queue) if job is not None and not job.cancelled]
+        if len(wanted) >= self._most:
             raise Busy(
                 f"The server has {self._most} calculations waiting already. Try again in a minute."
             )
@@ -170,16 +190,20 @@ class Work:
         self._queue.put(job)
         return job
 
-    def close(self) -> None:
-        """End every process; what waits is given up."""
+    def stop(self) -> None:
+        """Give up what runs and what waits; whoever waits is told why."""
         self._closed = True
         while True:
             try:
                 job = self._queue.get_nowait()
             except queue.Empty:
                 break
-            if job is not None:
-                job.cancel()
+            if job is not None and job.future.set_running_or_notify_cancel():
+                job.future.set_exception(Busy(STOPPING))
+
+    def close(self) -> None:
+        """End every process; what waits is given up."""
+        self.stop()
         for _ in self._threads:
             self._queue.put(None)
         for thread in self._threads:
@@ -196,9 +220,19 @@ class Work:
             if not job.future.set_running_or_notify_cancel():
                 continue
             try:
-                if process is None or not process.is_alive:
-                    process = _successor(process)
-                job.future.set_result(self._done(process, job))
+                for is_last in (False, True):
+                    if process is None or not process.is_alive:
+                        process = _successor(process)
+                    try:
+                        job.future.set_result(self._done(process, job))
+                        break
+                    except _Died as wrong:
+                        # one that died before its first word was perhaps dead already
+                        if wrong.has_spoken or is_last:
+                            raise RuntimeError(
+                                "The process that calculated this ended by itself, perhaps for want "
+                                "of memory. Try again; if it happens again, please report it."
+                            ) from None
             except BaseException as wrong:
                 job.future.set_exception(wrong)
         if process is not None:
@@ -207,12 +241,13 @@ class Work:
     def _done(self, process: _Process, job: Job) -> Any:
         """The result of a task; the process is ended where it goes on without us."""
         began = time.monotonic()
+        has_spoken = False
         try:
             process.line.send((job.task, job.payload))
             while True:
                 if job.cancelled or self._closed:
                     process.end()
-                    raise Cancelled
+                    raise Cancelled if job.cancelled else Busy(STOPPING)
                 if time.monotonic() - began > (self._time_limit if process.ready else START_TIME):
                     process.end()
                     raise TooLong(
@@ -224,6 +259,7 @@ class Work:
                     continue
                 kind, value = process.line.recv()
                 if kind == "stage":
+                    has_spoken = True
                     job.told(value)
                 elif kind == "ready":
                     process.ready, began = True, time.monotonic()
@@ -237,10 +273,7 @@ class Work:
         except (EOFError, OSError) as wrong:
             process.end()
             LOG.error("the process of task %s ended by itself (%r)", job.task, wrong)
-            raise RuntimeError(
-                "The process that calculated this ended by itself, perhaps for want of memory. "
-                "Try again; if it happens again, please report it."
-            ) from None
+            raise _Died(has_spoken) from None
 
 
 class _Process:
@@ -298,6 +331,18 @@ def _serve(line: Connection) -> None:
             return
         with contextlib.suppress(BrokenPipeError, OSError):
             line.send(_answer(task, payload, line))
+        if _peak_memory() > MOST_MEMORY:
+            return  # the memory goes back to the system only with the process
+
+
+def _peak_memory() -> int:
+    """Most memory this process has used; 0 where the system does not say. [B]"""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024 * peak
 
 
 def _answer(task: str, payload: Any, line: Connection) -> tuple[str, Any]:
@@ -324,11 +369,66 @@ def _start(case: Any, tell: Callable[[str], None]) -> Any:
 
 def _workbook(paths: tuple[str, str], tell: Callable[[str], None]) -> Any:
     """Recalculate a workbook; problems, warnings and the verdict."""
-    from addin.recalc import recalculate
+    from addin.package.container import Container
+    from addin.package.errors import PackageError
+    from addin.recalc import of_file, recalculate
 
     source, target = map(Path, paths)
+    tell("reading")
+    try:
+        Container(source, _limits())
+    except PackageError as wrong:
+        return (of_file(source, wrong),), ()
     done = recalculate(source, destination=target, on_stage=tell)
     return done.problems, done.warnings
+
+
+def _read(path: str, tell: Callable[[str], None]) -> Any:
+    """Read a workbook or a case JSON; problems, warnings, the case and its units."""
+    from addin.package import open_workbook
+    from addin.package.errors import PackageError
+    from addin.read_workbook import read_workbook
+    from addin.recalc import WORKBOOK_ENDINGS, Unreadable, of_file, read_checked
+    from addin.typed_case import CaseInput
+    from addin.worksheet.models import system_of
+
+    source = Path(path)
+    tell("reading")
+    try:
+        read: CaseInput | Unreadable
+        if source.suffix.lower() in WORKBOOK_ENDINGS:
+            read = read_workbook(open_workbook(source, read_only=True, limits=_limits()))
+        else:
+            read = read_checked(source)
+    except (PackageError, OSError) as wrong:
+        return (of_file(source, wrong),), (), None, ""
+    if isinstance(read, Unreadable) or read.problems:
+        return read.problems, read.warnings, None, ""
+    return (), read.warnings, read.case(), system_of(read)
+
+
+def _limits() -> Any:
+    """What is taken for a workbook here: less than on a machine of one's own."""
+    from addin.package.container import Limits
+
+    return Limits(file_size=25 * 2**20, total_size=100 * 2**20, part_size=60 * 2**20, entries=2_000)
+
+
+def _speed(case: Any, tell: Callable[[str], None]) -> Any:
+    """Tables of a case that need no start."""
+    from addin.worksheet.functions import speed_results
+
+    tell("frequencies")
+    return speed_results(case)
+
+
+def _view(model: tuple[str, Any, str], tell: Callable[[str], None]) -> Any:
+    """What the page draws of a model without its start."""
+    from addin.server.view import speed_view
+    from addin.worksheet.models import Model
+
+    tell("frequencies")
+    return speed_view(Model(*model))
 
 
 def _wait(seconds: float, tell: Callable[[str], None]) -> float:
@@ -344,5 +444,8 @@ def _wait(seconds: float, tell: Callable[[str], None]) -> float:
 TASKS: dict[str, Callable[[Any, Callable[[str], None]], Any]] = {
     "start": _start,
     "workbook": _workbook,
+    "read": _read,
+    "speed": _speed,
+    "view": _view,
     "wait": _wait,
 }

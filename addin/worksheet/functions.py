@@ -18,8 +18,9 @@ from addin.fields import Field, TableSpec, result_table
 from addin.problems import nearest, shortened
 from addin.units import UnitError, UnitScale, parse_unit
 from addin.worksheet.blocks import case_of, problems_in_words
-from addin.worksheet.models import MODELS, RUN, Model
+from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
+from engine.case import Case
 
 __all__: list[str] = []
 
@@ -143,15 +144,27 @@ def _si(dimension: str, system: str) -> tuple[str, float]:
 def _at_speed(handle: str) -> tuple[Model, Mapping[str, Any]]:
     """Tables that need no start."""
     model = MODELS.of(handle)
+    return model, MODELS.result(model, AT_SPEED, speed_results)
 
-    def calculate(case: Any) -> Mapping[str, Any]:
-        from engine.report import modal_details, speed_tables
-        from engine.run import at_speed
 
-        found = at_speed(case)
-        return speed_tables(found) | modal_details(found)
+def speed_results(case: Case) -> Mapping[str, Any]:
+    """Tables that need no start.
 
-    return model, MODELS.result(model, "at speed", calculate)
+    Parameters
+    ----------
+    case : Case
+        The case. [SI]
+
+    Returns
+    -------
+    mapping
+        Tables by name, and modes. [SI]
+    """
+    from engine.report import modal_details, speed_tables
+    from engine.run import at_speed
+
+    found = at_speed(case)
+    return speed_tables(found) | modal_details(found)
 
 
 def _run(handle: str) -> tuple[Model, Any]:

@@ -1,38 +1,80 @@
 """Handles of cases, and what has been calculated of them.
 
-A handle is made of the case's digest, so equal inputs have one handle in every front and every
-session, and a cell that asks for results knows whether its inputs changed. Cases are small and many
-are kept; results are large, so the least used are dropped and calculated again when asked for.
+A handle is made of the case's digest, and of a digest of all that was typed, title block included:
+equal inputs have one handle in every front and every session, and nobody is shown the title block of
+somebody else. Results belong to the numbers alone: a title that is corrected costs no second start.
+
+Cases are small and many are kept, for each client its share; results are large, so the least used are
+dropped and calculated again when asked for.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
+import sys
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from addin.typed_case import CaseInput, Typed
 from addin.worksheet.registry import FunctionError
-from engine.case import Case, case_digest
+from engine.case import ADMINISTRATIVE, Case, case_digest
 from engine.errors import InternalError, ModelError
 
-__all__ = ["MODELS", "Model", "Models", "RUN"]
+__all__ = ["AT_SPEED", "MODELS", "Model", "Models", "OWNER", "RUN", "handed", "system_of"]
 
-#: Beginning of every handle, and digits of the digest in it.
-PREFIX, DIGITS = "tv:", 16
-#: Name of the result that needs a start.
-RUN = "run"
-#: Cases remembered, and memory of their results. [count, B]
-MOST_CASES, MOST_MEMORY = 2000, 400_000_000
+#: Beginning of every handle, digits of the case's digest in it, and of the digest of all typed.
+PREFIX, DIGITS, OWN_DIGITS = "tv:", 16, 16
+#: Names of the results that need a start, and none.
+RUN, AT_SPEED = "run", "at speed"
+#: Cases remembered, memory of them, and of the results. [count, B, B]
+MOST_CASES, MOST_CASE_MEMORY, MOST_MEMORY = 2000, 300_000_000, 400_000_000
+#: Who asks; the server sets it, so that no client makes the cases of another be forgotten.
+OWNER: ContextVar[str] = ContextVar("owner", default="")
+
+
+class _Handed(threading.local):
+    """A result that the call of this thread brings along, whether it is still kept or not."""
+
+    results: str = ""
+    what: str = ""
+    value: Any = None
+
+
+_HANDED = _Handed()
+
+
+@contextmanager
+def handed(model: Model, what: str, value: Any) -> Iterator[None]:
+    """Give a result to the functions called in this thread.
+
+    Parameters
+    ----------
+    model : Model
+        Whose result it is.
+    what : str
+        Name of the result. [name]
+    value : object
+        The result, or the `FunctionError` that says why there is none. [SI]
+    """
+    _HANDED.results, _HANDED.what, _HANDED.value = model.results, what, value
+    try:
+        yield
+    finally:
+        _HANDED.results, _HANDED.what, _HANDED.value = "", "", None
 
 
 @dataclass(eq=False)
 class Model:
-    """A case with what has been calculated of it.
+    """A case with what has been calculated of it; models of equal numbers share the results.
 
     Parameters
     ----------
@@ -42,11 +84,17 @@ class Model:
         The case. [SI]
     system : str
         ``US`` or ``SI``: units its results are shown in unless asked otherwise. [word]
+    results : str
+        Digest of all that can change a result. [hexadecimal]
+    size : int
+        Memory of the case. [B]
     """
 
     handle: str
     case: Case
     system: str
+    results: str = ""
+    size: int = 0
     kept: dict[str, Any] = field(default_factory=dict)
     lock: threading.RLock = field(default_factory=threading.RLock)
     sizes: dict[str, int] = field(default_factory=dict)
@@ -80,13 +128,23 @@ class Models:
         Cases remembered. [count]
     most_memory : int
         Memory of all results together. [B]
+    most_case_memory : int
+        Memory of all cases together. [B]
     """
 
-    def __init__(self, most_cases: int = MOST_CASES, most_memory: int = MOST_MEMORY) -> None:
+    def __init__(
+        self,
+        most_cases: int = MOST_CASES,
+        most_memory: int = MOST_MEMORY,
+        most_case_memory: int = MOST_CASE_MEMORY,
+    ) -> None:
         self._models: OrderedDict[str, Model] = OrderedDict()
+        #: Handles each client has used, the last used last.
+        self._used: dict[str, OrderedDict[str, None]] = {}
         self._lock = threading.Lock()
         self._most_cases = most_cases
         self._most_memory = most_memory
+        self._most_case_memory = most_case_memory
 
     def add(self, found: CaseInput) -> Model:
         """Remember a case.
@@ -101,17 +159,60 @@ class Models:
         Model
             With its handle.
         """
-        case = found.case()
-        system = _system(found)
-        handle = f"{PREFIX}{case_digest(case)[:DIGITS]}{'' if system == 'SI' else '-' + system}"
+        return self.add_case(found.case(), system_of(found))
+
+    def add_case(self, case: Case, system: str) -> Model:
+        """Remember a case.
+
+        Parameters
+        ----------
+        case : Case
+            The case. [SI]
+        system : str
+            ``US`` or ``SI``: units its results are shown in unless asked otherwise. [word]
+
+        Returns
+        -------
+        Model
+            With its handle.
+        """
+        own, results, size = _digests(case)
+        shown = "" if system == "SI" else f"-{system}"
+        handle = f"{PREFIX}{case_digest(case)[:DIGITS]}.{own[:OWN_DIGITS]}{shown}"
         with self._lock:
             model = self._models.get(handle)
             if model is None:
-                model = self._models[handle] = Model(handle, case, system)
-            self._models.move_to_end(handle)
-            while len(self._models) > self._most_cases:
-                self._models.popitem(last=False)
+                model = self._models[handle] = Model(handle, case, system, results, size)
+                same = next((m for m in self._models.values() if m.results == results), model)
+                model.kept, model.sizes, model.lock = same.kept, same.sizes, same.lock
+            self._use(model)
+            self._forget_cases(model)
         return model
+
+    def _use(self, model: Model) -> None:
+        self._models.move_to_end(model.handle)
+        used = self._used.setdefault(OWNER.get(), OrderedDict())
+        used[model.handle] = None
+        used.move_to_end(model.handle)
+
+    def _forget_cases(self, new: Model) -> None:
+        """Forget the least used case of whoever has most, until the rest is within bounds."""
+        total = sum(model.size for model in self._models.values())
+        while len(self._models) > self._most_cases or total > self._most_case_memory:
+            held = {
+                owner: (sum(self._models[h].size for h in used if h in self._models), len(used))
+                for owner, used in self._used.items()
+            }
+            by_memory = total > self._most_case_memory
+            owner = max(held, key=lambda name: held[name][not by_memory])
+            oldest = next(iter(self._used[owner]))
+            if oldest == new.handle:
+                return
+            del self._used[owner][oldest]
+            if not self._used[owner]:
+                del self._used[owner]
+            if oldest in self._models and not any(oldest in used for used in self._used.values()):
+                total -= self._models.pop(oldest).size
 
     def of(self, handle: str) -> Model:
         """The model of a handle.
@@ -145,7 +246,7 @@ class Models:
                     "TV_MODEL or the workbook.",
                     "#N/A",
                 )
-            self._models.move_to_end(handle)
+            self._use(model)
         return model
 
     def result(self, model: Model, what: str, calculate: Callable[[Case], Any]) -> Any:
@@ -170,6 +271,15 @@ class Models:
         FunctionError
             If the train cannot be calculated; kept as well, so that it is not tried again.
         """
+        if model.results and (_HANDED.results, _HANDED.what) == (model.results, what):
+            found = _HANDED.value
+        else:
+            found = self._found(model, what, calculate)
+        if isinstance(found, FunctionError):
+            raise FunctionError(found.message, found.code)
+        return found
+
+    def _found(self, model: Model, what: str, calculate: Callable[[Case], Any]) -> Any:
         with model.lock:
             found = model.kept.get(what)
             if found is None:
@@ -178,8 +288,6 @@ class Models:
                 except (ModelError, InternalError) as wrong:
                     found = FunctionError(str(wrong), "#NUM!")
                 self.keep(model, what, found)
-        if isinstance(found, FunctionError):
-            raise FunctionError(found.message, found.code)
         return found
 
     def keep(self, model: Model, what: str, value: Any) -> None:
@@ -201,23 +309,60 @@ class Models:
     def memory(self) -> int:
         """Memory of all results. [B]"""
         with self._lock:
-            return sum(model.memory for model in self._models.values())
+            return sum(model.memory for model in self._with_results().values())
+
+    def _with_results(self) -> dict[str, Model]:
+        """One model for each set of results, the least used first."""
+        found: dict[str, Model] = {}
+        for model in self._models.values():
+            found.pop(model.results, None)
+            found[model.results] = model
+        return found
 
     def _drop(self, used: Model) -> None:
         """Forget results of the least used models until the rest is within bounds."""
         with self._lock:
-            total = sum(model.memory for model in self._models.values())
-            for model in self._models.values():
+            models = self._with_results()
+            total = sum(model.memory for model in models.values())
+            for model in models.values():
                 if total <= self._most_memory:
                     return
-                if model is not used and model.kept:
+                if model.results != used.results and model.kept:
                     total -= model.memory
                     model.kept.clear()
                     model.sizes.clear()
 
 
-def _system(found: CaseInput) -> str:
-    """Units of the tables: US where inertias or stiffnesses are in pounds."""
+def _digests(case: Case) -> tuple[str, str, int]:
+    """Digests of all that was typed, and of what can change a result, to the last digit; memory."""
+    whole = json.dumps(case, default=vars)
+    bare = json.dumps(case, default=_without_titles)
+    # a case takes some five times the memory of its text
+    return _sha256(whole), _sha256(bare), 5 * len(whole)
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode("ascii")).hexdigest()
+
+
+def _without_titles(row: Any) -> dict[str, Any]:
+    """What is left of a row when title block and description are left out."""
+    return {name: value for name, value in vars(row).items() if name not in ADMINISTRATIVE}
+
+
+def system_of(found: CaseInput) -> str:
+    """Units of the tables: US where inertias or stiffnesses are in pounds.
+
+    Parameters
+    ----------
+    found : CaseInput
+        A case as typed. [as typed]
+
+    Returns
+    -------
+    str
+        US or SI. [word]
+    """
     for table, column in (("Stations", "Inertia"), ("Elements", "Stiffness")):
         for row in found.typed.tables.get(table, []):
             entry = row.get(column)
@@ -226,20 +371,26 @@ def _system(found: CaseInput) -> str:
     return "SI"
 
 
-def _size(value: Any, seen: set[int] | None = None, depth: int = 0) -> int:
-    """Memory of the arrays in a result. [B]"""
-    seen = set() if seen is None else seen
-    if id(value) in seen or depth > 6:
-        return 0
-    seen.add(id(value))
-    if isinstance(value, np.ndarray):
-        return int(value.nbytes)
-    if isinstance(value, dict):
-        return sum(_size(v, seen, depth + 1) for v in value.values())
-    if isinstance(value, (list, tuple)):
-        return sum(_size(v, seen, depth + 1) for v in value[:1000])
-    inside = getattr(value, "__dict__", None)
-    return 0 if inside is None else sum(_size(v, seen, depth + 1) for v in inside.values())
+def _size(value: Any) -> int:
+    """Memory of a result: its arrays, and every number and text in its tables. [B]"""
+    total, seen, left = 0, set[int](), [value]
+    while left:
+        one = left.pop()
+        if isinstance(one, (float, int)):
+            total += 24  # equal numbers of different rows are different objects
+            continue
+        if one is None or id(one) in seen:
+            continue
+        seen.add(id(one))
+        total += one.nbytes if isinstance(one, np.ndarray) else sys.getsizeof(one)
+        if isinstance(one, dict):
+            left.extend(one)
+            left.extend(one.values())
+        elif isinstance(one, (list, tuple, set, frozenset)):
+            left.extend(one)
+        elif not isinstance(one, (str, bytes, type, ModuleType)):
+            left.extend(getattr(one, "__dict__", {}).values())
+    return total
 
 
 #: The models of this process.

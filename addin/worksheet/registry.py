@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime as dt
 import json
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -24,6 +25,8 @@ CATEGORY = "torsionbook"
 KINDS = ("block", "model", "number", "numbers", "text", "flag", "count")
 #: Most cells one argument may hold: a whole column by mistake is refused in time.
 MOST_CELLS = 250_000
+#: Half of a character, which no file and no digest can hold.
+_HALF = re.compile("[\ud800-\udfff]")
 #: Longest text a cell holds.
 LONGEST_TEXT = 32_000
 
@@ -195,7 +198,9 @@ def rows_of(raw: Any) -> Block:
     rows = raw if isinstance(raw, (list, tuple)) else [[raw]]
     if not rows or not isinstance(rows[0], (list, tuple)):
         rows = [rows]
-    if sum(len(row) if isinstance(row, (list, tuple)) else 1 for row in rows) > MOST_CELLS:
+    # the widest row counts, since all are filled up to it
+    width = max((len(row) if isinstance(row, (list, tuple)) else 1 for row in rows), default=0)
+    if len(rows) * width > MOST_CELLS:
         raise FunctionError(
             f"found more than {MOST_CELLS:,} cells. Give the table, not whole columns."
         )
@@ -203,7 +208,6 @@ def rows_of(raw: Any) -> Block:
         [_cell(value) for value in (row if isinstance(row, (list, tuple)) else [row])]
         for row in rows
     ]
-    width = max((len(row) for row in found), default=0)
     return [row + [None] * (width - len(row)) for row in found]
 
 
@@ -212,14 +216,20 @@ def _cell(value: Any) -> Cell:
     if isinstance(value, dict):
         kind = value.get("type")
         if not isinstance(kind, str) or not ("basicValue" in value or kind == "Empty"):
-            shown = shortened(json.dumps(value, default=str))
+            shown = _object_shown(value)
             raise FunctionError(
                 f"found the object {shown}; a cell is a number, a text, true or false, or null "
                 "for a blank."
             )
         if kind == "Error":
-            return _error(str(value.get("basicValue")))
+            code = value.get("basicValue")
+            return _error(code if isinstance(code, str) else "")
         value = value.get("basicValue")
+    if isinstance(value, (list, tuple, dict)):
+        raise FunctionError(
+            "found a list or an object inside a row; a cell is a number, a text, true or false, or "
+            "null for a blank."
+        )
     if value is None or isinstance(value, ErrorValue):
         return value
     if isinstance(value, bool):
@@ -228,6 +238,11 @@ def _cell(value: Any) -> Cell:
         return f"date {value.isoformat()}"
     if isinstance(value, str):
         text = value.strip()
+        if _HALF.search(text):
+            raise FunctionError(
+                f"found the text {shortened(ascii(text))}, which holds half a character (a lone "
+                "surrogate). Type it again."
+            )
         if text in ERROR_CODES:
             return ErrorValue(text)
         return text[:LONGEST_TEXT] or None
@@ -236,6 +251,13 @@ def _cell(value: Any) -> Cell:
     except (TypeError, ValueError, OverflowError):
         return str(value)[:LONGEST_TEXT]
     return None if math.isnan(number) else number
+
+
+def _object_shown(value: dict[Any, Any]) -> str:
+    try:
+        return shortened(json.dumps(value, default=str))
+    except (RecursionError, ValueError):
+        return "{...}"
 
 
 def _error(code: str) -> ErrorValue:

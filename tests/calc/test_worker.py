@@ -116,3 +116,14 @@ def test_what_the_process_prints_does_not_spoil_its_answers():
     )
     assert unpacked(done.stdout) == [{"rows": [[1.0]]}]
     assert done.stderr.count(b"noise") == 2
+
+
+def test_requests_of_another_form_are_answered_and_the_next_one_is_served():
+    deep = '{"function": "TV_CONVERT", "arguments": [' + "[" * 900 + "]" * 900 + ', "m", "mm"]}'
+    deeper = deep.replace("[" * 900, "[" * 90_000).replace("]" * 900, "]" * 90_000)
+    for arguments in ("3", '"m"', "null", '{"a": 1}'):
+        wrong = f'{{"function": "TV_CONVERT", "arguments": {arguments}}}'
+        assert "error" in worker._answer_to(wrong.encode())
+    assert "error" in worker._answer_to(b'{"function": 3, "arguments": []}')
+    for one in (deep, deeper):
+        assert "failed inside" not in worker._answer_to(one.encode())["error"]

@@ -167,6 +167,34 @@ def test_a_blank_that_excel_hands_over_as_zero_stays_blank(excel):
     assert "blank" in shown["message"]
 
 
+def test_what_is_given_up_is_over_at_once_whatever_the_server_says(tab, served):
+    tab.goto("/")
+    told = tab.evaluate(
+        """async handle => {
+            const first = torsionbook.stream({ view: handle });
+            await first.done.catch(() => {});  // the line is open now
+            WebSocket.prototype.send = () => {};  // and nothing arrives any more
+            const second = torsionbook.stream({ view: handle });
+            await new Promise(done => setTimeout(done, 50));
+            second.cancel();
+            return second.done.catch(failed => failed.cancelled);
+        }""",
+        "tv:none",
+    )
+    assert told is True
+
+
+@pytest.mark.parametrize(
+    ("least", "largest"),
+    [(100.0, 100.00000000000001), (1e16, 1e16 + 2.0), (0.0, 5e-324), (3.0, 3.0), (-1e308, 1e308)],
+)
+def test_an_axis_that_shows_nothing_but_noise_comes_to_its_end(tab, least, largest):
+    tab.goto("/")
+    script = "async ([a, b]) => (await import('/charts.js')).ticks(a, b, 8)"
+    assert tab.evaluate(script, [least, largest]) == [least]
+    assert tab.evaluate(script, [0.0, 100.0]) == [0, 20, 40, 60, 80, 100]
+
+
 def test_a_long_cell_shows_its_stages_and_can_be_cancelled(excel):
     handle = cell(excel, "TV_MODEL", slow_case())["value"][0][0]
     shown = cell(excel, "TV_PEAKS", [handle], cancelAfter=2500)

@@ -17,6 +17,10 @@ export function element(name, attributes = {}, text = null) {
 /** Round numbers that divide an interval into about `count` parts. */
 export function ticks(least, largest, count) {
   const rough = (largest - least) / Math.max(1, count);
+  // an interval that its own numbers can hardly tell apart has no round numbers in it
+  if (!(rough > 1e-12 * Math.max(Math.abs(least), Math.abs(largest))) || !Number.isFinite(rough)) {
+    return Number.isFinite(least) ? [least] : [];
+  }
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 2.5, 5, 10].map(m => m * power).find(s => s >= rough * 0.999);
   const found = [];

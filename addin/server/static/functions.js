@@ -137,11 +137,10 @@
     });
     const cancel = () => {
       given_up = true;
-      if (socket && socket.readyState === WebSocket.OPEN) {
-        socket.send(JSON.stringify({ id, cancel: true }));
-      } else if (running.has(id)) {
-        receive({ id, cancelled: true });
-      }
+      if (!running.has(id)) return;
+      if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ id, cancel: true }));
+      // whoever asked does not wait for the server to say so
+      receive({ id, cancelled: true });
     };
     return { done, cancel };
   }
