@@ -32,8 +32,8 @@ from addin.fields import (
     input_table,
 )
 from addin.package import Table, Workbook, open_workbook
-from addin.package.references import Rect, cell_name, parse_cell
-from addin.package.xml_part import main, parse_part
+from addin.package.references import Rect, cell_name, parse_cell, whole_number
+from addin.package.xml_part import main
 from addin.problems import CellProblem, nearest, placed
 from addin.typed_case import (
     CaseInput,
@@ -556,8 +556,8 @@ class _Sheets:
         """Number format of a style index."""
         if self._formats is None:
             self._formats = _number_formats(self._workbook)
-        index = int(style or 0)
-        return self._formats[index] if index < len(self._formats) else "General"
+        index = whole_number(style or "0", len(self._formats) - 1)
+        return "General" if index is None else self._formats[index]
 
 
 _ROW_TAG = re.compile(rb"<(?:\w+:)?row\b([^>]*)>")
@@ -578,13 +578,13 @@ def _number_formats(workbook: Workbook) -> list[str]:
     part = workbook.structure.related("styles")
     if part is None:
         return []
-    root = parse_part(workbook.container.read(part), part)
+    root = workbook.container.tree(part)
     custom = {
-        int(entry.get("numFmtId")): entry.get("formatCode", "")
+        whole_number(entry.get("numFmtId")): entry.get("formatCode", "")
         for entry in root.iterfind(f"{main('numFmts')}/{main('numFmt')}")
     }
     identifiers = (
-        int(entry.get("numFmtId", "0"))
+        whole_number(entry.get("numFmtId", "0")) or 0
         for entry in root.iterfind(f"{main('cellXfs')}/{main('xf')}")
     )
     return [custom.get(number) or built_in_format(number) for number in identifiers]

@@ -18,7 +18,6 @@ import json
 import random
 import re
 import resource
-import shutil
 import signal
 import struct
 import sys
@@ -814,7 +813,7 @@ def _blocks(args: argparse.Namespace) -> list[Block]:
         for line in args.state.read_text(encoding="utf-8").splitlines():
             one = Block(**json.loads(line))
             done[one.first] = one
-    firsts = [first for first in range(args.first, args.first + args.count, BLOCK)]
+    firsts = list(range(args.first, args.first + args.count, BLOCK))
     left = [first for first in firsts if first not in done]
     with ProcessPoolExecutor(args.jobs) as pool, args.state.open("a", encoding="utf-8") as state:
         ends = args.first + args.count
