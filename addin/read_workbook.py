@@ -45,6 +45,7 @@ from addin.typed_case import (
     all_problems,
     to_case_data,
     told_as_typed,
+    too_many_rows,
     word_entry,
 )
 from addin.units import UnitError, UnitScale, parse_unit
@@ -364,6 +365,8 @@ class _Reading:
                     lines.setdefault(row, {})[columns[at].name] = cell
         if spec.states:
             lines = {row: line for row, line in lines.items() if spec.states in line}
+        if too_many_rows(spec.name, len(lines), self.findings):
+            lines = {}
         self.locations.rows[spec.name] = [row - table.data.top + 1 for row in lines]
         entries: list[dict[str, Entry]] = [{} for _ in lines]
         self.typed.tables[spec.name] = entries

@@ -33,10 +33,18 @@ __all__ = [
     "Typed",
     "TypedCase",
     "all_problems",
+    "printable",
     "told_as_typed",
     "to_case_data",
+    "too_many_rows",
     "word_entry",
 ]
+
+#: Longest name, title or remark. [characters]
+LONGEST_WORDS = 1_000
+#: Most rows of a table; far more than any train has, and few enough to be checked one against the other.
+MOST_ROWS = 5_000
+_NOT_TEXT = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]+")
 
 #: Table (``Case`` for a scalar), row of `CaseData` counted from 1 or None, column or scalar.
 Place = tuple[str, int | None, str]
@@ -292,6 +300,16 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
     text = text.replace("\u00a0", " ").strip()
     if not text:
         return None
+    if len(text) > LONGEST_WORDS:
+        findings.add(
+            place,
+            shortened(text),
+            f"at most {LONGEST_WORDS} characters",
+            f"found a text of {len(text)} characters, '{shortened(printable(text[:60]), 40)}'; it may have "
+            f"{LONGEST_WORDS} at most. Shorten it.",
+        )
+        return None
+    text = printable(text)
     if spec.kind == "station" and spec.name in ("From", "To") and text.casefold() == GROUND:
         return GROUND
     if spec.kind != "choice":
@@ -305,6 +323,50 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
     advice = f"Did you mean '{meant}'?" if meant else "Choose from the list."
     findings.add(place, text, allowed, f"found '{text}'; it must be {allowed}. {advice}")
     return None
+
+
+def printable(text: str) -> str:
+    """A text without what no file, screen or sheet can hold: controls become a blank, half characters U+FFFD.
+
+    Parameters
+    ----------
+    text : str
+        As typed. [text]
+
+    Returns
+    -------
+    str
+        The same for any ordinary text.
+    """
+    return _NOT_TEXT.sub(lambda found: " " if found[0] < "\xa0" else "\ufffd", text)
+
+
+def too_many_rows(table: str, count: int, findings: Findings) -> bool:
+    """Whether a table has more rows than are read; noted if so.
+
+    Parameters
+    ----------
+    table : str
+        Its name. [name]
+    count : int
+        Its rows. [count]
+    findings : Findings
+        Takes the problem. [problems]
+
+    Returns
+    -------
+    bool
+        The rows are not to be read then.
+    """
+    if count <= MOST_ROWS:
+        return False
+    findings.add(
+        (table, None, ""),
+        count,
+        f"at most {MOST_ROWS} rows",
+        f"the table has {count} rows; at most {MOST_ROWS} are read. Delete those that are not needed.",
+    )
+    return True
 
 
 def _folded(word: str) -> str:

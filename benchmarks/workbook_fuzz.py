@@ -66,9 +66,9 @@ def seeds() -> tuple[Seed, ...]:
         _compact_workbook(small)
         _compact_workbook(macros, macros=True)
         return (
-            _seed("compact", small, 6),
-            _seed("compact with macros", macros, 2),
-            _seed("template", _from_template(Path(folder, "template.xlsx")), 2),
+            _seed("compact", small, 8),
+            _seed("compact with macros", macros, 3),
+            _seed("template", _from_template(Path(folder, "template.xlsx")), 1),
         )
 
 
@@ -660,7 +660,7 @@ def _patience(seconds: float) -> Iterator[list[bool]]:
 #: Words of Python that no engineer should read.
 _PYTHON = re.compile(
     r"Traceback|object at 0x|\b[A-Z]\w*(?:Error|Exception)\b(?!\()|\w+Error\(|NoneType|"
-    r"has no attribute|index out of range|not subscriptable|unpack|unhashable|"
+    r"has no attribute|index out of range|not subscriptable|values to unpack|unhashable|"
     r"invalid literal for|could not convert|<class '|<function|(?<!\w)b'|\bin position \d+"
 )
 LONGEST = 2_000
@@ -743,11 +743,27 @@ def _reads_back(source: Path, target: Path, suffix: str) -> str:
         before, after = read_workbook(source), read_workbook(target)
     except PackageError as wrong:
         return f"the written workbook does not open: {wrong}"
-    if before.data != after.data:
+    if before.data != after.data and not _calculates_inputs(before):
         return "the written workbook reads otherwise than its source"
     wrong = _openpyxl_says(target)
     # It may stumble over what was odd before; then it stumbled over the source as well.
     return f"openpyxl does not open it: {wrong}" if wrong and not _openpyxl_says(source) else ""
+
+
+def _calculates_inputs(read: Any) -> bool:
+    """Whether an input is a formula: its value may hang on results, and changes with them."""
+    from addin.package.references import Rect, parse_cell
+
+    places = [
+        (sheet, Rect(*parse_cell(cell), *parse_cell(cell)))
+        for sheet, cell in read.locations.scalars.values()
+    ]
+    places += [(table.sheet, table.data) for table in read.locations.tables.values()]
+    return any(
+        rect.has(*formula)
+        for sheet, rect in places
+        for formula in read.workbook.sheet_part(sheet).formulas
+    )
 
 
 def _openpyxl_says(path: Path) -> str:

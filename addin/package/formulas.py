@@ -25,7 +25,7 @@ from .formula_text import CHANGES_BY_ITSELF, parse_formula
 from .references import Rect, cell_name
 from .sheet_part import SheetPart
 from .values import MAX_FORMULA, Constant, ErrorValue
-from .xml_part import main
+from .xml_part import in_short, main
 
 if TYPE_CHECKING:
     from .workbook import Workbook
@@ -356,7 +356,7 @@ def _recalculate(
     except (KeyboardInterrupt, SystemExit):
         raise
     except BaseException as problem:  # a panic of the Rust side is a BaseException
-        return None, f"The formulas could not be recalculated ({problem})."
+        return None, f"The formulas could not be recalculated ({in_short(problem)})."
     return _Recalculated(workbook, fed, result), ""
 
 
