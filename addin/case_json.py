@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from addin.fields import INPUT_TABLES, SCALAR_SHEET, SCALAR_TABLE, SCALARS, Field, input_table
-from addin.problems import CellProblem, nearest, placed, shortened
+from addin.problems import CellProblem, nearest, placed, printable, shortened
 from addin.typed_case import (
     LONGEST_WORDS,
     CaseInput,
@@ -27,7 +27,6 @@ from addin.typed_case import (
     Typed,
     TypedCase,
     all_problems,
-    printable,
     to_case_data,
     told_as_typed,
     too_many_rows,

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeGuard
 
 from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
-from addin.problems import CellProblem, nearest, shortened
+from addin.problems import CellProblem, nearest, printable, shortened
 from addin.units import (
     RATED_TORQUE,
     STATION_SPEED,
@@ -33,7 +33,6 @@ __all__ = [
     "Typed",
     "TypedCase",
     "all_problems",
-    "printable",
     "told_as_typed",
     "to_case_data",
     "too_many_rows",
@@ -44,7 +43,7 @@ __all__ = [
 LONGEST_WORDS = 1_000
 #: Most rows of a table; far more than any train has, and few enough to be checked one against the other.
 MOST_ROWS = 5_000
-_NOT_TEXT = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]+")
+_HALF_CHARACTERS = re.compile("[\ud800-\udfff]")
 
 #: Table (``Case`` for a scalar), row of `CaseData` counted from 1 or None, column or scalar.
 Place = tuple[str, int | None, str]
@@ -309,7 +308,7 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
             f"{LONGEST_WORDS} at most. Shorten it.",
         )
         return None
-    text = printable(text)
+    text = _HALF_CHARACTERS.sub("\ufffd", text)  # JSON may hold them, no file nor screen can
     if spec.kind == "station" and spec.name in ("From", "To") and text.casefold() == GROUND:
         return GROUND
     if spec.kind != "choice":
@@ -323,22 +322,6 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
     advice = f"Did you mean '{meant}'?" if meant else "Choose from the list."
     findings.add(place, text, allowed, f"found '{text}'; it must be {allowed}. {advice}")
     return None
-
-
-def printable(text: str) -> str:
-    """A text without what no file, screen or sheet can hold: controls become a blank, half characters U+FFFD.
-
-    Parameters
-    ----------
-    text : str
-        As typed. [text]
-
-    Returns
-    -------
-    str
-        The same for any ordinary text.
-    """
-    return _NOT_TEXT.sub(lambda found: " " if found[0] < "\xa0" else "\ufffd", text)
 
 
 def too_many_rows(table: str, count: int, findings: Findings) -> bool:
