@@ -13,7 +13,9 @@ from engine.errors import Problem
 __all__ = ["CellProblem", "nearest", "placed", "printable", "shortened"]
 
 
-_NOT_TEXT = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+_NOT_TEXT = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]"
+)
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,7 @@ def shortened(text: str, longest: int = 60) -> str:
 
 
 def printable(text: str) -> str:
-    """A text without what no file, screen or sheet can hold: controls become a blank, half characters U+FFFD.
+    """A text fit for a screen: controls become a blank; what turns the direction of writing, and half characters, U+FFFD.
 
     Parameters
     ----------

@@ -676,7 +676,7 @@ def sentence_fault(text: str) -> str:
         return "shows Python"
     if len(text) > LONGEST:
         return f"is {len(text)} characters long"
-    odd = [c for c in text if not c.isprintable() and c not in "\n"]
+    odd = [c for c in text if not c.isprintable() and c not in "\n\u00a0"]
     return f"holds {odd[0]!r}" if odd else ""
 
 
