@@ -116,7 +116,10 @@ class _Reading:
 
     def load(self, path: Path) -> Any:
         """The content of a file; None, with a problem noted, if it is no JSON."""
-        about = path.stat()
+        try:
+            about = path.stat()
+        except ValueError:
+            return self._no_case(f"{path} cannot be the name of a file. Name the case.")
         if not stat.S_ISREG(about.st_mode) and not stat.S_ISDIR(about.st_mode):
             return self._no_case(f"{path.name} is a device or a pipe, not a file.")
         if about.st_size > _LARGEST_FILE:

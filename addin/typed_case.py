@@ -41,8 +41,8 @@ __all__ = [
 
 #: Longest name, title or remark. [characters]
 LONGEST_WORDS = 1_000
-#: Most rows of a table; far more than any train has, and few enough to be checked one against the other.
-MOST_ROWS = 5_000
+#: Most rows of a table, far more than any train has; stations and elements are checked against each other.
+MOST_ROWS, MOST_PARTS = 20_000, 2_000
 _HALF_CHARACTERS = re.compile("[\ud800-\udfff]")
 
 #: Table (``Case`` for a scalar), row of `CaseData` counted from 1 or None, column or scalar.
@@ -341,13 +341,14 @@ def too_many_rows(table: str, count: int, findings: Findings) -> bool:
     bool
         The rows are not to be read then.
     """
-    if count <= MOST_ROWS:
+    most = MOST_PARTS if table in ("Stations", "Elements") else MOST_ROWS
+    if count <= most:
         return False
     findings.add(
         (table, None, ""),
         count,
-        f"at most {MOST_ROWS} rows",
-        f"the table has {count} rows; at most {MOST_ROWS} are read. Delete those that are not needed.",
+        f"at most {most} rows",
+        f"the table has {count} rows; at most {most} are read. Delete those that are not needed.",
     )
     return True
 

@@ -120,8 +120,9 @@ def parse_formula(text: str) -> Parsed:
     text : str
         The formula in file syntax, without ``=``.
     """
-    if len(text) > MAX_FORMULA:
-        return Parsed((), (), (), (), frozenset(), unclear=True)  # no program takes it
+    if len(text) > MAX_FORMULA or (len(text) > 1_000 and _has_stray_quotes(text)):
+        # No program takes it, or each of its quotes would be followed to the end.
+        return Parsed((), (), (), (), frozenset(), unclear=True)
     cells: list[Reference] = []
     tables: list[TableReference] = []
     names: list[NameReference] = []
@@ -155,6 +156,10 @@ def parse_formula(text: str) -> Parsed:
     return Parsed(
         tuple(cells), tuple(tables), tuple(names), tuple(spans), frozenset(functions), unclear
     )
+
+
+def _has_stray_quotes(text: str) -> bool:
+    return bool(text.count("'") % 2 or text.count('"') % 2 or text.count("''") > 50)
 
 
 def _span(tokens: Sequence[tuple[str, str, str]]) -> Span | None:

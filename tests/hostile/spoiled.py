@@ -140,7 +140,8 @@ def one(path):
     try:
         done = recalculate(source, destination=source.with_name("done" + source.suffix),
                            json_file=source.with_name("done.json"))
-        said = {"told": [p.message for p in done.problems], "warnings": list(done.warnings),
+        told = [p.message[:3000] for p in done.problems]
+        said = {"told": told[:10] + told[-10:], "warnings": list(done.warnings),
                 "written": done.calculation is not None}
     except BaseException as wrong:
         import traceback
@@ -152,7 +153,7 @@ for line in sys.stdin:
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
-        os.write(writing, json.dumps(one(line.rstrip("\n"))).encode()[:60000])
+        os.write(writing, json.dumps(one(line.rstrip("\n"))).encode())
         os._exit(0)
     os.close(writing)
     with os.fdopen(reading, "rb") as pipe:
