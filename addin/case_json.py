@@ -10,13 +10,16 @@ from __future__ import annotations
 import json
 import math
 import re
+import stat
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from addin.fields import INPUT_TABLES, SCALAR_SHEET, SCALAR_TABLE, SCALARS, Field, input_table
-from addin.problems import CellProblem, nearest, placed, shortened
+from addin.problems import CellProblem, nearest, placed, printable, shortened
 from addin.typed_case import (
+    LONGEST_WORDS,
     CaseInput,
     Entry,
     Findings,
@@ -26,6 +29,7 @@ from addin.typed_case import (
     all_problems,
     to_case_data,
     told_as_typed,
+    too_many_rows,
     word_entry,
 )
 from addin.units import UnitError, UnitScale, parse_unit
@@ -37,7 +41,9 @@ __all__ = ["FORMAT", "case_to_json", "read_case_json", "typed_value"]
 #: Value of the key ``format``.
 FORMAT = 1
 
-_LARGEST_FILE = 64 * 2**20
+_LARGEST_FILE = 20 * 2**20
+#: Unknown and repeated keys that are told one by one. [count]
+_MOST_KEYS = 50
 
 
 def read_case_json(source: str | Path | Mapping[str, Any]) -> CaseInput:
@@ -129,11 +135,21 @@ class _Reading:
         self.typed = TypedCase()
         self.findings = Findings()
         self.readable = True
+        self.repeated = 0
+        self.unknown = 0
 
     def load(self, path: Path) -> Any:
         """The content of a file; None, with a problem noted, if it is no JSON."""
-        if path.stat().st_size > _LARGEST_FILE:
-            return self._no_case(f"{path.name} is larger than 64 MB, no case is.")
+        try:
+            about = path.stat()
+        except ValueError:
+            return self._no_case(f"{path} cannot be the name of a file. Name the case.")
+        if not stat.S_ISREG(about.st_mode) and not stat.S_ISDIR(about.st_mode):
+            return self._no_case(f"{path.name} is a device or a pipe, not a file.")
+        if about.st_size > _LARGEST_FILE:
+            return self._no_case(
+                f"{path.name} is larger than {_LARGEST_FILE // 2**20} MB, no case is."
+            )
         try:
             return json.loads(path.read_text(encoding="utf-8-sig"), object_pairs_hook=self._object)
         except UnicodeDecodeError:
@@ -143,8 +159,10 @@ class _Reading:
                 f"{path.name} is not JSON: {error.msg} in line {error.lineno}, column "
                 f"{error.colno}. Correct it there."
             )
-        except ValueError as error:  # an integer of more digits than Python reads
-            return self._no_case(f"{path.name} holds a number that cannot be read: {error}.")
+        except ValueError:  # an integer of more digits than Python reads
+            return self._no_case(
+                f"{path.name} holds a number of thousands of digits, which cannot be read. Correct it."
+            )
         except RecursionError:
             return self._no_case(f"{path.name} is nested too deeply for a case.")
 
@@ -152,14 +170,17 @@ class _Reading:
         """An object of the file; a key given twice is noted."""
         content = dict(pairs)
         if len(content) < len(pairs):
-            keys = [key for key, _ in pairs]
-            for key in sorted({key for key in keys if keys.count(key) > 1}):
+            counts = Counter(key for key, _ in pairs)
+            twice = sorted(key for key, count in counts.items() if count > 1)
+            for key in twice[: max(_MOST_KEYS - self.repeated, 0)]:
+                shown = printable(shortened(key))
                 self.findings.add(
-                    (SCALAR_TABLE, None, key),
-                    key,
+                    (SCALAR_TABLE, None, shown),
+                    shown,
                     "each key once",
-                    f"the key '{key}' stands twice in one object. Delete one of them.",
+                    f"the key '{shown}' stands twice in one object. Delete one of them.",
                 )
+            self.repeated += len(twice)
         return content
 
     def _no_case(self, message: str) -> None:
@@ -184,6 +205,7 @@ class _Reading:
 
     def _read_format(self, found: Any) -> None:
         if found != FORMAT or isinstance(found, bool):
+            found = _short(found)
             what = "has no key 'format'" if found is None else f"has format {found!r}"
             self.findings.add(
                 (SCALAR_TABLE, None, "format"),
@@ -197,7 +219,10 @@ class _Reading:
     ) -> None:
         for key in content:
             if key not in known:
-                key = shortened(str(key))
+                self.unknown += 1
+                if self.unknown > _MOST_KEYS:
+                    return  # the others are told when these are gone
+                key = printable(shortened(str(key)))
                 meant = nearest(key, known)
                 advice = f"Did you mean '{meant}'?" if meant else "Delete it."
                 self.findings.add(
@@ -218,6 +243,8 @@ class _Reading:
             )
             return
         spec = input_table(name)
+        if too_many_rows(name, len(rows), self.findings):
+            return
         known = {column.key: column for column in spec.columns}
         self.typed.tables[name] = []
         for number, row in enumerate(rows, start=1):
@@ -271,7 +298,7 @@ class _Reading:
 
     def _number_with_unit(self, text: str, spec: Field, place: Place) -> Typed | None:
         """A string such as ``1800 rpm``."""
-        match = _QUANTITY.fullmatch(text.strip())
+        match = _QUANTITY.fullmatch(text.strip()) if len(text) < LONGEST_WORDS else None
         if match is None:
             self._note(place, text, _wanted(spec), f"{_wanted(spec)} is needed.{_comma(text)}")
             return None
@@ -309,7 +336,8 @@ class _Reading:
 _SCALARS = {spec.key: spec for spec in SCALARS}
 _TABLES = {table.key: table for table in INPUT_TABLES}
 _QUANTITY = re.compile(
-    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s+|(?![\d.,]))(.*)", re.DOTALL
+    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s+|(?![\d.,]))(.*)",
+    re.DOTALL | re.ASCII,
 )
 
 
@@ -321,7 +349,7 @@ def _wanted(spec: Field) -> str:
 
 
 def _comma(text: str) -> str:
-    return " Write the decimal sign as a point." if re.search(r"\d,\d", text) else ""
+    return " Write the decimal sign as a point." if re.search(r"\d,\d", text[:60]) else ""
 
 
 def _quoted(value: Any) -> str:
@@ -335,7 +363,11 @@ def _short(value: Any) -> Any:
         return value
     if isinstance(value, int) and abs(value) < 10**15:
         return value
-    return shortened(value if isinstance(value, str) else repr(value))
+    if isinstance(value, int):
+        return f"a number of {int(abs(value).bit_length() * 0.30103) + 1} digits"
+    if isinstance(value, str):
+        return printable(shortened(value))
+    return "a list" if isinstance(value, (list, tuple)) else "an object"
 
 
 def _located(problem: Problem, typed: TypedCase) -> CellProblem:

@@ -152,6 +152,7 @@ def check(files: Files) -> None:
 
     Example: `torsionbook check train.xlsx`
     """
+    from addin.problems import printable
     from addin.recalc import Unreadable, read_checked
     from engine.plausibility import implausible
 
@@ -160,7 +161,7 @@ def check(files: Files) -> None:
         read = read_checked(file)
         plausible = () if isinstance(read, Unreadable) or read.problems else implausible(read.data)
         for sentence in (*read.warnings, *plausible):
-            typer.echo(f"{file}: note: {sentence}")
+            typer.echo(f"{file}: note: {printable(sentence)}")
         if read.problems:
             wrong += 1
             _list_problems(file, read.problems)
@@ -201,6 +202,8 @@ def recalc(
     Examples: `torsionbook recalc train.xlsx` writes train.out.xlsx;
     `torsionbook recalc *.xlsx --out results --json results` calculates a folder.
     """
+    from addin.problems import printable
+
     if out is not None and in_place:
         raise typer.BadParameter("--out and --in-place exclude each other.")
     overrides = _overrides(method, tolerance)
@@ -215,7 +218,7 @@ def recalc(
     for one in done:
         _list_problems(one.source, one.problems, bool(one.written))
         for sentence in one.warnings:
-            typer.echo(f"{one.source}: note: {sentence}", err=True)
+            typer.echo(f"{one.source}: note: {printable(sentence)}", err=True)
     _summary(done)
     if any(one.problems for one in done):
         raise typer.Exit(WRONG_INPUT)
@@ -450,8 +453,13 @@ def _summary(done: Sequence[Recalculated]) -> None:
         return
     import shutil
 
+    from addin.problems import printable
+
     headers = ("First modes [Hz]", "Worst margin", "Largest peak", "Start", "Starts", "Verdict")
-    rows = [(one.source.name, [*_summary_cells(one), _overall(one)]) for one in shown]
+    rows = [
+        (one.source.name, [printable(cell) for cell in (*_summary_cells(one), _overall(one))])
+        for one in shown
+    ]
     if shutil.get_terminal_size().columns >= TABLE_WIDTH:
         from rich.console import Console
         from rich.table import Table

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +10,12 @@ from typing import Any
 from addin.fields import SCALAR_TABLE
 from engine.errors import Problem
 
-__all__ = ["CellProblem", "nearest", "placed", "shortened"]
+__all__ = ["CellProblem", "nearest", "placed", "printable", "shortened"]
+
+
+_NOT_TEXT = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]"
+)
 
 
 @dataclass(frozen=True)
@@ -106,7 +112,7 @@ def placed(problem: Problem, sheet: str, cell: str, kind: str = "cell") -> CellP
         problem.column,
         problem.found,
         problem.allowed,
-        f"{place}: {problem.message}",
+        printable(f"{place}: {problem.message}"),
         cell,
     )
 
@@ -151,3 +157,19 @@ def shortened(text: str, longest: int = 60) -> str:
         The text, or its beginning and three dots.
     """
     return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def printable(text: str) -> str:
+    """A text fit for a screen: controls become a blank; what turns the direction of writing, and half characters, U+FFFD.
+
+    Parameters
+    ----------
+    text : str
+        As typed. [text]
+
+    Returns
+    -------
+    str
+        The same for any ordinary text.
+    """
+    return _NOT_TEXT.sub(lambda found: " " if found[0] < "\xa0" else "\ufffd", text)

@@ -32,8 +32,8 @@ from addin.fields import (
     input_table,
 )
 from addin.package import Table, Workbook, open_workbook
-from addin.package.references import Rect, cell_name, parse_cell
-from addin.package.xml_part import main, parse_part
+from addin.package.references import Rect, cell_name, parse_cell, whole_number
+from addin.package.xml_part import main
 from addin.problems import CellProblem, nearest, placed
 from addin.typed_case import (
     CaseInput,
@@ -45,6 +45,7 @@ from addin.typed_case import (
     all_problems,
     to_case_data,
     told_as_typed,
+    too_many_rows,
     word_entry,
 )
 from addin.units import UnitError, UnitScale, parse_unit
@@ -364,6 +365,8 @@ class _Reading:
                     lines.setdefault(row, {})[columns[at].name] = cell
         if spec.states:
             lines = {row: line for row, line in lines.items() if spec.states in line}
+        if too_many_rows(spec.name, len(lines), self.findings):
+            lines = {}
         self.locations.rows[spec.name] = [row - table.data.top + 1 for row in lines]
         entries: list[dict[str, Entry]] = [{} for _ in lines]
         self.typed.tables[spec.name] = entries
@@ -556,8 +559,8 @@ class _Sheets:
         """Number format of a style index."""
         if self._formats is None:
             self._formats = _number_formats(self._workbook)
-        index = int(style or 0)
-        return self._formats[index] if index < len(self._formats) else "General"
+        index = whole_number(style or "0", len(self._formats) - 1)
+        return "General" if index is None else self._formats[index]
 
 
 _ROW_TAG = re.compile(rb"<(?:\w+:)?row\b([^>]*)>")
@@ -578,13 +581,13 @@ def _number_formats(workbook: Workbook) -> list[str]:
     part = workbook.structure.related("styles")
     if part is None:
         return []
-    root = parse_part(workbook.container.read(part), part)
+    root = workbook.container.tree(part)
     custom = {
-        int(entry.get("numFmtId")): entry.get("formatCode", "")
+        whole_number(entry.get("numFmtId")): entry.get("formatCode", "")
         for entry in root.iterfind(f"{main('numFmts')}/{main('numFmt')}")
     }
     identifiers = (
-        int(entry.get("numFmtId", "0"))
+        whole_number(entry.get("numFmtId", "0")) or 0
         for entry in root.iterfind(f"{main('cellXfs')}/{main('xf')}")
     )
     return [custom.get(number) or built_in_format(number) for number in identifiers]

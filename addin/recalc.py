@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from addin.problems import CellProblem
+from addin.problems import CellProblem, printable
 
 if TYPE_CHECKING:
     from addin.calculation import Calculation
@@ -144,7 +144,10 @@ def of_file(source: Path, wrong: Exception) -> CellProblem:
         sentence = f"{wrong.filename or source} is a file where a folder is needed."
     elif isinstance(wrong, OSError) and wrong.strerror:
         sentence = f"{wrong.filename or source} cannot be used: {wrong.strerror}."
-    return CellProblem("", "", None, "", str(source), "a file that can be used", sentence)
+    sentence = "\n".join(map(printable, sentence.split("\n")))
+    return CellProblem(
+        "", "", None, "", printable(str(source)), "a file that can be used", sentence
+    )
 
 
 def recalculate(
@@ -239,6 +242,7 @@ def recalculate(
         except OSError as wrong:
             problems, cause = (*problems, of_file(json_file, wrong)), wrong
     warnings = read.warnings if calculation is None else (*calculation.warnings, *notes)
+    warnings = tuple(map(printable, warnings))
     return Recalculated(source, calculation, problems, warnings, tuple(files), cause)
 
 

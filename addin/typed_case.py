@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeGuard
 
 from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
-from addin.problems import CellProblem, nearest, shortened
+from addin.problems import CellProblem, nearest, printable, shortened
 from addin.units import (
     RATED_TORQUE,
     STATION_SPEED,
@@ -35,8 +35,15 @@ __all__ = [
     "all_problems",
     "told_as_typed",
     "to_case_data",
+    "too_many_rows",
     "word_entry",
 ]
+
+#: Longest name, title or remark. [characters]
+LONGEST_WORDS = 1_000
+#: Most rows of a table, far more than any train has; stations and elements are checked against each other.
+MOST_ROWS, MOST_PARTS = 20_000, 2_000
+_HALF_CHARACTERS = re.compile("[\ud800-\udfff]")
 
 #: Table (``Case`` for a scalar), row of `CaseData` counted from 1 or None, column or scalar.
 Place = tuple[str, int | None, str]
@@ -292,6 +299,16 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
     text = text.replace("\u00a0", " ").strip()
     if not text:
         return None
+    if len(text) > LONGEST_WORDS:
+        findings.add(
+            place,
+            shortened(text),
+            f"at most {LONGEST_WORDS} characters",
+            f"found a text of {len(text)} characters, '{shortened(printable(text[:60]), 40)}'; it may have "
+            f"{LONGEST_WORDS} at most. Shorten it.",
+        )
+        return None
+    text = _HALF_CHARACTERS.sub("\ufffd", text)  # JSON may hold them, no file nor screen can
     if spec.kind == "station" and spec.name in ("From", "To") and text.casefold() == GROUND:
         return GROUND
     if spec.kind != "choice":
@@ -305,6 +322,35 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
     advice = f"Did you mean '{meant}'?" if meant else "Choose from the list."
     findings.add(place, text, allowed, f"found '{text}'; it must be {allowed}. {advice}")
     return None
+
+
+def too_many_rows(table: str, count: int, findings: Findings) -> bool:
+    """Whether a table has more rows than are read; noted if so.
+
+    Parameters
+    ----------
+    table : str
+        Its name. [name]
+    count : int
+        Its rows. [count]
+    findings : Findings
+        Takes the problem. [problems]
+
+    Returns
+    -------
+    bool
+        The rows are not to be read then.
+    """
+    most = MOST_PARTS if table in ("Stations", "Elements") else MOST_ROWS
+    if count <= most:
+        return False
+    findings.add(
+        (table, None, ""),
+        count,
+        f"at most {most} rows",
+        f"the table has {count} rows; at most {most} are read. Delete those that are not needed.",
+    )
+    return True
 
 
 def _folded(word: str) -> str:

@@ -498,6 +498,8 @@ def _suggest(name: str, known: set[str]) -> str:
     """The known name most like a mistyped one."""
     import difflib
 
+    if len(known) > 200:  # comparing each of thousands of wrong names with thousands would not end
+        return "Correct the name, or add its row."
     folded = {k.casefold(): k for k in sorted(known)}
     close = difflib.get_close_matches(name.casefold(), list(folded), n=1)
     return f"Did you mean '{folded[close[0]]}'?" if close else "Correct the name, or add its row."

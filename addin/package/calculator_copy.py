@@ -19,7 +19,7 @@ from .xml_part import main, parse_part, serialise
 if TYPE_CHECKING:
     from .workbook import Workbook
 
-_ROW = re.compile(rb'<((?:\w+:)?)row\b[^>]*?\br="([0-9]+)"')
+_ROW = re.compile(rb'<((?:\w+:)?)row\b[^>]*?\br="([0-9]{1,7})"')
 _DIMENSION = re.compile(rb"<(?:\w+:)?dimension\b[^>]*/>")
 _TABLE_PARTS = re.compile(
     rb"<((?:\w+:)?)tableParts\b[^>]*>(.*?)</(?:\w+:)?tableParts\s*>", re.DOTALL

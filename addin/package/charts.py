@@ -11,6 +11,7 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
+from math import isfinite
 from xml.sax.saxutils import escape
 
 from .chart_titles import TitleLink, link_titles
@@ -29,7 +30,9 @@ _CACHES = {
 _MULTI_LEVEL = f"{{{CHART}}}multiLvlStrRef"
 _NUMBERS = f"{{{CHART}}}numRef"
 # Where points go that are still text: a point with an index that no chart has.
-_PLACE = re.compile(rb"<[^<>]*pt idx=\"points-([0-9]+)\"/>")
+_PLACE = re.compile(rb"<[^<>]*pt idx=\"points-([0-9]{1,7})\"/>")
+# Some whole columns; programs draw far fewer points.
+MOST_POINTS = 4 * 2**20
 
 
 class ChartPart:
@@ -51,6 +54,7 @@ class ChartPart:
         # Points of renewed caches. They stay text until the part is stored: as elements they would cost more than all
         # the rest of it.
         self._points: list[bytes] = []
+        self._points_left = MOST_POINTS
 
     def retarget(self, sheet: str, old: Rect, new: Rect) -> int:
         """Let ranges that covered exactly the old rows of a block cover its new rows.
@@ -141,18 +145,29 @@ class ChartPart:
     def to_bytes(self) -> bytes:
         """The part as it shall be stored."""
         data = serialise(self._root, self._original)
-        return _PLACE.sub(lambda found: self._points[int(found[1])], data)
+
+        def points(found: re.Match[bytes]) -> bytes:
+            number = int(found[1])
+            return self._points[number] if number < len(self._points) else found[0]
+
+        return _PLACE.sub(points, data)
 
     def _fill(self, kind: str, cache: Element, areas: list[Area], shown: Shown) -> None:
         for old in cache.findall(_PT_COUNT) + cache.findall(_PT) + cache.findall(_LEVEL):
             cache.remove(old)
         prefix = f"{cache.prefix}:" if cache.prefix else ""
-        if kind == _MULTI_LEVEL:
+        self._points_left -= sum(rect.height * rect.width for _, rect in areas)
+        if self._points_left < 0:
+            xml = f'<{prefix}ptCount val="0"/>'  # more than any chart draws: blank beats wrong
+        elif kind == _MULTI_LEVEL:
             xml = _levels_xml(areas, shown, prefix)
         else:
             values = [value for sheet, rect in areas for value in shown(sheet, rect)]
             points = (
-                [value if type(value) is float else _other_number(value) for value in values]
+                [
+                    value if type(value) is float and isfinite(value) else _other_number(value)
+                    for value in values
+                ]
                 if kind == _NUMBERS
                 else [_text_point(value) for value in values]
             )

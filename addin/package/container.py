@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import stat
 import struct
 import zipfile
 import zlib
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from .errors import WorkbookRefused
+from .xml_part import Element, parse_part
 
 _OLE_MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
 _ZIP_MAGIC = b"PK\x03\x04"
@@ -24,6 +26,18 @@ _UTF8_FLAG = 0x800
 _ENCRYPTED_FLAG = 0x1
 _LONG_PART = 256 * 2**10
 _FIXED_DATE = (1980, 1, 1, 0, 0, 0)
+
+# What reading an archive raises when its bytes are not what its headers say.
+_UNPACKING = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    EOFError,
+    ValueError,
+    OverflowError,
+    NotImplementedError,
+    RuntimeError,
+)
 
 _LOCAL_HEADER = struct.Struct("<4s5H3L2H")
 _CENTRAL_HEADER = struct.Struct("<4s4B4H3L5H2L")
@@ -38,6 +52,11 @@ class Limits:
     ----------
     file_size, total_size, part_size : int
         Largest file, sum of all inflated parts and single inflated part. [byte]
+    inflated : int
+        Sum of the parts that are inflated here; pictures and the like stay packed. [byte]
+    marks : int
+        Sum of brackets and twice the equal signs of the parts that are parsed, each of which costs some hundred
+        bytes of memory; 300,000 cells have about as many. [count]
     entries : int
         Largest number of parts.
     ratio : int
@@ -46,9 +65,11 @@ class Limits:
         Parts below this inflated size may have any ratio. [byte]
     """
 
-    file_size: int = 200 * 2**20
+    file_size: int = 100 * 2**20
     total_size: int = 500 * 2**20
-    part_size: int = 200 * 2**20
+    part_size: int = 100 * 2**20
+    inflated: int = 150 * 2**20
+    marks: int = 2_500_000
     entries: int = 5_000
     ratio: int = 200
     ratio_from: int = 2**20
@@ -77,16 +98,20 @@ class Container:
         self.path = path
         self.data = read_file(path, limits.file_size)
         self.sha256 = hashlib.sha256(self.data).hexdigest()
+        self.limits = limits
         _check_magic(self.data, path)
         try:
             self._zip = zipfile.ZipFile(io.BytesIO(self.data))
-        except (zipfile.BadZipFile, ValueError, NotImplementedError) as problem:
-            raise _damaged(path, str(problem)) from problem
+        except _UNPACKING as problem:
+            raise _damaged(path, "it is cut off, or its list of contents is broken") from problem
         self.entries = self._zip.infolist()
         _check_directory(self.entries, path, limits)
+        _check_places(self.entries, self.data, self._zip.start_dir, path)
         self._by_name = {entry.filename: entry for entry in self.entries}
         self._by_lower = {name.lower(): name for name in self._by_name}
         self._inflated: dict[str, bytes] = {}
+        self._inflated_size = 0
+        self._marks = 0
 
     @property
     def names(self) -> list[str]:
@@ -98,19 +123,48 @@ class Container:
         return name if name in self._by_name else self._by_lower.get(name.lower())
 
     def read(self, name: str) -> bytes:
-        """A part, inflated and checked against its CRC."""
+        """A part, inflated and checked against its CRC.
+
+        Raises
+        ------
+        WorkbookRefused
+            ``damaged`` when it is not there or does not inflate, ``bomb`` when too much would have been inflated.
+        """
         if name not in self._inflated:
+            entry = self._by_name.get(name)
+            if entry is None or entry.is_dir():
+                raise _damaged(self.path, f"it lacks the part {shown_name(name)}")
+            self._inflated_size += entry.file_size
+            if self._inflated_size > self.limits.inflated:
+                raise WorkbookRefused(
+                    "bomb",
+                    f"{self.path.name} would unpack to more than {self.limits.inflated // 2**20} MB of cells and "
+                    "charts, too much for a workbook of this kind. Move the data to a workbook of its own.",
+                )
             try:
-                self._inflated[name] = self._zip.read(self._by_name[name])
-            except (
-                zipfile.BadZipFile,
-                zlib.error,
-                EOFError,
-                NotImplementedError,
-                RuntimeError,
-            ) as problem:
-                raise _damaged(self.path, f"{name}: {problem}") from problem
+                self._inflated[name] = self._zip.read(entry)
+            except _UNPACKING as problem:
+                raise _damaged(
+                    self.path, f"the part {shown_name(name)} cannot be unpacked"
+                ) from problem
         return self._inflated[name]
+
+    def tree(self, name: str) -> Element:
+        """Root element of a part."""
+        return parse_part(self.charged(name), name)
+
+    def charged(self, name: str) -> bytes:
+        """A part that is about to be parsed; refused when all parsed parts together would take too much memory."""
+        data = self.read(name)
+        self._marks += data.count(b"<") + 2 * data.count(b"=")
+        if self._marks > self.limits.marks:
+            raise WorkbookRefused(
+                "too large",
+                f"The part {shown_name(name)} of {self.path.name} brings the workbook to more cells than this program "
+                "works with, about 300,000 on sheets with inputs, results or formulas. Move the data to a workbook "
+                "of its own.",
+            )
+        return data
 
     def stored(self, entry: zipfile.ZipInfo) -> bytes:
         """The stored (compressed) bytes of an entry."""
@@ -180,12 +234,20 @@ def read_file(path: Path, limit: int = DEFAULT_LIMITS.file_size) -> bytes:
         ``missing``, ``unreadable`` or ``too large``.
     """
     try:
-        if path.stat().st_size > limit:
+        about = path.stat()
+        if not (stat.S_ISREG(about.st_mode) or stat.S_ISDIR(about.st_mode)):
+            # A device or a pipe may never end.
+            raise WorkbookRefused("unreadable", f"{path} is a device or a pipe, not a workbook.")
+        if about.st_size > limit:
             raise WorkbookRefused(
                 "too large",
                 f"{path.name} is larger than {limit // 2**20} MB, too large for a workbook of this kind.",
             )
         return path.read_bytes()
+    except ValueError as problem:
+        raise WorkbookRefused(
+            "missing", f"{str(path)!r} cannot be the name of a file. Name the workbook."
+        ) from problem
     except FileNotFoundError as problem:
         raise WorkbookRefused("missing", f"{path} does not exist.") from problem
     except IsADirectoryError as problem:
@@ -244,6 +306,43 @@ def _check_directory(entries: list[zipfile.ZipInfo], path: Path, limits: Limits)
         )
 
 
+def _check_places(entries: list[zipfile.ZipInfo], data: bytes, directory: int, path: Path) -> None:
+    """Each entry must stand in the file under its own name, before the directory, and none within another.
+
+    Entries that share bytes are how a small file unpacks to an enormous one.
+    """
+    end = 0
+    for entry in sorted(entries, key=lambda one: one.header_offset):
+        start = entry.header_offset
+        if (
+            start < 0
+            or start + _LOCAL_HEADER.size > len(data)
+            or data[start : start + 4] != _ZIP_MAGIC
+        ):
+            raise _damaged(path, f"the part {shown_name(entry.filename)} is not where it should be")
+        if start < end:
+            raise WorkbookRefused(
+                "overlap",
+                f"{path.name} contains the part {shown_name(entry.filename)} inside another one, as no program packs "
+                "a workbook. It is not opened.",
+            )
+        name_length, extra_length = struct.unpack_from("<HH", data, start + 26)
+        begin = start + _LOCAL_HEADER.size
+        end = begin + name_length + extra_length + entry.compress_size
+        if end > directory:
+            raise _damaged(path, f"the part {shown_name(entry.filename)} is cut off")
+        encoding = "utf-8" if entry.flag_bits & _UTF8_FLAG else "cp437"
+        if data[begin : begin + name_length] != entry.orig_filename.encode(encoding):
+            raise _damaged(
+                path, f"the part {shown_name(entry.filename)} stands there under another name"
+            )
+
+
+def shown_name(name: str) -> str:
+    """A name out of the file as it may stand in a sentence."""
+    return repr(name if len(name) <= 80 else name[:77] + "...")
+
+
 def _check_name(entry: zipfile.ZipInfo, seen: set[str], path: Path) -> None:
     name = entry.orig_filename
     if (
@@ -255,12 +354,12 @@ def _check_name(entry: zipfile.ZipInfo, seen: set[str], path: Path) -> None:
     ):
         raise WorkbookRefused(
             "path",
-            f"{path.name} contains a part named {name!r}, which points outside the workbook. It is not opened.",
+            f"{path.name} contains a part named {shown_name(name)}, which points outside the workbook. It is not opened.",
         )
     if name.lower() in seen:
         raise WorkbookRefused(
             "duplicate part",
-            f"{path.name} contains the part {name!r} twice, so programs may read different content from it. "
+            f"{path.name} contains the part {shown_name(name)} twice, so programs may read different content from it. "
             "Open it in the spreadsheet program and save it again.",
         )
     seen.add(name.lower())
@@ -283,7 +382,7 @@ def _check_size(entry: zipfile.ZipInfo, path: Path, limits: Limits) -> None:
     if too_big or packed_too_well:
         raise WorkbookRefused(
             "bomb",
-            f"The part {entry.filename} of {path.name} would unpack from {entry.compress_size} to {entry.file_size} "
+            f"The part {shown_name(entry.filename)} of {path.name} would unpack from {entry.compress_size} to {entry.file_size} "
             "bytes, which looks like an attack and not like a workbook. It is not opened.",
         )
 

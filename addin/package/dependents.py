@@ -15,6 +15,7 @@ from .references import MAX_COLUMN, MAX_ROW, Rect, parse_range, split_sheet
 from .tables import Table
 from .workbook_part import DefinedName
 
+_MOST_NAME_STEPS = 1_000
 _LANGUAGE_WORDS = frozenset(["TRUE", "FALSE"])
 
 
@@ -93,12 +94,14 @@ class ReferenceResolver:
         self._names = {(name.local_sheet.lower(), name.name.lower()): name for name in names}
         self._tables = {table.name.lower(): table for table in tables}
         self._known: dict[FormulaCell, list[tuple[str, Rect]] | None] = {}
+        self._name_steps = 0
 
     def reads(self, formula: FormulaCell) -> list[tuple[str, Rect]] | None:
         """Rectangles that the formula reads; None = possibly everything."""
         if not formula.text:
             return None
         if formula not in self._known:
+            self._name_steps = 0
             self._known[formula] = self._reads(
                 formula.text, formula.sheet, formula.rect, formula.shift, depth=0
             )
@@ -108,7 +111,9 @@ class ReferenceResolver:
         self, text: str, sheet: str, at: Rect, shift: tuple[int, int], depth: int
     ) -> list[tuple[str, Rect]] | None:
         parsed = parse_formula(text)
-        if parsed.unclear or depth > 20:
+        # Names may lead in circles, and doubling themselves at each turn: beyond some steps they may read everything.
+        self._name_steps += depth > 0
+        if parsed.unclear or depth > 20 or self._name_steps > _MOST_NAME_STEPS:
             return None
         found: list[tuple[str, Rect]] = []
         for reference in parsed.cells:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from .references import MAX_COLUMN, MAX_ROW, column_letters, column_number
+from .values import MAX_FORMULA
 
 _SHEET = r"(?:'(?:[^']|'')+'|[^\W\d][\w.]*(?::[^\W\d][\w.]*)?|\[\d+\][\w. ]*)!"
 _CELL = r"\$?[A-Za-z]{1,3}\$?[1-9][0-9]{0,6}"
@@ -119,6 +120,9 @@ def parse_formula(text: str) -> Parsed:
     text : str
         The formula in file syntax, without ``=``.
     """
+    if len(text) > MAX_FORMULA or (len(text) > 1_000 and _has_stray_quotes(text)):
+        # No program takes it, or each of its quotes would be followed to the end.
+        return Parsed((), (), (), (), frozenset(), unclear=True)
     cells: list[Reference] = []
     tables: list[TableReference] = []
     names: list[NameReference] = []
@@ -152,6 +156,10 @@ def parse_formula(text: str) -> Parsed:
     return Parsed(
         tuple(cells), tuple(tables), tuple(names), tuple(spans), frozenset(functions), unclear
     )
+
+
+def _has_stray_quotes(text: str) -> bool:
+    return bool(text.count("'") % 2 or text.count('"') % 2 or text.count("''") > 50)
 
 
 def _span(tokens: Sequence[tuple[str, str, str]]) -> Span | None:
@@ -190,8 +198,10 @@ def _tokens(text: str) -> Iterator[tuple[str, str, str]]:
         elif kind in ("bracket", "lone"):
             inside, position = _bracketed(text, position)
             if inside is None:
-                yield "rest", "[", ""
-            elif found["nsheet"]:
+                # Never closed: the rest is not to be understood, nor to be gone through again from each bracket.
+                yield "rest", text[found.start() :], ""
+                return
+            if found["nsheet"]:
                 yield "rest", "!", ""
             else:
                 yield "table", found["name"] or "", inside
@@ -248,7 +258,8 @@ def shifted_formula(text: str, rows: int, columns: int) -> str:
             pieces.append((found["sheet"] or "") + shifted_range(found["ref"], rows, columns))
             continue
         if kind in ("bracket", "lone"):
-            _, position = _bracketed(text, position)
+            inside, position = _bracketed(text, position)
+            position = len(text) if inside is None else position
         pieces.append(text[found.start() : position])
     pieces.append(text[position:])
     return "".join(pieces)

@@ -24,14 +24,18 @@ from .dependents import DependencyGraph, FormulaCell, ReferenceResolver, spill_r
 from .formula_text import CHANGES_BY_ITSELF, parse_formula
 from .references import Rect, cell_name
 from .sheet_part import SheetPart
-from .values import Constant, ErrorValue
-from .xml_part import main
+from .values import MAX_FORMULA, Constant, ErrorValue
+from .xml_part import in_short, main
 
 if TYPE_CHECKING:
     from .workbook import Workbook
 
 _F = main("f")
 _HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
+
+_PARENTHESES = re.compile(r"[()]")
+# Spreadsheet programs take 64 levels of functions; a calculator that is given far more may run out of stack.
+MAX_DEPTH = 256
 
 # Results that tell of the data rather than of a calculator's shortcomings.
 _HONEST_ERRORS = frozenset(["#DIV/0!", "#N/A", "#NUM!"])
@@ -168,7 +172,9 @@ class _Refresh:
 
     def run(self) -> CacheReport:
         with_formulas = {cell.sheet for cell in self.everything}
-        recalculated, reason = _recalculate(self.workbook, with_formulas, self._areas_read())
+        recalculated, reason = _recalculate(
+            self.workbook, self.everything, with_formulas, self._areas_read()
+        )
         if recalculated is None:
             for cell in self.affected:
                 self._remove(cell)
@@ -246,8 +252,8 @@ class _Refresh:
         rect = self.workbook.sheet_part(cell.sheet).arrays.get(home)
         if rect is None:
             return [home]
-        rows, columns = range(rect.top, rect.bottom + 1), range(rect.left, rect.right + 1)
-        return [(row, column) for row in rows for column in columns]
+        # Cells that are not in the file show nothing; a damaged file may state a range of any size.
+        return list(self.workbook.sheet_part(cell.sheet).cells_in(rect))
 
     def _renew(self, cell: FormulaCell, recalculated: _Recalculated) -> None:
         sheet = self.workbook.sheet_part(cell.sheet)
@@ -321,14 +327,28 @@ def _spellings(name: str) -> Iterator[str]:
     yield name.upper().rpartition(".")[2]
 
 
+def _depth(text: str) -> int:
+    """Deepest nesting of parentheses, those within quotes included."""
+    depth = deepest = 0
+    for mark in _PARENTHESES.findall(text):
+        depth += 1 if mark == "(" else -1
+        deepest = max(deepest, depth)
+    return deepest
+
+
 def _recalculate(
-    workbook: Workbook, with_formulas: Collection[str], read: Collection[tuple[str, Rect]] | None
+    workbook: Workbook,
+    everything: Sequence[FormulaCell],
+    with_formulas: Collection[str],
+    read: Collection[tuple[str, Rect]] | None,
 ) -> tuple[_Recalculated | None, str]:
     """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
     try:
         import formualizer
     except ImportError:
         return None, "The package formualizer is not installed, so formulas were not recalculated."
+    if any(len(cell.text) > MAX_FORMULA or _depth(cell.text) > MAX_DEPTH for cell in everything):
+        return None, "A formula is longer or deeper than a spreadsheet program takes."
     fed, dropped = calculator_copy(workbook, with_formulas, read)
     package = io.BytesIO()
     # Not compressed, as it lives for milliseconds.
@@ -338,7 +358,7 @@ def _recalculate(
     except (KeyboardInterrupt, SystemExit):
         raise
     except BaseException as problem:  # a panic of the Rust side is a BaseException
-        return None, f"The formulas could not be recalculated ({problem})."
+        return None, f"The formulas could not be recalculated ({in_short(problem)})."
     return _Recalculated(workbook, fed, result), ""
 
 

@@ -86,7 +86,7 @@ def column_number(letters: str) -> int:
     >>> column_number("AA")
     27
     """
-    if not (letters.isascii() and letters.isalpha()):
+    if not (letters.isascii() and letters.isalpha() and len(letters) <= 3):
         raise ValueError(f"{letters!r} are not the letters of a column")
     number = 0
     for letter in letters.upper():
@@ -132,6 +132,14 @@ def parse_cell(name: str) -> tuple[int, int]:
     return row, column
 
 
+def whole_number(text: str | None, largest: int = MAX_ROW) -> int | None:
+    """A number of the file as it stands in an attribute; None for anything but ASCII digits up to a limit."""
+    if text is None or not (text.isascii() and text.isdigit()) or len(text) > 9:
+        return None
+    number = int(text)
+    return number if number <= largest else None
+
+
 @lru_cache(maxsize=16_384)
 def parse_range(name: str) -> Rect:
     """Rectangle of ``"B4"``, ``"$B$4:$D$9"``, ``"B:D"`` or ``"4:9"``.
@@ -146,7 +154,10 @@ def parse_range(name: str) -> Rect:
     if ":" in name:
         bare_first, bare_last = first.replace("$", ""), last.replace("$", "")
         if bare_first.isdigit() and bare_last.isdigit():
-            return _ordered(int(bare_first), 1, int(bare_last), MAX_COLUMN)
+            top, bottom = whole_number(bare_first), whole_number(bare_last)
+            if top is None or bottom is None:
+                raise ValueError(f"{name!r} lies outside a sheet")
+            return _ordered(top, 1, bottom, MAX_COLUMN)
         if bare_first.isalpha() and bare_last.isalpha():
             return _ordered(1, column_number(bare_first), MAX_ROW, column_number(bare_last))
     return _ordered(*parse_cell(first), *parse_cell(last))

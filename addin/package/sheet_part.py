@@ -16,6 +16,7 @@ from lxml import etree
 from .errors import CellRefused, WorkbookRefused
 from .formula_text import shifted_formula
 from .references import (
+    MAX_COLUMN,
     Rect,
     cell_name,
     column_letters,
@@ -23,6 +24,7 @@ from .references import (
     parse_cell,
     parse_range,
     retargeted,
+    whole_number,
 )
 from .values import (
     FORMULA_MARK,
@@ -126,17 +128,18 @@ class SheetPart:
         """The values that the cells of a rectangle show, row by row."""
         block = next((one for one in self._blocks if one.rect.covers(rect)), None)
         if block is None:
-            columns = range(rect.left, rect.right + 1)
-            return [
-                self.constant(row, column)
-                for row in range(rect.top, rect.bottom + 1)
-                for column in columns
-            ]
+            # Only rows that are there: a range may reach to the end of the sheet.
+            held: list[Constant] = [None] * (rect.height * rect.width)
+            for row in self._rows_between(rect.top, rect.bottom):
+                at = (row - rect.top) * rect.width - rect.left
+                for column in range(rect.left, rect.right + 1):
+                    held[at + column] = self.constant(row, column)
+            return held
         # The values are in hand: taking them from the cells again would parse each number.
         start, left = rect.top - block.rect.top, rect.left - block.rect.left
         rows, right = block.rows[start : start + rect.height], left + rect.width
-        held = [value for row in rows for value in row[left:right]]
-        return held + [None] * (rect.height * rect.width - len(held))
+        known = [value for row in rows for value in row[left:right]]
+        return known + [None] * (rect.height * rect.width - len(known))
 
     def style(self, row: int, column: int) -> str | None:
         """Style index that a cell has, or would have if it were written now."""
@@ -155,6 +158,15 @@ class SheetPart:
                 if len(row.cells[column]):
                     yield number, column
 
+    def cells_in(self, rect: Rect) -> Iterator[tuple[int, int]]:
+        """Cells of a rectangle that are in the file, filled or not."""
+        for number in self._rows_between(rect.top, rect.bottom):
+            columns = self._row(number).columns
+            for column in columns[bisect_left(columns, rect.left) :]:
+                if column > rect.right:
+                    break
+                yield number, column
+
     @property
     def formulas(self) -> dict[tuple[int, int], Element]:
         """Cells with a formula, by row and column."""
@@ -170,7 +182,8 @@ class SheetPart:
         """Merged ranges."""
         if self._merges is None:
             entries = self._root.iterfind(f"{main('mergeCells')}/{main('mergeCell')}")
-            self._merges = [parse_range(entry.get("ref")) for entry in entries]
+            what = f"A merged range of sheet {self.name}"
+            self._merges = [read_range(entry.get("ref", ""), what) for entry in entries]
         return self._merges
 
     @property
@@ -181,7 +194,8 @@ class SheetPart:
             for place, cell in self.formulas.items():
                 formula = cell.find(_F)
                 if formula.get("t") in ("array", "dataTable") and formula.get("ref"):
-                    self._arrays[place] = parse_range(formula.get("ref"))
+                    what = f"An array formula of sheet {self.name}"
+                    self._arrays[place] = read_range(formula.get("ref"), what)
         return self._arrays
 
     def formula_set_changed(self) -> bool:
@@ -413,14 +427,12 @@ class SheetPart:
 
     def _index_rows(self) -> None:
         last = 0
-        in_order = True
         for element in self._data.iterchildren(_ROW):
-            number = int(element.get("r") or last + 1)
-            in_order = in_order and number > last
-            if not in_order:
+            number = whole_number(element.get("r") or str(last + 1))
+            if number is None or number <= last:
                 raise WorkbookRefused(
                     "damaged",
-                    f"The rows of sheet {self.name} are out of order at row {number}. "
+                    f"The rows of sheet {self.name} are out of order, or beyond the end of a sheet, after row {last}. "
                     "Open the workbook in the spreadsheet program and save it again.",
                 )
             element.set("r", str(number))
@@ -441,7 +453,9 @@ class SheetPart:
                 for cell in row.element.iterchildren(_C):
                     name = cell.get("r")
                     if name:
-                        last = column_number(name.removesuffix(ending))
+                        before, last = last, column_number(name.removesuffix(ending))
+                        if not before < last <= MAX_COLUMN:
+                            raise ValueError("out of order, or beyond the last column")
                     else:
                         # Cells without a name follow the one before them; that would go wrong once one is inserted.
                         last += 1
@@ -451,7 +465,7 @@ class SheetPart:
             except ValueError as problem:
                 raise WorkbookRefused(
                     "damaged",
-                    f"Sheet {self.name} has a cell named {name} in row {number}. "
+                    f"Sheet {self.name} has a cell named {str(name)[:40]!r} in row {number}, where none belongs. "
                     "Open the workbook in the spreadsheet program and save it again.",
                 ) from problem
             if len(row.columns) != len(row.element):
@@ -470,7 +484,14 @@ class SheetPart:
         if not cell.get("r"):
             # Indexing the row names its cells.
             self._row(int(cell.getparent().get("r")))
-        return parse_cell(cell.get("r"))
+        try:
+            place = parse_cell(cell.get("r"))
+        except ValueError:
+            place = (0, 0)
+        if str(place[0]) != cell.getparent().get("r"):
+            # Indexing the row says what is wrong.
+            self._row(int(cell.getparent().get("r")))
+        return place
 
     def _insert_row(self, number: int, element: Element) -> None:
         position = bisect_left(self._row_numbers, number)
@@ -486,7 +507,14 @@ class SheetPart:
         """Style of each column of a rectangle, as far as the sheet gives columns a style."""
         styles: list[str | None] = [None] * rect.width
         for entry in self._root.iterfind(f"{main('cols')}/{main('col')}"):
-            first, last = int(entry.get("min")), int(entry.get("max"))
+            first = whole_number(entry.get("min"), MAX_COLUMN)
+            last = whole_number(entry.get("max"), MAX_COLUMN)
+            if first is None or last is None:
+                raise WorkbookRefused(
+                    "damaged",
+                    f"Sheet {self.name} gives a width to columns that no sheet has. "
+                    "Open the workbook in the spreadsheet program and save it again.",
+                )
             for column in range(max(first, rect.left), min(last, rect.right) + 1):
                 styles[column - rect.left] = entry.get("style")
         return styles
@@ -642,6 +670,18 @@ class SheetPart:
             return
         if not old.covers(self._extent):
             dimension.set("ref", str(old.join(self._extent)))
+
+
+def read_range(text: str, what: str) -> Rect:
+    """A range as it stands in the file; one that is none is refused, naming whose it is."""
+    try:
+        return parse_range(text)
+    except ValueError as problem:
+        raise WorkbookRefused(
+            "damaged",
+            f"{what} says that it covers {text[:40]!r}, which is no range of a sheet. "
+            "Open the workbook in the spreadsheet program and save it again.",
+        ) from problem
 
 
 def _resized_ranges(sqref: str, old: Rect, new: Rect) -> str | None:

@@ -9,12 +9,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from .errors import Obstacle, WorkbookMismatch
-from .references import MAX_ROW, Rect, cell_name, parse_range
+from .errors import CellRefused, Obstacle, WorkbookMismatch
+from .references import MAX_ROW, Rect, cell_name
+from .sheet_part import read_range
 from .tables import Table
 from .values import CellValue, Formula
 from .written import cleaned_row
-from .xml_part import main, parse_part
+from .xml_part import main
 
 if TYPE_CHECKING:
     from .workbook import Workbook
@@ -176,11 +177,9 @@ def _pivot_ranges(workbook: Workbook, sheet: str) -> Iterator[Rect]:
     part = workbook.structure.worksheet_part(sheet)
     for related in workbook.structure.relationships(part) if part else ():
         if related.kind == "pivotTable":
-            location = parse_part(workbook.container.read(related.part), related.part).find(
-                main("location")
-            )
+            location = workbook.container.tree(related.part).find(main("location"))
             if location is not None:
-                yield parse_range(location.get("ref"))
+                yield read_range(location.get("ref", ""), f"A pivot table on sheet {sheet}")
 
 
 def carry_out(workbook: Workbook, plan: TablePlan) -> None:
@@ -227,7 +226,7 @@ def _give_up_rows(workbook: Workbook, plan: TablePlan) -> None:
         if not kept:
             sheet.remove_cells(strip)
             continue
-        for row in range(strip.top, strip.bottom + 1):
+        for row, _ in list(sheet.cells_in(strip)):
             if (row, column) not in kept:
                 sheet.remove_cells(Rect(row, column, row, column))
         names = ", ".join(cell_name(*one) for one in kept)
@@ -248,7 +247,14 @@ def _fill_user_formulas(workbook: Workbook, plan: TablePlan, styles: Sequence[st
             continue
         column = plan.new.data.left + position
         rect = Rect(growth_top, column, bottom, column)
-        value = Formula(text) if text else None
+        try:
+            value = Formula(text) if text else None
+        except ValueError as problem:
+            raise CellRefused(
+                plan.new.sheet,
+                str(rect),
+                "cannot be filled with the formula of its column. Correct it.",
+            ) from problem
         sheet.write_rows(rect, [[value]] * rect.height, styles=[styles[position]])
 
 

@@ -7,12 +7,12 @@ belong to the sheet.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-from .errors import WorkbookMismatch
+from .errors import WorkbookMismatch, WorkbookRefused
 from .references import Rect, parse_range
 from .values import unescape
 from .xml_part import Element, main
@@ -141,15 +141,60 @@ def parse_table(root: Element, sheet: str, part: str) -> Table:
     """
     columns = root.findall(f"{main('tableColumns')}/{main('tableColumn')}")
     formulas = [column.findtext(main("calculatedColumnFormula")) for column in columns]
-    return Table(
-        name=root.get("displayName") or root.get("name"),
+    name, written = root.get("displayName") or root.get("name"), root.get("ref", "")
+    if not name:
+        raise _damaged(f"A table on sheet {sheet} has no name.")
+    try:
+        ref = parse_range(written)
+    except ValueError as problem:
+        raise _damaged(
+            f"Table {name[:80]} on sheet {sheet} says that it covers {written[:40]!r}, which is no range of a sheet."
+        ) from problem
+    if len(columns) != ref.width:
+        raise _damaged(
+            f"Table {name[:80]} on sheet {sheet} has {len(columns)} columns but says that it covers {ref}."
+        )
+    table = Table(
+        name=name,
         sheet=sheet,
-        ref=parse_range(root.get("ref")),
+        ref=ref,
         columns=tuple(unescape(column.get("name", "")) for column in columns),
         has_header=root.get("headerRowCount", "1") != "0",
         has_totals=root.get("totalsRowCount", "0") != "0",
         calculated=tuple(formulas),
         part=part,
+    )
+    if table.data.height < 1:
+        raise _damaged(f"Table {name[:80]} on sheet {sheet} covers {ref}, which leaves it no row.")
+    return table
+
+
+def check_places(tables: Sequence[Table]) -> None:
+    """Tables must not share a cell: writing one would destroy the other.
+
+    Raises
+    ------
+    WorkbookRefused
+        ``damaged``, for the first two that do.
+    """
+    above: list[Table] = []
+    for table in sorted(tables, key=lambda one: (one.sheet, one.ref.top)):
+        above = [
+            one for one in above if one.sheet == table.sheet and one.ref.bottom >= table.ref.top
+        ]
+        for other in above:
+            if other.ref.meets(table.ref):
+                raise _damaged(
+                    f"Tables {other.name[:80]} ({other.ref}) and {table.name[:80]} ({table.ref}) on sheet "
+                    f"{table.sheet} cover the same cells."
+                )
+        above.append(table)
+
+
+def _damaged(what: str) -> WorkbookRefused:
+    return WorkbookRefused(
+        "damaged",
+        f"{what} Open the workbook in the spreadsheet program, let it repair the file, and save it again.",
     )
 
 

@@ -161,7 +161,8 @@ def row_xml(
     for start, style, value in zip(starts, styles, row, strict=True):
         if value is None and not style:
             continue
-        named = f' s="{style}"' if style else ""
+        # What is no number in the file may break out of the attribute.
+        named = f' s="{style}"' if style and style.isdigit() else ""
         if type(value) is float:
             # As `number_text`, written out: long blocks of numbers come through here.
             texts.append(f'{start}{number}"{named}><v>{repr(value).removesuffix(".0")}</v></c>')
@@ -229,7 +230,10 @@ def read_cell(cell: Element, shared_strings: Any) -> CellValue:
     formula = cell.find(_F)
     if formula is None:
         return constant
-    return Formula(formula.text, constant) if formula.text else constant
+    try:
+        return Formula(formula.text, constant) if formula.text else constant
+    except ValueError:  # longer than any program takes, or blank, or a number that is none
+        return constant
 
 
 def read_constant(cell: Element, shared_strings: Any) -> Constant:
@@ -258,10 +262,14 @@ def read_constant(cell: Element, shared_strings: Any) -> Constant:
 
 def _as_number(text: str) -> Constant:
     """Number of a cell; what is none, in damaged files, is given as text for whoever reads it to judge."""
+    if not text.strip():
+        return None
     try:
-        return float(text) if text.strip() else None
+        number = float(text)
     except ValueError:
         return text
+    # Python reads more than XML may hold: 1_000, digits of other scripts, NaN.
+    return number if text.isascii() and "_" not in text and number == number else text
 
 
 def rich_text(holder: Element) -> str:
@@ -270,5 +278,10 @@ def rich_text(holder: Element) -> str:
 
 
 def unescape(text: str) -> str:
-    """Undo the ``_x000A_`` notation of the file format."""
-    return _ESCAPED.sub(lambda found: chr(int(found.group(1), 16)), text) if "_x" in text else text
+    """Undo the ``_x000A_`` notation of the file format; what no text may hold becomes U+FFFD."""
+    if "_x" not in text:
+        return text
+    plain = _ESCAPED.sub(lambda found: chr(int(found.group(1), 16)), text)
+    return _ILLEGAL.sub(
+        "\ufffd", plain.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace")
+    )

@@ -14,20 +14,28 @@ from lxml import etree
 
 from .chart_titles import TitleLink
 from .charts import Area, ChartPart
-from .container import DEFAULT_LIMITS, Container, Limits
+from .container import DEFAULT_LIMITS, Container, Limits, shown_name
 from .dependents import ChangedCells
 from .errors import CellRefused, Obstacle, ObstaclesFound, WorkbookMismatch, WorkbookRefused
 from .formulas import CacheReport, refresh_formula_caches
 from .locks import check_not_open
-from .references import Rect, cell_name, parse_cell, parse_range, split_areas, split_sheet
+from .references import (
+    Rect,
+    cell_name,
+    parse_cell,
+    parse_range,
+    split_areas,
+    split_sheet,
+    whole_number,
+)
 from .save import SaveReport, save_package
 from .sheet_part import SheetPart
 from .table_writing import TableData, TablePlan, carry_out, obstacles_of, plan_table
-from .tables import Table, apply_table, parse_table
+from .tables import Table, apply_table, check_places, parse_table
 from .values import FORMULA_MARK, CellValue, Constant, Formula, rich_text
 from .workbook_part import DefinedName, WorkbookPart
 from .written import Written, cleaned, cleaned_row, misread
-from .xml_part import Element, main, parse_part, serialise
+from .xml_part import Element, main, serialise
 
 
 def open_workbook(
@@ -139,15 +147,21 @@ class Workbook:
     @cached_property
     def tables(self) -> dict[str, Table]:
         """All tables by name, with the size that they have now."""
-        found = {}
+        found: dict[str, Table] = {}
         for sheet in self.sheet_names:
             part = self._structure.worksheet_part(sheet)
             for related in self._structure.relationships(part) if part else ():
                 if related.kind == "table":
-                    root = parse_part(self._container.read(related.part), related.part)
+                    root = self._container.tree(related.part)
                     table = parse_table(root, sheet, related.part)
+                    if table.name.casefold() in {name.casefold() for name in found}:
+                        raise WorkbookRefused(
+                            "damaged",
+                            f"{self.path.name} has two tables named {shown_name(table.name)}. Rename one of them.",
+                        )
                     self._table_roots[related.part] = root
                     found[table.name] = table
+        check_places(list(found.values()))
         return found
 
     def table(self, name: str) -> Table:
@@ -600,7 +614,7 @@ class Workbook:
                 )
             if sheet not in self._sheets:
                 self._sheets[sheet] = SheetPart(
-                    sheet, part, self._container.read(part), self._shared_string
+                    sheet, part, self._container.charged(part), self._shared_string
                 )
             return self._sheets[sheet]
         return self._sheets[name]
@@ -610,19 +624,24 @@ class Workbook:
         part = self._structure.related("sharedStrings")
         if part is None:
             return []
-        root = parse_part(self._container.read(part), part)
+        root = self._container.tree(part)
         return [rich_text(entry) for entry in root.iterchildren(main("si"))]
 
     def _shared_string(self, index: str) -> str:
-        try:
-            return self._strings[int(index)]
-        except (ValueError, IndexError):
-            return ""
+        number = whole_number(index.strip(), len(self._strings) - 1)
+        if number is None:
+            raise WorkbookRefused(
+                "damaged",
+                f"A cell of {self.path.name} shows text number {shown_name(index)}, but the workbook has "
+                f"{len(self._strings)} texts. Open it in the spreadsheet program, let it repair the file, and save it "
+                "again.",
+            )
+        return self._strings[number]
 
     @cached_property
     def _charts(self) -> list[ChartPart]:
         return [
-            ChartPart(part, self._container.read(part)) for part in self._structure.chart_parts()
+            ChartPart(part, self._container.charged(part)) for part in self._structure.chart_parts()
         ]
 
     @cached_property
@@ -681,12 +700,11 @@ class Workbook:
                 return
 
     def _has_stale_text(self, part: str) -> bool:
-        data = self._container.read(part)
-        if b"textlink=" not in data:
+        if b"textlink=" not in self._container.read(part):
             return False
         links = (
             shape.get("textlink")
-            for shape in parse_part(data, part).iter()
+            for shape in self._container.tree(part).iter()
             if shape.get("textlink")
         )
         areas = (self._areas(link) for link in links)

@@ -11,10 +11,10 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from urllib.parse import unquote
 
-from .container import Container
+from .container import Container, shown_name
 from .errors import WorkbookRefused
-from .references import Rect, parse_range, split_sheet
-from .xml_part import CONTENT_TYPES, RELATIONSHIP_IDS, STRICT_HOST, Element, main, parse_part
+from .references import Rect, parse_range, split_sheet, whole_number
+from .xml_part import CONTENT_TYPES, RELATIONSHIP_IDS, STRICT_HOST, Element, main
 
 CONTENT_TYPES_PART = "[Content_Types].xml"
 XLSX_TYPE = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet.main+xml"
@@ -88,7 +88,7 @@ class WorkbookPart:
             raise self._refused(
                 "not a workbook", "is a zip file but not an Excel workbook (.xlsx or .xlsm)"
             )
-        types = parse_part(container.read(CONTENT_TYPES_PART), CONTENT_TYPES_PART)
+        types = container.tree(container.find(CONTENT_TYPES_PART) or CONTENT_TYPES_PART)
         self.types = {
             entry.get("PartName", "").lstrip("/"): entry.get("ContentType", "")
             for entry in types.iter(f"{{{CONTENT_TYPES}}}Override")
@@ -97,7 +97,7 @@ class WorkbookPart:
         self.content_type = self.types.get(self.part, "")
         self._check_kind()
         self._relationships = {one.id: one for one in self.relationships(self.part)}
-        root = parse_part(container.read(self.part), self.part)
+        root = container.tree(self.part)
         if root.tag != main("workbook"):
             raise self._refused("not a workbook", "has a workbook part that is not one")
         self._sheet_parts = self._find_sheets(root)
@@ -134,7 +134,7 @@ class WorkbookPart:
         if stored is None:
             return []
         found = []
-        for entry in parse_part(self._container.read(stored), stored):
+        for entry in self._container.tree(stored):
             if not isinstance(entry.tag, str) or entry.get("TargetMode") == "External":
                 continue
             target = unquote(entry.get("Target", ""))
@@ -252,19 +252,30 @@ class WorkbookPart:
 
     def _find_sheets(self, root: Element) -> dict[str, Relationship]:
         sheets: dict[str, Relationship] = {}
+        seen: set[str] = set()
         for entry in root.iterfind(f"{main('sheets')}/{main('sheet')}"):
+            name = entry.get("name", "")
             relationship = self._relationships.get(entry.get(f"{{{RELATIONSHIP_IDS}}}id"))
             if relationship is None or self._container.find(relationship.part) is None:
-                raise self._refused("damaged", f"lacks the part of sheet {entry.get('name')!r}")
-            sheets[entry.get("name")] = relationship
+                raise self._refused("damaged", f"lacks the part of sheet {shown_name(name)}")
+            if not name or name.casefold() in seen or relationship.part in seen:
+                raise self._refused(
+                    "damaged",
+                    f"has two sheets of one name, or one without a name ({shown_name(name)}). Open it in the "
+                    "spreadsheet program, let it repair the file, and save it again",
+                )
+            seen.update((name.casefold(), relationship.part))
+            sheets[name] = relationship
         return sheets
 
     def _find_names(self, root: Element) -> list[DefinedName]:
         names = []
         sheets = self.sheet_names
         for entry in root.iterfind(f"{main('definedNames')}/{main('definedName')}"):
-            local = entry.get("localSheetId")
-            confined = sheets[int(local)] if local is not None and int(local) < len(sheets) else ""
+            local = whole_number(entry.get("localSheetId"), len(sheets) - 1)
+            if local is None and entry.get("localSheetId") is not None:
+                continue  # a sheet that is not there: no formula can mean this name
+            confined = "" if local is None else sheets[local]
             names.append(
                 _defined_name(entry.get("name", ""), (entry.text or "").strip(), confined, sheets)
             )

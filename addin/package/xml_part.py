@@ -65,12 +65,19 @@ def parse_part(data: bytes, name: str) -> Element:
     except etree.XMLSyntaxError as problem:
         raise WorkbookRefused(
             "damaged",
-            f"The part {name} of the workbook is not well-formed XML ({problem}). "
+            f"The part {name} of the workbook is not well-formed XML ({in_short(problem)}). "
             "Open it in the spreadsheet program, let it repair the file, and save it again.",
         ) from problem
     if root.getroottree().docinfo.internalDTD is not None:
         raise _dtd(name)
     return root
+
+
+def in_short(problem: BaseException) -> str:
+    """What another program says of a file, which may quote what it found there, fit for a sentence."""
+    text = "".join(c if c.isprintable() else "?" for c in str(problem)[:1000])
+    text = re.sub(r"\b[A-Z]\w*Error\b", "error", text)
+    return text if len(text) <= 200 else text[:197] + "..."
 
 
 def _dtd(name: str) -> WorkbookRefused:

@@ -1,0 +1,674 @@
+"""Workbooks made to do harm: a sentence or an honest result, within bounds that are counted.
+
+Each goes through a whole recalculation in a process of its own. What came out of the archive and
+the largest memory are counted there; nothing but the results may be left behind.
+"""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape
+
+import openpyxl
+import pytest
+from spoiled import (
+    MAIN,
+    Attended,
+    Packed,
+    Parts,
+    archive,
+    changed,
+    honest,
+    in_cells,
+    packed,
+    place_of,
+    retyped,
+    sheet,
+)
+
+from addin.package import Limits
+from benchmarks.workbook_fuzz import seeds, sentence_fault
+
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
+LIMITS = Limits()
+#: The ceiling of the issue [MB]; the process itself, with everything imported, has some 200 of them.
+MEMORY = 500.0
+
+
+def first_result() -> str:
+    part = next(n for n, d in honest().items() if b'displayName="NaturalFrequencies"' in d)
+    left, top, _ = own_ref(part)
+    return f"Results!{chr(ord(left) + 1)}{int(top) + 1}"
+
+
+def judged(
+    attended: Attended, folder: Path, data: bytes, name: str = "train.xlsx"
+) -> dict[str, Any]:
+    """What became of a file, after everything that holds for every file was seen to hold."""
+    source = folder / name
+    source.write_bytes(data)
+    said = attended.ask(source)
+    assert "crash" not in said, said["crash"]
+    assert source.read_bytes() == data
+    done = {"done.xlsx"} if said["written"] else set()
+    assert {path.name for path in folder.iterdir()} == {name, "done.json"} | done
+    for sentence in (*said["told"], *said["warnings"]):
+        assert not sentence_fault(sentence), sentence
+    assert said["told"] or said["written"]
+    assert said["peak_mb"] < MEMORY
+    assert (
+        said["inflated"] <= 2 * LIMITS.inflated
+    )  # once when read, once when what was written is read back
+    return said
+
+
+def refused(attended: Attended, folder: Path, data: bytes, words: str) -> dict[str, Any]:
+    """Refused as a whole, for that reason."""
+    said = judged(attended, folder, data)
+    assert not said["written"]
+    assert re.search(words, " ".join(said["told"])), said["told"]
+    return said
+
+
+def written(attended: Attended, folder: Path, data: bytes) -> dict[str, Any]:
+    """Calculated, and the result opens in another program."""
+    said = judged(attended, folder, data)
+    assert said["written"], said["told"]
+    openpyxl.load_workbook(folder / "done.xlsx")
+    return said
+
+
+def test_the_honest_one(attended: Attended, tmp_path: Path) -> None:
+    said = written(attended, tmp_path, packed(honest()))
+    assert said["inflated"] < 2 * sum(map(len, honest().values()))
+
+
+def own_ref(part: str) -> tuple[str, str, str]:
+    """Left, top and right of a table."""
+    found = re.search(r' ref="([A-Z]+)(\d+):([A-Z]+)\d+"', honest()[part].decode())
+    assert found
+    return found[1], found[2], found[3]
+
+
+#: A cell that every calculation changes: the first natural frequency.
+RESULT = first_result()
+
+
+# --- the archive --------------------------------------------------------------------------------
+
+ZEROS = bytes(40 * 2**20)
+
+
+def many_large_parts() -> bytes:
+    """Twelve sheets of 20 MB, each packed no better than an ordinary one."""
+    parts = [Packed(name.encode(), data) for name, data in honest().items()]
+    body = b"".join(b"<!-- %040d -->" % (k * 7919 % 10**9) for k in range(20))
+    padded = Packed(b"", body * (20 * 2**20 // len(body)))
+    stored = padded.stored()
+    workbook = honest()["xl/workbook.xml"]
+    links = honest()["xl/_rels/workbook.xml.rels"]
+    types = honest()["[Content_Types].xml"]
+    for k in range(12):
+        name = f"xl/worksheets/big{k}.xml"
+        big = Packed(name.encode(), padded.data)
+        big.stored = lambda: stored  # type: ignore[method-assign]
+        parts.append(big)
+        workbook = workbook.replace(
+            b"</sheets>",
+            b'<sheet name="Big%d" sheetId="%d" r:id="big%d"/></sheets>' % (k, 90 + k, k),
+        )
+        links = links.replace(
+            b"</Relationships>",
+            b'<Relationship Id="big%d" Type="http://schemas.openxmlformats.org/officeDocument/2006/'
+            b'relationships/worksheet" Target="worksheets/big%d.xml"/></Relationships>' % (k, k),
+        )
+        types = types.replace(
+            b"</Types>",
+            b'<Override PartName="/%s" ContentType="application/vnd.openxmlformats-officedocument.'
+            b'spreadsheetml.worksheet+xml"/></Types>' % name.encode(),
+        )
+    new = {
+        b"xl/workbook.xml": workbook,
+        b"xl/_rels/workbook.xml.rels": links,
+        b"[Content_Types].xml": types,
+    }
+    for one in parts:
+        one.data = new.get(one.name, one.data)
+    return archive(parts)
+
+
+def with_entry(*entries: Packed) -> bytes:
+    return archive([*(Packed(n.encode(), d) for n, d in honest().items()), *entries])
+
+
+def sharing_bytes() -> bytes:
+    """Two entries of the directory that stand for the same bytes of the file."""
+    return with_entry(Packed(b"xl/media/twin.bin", b"", at=0))
+
+
+ARCHIVES: dict[str, tuple[Callable[[], bytes], str]] = {
+    "packed too well": (
+        lambda: with_entry(Packed(b"xl/media/a.bin", ZEROS)),
+        "looks like an attack",
+    ),
+    "a size that lies, too small": (
+        lambda: archive(
+            Packed(
+                n.encode(), ZEROS if n == sheet(1) else d, said_size=5000 if n == sheet(1) else None
+            )
+            for n, d in honest().items()
+        ),
+        "damaged",
+    ),
+    "a size that lies, too large": (
+        lambda: with_entry(Packed(b"xl/a.bin", b"a", said_size=2**32 - 2)),
+        "looks like an attack",
+    ),
+    "twenty thousand entries": (
+        lambda: with_entry(*(Packed(b"a%d" % k, b"") for k in range(20_000))),
+        "20[0-9]{3} parts",
+    ),
+    "entries that share bytes": (sharing_bytes, "inside another one|under another name"),
+    "an entry in the directory only": (
+        lambda: with_entry(Packed(b"xl/a.bin", b"a", at=10**8)),
+        "not where it should be",
+    ),
+    "packed as no workbook is": (
+        lambda: with_entry(Packed(b"xl/a.bin", b"a", said_method=12)),
+        "packed in a way",
+    ),
+    "twelve sheets of 20 MB": (many_large_parts, "would unpack to more than"),
+}
+
+
+@pytest.mark.parametrize("name", ARCHIVES)
+def test_archives(attended: Attended, tmp_path: Path, name: str) -> None:
+    make, words = ARCHIVES[name]
+    said = refused(attended, tmp_path, make(), words)
+    assert said["inflated"] <= LIMITS.inflated
+
+
+def test_archives_within_archives_stay_packed(attended: Attended, tmp_path: Path) -> None:
+    inner = packed({"x.bin": bytes(1000)})
+    for _ in range(20):
+        inner = packed(
+            {f"{k}.zip": inner for k in range(3)} if len(inner) < 10**5 else {"a.zip": inner}
+        )
+    data = with_entry(Packed(b"xl/embeddings/inner.zip", inner))
+    said = written(attended, tmp_path, data)
+    assert said["inflated"] < 2 * sum(map(len, honest().values()))
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../evil.xml", "xl/../../evil.xml", "/etc/passwd", "C:\\evil.xml", "xl\\workbook2.xml", "xl/a\0b.xml",
+     "file:///evil"],
+)  # fmt: skip
+def test_parts_that_point_elsewhere(attended: Attended, tmp_path: Path, name: str) -> None:
+    refused(
+        attended,
+        tmp_path,
+        with_entry(Packed(name.encode(), b"<a/>")),
+        "points outside the workbook",
+    )
+
+
+@pytest.mark.parametrize("name", ["xl/workbook.xml", "XL/Workbook.XML", "[content_types].xml"])
+def test_parts_that_are_there_twice(attended: Attended, tmp_path: Path, name: str) -> None:
+    refused(attended, tmp_path, with_entry(Packed(name.encode(), b"<a/>")), "twice")
+
+
+def test_cut_off_anywhere(tmp_path: Path) -> None:
+    from addin.recalc import Unreadable, read_checked
+
+    data = packed(honest())
+    source = tmp_path / "train.xlsx"
+    for size in range(0, len(data), len(data) // 150):
+        source.write_bytes(data[:size])
+        read = read_checked(source)
+        assert isinstance(read, Unreadable), size
+        assert not sentence_fault(read.problems[0].message)
+
+
+# --- XML ----------------------------------------------------------------------------------------
+
+
+def bomb(canary: Path) -> bytes:
+    """Nine levels of ten, and a file of this machine."""
+    lines = [b'<!ENTITY l0 "lol">']
+    lines += [b'<!ENTITY l%d "%s">' % (k, b"&l%d;" % (k - 1) * 10) for k in range(1, 10)]
+    lines += [b'<!ENTITY file SYSTEM "%s">' % canary.as_uri().encode()]
+    return b"<!DOCTYPE x [" + b"".join(lines) + b"]>"
+
+
+PARTS = [name for name in seeds()[0].parts if name.endswith((".xml", ".rels", ".vml"))]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_entities_in_every_part(attended: Attended, tmp_path: Path, encoding: str) -> None:
+    """A part that is read is refused; one that is not stays as it is and nothing of it is followed."""
+    canary = tmp_path / "canary.txt"
+    canary.write_text("the canary's own words", encoding="utf-8")
+    names = PARTS if encoding == "utf-8" else PARTS[:: len(PARTS) // 8]
+    untouched = []
+    for number, name in enumerate(names):
+        parts = honest()
+        text = re.sub(rb"\A<\?xml[^>]*\?>\s*", b"", parts[name])
+        end = text.rindex(b"</") if b"</" in text else len(text)
+        text = bomb(canary) + text[:end] + b"&l9;&file;" + text[end:]
+        parts[name] = text.decode().encode(encoding)
+        folder = tmp_path / f"{number}"
+        folder.mkdir()
+        said = judged(attended, folder, packed(parts))
+        if said["written"]:
+            untouched.append(name)
+            import zipfile
+
+            with zipfile.ZipFile(folder / "done.xlsx") as done:
+                assert done.read(name) == parts[name]
+                assert all(b"canary's own" not in done.read(other) for other in done.namelist())
+        else:
+            assert "document type declaration" in said["told"][0], (name, said["told"])
+        assert "canary's own" not in json.dumps(said)
+    assert not [
+        n
+        for n in untouched
+        if re.search(r"sheet[1-4]\.xml$|workbook|Content|tables|styles|shared", n)
+    ]
+
+
+DEPTH = 20_000
+NESTED = b"<x>" * DEPTH + b"</x>" * DEPTH
+
+
+@pytest.mark.parametrize("part", ["xl/workbook.xml", sheet(2), "xl/styles.xml", "_rels/.rels"])
+def test_deep_nesting(attended: Attended, tmp_path: Path, part: str) -> None:
+    parts = changed(
+        part, lambda data: data[: data.rindex(b"</")] + NESTED + data[data.rindex(b"</") :]
+    )
+    refused(attended, tmp_path, packed(parts), "not well-formed XML")
+
+
+# --- sizes --------------------------------------------------------------------------------------
+
+
+def test_a_cell_in_the_last_corner(attended: Attended, tmp_path: Path) -> None:
+    for number in (1, 2, 3, 4):
+        row = b'<row r="1048576"><c r="XFD1048576"><v>1</v></c></row>'
+        folder = tmp_path / f"{number}"
+        folder.mkdir()
+        said = written(attended, folder, packed(in_cells(row, number)))
+        assert said["inflated"] < 2 * sum(map(len, honest().values())) + 1000
+
+
+LONG = b"x" * (10 * 2**20)
+TITLE = place_of("Title")
+
+
+def long_string(place: str, text: bytes) -> Parts:
+    inline = b"<is><t>" + text + b"</t></is>"
+    return {
+        "shared string": lambda: changed(
+            "xl/sharedStrings.xml",
+            lambda data: re.sub(rb"<t>Small train</t>", b"<t>" + text + b"</t>", data),
+        ),
+        "title": lambda: retyped(1, TITLE, inline, "inlineStr"),
+        "cell nobody reads": lambda: (
+            retyped(4, "F30", inline, "inlineStr")
+            if False
+            else in_cells(b'<row r="99"><c r="A99" t="inlineStr">' + inline + b"</c></row>")
+        ),
+        "formula": lambda: in_cells(
+            b'<row r="99"><c r="A99"><f>"' + text + b'"&amp;A1</f><v>0</v></c></row>'
+        ),
+        "defined name": lambda: changed(
+            "xl/workbook.xml",
+            lambda data: data.replace(
+                b"</definedNames>",
+                b'<definedName name="Long">"' + text + b'"</definedName></definedNames>',
+            ),
+        ),
+        "name of a table": lambda: changed(
+            "xl/tables/table1.xml",
+            lambda data: re.sub(rb'displayName="[^"]*"', b'displayName="' + text + b'"', data),
+        ),
+        "name of a sheet": lambda: changed(
+            "xl/workbook.xml",
+            lambda data: re.sub(rb'<sheet name="Owner[^"]*"', b'<sheet name="' + text + b'"', data),
+        ),
+    }[place]()
+
+
+@pytest.mark.parametrize(
+    "place",
+    ["shared string", "title", "cell nobody reads", "formula", "defined name", "name of a table",
+     "name of a sheet"],
+)  # fmt: skip
+@pytest.mark.parametrize("size", [9 * 2**20, 10 * 2**20])
+def test_strings_of_ten_megabytes(
+    attended: Attended, tmp_path: Path, place: str, size: int
+) -> None:
+    """The XML parser takes those of 10,000,000 bytes, the XML of 10 MB is refused there."""
+    said = judged(attended, tmp_path, packed(long_string(place, LONG[:size])))
+    if said["written"]:
+        openpyxl.load_workbook(tmp_path / "done.xlsx")
+        assert (tmp_path / "done.json").stat().st_size < 10**6
+
+
+ROWS = 1_000_000
+
+
+def million(kind: str) -> Parts:
+    numbers = range(100, ROWS + 100)
+    if kind == "rows":
+        return in_cells(b"".join(b'<row r="%d"/>' % k for k in numbers))
+    if kind == "cells":
+        return in_cells(
+            b"".join(b'<row r="%d"><c><v>%d</v></c></row>' % (k, k) for k in numbers), 2
+        )
+    if kind == "shared formulas":
+        cells = (
+            b'<row r="%d"><c r="A%d"><f t="shared" si="0"/></c></row>' % (k, k) for k in numbers
+        )
+        first = b'<row r="99"><c r="A99"><f t="shared" ref="A99:A%d" si="0">A1+1</f></c></row>' % (
+            ROWS + 99
+        )
+        return in_cells(first + b"".join(cells))
+    if kind == "merged ranges":
+        merged = b"".join(b'<mergeCell ref="H%d:I%d"/>' % (k, k) for k in numbers)
+        return changed(
+            sheet(2),
+            lambda data: data.replace(
+                b"</sheetData>", b"</sheetData><mergeCells>" + merged + b"</mergeCells>"
+            ),
+        )
+    if kind == "styles":
+        return changed(
+            "xl/styles.xml",
+            lambda data: data.replace(b"</cellXfs>", b'<xf numFmtId="14"/>' * ROWS + b"</cellXfs>"),
+        )
+    if kind == "shared strings":
+        return changed(
+            "xl/sharedStrings.xml",
+            lambda data: data.replace(b"</sst>", b"<si><t>a</t></si>" * ROWS + b"</sst>"),
+        )
+    assert kind == "defined names"
+    names = b"".join(b'<definedName name="n%d">1</definedName>' % k for k in numbers)
+    return changed(
+        "xl/workbook.xml", lambda data: data.replace(b"</definedNames>", names + b"</definedNames>")
+    )
+
+
+MILLIONS = [
+    "rows",
+    "cells",
+    "shared formulas",
+    "merged ranges",
+    "styles",
+    "shared strings",
+    "defined names",
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", MILLIONS)
+def test_a_million_of_them(attended: Attended, tmp_path: Path, kind: str) -> None:
+    refused(
+        attended,
+        tmp_path,
+        packed(million(kind)),
+        "more cells than this program works with|looks like an attack",
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", MILLIONS)
+def test_as_many_as_are_taken(
+    attended: Attended, tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Somewhat below the limit they are worked through within the same memory."""
+    monkeypatch.setitem(globals(), "ROWS", 60_000)
+    judged(attended, tmp_path, packed(million(kind)))
+
+
+# --- tables, names, formulas --------------------------------------------------------------------
+
+
+def table_ref(ref: str, part: str = "xl/tables/table1.xml") -> Parts:
+    return changed(
+        part, lambda data: re.sub(rb' ref="[^"]*"', b' ref="%s"' % ref.encode(), data, count=1)
+    )
+
+
+@pytest.mark.parametrize(
+    ("ref", "words"),
+    [
+        ("B4:ZZZ9999999", "no range of a sheet"),
+        ("B4:A1048577", "no range of a sheet"),
+        ("", "no range of a sheet"),
+        ("A1 B2", "no range of a sheet"),
+        ("B4:C6", "columns but says that it covers"),
+    ],
+)
+def test_tables_that_lie_about_their_size(
+    attended: Attended, tmp_path: Path, ref: str, words: str
+) -> None:
+    refused(attended, tmp_path, packed(table_ref(ref)), words)
+
+
+def test_a_table_without_rows(attended: Attended, tmp_path: Path) -> None:
+    left, top, right = own_ref("xl/tables/table1.xml")
+    refused(attended, tmp_path, packed(table_ref(f"{left}{top}:{right}{top}")), "leaves it no row")
+
+
+def test_a_table_over_its_neighbours(attended: Attended, tmp_path: Path) -> None:
+    left, top, right = own_ref("xl/tables/table1.xml")
+    refused(
+        attended, tmp_path, packed(table_ref(f"{left}{top}:{right}1048576")), "cover the same cells"
+    )
+
+
+def test_a_result_table_to_the_end_of_the_sheet(attended: Attended, tmp_path: Path) -> None:
+    """The last one of its sheet: nobody is in its way, and only rows that are there are gone through."""
+    parts = honest()
+    last = max(
+        (name for name in parts if name.startswith("xl/tables/")),
+        key=lambda name: (
+            int(own_ref(name)[1]) if b"Audit" in parts[name] or b"Verdicts" in parts[name] else -1
+        ),
+    )
+    left, top, right = own_ref(last)
+    written(attended, tmp_path, packed(table_ref(f"{left}{top}:{right}1048576", last)))
+
+
+def test_two_tables_of_one_name(attended: Attended, tmp_path: Path) -> None:
+    parts = changed("xl/tables/table2.xml", lambda data: data.replace(b'"Elements"', b'"STATIONS"'))
+    refused(attended, tmp_path, packed(parts), "two tables named")
+
+
+def names(*pairs: tuple[str, str]) -> Parts:
+    text = "".join(f'<definedName name="{name}">{of}</definedName>' for name, of in pairs)
+    return changed(
+        "xl/workbook.xml",
+        lambda data: data.replace(b"</definedNames>", text.encode() + b"</definedNames>"),
+    )
+
+
+def test_names_that_lead_in_circles(attended: Attended, tmp_path: Path) -> None:
+    """Two names, each of them eight times the other: followed blindly, 8^20 steps."""
+    parts = names(("Loop", "+".join(["Loup"] * 8)), ("Loup", "+".join(["Loop"] * 8)), ("Me", "Me"))
+    formulas = f'<row r="99"><c r="A99"><f>Loop+Me+{RESULT}</f><v>1</v></c></row>'.encode()
+    parts[sheet(4)] = parts[sheet(4)].replace(b"</sheetData>", formulas + b"</sheetData>")
+    written(attended, tmp_path, packed(parts))
+    cell = openpyxl.load_workbook(tmp_path / "done.xlsx", data_only=True)["Owner's notes"]["A99"]
+    assert cell.value is None  # blank beats wrong
+
+
+def test_an_input_that_is_a_circle_of_names(attended: Attended, tmp_path: Path) -> None:
+    parts = changed(
+        "xl/workbook.xml",
+        lambda data: re.sub(rb'(name="LineFrequency">)[^<]*', rb"\1SynchronousSpeed", data),
+    )
+    refused(attended, tmp_path, packed(parts), "leads to no cell")
+
+
+def test_formulas_in_circles(attended: Attended, tmp_path: Path) -> None:
+    rows = (
+        f'<row r="98"><c r="A98"><f>A99+{RESULT}</f><v>7</v></c></row>'
+        '<row r="99"><c r="A99"><f>A98+1</f><v>7</v></c></row>'
+    )
+    written(attended, tmp_path, packed(in_cells(rows.encode())))
+    notes = openpyxl.load_workbook(tmp_path / "done.xlsx", data_only=True)["Owner's notes"]
+    assert notes["A98"].value is None
+    assert notes["A99"].value is None
+
+
+@pytest.mark.parametrize(
+    "formula",
+    ["(" * 4000 + "A1" + ")" * 4000, "-" * 8000 + "A1", "A1" + "+A1" * 2000, "[" * 8000, "'" * 8001,
+     "IF(" * 1500 + "A1" + ")" * 1500, "{" * 4000, '"' * 4001, "1" * 8000, "SUM(A:XFD)", "A1:XFD1048576*2"],
+    ids=lambda text: text[:12] + str(len(text)),
+)  # fmt: skip
+def test_formulas_that_break_calculators(attended: Attended, tmp_path: Path, formula: str) -> None:
+    text = formula.replace("A1", RESULT).replace('"', "&quot;").encode()
+    rows = b"".join(
+        b'<row r="%d"><c r="A%d"><f>%s</f><v>7</v></c></row>' % (k, k, text) for k in range(99, 119)
+    )
+    judged(attended, tmp_path, packed(in_cells(rows)))
+
+
+def test_array_over_the_whole_sheet(attended: Attended, tmp_path: Path) -> None:
+    rows = f'<row r="99"><c r="F99"><f t="array" ref="F99:XFD1048576">{RESULT}:{RESULT}*2</f></c></row>'
+    written(attended, tmp_path, packed(in_cells(rows.encode())))
+
+
+def test_charts_of_whole_sheets(attended: Attended, tmp_path: Path) -> None:
+    parts = changed(
+        "xl/charts/chart1.xml",
+        lambda data: re.sub(rb"<c:f>[^<]*</c:f>", b"<c:f>Results!$A$1:$XFD$1048576</c:f>", data),
+    )
+    said = written(attended, tmp_path, packed(parts))
+    assert (tmp_path / "done.xlsx").stat().st_size < 10**6, said
+
+
+STARTS = ["=cmd|' /C calc'!A0", "+1+1", "-2", "@SUM(1)", "\t=1", '=HYPERLINK("http://x")', "'=1"]
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_names_that_look_like_formulas_stay_text(
+    attended: Attended, tmp_path: Path, name: str
+) -> None:
+    """A station and an element of such a name, out into result sheets and JSON: never a formula."""
+    parts = changed(
+        "xl/sharedStrings.xml",
+        lambda data: re.sub(
+            rb"<t>(Motor|Coupling)</t>",
+            lambda found: f'<t xml:space="preserve">{escape(name)}</t>'.encode(),
+            data,
+        ),
+    )
+    written(attended, tmp_path, packed(parts))
+    done = openpyxl.load_workbook(tmp_path / "done.xlsx")["Results"]
+    cells = [cell for line in done.iter_rows() for cell in line if cell.value is not None]
+    shown = [cell for cell in cells if str(cell.value) == name.strip()]
+    assert shown
+    assert not [cell for cell in cells if cell.data_type == "f"]
+    assert name.strip() in json.dumps(
+        json.loads((tmp_path / "done.json").read_text("utf-8"))
+    ).replace('\\"', '"')
+
+
+# --- other files --------------------------------------------------------------------------------
+
+
+def test_links_to_other_files_are_not_followed(attended: Attended, tmp_path: Path) -> None:
+    canary = tmp_path / "secret.xlsx"
+    canary.write_bytes(
+        packed(retyped(1, TITLE, b"<is><t>the canary's own words</t></is>", "inlineStr"))
+    )
+    folder = tmp_path / "here"
+    folder.mkdir()
+    parts = honest()
+    parts["xl/externalLinks/externalLink1.xml"] = (
+        f'<externalLink {MAIN}><externalBook xmlns:r="http://schemas.openxmlformats.org/officeDocument/2006/'
+        'relationships" r:id="rId1"><sheetNames><sheetName val="Case"/></sheetNames></externalBook></externalLink>'
+    ).encode()
+    parts["xl/externalLinks/_rels/externalLink1.xml.rels"] = (
+        '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="rId1" '
+        'Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/externalLinkPath" '
+        f'Target="{canary.as_uri()}" TargetMode="External"/></Relationships>'
+    ).encode()
+    parts["xl/_rels/workbook.xml.rels"] = parts["xl/_rels/workbook.xml.rels"].replace(
+        b"</Relationships>",
+        b'<Relationship Id="ext" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/'
+        b'externalLink" Target="externalLinks/externalLink1.xml"/></Relationships>',
+    )
+    parts["xl/workbook.xml"] = parts["xl/workbook.xml"].replace(
+        b"</sheets>",
+        b'</sheets><externalReferences><externalReference r:id="ext"/></externalReferences>',
+    )
+    parts["[Content_Types].xml"] = parts["[Content_Types].xml"].replace(
+        b"</Types>",
+        b'<Override PartName="/xl/externalLinks/externalLink1.xml" ContentType="application/vnd.openxmlformats-'
+        b'officedocument.spreadsheetml.externalLink+xml"/></Types>',
+    )
+    rows = f'<row r="99"><c r="A99"><f>[1]Case!{TITLE}&amp;{RESULT}</f><v>7</v></c></row>'.encode()
+    parts[sheet(4)] = parts[sheet(4)].replace(b"</sheetData>", rows + b"</sheetData>")
+    written(attended, folder, packed(parts))
+    for path in (folder / "done.xlsx", folder / "done.json"):
+        assert b"canary's own" not in path.read_bytes()
+    done = openpyxl.load_workbook(folder / "done.xlsx", data_only=True)["Owner's notes"]
+    assert done["A99"].value is None
+
+
+# --- cells --------------------------------------------------------------------------------------
+
+UNITS = [
+    "m**999999999", "1e400*m", "m" + "*m" * 5000, "kg^9^9^9", "(" * 5000, "lbf*in/rad" * 500, "١٠^٢*m",
+    "10^99*lbf*in/rad", "\U0001d7d9", "__import__('os')", "{0.__class__}", "%s" * 20, "N*m/rad; DROP", "e" * 60,
+    "m" * 59, "((((((((((m^9)^9)))))))))", "delta_degC", "dB", "degC",
+]  # fmt: skip
+NUMBERS = [
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "NaN",
+    "INF",
+    "-INF",
+    "1e999",
+    "1_000",
+    "١٢٣",
+    "0x10",
+    "1" * 5000,
+]
+
+
+def stiffness_cells() -> tuple[str, str]:
+    """Unit and value of the stiffness of the first element."""
+    from addin.fields import input_table
+
+    left, top, _ = own_ref("xl/tables/table2.xml")
+    at = [column.name for column in input_table("Elements").columns].index("Stiffness")
+    letter = openpyxl.utils.get_column_letter(openpyxl.utils.column_index_from_string(left) + at)
+    return f"{letter}{int(top) - 1}", f"{letter}{int(top) + 1}"
+
+
+@pytest.mark.parametrize("unit", UNITS, ids=lambda text: text[:12])
+def test_units(attended: Attended, tmp_path: Path, unit: str) -> None:
+    inline = f"<is><t>{unit}</t></is>".encode()
+    parts = retyped(2, stiffness_cells()[0], inline, "inlineStr")
+    said = judged(attended, tmp_path, packed(parts))
+    assert said["written"] or "Stiffness" in said["told"][0], said
+    # Only this one is a stiffness, of a size no train has.
+    assert not said["written"], said
+
+
+@pytest.mark.parametrize("kind", ["n", "str", "b", "d", "e"])
+@pytest.mark.parametrize("number", NUMBERS, ids=lambda text: text[:12])
+def test_numbers(attended: Attended, tmp_path: Path, number: str, kind: str) -> None:
+    parts = retyped(2, stiffness_cells()[1], f"<v>{number}</v>".encode(), kind)
+    said = judged(attended, tmp_path, packed(parts))
+    assert not said["written"], "a stiffness of that kind is none"
+    assert any("Stiffness" in one for one in said["told"]), said

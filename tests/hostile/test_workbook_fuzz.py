@@ -1,0 +1,112 @@
+"""A share of the fuzzing of benchmarks/workbook_fuzz.py: a small one always, a larger one in CI."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.workbook_fuzz import (
+    LEVELS,
+    fuzz,
+    mutated,
+    seeds,
+    sentence_fault,
+    verdict_on,
+)
+
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
+
+
+def test_the_workbooks_calculate_before_they_are_spoiled(tmp_path: Path) -> None:
+    for seed in seeds():
+        assert verdict_on(seed.data, seed.suffix, tmp_path).kind == "written", seed.name
+
+
+def test_a_number_always_makes_the_same_file() -> None:
+    seeds.cache_clear()
+    first = [mutated(number)[2] for number in range(6)]
+    seeds.cache_clear()
+    assert [mutated(number)[2] for number in range(6)] == first
+    assert mutated(0, run=2)[2] != first[0]
+
+
+def test_most_files_are_spoiled() -> None:
+    """Otherwise nothing would be tried; a cut of nothing or the same text again may happen."""
+    files = [mutated(number) for number in range(60)]
+    assert sum(data != seed.data for seed, _, data in files) > 55
+    assert {level for _, level, _ in files} == {level for level, _ in LEVELS}
+
+
+def test_the_judge_sees_faults(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each demand, broken on purpose, is noticed."""
+    import time
+
+    from addin import recalc
+    from addin.package import save
+
+    data = seeds()[0].data
+    real = recalc._write_workbook
+
+    def crash(*_: object) -> None:
+        raise KeyError("xl/none.xml")
+
+    def hang(*_: object) -> None:
+        time.sleep(60)
+
+    def half_written(source, destination, *rest):  # type: ignore[no-untyped-def]
+        destination.with_name(".~half.tmp").write_bytes(b"PK")
+        return real(source, destination, *rest)
+
+    def torn(source, destination, *rest):  # type: ignore[no-untyped-def]
+        notes = real(source, destination, *rest)
+        destination.write_bytes(destination.read_bytes()[:-500])
+        return notes
+
+    def mumbling(*_: object) -> tuple[str, ...]:
+        raise save.SaveRefused("KeyError('xl/none.xml')")
+
+    for spoil, kind, words in (
+        (crash, "crash", "KeyError"),
+        (hang, "hang", "longer than"),
+        (half_written, "fault", "half.tmp"),
+        (torn, "fault", "does not open"),
+        (mumbling, "fault", "message"),
+    ):
+        monkeypatch.setattr(recalc, "_write_workbook", spoil)
+        found = verdict_on(data, ".xlsx", tmp_path, patience=5.0)
+        assert found.kind == kind
+        assert words in found.fault
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "KeyError: 'a'.",
+        "a",
+        "something\x1b[2J.",
+        "no full stop",
+        "x " * 2000 + ".",
+        "b'PK' is not one.",
+    ],
+)
+def test_what_is_no_sentence(text: str) -> None:
+    assert sentence_fault(text)
+
+
+def told(numbers: range) -> None:
+    block = fuzz(numbers.start, len(numbers))
+    assert block.faults == []
+    kinds = {key.partition(": ")[2] for key in block.tally}
+    assert kinds == {"refused", "wrong input", "written"}
+
+
+def test_some_files() -> None:
+    told(range(700, 760))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("start", range(20_000, 21_500, 300))
+def test_more_files(start: int) -> None:
+    """Numbers beyond those of the kept record."""
+    told(range(start, start + 300))
