@@ -273,7 +273,9 @@ def test_both_compilations_are_told_of(monkeypatch):
     monkeypatch.setattr("addin.calculation.calculate", calculate)
     monkeypatch.setattr("engine.stepping.compiling.is_compiled", lambda kernel: False)
     said = []
-    recalc.calculate_read(recalc.read_checked(template_path("example_backlash.xlsx")), {}, said.append)
+    recalc.calculate_read(
+        recalc.read_checked(template_path("example_backlash.xlsx")), {}, said.append
+    )
     assert [stage for stage in said if recalc.is_compiling(stage)] == [COMPILING, COMPILING_EVENTS]
     assert said[0] == COMPILING
 
