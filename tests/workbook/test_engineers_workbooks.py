@@ -49,7 +49,7 @@ NOBODYS = (
 OF_EACH_RUN = ("Lists", "ChartData", "Effects", "Accuracy", "Audit", "Summary")
 
 
-@pytest.fixture(scope="module", params=["xlsx", "xlsm"])
+@pytest.fixture(scope="module", params=["xlsx", pytest.param("xlsm", marks=pytest.mark.slow)])
 def returned(request, tmp_path_factory) -> tuple[Path, Path, Path]:
     """As it came back, recalculated once, recalculated twice."""
     folder = tmp_path_factory.mktemp(request.param)
