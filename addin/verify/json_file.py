@@ -17,6 +17,7 @@ from addin.verify.compare import Standing, agreement
 from addin.verify.findings import Agreement, Counts, Finding, Verification
 from addin.verify.recorded import of_audit
 from addin.verify.tables import Expected, Stands, compare_tables
+from addin.verify.workbook import concluded
 from addin.version import product_version
 from engine.case import case_digest
 
@@ -118,8 +119,6 @@ def verify_results_json(
     Verification
         Result by result; places are paths such as ``steady_state[3].torque``.
     """
-    from addin.verify.workbook import concluded
-
     recorded = of_audit(_rows_of(content, "Audit"))
     made_by = str(content.get("version") or "")
     about = Verification(

@@ -367,6 +367,8 @@ def test_a_spreadsheet_program_agrees_with_every_value_there_is(returned, soffic
     left_out = {"B7", "B10", "B11", "I1"}  # clock, newer function, macro, other workbook
     compared = 0
     for sheet in formulas.worksheets:
+        if sheet.title == "ChartData":
+            continue  # thousands of numbers, no formula
         for row in sheet.iter_rows():
             for cell in row:
                 value = ours[sheet.title][cell.coordinate].value
