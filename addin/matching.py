@@ -101,8 +101,8 @@ def _numbered(names: Sequence[Hashable]) -> list[tuple[Hashable, int]]:
 
 
 def _plain(value: Any) -> Hashable:
-    if isinstance(value, bool):
+    if value is None or isinstance(value, bool):
         return value
     if isinstance(value, int | float):
         return float(f"{value:.5e}") + 0.0
-    return value or None if isinstance(value, str) else value
+    return str(value) or None  # of a JSON file it may be anything

@@ -65,7 +65,7 @@ class _Formats:
 
     def number(self, *values: Any) -> Any:
         """A format that shows six significant digits of the largest of some numbers."""
-        sizes = [abs(v) for v in values if isinstance(v, int | float) and v]
+        sizes = [abs(v) for v in values if isinstance(v, int | float) and v and math.isfinite(v)]
         if not sizes:
             code = "0"
         elif max(sizes) >= 1e9 or max(sizes) < 1e-4:
@@ -216,7 +216,8 @@ def _numbers(page: Any, formats: _Formats, row: int, one: Change) -> None:
     before, after = one.shown(one.before), one.shown(one.after)
     number = formats.number(before, after)
     for k, value, shown in ((4, one.before, before), (5, one.after, after)):
-        if isinstance(shown, int | float) and not isinstance(shown, bool):
+        is_number = isinstance(shown, int | float) and not isinstance(shown, bool)
+        if is_number and math.isfinite(shown):  # type: ignore[arg-type]
             page.write_number(row, k, shown, number)
         else:
             style = formats.quiet if one.administrative else formats.text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -50,7 +51,8 @@ class Change:
         """Second minus first; None where either is no number. [SI]"""
         if not (_is_number(self.before) and _is_number(self.after)):
             return None
-        return float(self.after) - float(self.before)  # type: ignore[arg-type]
+        difference = float(self.after) - float(self.before)  # type: ignore[arg-type]
+        return difference if math.isfinite(difference) else None
 
     @property
     def relative(self) -> float | None:
@@ -58,7 +60,8 @@ class Change:
         difference = self.difference
         if difference is None or not self.before:
             return None
-        return difference / abs(float(self.before))
+        relative = difference / abs(float(self.before))
+        return relative if math.isfinite(relative) else None
 
     def shown(self, value: Value) -> Value:
         """A value in the unit shown.
@@ -147,4 +150,7 @@ class Differences:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    """A number; what a damaged file states as NaN is none."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return math.isfinite(value)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from addin.diff.changes import Differences
 
 __all__ = ["diff"]
 
@@ -39,8 +42,7 @@ def diff(
     from addin.diff.compare import compare_files
     from addin.diff.sides import CannotBeCompared
     from addin.diff.terminal import show
-    from addin.diff.told import as_json
-    from addin.recalc import of_file, write_json
+    from addin.recalc import of_file
 
     if xlsx is not None and xlsx.suffix.lower() != ".xlsx":
         raise typer.BadParameter(f"--xlsx is '{xlsx}'; it must end in .xlsx.")
@@ -55,19 +57,24 @@ def diff(
         for problem in wrong.problems:
             typer.echo(f"  {problem.message}", err=True)
         raise typer.Exit(_WRONG_INPUT) from wrong
-    show(found, everything)
-    target = xlsx or json
+    written: list[Path] = []
     try:
-        if xlsx is not None:
-            write_book(found, xlsx)
-            typer.echo(f"written: {xlsx}")
-        if json is not None:
-            target = json
-            write_json(json, as_json(found))
-            typer.echo(f"written: {json}")
+        for target, write in ((xlsx, write_book), (json, _write_json)):
+            if target is not None:
+                written.append(target)
+                write(found, target)
     except OSError as wrong:
-        assert target is not None
-        typer.echo(of_file(target, wrong).message, err=True)
+        typer.echo(of_file(written[-1], wrong).message, err=True)
         raise typer.Exit(_WRONG_INPUT) from wrong
+    show(found, everything)
+    for path in written:
+        typer.echo(f"written: {path}")
     if strict and found.anything:
         raise typer.Exit(_WRONG_INPUT)
+
+
+def _write_json(found: Differences, target: Path) -> None:
+    from addin.diff.told import as_json
+    from addin.recalc import write_json
+
+    write_json(target, as_json(found))

@@ -59,7 +59,8 @@ def compare_sides(first: Side, second: Side) -> Differences:
     Differences
         Verdicts, inputs, results.
     """
-    units = Units([(second.typed, second.units), (first.typed, first.units)])
+    # a case JSON is in SI, which nobody chose: workbooks alone say how numbers are shown
+    units = Units([(s.typed, s.units) for s in (second, first) if s.units is not None])
     inputs: list[Change] | None = None
     renamed, same_inputs = Renamed(), 0
     if first.data is not None and second.data is not None:

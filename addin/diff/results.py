@@ -186,7 +186,8 @@ def compare_verdicts(
     """
     found = []
     old, new = first.get("Verdicts", ()), second.get("Verdicts", ())
-    for i, j in match_rows([row["Check"] for row in old], [row["Check"] for row in new]):
+    names = [[row_name("Verdicts", row) for row in rows] for rows in (old, new)]
+    for i, j in match_rows(*names):
         was, now = old[i] if i is not None else {}, new[j] if j is not None else {}
         dimension = str(now.get("dimension") or was.get("dimension") or "") or _guessed(was, now)
         words = [

@@ -171,7 +171,9 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> Side:
     startup = content.get("startup")
     if isinstance(startup, dict) and isinstance(startup.get("bearing_forces"), list):
         tables["BearingForces"] = header_rows(_spec("BearingForces"), startup["bearing_forces"])
-    settings = of_audit(content.get("audit", ())).settings if content.get("audit") else {}
+    audit = content.get("audit")
+    rows = [row for row in audit if isinstance(row, dict)] if isinstance(audit, list) else []
+    settings = of_audit(rows).settings
     return Side(
         source,
         None,

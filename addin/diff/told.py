@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from addin.diff.changes import Change, Differences, Value
@@ -40,6 +41,8 @@ def in_words(change: Change, value: Value, *, unit: bool = True) -> str:
         return "–"
     if isinstance(shown, bool):
         return "yes" if shown else "no"
+    if isinstance(shown, float) and not math.isfinite(shown):
+        return str(shown)
     if isinstance(shown, int | float):
         shown = round(shown, 4) + 0.0 if change.unit == "%" else shown
         number = f"{shown:,.6g}" if abs(shown) < 1e6 else f"{shown:.6g}"
@@ -120,14 +123,19 @@ def _side(side: Side) -> dict[str, Any]:
     }
 
 
+def _storable(value: Value) -> Value:
+    """A value JSON can hold: a damaged file may state numbers that are none."""
+    return value if not isinstance(value, float) or math.isfinite(value) else str(value)
+
+
 def _change(one: Change) -> dict[str, Any]:
     return {
         "kind": _KINDS[one.kind],
         "table": one.table,
         "row": one.row,
         "column": one.column,
-        "a": one.before,
-        "b": one.after,
+        "a": _storable(one.before),
+        "b": _storable(one.after),
         "difference": one.difference,
         "relative": one.relative,
         "shown_unit": one.unit,

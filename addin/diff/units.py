@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from addin.chart_data import ShownUnits
-from addin.fields import SCALAR_TABLE, Field
+from addin.fields import DIMENSIONS, SCALAR_TABLE, Field
 from addin.typed_case import Typed, TypedCase
 from addin.units import UnitError, parse_unit
 
@@ -50,7 +50,12 @@ class Units:
                 found = _factor(name, field)
                 if found is not None:
                     return name, found
-        return field.unit_si, _factor(field.unit_si, field) or 1.0
+        usual = DIMENSIONS[field.dimension]
+        for name in (field.unit_si, usual.unit_si, usual.si):
+            found = _factor(name, field)
+            if found is not None:
+                return name, found
+        return usual.si, 1.0
 
     def _names(
         self,

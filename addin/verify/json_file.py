@@ -17,6 +17,7 @@ from addin.verify.compare import Standing, agreement
 from addin.verify.findings import Agreement, Counts, Finding, Verification
 from addin.verify.recorded import of_audit
 from addin.verify.tables import Expected, Stands, compare_tables
+from addin.verify.workbook import concluded
 from addin.version import product_version
 from engine.case import case_digest
 
@@ -47,7 +48,9 @@ def read_results_json(path: Path) -> dict[str, Any]:
         When it cannot be read.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(
+            path.read_text(encoding="utf-8"), parse_int=_bounded, parse_constant=str
+        )
     except (UnicodeDecodeError, RecursionError, json.JSONDecodeError) as wrong:
         raise ValueError(f"{path.name} is not JSON ({wrong}).") from wrong
     if not isinstance(content, dict) or "case_sha256" not in content:
@@ -56,6 +59,11 @@ def read_results_json(path: Path) -> dict[str, Any]:
             "recalc --json wrote."
         )
     return content
+
+
+def _bounded(digits: str) -> int | str:
+    """A whole number that a double can hold; any other stays words."""
+    return int(digits) if len(digits) < 300 else digits
 
 
 def header_rows(spec: TableSpec, rows: Any) -> list[dict[str, Any]]:
@@ -111,8 +119,6 @@ def verify_results_json(
     Verification
         Result by result; places are paths such as ``steady_state[3].torque``.
     """
-    from addin.verify.workbook import concluded
-
     recorded = of_audit(_rows_of(content, "Audit"))
     made_by = str(content.get("version") or "")
     about = Verification(
@@ -210,15 +216,11 @@ def _nested(
             yield from _nested(f"{path}.{key}", other.get(key), one.get(key), allowed, counts)
         return
     if isinstance(expected, list) or isinstance(found, list):
-        many, others = expected or [], found if isinstance(found, list) else []
+        many = expected if isinstance(expected, list) else [expected]
+        others = found if isinstance(found, list) else [found]
         for k in range(max(len(many), len(others))):
-            yield from _nested(
-                f"{path}[{k}]",
-                others[k] if k < len(others) else None,
-                many[k] if k < len(many) else None,
-                allowed,
-                counts,
-            )
+            there, follows = (values[k] if k < len(values) else None for values in (others, many))
+            yield from _nested(f"{path}[{k}]", there, follows, allowed, counts)
         return
     is_number = isinstance(expected, int | float) and not isinstance(expected, bool)
     share = allowed * abs(expected) if allowed and is_number else allowed

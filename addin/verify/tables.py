@@ -150,9 +150,15 @@ def compare_tables(
     findings: list[Finding] = []
     compared: list[Compared] = []
     numbers = {True: 0, False: 0}
+    sizes: dict[tuple[str, str], int] = {}
     for expected, stands in pairs:
         one = Counts(expected.name, stands.sheet)
         counts.append(one)
+        for column in expected.columns:
+            sizes[expected.name, column] = sum(
+                isinstance(row.get(column), int | float) and bool(row[column])
+                for row in expected.rows
+            )
         scales = {column: _scale(expected.rows, column) for column in expected.columns}
         for pair in _paired(expected, stands):
             if pair[0] is None or pair[1] is None:
@@ -169,7 +175,7 @@ def compare_tables(
         >= _REPRODUCED
         for family, count in numbers.items()
     }
-    columns = _in_other_units(compared, unit_of)
+    columns = _in_other_units(compared, sizes, unit_of)
     findings += columns.values()
     for cell in compared:
         if (cell.table, cell.column) in columns:
@@ -301,7 +307,9 @@ def _finding(cell: Compared, within: Agreement, sure: bool, same_version: bool) 
 
 
 def _in_other_units(
-    compared: Sequence[Compared], unit_of: Callable[[str, str], str]
+    compared: Sequence[Compared],
+    sizes: Mapping[tuple[str, str], int],
+    unit_of: Callable[[str, str], str],
 ) -> dict[tuple[str, str], Finding]:
     """Columns whose numbers all differ by one factor: a unit was retyped after the calculation."""
     by_column: dict[tuple[str, str], list[Compared]] = {}
@@ -313,7 +321,8 @@ def _in_other_units(
         unit = unit_of(table, column)
         ratios = [c.found.value / c.expected for c in cells]  # type: ignore[operator]
         different_numbers = len({c.expected for c in cells}) > 1
-        if not (unit and different_numbers and all(_near(r, ratios[0]) for r in ratios)):
+        whole = len(cells) == sizes[table, column]
+        if not (unit and whole and different_numbers and all(_near(r, ratios[0]) for r in ratios)):
             continue
         first = cells[0]
         found[table, column] = Finding(

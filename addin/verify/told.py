@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -77,6 +78,11 @@ def _digests(found: Verification) -> str:
     return f"SHA-256 {found.inputs[:12]}…, recorded is {found.recorded[:12]}…"
 
 
+def _storable(value: Any) -> Any:
+    """A value JSON can hold: a damaged file may state numbers that are none."""
+    return value if not isinstance(value, float) or math.isfinite(value) else str(value)
+
+
 def as_json(found: Verification) -> dict[str, Any]:
     """A verification as a JSON object.
 
@@ -123,8 +129,8 @@ def as_json(found: Verification) -> dict[str, Any]:
                 "table": one.table,
                 "row": one.row,
                 "column": one.column,
-                "found": one.found,
-                "expected": one.expected,
+                "found": _storable(one.found),
+                "expected": _storable(one.expected),
                 "message": in_words(one),
             }
             for one in found.findings

@@ -224,6 +224,23 @@ def test_command_workbook_and_json(folder, tmp_path):
     assert sheets["Results"].max_row - 4 == len(content["results"])
 
 
+def test_shares_are_shown_as_what_they_stand_for(folder, tmp_path):
+    """Torques typed in % of the rated torque, a speed in % of synchronous speed."""
+
+    def edit(content):
+        content["motor_torque"].pop(3)
+        content["end_speed"] = 0.95 * content["synchronous_speed"]
+
+    found = compare_files(folder / "proposed.xlsx", changed_case(folder, tmp_path, edit))
+    end = next(c for c in found.inputs if c.column == "EndSpeed")
+    assert (end.unit, end.shown(end.before)) == ("rpm", pytest.approx(0.97 * 1800))
+    [gone] = [c for c in found.inputs if c.table == "MotorTorque"]
+    row = read_workbook(folder / "proposed.in.xlsx").data.motor_torque[3]
+    assert f"Average {row.average:.6g} N*m" in gone.before
+    assert gone.row.startswith("Motor, ")
+    assert gone.row.endswith(" %")
+
+
 def test_exit_status(folder, tmp_path):
     a = str(folder / "proposed.xlsx")
     assert RUN.invoke(app, ["diff", a, a, "--strict"]).exit_code == 0

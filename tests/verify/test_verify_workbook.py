@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import re
 import shutil
 import zipfile
@@ -11,12 +12,16 @@ import pytest
 from conftest import cell_of, unit_cell_of
 
 from addin.accuracy import study
+from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
+from addin.layout import workbook_columns
+from addin.matching import ROW_NAMES
 from addin.package import Formula, Workbook, open_workbook
 from addin.package.references import cell_name
 from addin.recalc import recalculate
 from addin.template_files import template_path
 from addin.verify.file import verify_file
 from addin.verify.findings import Agreement, Finding, Verification
+from addin.verify.recorded import is_own_of_each_run
 
 
 def failing(found: Verification) -> list[Finding]:
@@ -114,6 +119,43 @@ def test_a_key_number_typed_over_is_found_beside_its_label(edited, sheet, label,
     [finding] = failing(verify_file(edited(edit)))
     assert finding.sheet == sheet
     assert label in finding.sentence
+
+
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2))])
+def test_no_result_anywhere_can_be_edited_unseen(edited, seed):
+    """A few cells of every result table, by a hundredth or by a letter: each is named."""
+    rng = random.Random(seed)
+    touched: set[tuple[str, str]] = set()
+
+    def edit(workbook):
+        for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
+            table = workbook.table(spec.name)
+            owned = [f.name for f in workbook_columns(spec) if f not in spec.extra_columns]
+            cells = [
+                cell_of(workbook, spec.name, row, column)
+                for row in range(1, table.data.height + 1)
+                for column in owned
+                if column not in ROW_NAMES[spec.name]
+                and (spec.name, column) not in {("Effects", "Time"), ("AccuracyCost", "Time")}
+                and not (
+                    spec.name == "Audit"
+                    and is_own_of_each_run(
+                        str(workbook.shown_value(*cell_of(workbook, "Audit", row, "Item")))
+                    )
+                )
+            ]
+            held = [c for c in cells if workbook.shown_value(*c) not in (None, "")]
+            for place in rng.sample(held, min(4, len(held))):
+                was = workbook.shown_value(*place)
+                workbook.set_cell(
+                    *place, 1.01 * was + 0.01 if isinstance(was, float) else f"{was}x"
+                )
+                touched.add(place)
+
+    found = verify_file(edited(edit))
+    named = {(f.sheet, f.cell) for f in failing(found)}
+    assert len(touched) > 40
+    assert touched - named == set()
 
 
 def test_changed_inputs_are_told_from_changed_results(edited):

@@ -49,7 +49,7 @@ NOBODYS = (
 OF_EACH_RUN = ("Lists", "ChartData", "Effects", "Accuracy", "Audit", "Summary")
 
 
-@pytest.fixture(scope="module", params=["xlsx", "xlsm"])
+@pytest.fixture(scope="module", params=["xlsx", pytest.param("xlsm", marks=pytest.mark.slow)])
 def returned(request, tmp_path_factory) -> tuple[Path, Path, Path]:
     """As it came back, recalculated once, recalculated twice."""
     folder = tmp_path_factory.mktemp(request.param)
@@ -367,6 +367,8 @@ def test_a_spreadsheet_program_agrees_with_every_value_there_is(returned, soffic
     left_out = {"B7", "B10", "B11", "I1"}  # clock, newer function, macro, other workbook
     compared = 0
     for sheet in formulas.worksheets:
+        if sheet.title == "ChartData":
+            continue  # thousands of numbers, no formula
         for row in sheet.iter_rows():
             for cell in row:
                 value = ours[sheet.title][cell.coordinate].value
