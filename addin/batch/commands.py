@@ -374,7 +374,7 @@ def _progress() -> Iterator[Listener]:
     from addin.batch.conductor import Listener
 
     if not sys.stderr.isatty():
-        yield _Lines()
+        yield _lines()
         return
     from rich.console import Console
     from rich.progress import (
@@ -411,7 +411,7 @@ def _progress() -> Iterator[Listener]:
         yield Bar()
 
 
-def _Lines() -> Listener:
+def _lines() -> Listener:
     """How far a batch is, as lines for a log."""
     from addin.batch.conductor import Listener
 
@@ -429,7 +429,7 @@ def _Lines() -> Listener:
             rate = self.count / (now - self.began)
             left = _duration((self.total - self.count) / rate)
             typer.echo(
-                f"{self.stage}: {self.count} of {self.total} files, {rate:.1f}/s, {left} left",
+                f"{self.stage}: {self.count:,} of {self.total:,}, {rate:.1f}/s, {left} left",
                 err=True,
             )
 

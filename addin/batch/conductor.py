@@ -78,9 +78,9 @@ class Stop:
         def asked(number: int, frame: FrameType | None) -> None:
             self.asked += 1
             tell(
-                "Stopping: files that are being calculated are finished. Ctrl-C again gives them up."
+                "Stopping: what is being calculated is finished. Ctrl-C again gives it up."
                 if self.asked == 1
-                else "Giving up the files that are being calculated."
+                else "Giving up what is being calculated."
             )
 
         if threading.current_thread() is not threading.main_thread():

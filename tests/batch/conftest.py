@@ -23,3 +23,12 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def trains(made: Path, tmp_path: Path) -> Path:
     """A copy of those, to be changed."""
     return Path(shutil.copytree(made, tmp_path / "trains"))
+
+
+@pytest.fixture
+def few(made: Path, tmp_path: Path) -> Path:
+    """Two of them and the twin."""
+    (tmp_path / "trains").mkdir()
+    for name in ("train 8.xlsx", "train 9.xlsx", "twin.xlsx"):
+        shutil.copy2(made / name, tmp_path / "trains")
+    return tmp_path / "trains"

@@ -145,6 +145,7 @@ def test_a_worker_killed_in_the_middle_loses_nothing(dask, tmp_path, send):
     assert "(13 of them by an earlier batch)" in again.stdout, again.stdout + again.stderr
 
 
+@pytest.mark.slow
 def test_results_are_those_of_this_machine(dask, tmp_path):
     make_train(tmp_path / "in" / "t.xlsx", 3)
     for out, words in {
@@ -183,6 +184,7 @@ def test_a_folder_that_workers_do_not_see_is_found_out(dask, tmp_path, monkeypat
     assert not cluster.shared(str(tmp_path), "token", str(tmp_path / "a.xlsx"))
 
 
+@pytest.mark.slow
 def test_a_task_that_kills_every_worker_is_given_up_and_named(tmp_path):
     """On a cluster of its own, whose workers it ends."""
     own = Dask(tmp_path / "cluster")
