@@ -312,8 +312,8 @@ class Door:
     def __init__(self, guard: Guard, address: str) -> None:
         self._guard = guard
         self.address = address
-        #: How long it may still wait; set by whoever waits.
-        self.limit: asyncio.Timeout | None = None
+        self._limit: asyncio.Timeout | None = None
+        self._is_closed = False
         self.has_entered = False
 
     def enter(self, key: str) -> None:
@@ -332,10 +332,23 @@ class Door:
         self._guard.enter(self)
         OWNER.set(f"{key}@{self.address}")
 
+    def wait(self, limit: asyncio.Timeout) -> None:
+        """Wait for the key, until then or until the place is needed.
+
+        Parameters
+        ----------
+        limit : asyncio.Timeout
+            Under way.
+        """
+        self._limit = limit
+        if self._is_closed:
+            self.close()
+
     def close(self) -> None:
         """Wait no longer."""
-        if self.limit is not None:
-            self.limit.reschedule(0.0)
+        self._is_closed = True
+        if self._limit is not None and not self._limit.expired():
+            self._limit.reschedule(0.0)
 
 
 class Guard:

@@ -146,7 +146,7 @@ class Stream:
         try:
             async with asyncio.timeout(KEY_TIME) as limit:
                 if door is not None:
-                    door.limit = limit
+                    door.wait(limit)
                 first = await self._socket.receive()
             text = first.get("text")
             if text is not None and len(text) <= LONGEST_KEY:  # not even looked at beyond that

@@ -10,12 +10,13 @@ from __future__ import annotations
 import contextlib
 import logging
 import multiprocessing
+import pickle
 import queue
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -51,6 +52,28 @@ class TooLong(Exception):
 
 class Cancelled(Exception):
     """Nobody wants the result any more."""
+
+
+class Packed(Mapping[str, Any]):
+    """Tables of a large train: millions of numbers that are unpacked only where they are asked for.
+
+    Parameters
+    ----------
+    tables : dict of str to bytes
+        Pickled by a process of our own.
+    """
+
+    def __init__(self, tables: dict[str, bytes]) -> None:
+        self._tables = tables
+
+    def __getitem__(self, name: str) -> Any:
+        return pickle.loads(self._tables[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._tables)
+
+    def __len__(self) -> int:
+        return len(self._tables)
 
 
 class _Died(Exception):
@@ -415,11 +438,11 @@ def _limits() -> Any:
 
 
 def _speed(case: Any, tell: Callable[[str], None]) -> Any:
-    """Tables of a case that need no start."""
+    """Tables of a case that need no start, each packed by itself."""
     from addin.worksheet.functions import speed_results
 
     tell("frequencies")
-    return speed_results(case)
+    return Packed({name: pickle.dumps(table) for name, table in speed_results(case).items()})
 
 
 def _view(model: tuple[str, Any, str], tell: Callable[[str], None]) -> Any:
