@@ -6,6 +6,7 @@ the largest memory are counted there; nothing but the results may be left behind
 
 import json
 import re
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from xml.sax.saxutils import escape
 
 import openpyxl
 import pytest
+from lxml import etree
 from spoiled import (
     MAIN,
     Attended,
@@ -264,8 +266,6 @@ def test_entities_in_every_part(attended: Attended, tmp_path: Path, encoding: st
         said = judged(attended, folder, packed(parts))
         if said["written"]:
             untouched.append(name)
-            import zipfile
-
             with zipfile.ZipFile(folder / "done.xlsx") as done:
                 assert done.read(name) == parts[name]
                 assert all(b"canary's own" not in done.read(other) for other in done.namelist())
@@ -289,6 +289,81 @@ def test_deep_nesting(attended: Attended, tmp_path: Path, part: str) -> None:
         part, lambda data: data[: data.rindex(b"</")] + NESTED + data[data.rindex(b"</") :]
     )
     refused(attended, tmp_path, packed(parts), "not well-formed XML")
+
+
+@pytest.mark.parametrize(
+    ("part", "piece"),
+    [
+        (sheet(3), b"<row "),
+        (sheet(3), b'<row hidden="1" '),
+        (sheet(3), b"<tableParts "),
+        ("xl/workbook.xml", b"<calcPr "),
+        ("xl/tables/table14.xml", b"<calculatedColumnFormula>"),
+    ],
+)
+def test_tags_in_comments(attended: Attended, tmp_path: Path, part: str, piece: bytes) -> None:
+    """A search that followed each of them to the end of the part would take hours."""
+    comment = b"<!--" + piece * 100_000 + b"-->"
+    parts = changed(part, lambda data: data.replace(b"?>", b"?>" + comment, 1))
+    written(attended, tmp_path, packed(parts))
+    with zipfile.ZipFile(tmp_path / "done.xlsx") as done:
+        root = etree.fromstring(done.read("xl/workbook.xml"))
+    assert root.find(f"{{{root.nsmap[None]}}}calcPr").get("fullCalcOnLoad") == "1"
+
+
+# --- parts that are missing or say what they are not ---------------------------------------------
+
+NEEDED = [
+    "[Content_Types].xml", "_rels/.rels", "xl/workbook.xml", "xl/_rels/workbook.xml.rels", sheet(1), sheet(2),
+    "xl/sharedStrings.xml", "xl/tables/table1.xml", "xl/tables/table14.xml",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NEEDED)
+def test_needed_parts_that_are_missing(attended: Attended, tmp_path: Path, name: str) -> None:
+    parts = honest()
+    del parts[name]
+    refused(attended, tmp_path, packed(parts), "lacks the part|not an Excel workbook")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PARTS)
+def test_any_part_that_is_missing(attended: Attended, tmp_path: Path, name: str) -> None:
+    parts = honest()
+    del parts[name]
+    judged(attended, tmp_path, packed(parts))
+
+
+@pytest.mark.parametrize(
+    "kind", ["worksheet+xml", "table+xml", "sharedStrings+xml", "styles+xml", "drawingml.chart+xml"]
+)
+@pytest.mark.parametrize(
+    "other", ["image/png", "application/vnd.ms-excel.sheet.binary.macroEnabled.main", ""]
+)
+def test_parts_of_the_wrong_type(attended: Attended, tmp_path: Path, kind: str, other: str) -> None:
+    """Parts are found by relationships, as spreadsheet programs do; types of their own do no harm."""
+    parts = changed(
+        "[Content_Types].xml",
+        lambda data: re.sub(
+            rb'ContentType="[^"]*' + re.escape(kind).encode() + b'"',
+            b'ContentType="%s"' % other.encode(),
+            data,
+        ),
+    )
+    judged(attended, tmp_path, packed(parts))
+
+
+@pytest.mark.parametrize(
+    "one", [sheet(1), "xl/styles.xml", "xl/sharedStrings.xml", "xl/tables/table1.xml"]
+)
+@pytest.mark.parametrize("other", ["xl/theme/theme1.xml", sheet(2), "xl/workbook.xml"])
+def test_parts_in_each_others_place(
+    attended: Attended, tmp_path: Path, one: str, other: str
+) -> None:
+    parts = honest()
+    parts[one], parts[other] = parts[other], parts[one]
+    said = judged(attended, tmp_path, packed(parts))
+    assert not said["written"] or one == "xl/styles.xml", said
 
 
 # --- sizes --------------------------------------------------------------------------------------
