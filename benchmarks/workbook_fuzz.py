@@ -770,12 +770,13 @@ def _openpyxl_says(path: Path) -> str:
     import openpyxl
 
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
             openpyxl.load_workbook(path, keep_vba=path.suffix == ".xlsm").close()
     except Exception as wrong:
         return f"{type(wrong).__name__}: {wrong}"
-    return ""
+    # A chart that it cannot read it leaves out, and says so.
+    return next((str(one.message) for one in told if "Unable to read" in str(one.message)), "")
 
 
 # --- many of them -------------------------------------------------------------------------------

@@ -19,14 +19,15 @@ from .xml_part import main, parse_part, serialise
 if TYPE_CHECKING:
     from .workbook import Workbook
 
-_ROW = re.compile(rb'<((?:\w+:)?)row\b[^>]*?\br="([0-9]{1,7})"')
-_DIMENSION = re.compile(rb"<(?:\w+:)?dimension\b[^>]*/>")
+# Attributes hold no bracket: a search that passed over one could be led on to the end of the part each time.
+_ROW = re.compile(rb'<((?:\w+:)?)row\b[^<>]*?\br="([0-9]{1,7})"')
+_DIMENSION = re.compile(rb"<(?:\w+:)?dimension\b[^<>]*/>")
 _TABLE_PARTS = re.compile(
-    rb"<((?:\w+:)?)tableParts\b[^>]*>(.*?)</(?:\w+:)?tableParts\s*>", re.DOTALL
+    rb"<((?:\w+:)?)tableParts\b[^<>]*>(.*?)</(?:\w+:)?tableParts\s*>", re.DOTALL
 )
-_TABLE_PART = re.compile(rb"""<(?:\w+:)?tablePart\b[^>]*?\bid=["']([^"']*)["'][^>]*/>""")
+_TABLE_PART = re.compile(rb"""<(?:\w+:)?tablePart\b[^<>]*?\bid=["']([^"']*)["'][^<>]*/>""")
 _TABLE_FORMULA = re.compile(
-    rb"<((?:\w+:)?(?:calculatedColumnFormula|totalsRowFormula))\b[^>]*(?:/>|>.*?</\1>)", re.DOTALL
+    rb"<((?:\w+:)?(?:calculatedColumnFormula|totalsRowFormula))\b[^<>]*(?:/>|>[^<]*</\1>)"
 )
 # A bracket of a table, not of another workbook ([1]Sheet!A1, '[1]Sheet'!A1).
 _STRUCTURED = re.compile(r"[\w.]\[")

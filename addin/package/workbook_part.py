@@ -24,7 +24,8 @@ _TEMPLATE_TYPES = (
     "application/vnd.openxmlformats-officedocument.spreadsheetml.template.main+xml",
     "application/vnd.ms-excel.template.macroEnabled.main+xml",
 )
-_CALC_PR = re.compile(rb"<((?:\w+:)?)calcPr\b([^>]*?)(/?)>")
+_CALC_PR = re.compile(rb"<((?:\w+:)?)calcPr\b([^<>]*?)(/?)>")
+_NO_TAGS = re.compile(rb"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>", re.DOTALL)
 _FULL_CALC = re.compile(rb"""\s*fullCalcOnLoad\s*=\s*(?:"[^"]*"|'[^']*')""")
 
 
@@ -159,7 +160,7 @@ class WorkbookPart:
     def with_full_calculation(self) -> bytes:
         """The workbook part asking for a full calculation when it is opened."""
         data = self._container.read(self.part)
-        found = _CALC_PR.search(data)
+        found = _CALC_PR.search(_masked(data))
         if found is not None:
             attributes = _FULL_CALC.sub(b"", found[2]).rstrip()
             start = b'<%scalcPr%s fullCalcOnLoad="1"%s>' % (found[1], attributes, found[3])
@@ -301,10 +302,17 @@ def _defined_name(name: str, text: str, local_sheet: str, sheets: list[str]) -> 
     return DefinedName(name, text, local_sheet)
 
 
+def _masked(data: bytes) -> bytes:
+    """The part with blanks for its comments and the like, in which tags are no tags; places stay the same."""
+    if b"<!" not in data and data.find(b"<?", 2) < 0:
+        return data
+    return _NO_TAGS.sub(lambda found: b" " * len(found[0]), data)
+
+
 def _end_of_element(data: bytes, tag: bytes) -> tuple[int, bytes] | None:
     """Position behind the last such element and its namespace prefix."""
-    pattern = rb"</((?:\w+:)?)" + tag + rb"\s*>|<((?:\w+:)?)" + tag + rb"\b[^>]*/>"
-    found = list(re.finditer(pattern, data))
+    pattern = rb"</((?:\w+:)?)" + tag + rb"\s*>|<((?:\w+:)?)" + tag + rb"\b[^<>]*/>"
+    found = list(re.finditer(pattern, _masked(data)))
     return (found[-1].end(), found[-1][1] or found[-1][2] or b"") if found else None
 
 
@@ -319,11 +327,15 @@ def _without_element(data: bytes, tag: bytes, mark: bytes) -> bytes:
     pattern = re.compile(
         rb"<(?:\w+:)?"
         + tag
-        + rb"\b[^>]*?"
+        + rb"\b[^<>]*?"
         + mark
-        + rb"[^>]*?(?:/>|>\s*</(?:\w+:)?"
+        + rb"[^<>]*?(?:/>|>\s*</(?:\w+:)?"
         + tag
         + rb"\s*>)",
         re.IGNORECASE,
     )
-    return pattern.sub(b"", data)
+    kept, position = bytearray(), 0
+    for found in pattern.finditer(_masked(data)):
+        kept += data[position : found.start()]
+        position = found.end()
+    return bytes(kept) + data[position:]

@@ -42,7 +42,8 @@ def dependencies(*lists: list[str]) -> list[Requirement]:
 
 def test_the_lock_files_are_there():
     assert [p.name for p in LOCKS] == [
-        "dev.txt", "excel.txt", "lock.txt", "parquet.txt", "report.txt", "run.txt", "server.txt",
+        "cluster.txt", "dev.txt", "excel.txt", "lock.txt", "parquet.txt", "report.txt", "run.txt",
+        "server.txt",
     ]  # fmt: skip
 
 

@@ -6,6 +6,7 @@ the largest memory are counted there; nothing but the results may be left behind
 
 import json
 import re
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from xml.sax.saxutils import escape
 
 import openpyxl
 import pytest
+from lxml import etree
 from spoiled import (
     MAIN,
     Attended,
@@ -264,8 +266,6 @@ def test_entities_in_every_part(attended: Attended, tmp_path: Path, encoding: st
         said = judged(attended, folder, packed(parts))
         if said["written"]:
             untouched.append(name)
-            import zipfile
-
             with zipfile.ZipFile(folder / "done.xlsx") as done:
                 assert done.read(name) == parts[name]
                 assert all(b"canary's own" not in done.read(other) for other in done.namelist())
@@ -289,6 +289,81 @@ def test_deep_nesting(attended: Attended, tmp_path: Path, part: str) -> None:
         part, lambda data: data[: data.rindex(b"</")] + NESTED + data[data.rindex(b"</") :]
     )
     refused(attended, tmp_path, packed(parts), "not well-formed XML")
+
+
+@pytest.mark.parametrize(
+    ("part", "piece"),
+    [
+        (sheet(3), b"<row "),
+        (sheet(3), b'<row hidden="1" '),
+        (sheet(3), b"<tableParts "),
+        ("xl/workbook.xml", b"<calcPr "),
+        ("xl/tables/table14.xml", b"<calculatedColumnFormula>"),
+    ],
+)
+def test_tags_in_comments(attended: Attended, tmp_path: Path, part: str, piece: bytes) -> None:
+    """A search that followed each of them to the end of the part would take hours."""
+    comment = b"<!--" + piece * 100_000 + b"-->"
+    parts = changed(part, lambda data: data.replace(b"?>", b"?>" + comment, 1))
+    written(attended, tmp_path, packed(parts))
+    with zipfile.ZipFile(tmp_path / "done.xlsx") as done:
+        root = etree.fromstring(done.read("xl/workbook.xml"))
+    assert root.find(f"{{{root.nsmap[None]}}}calcPr").get("fullCalcOnLoad") == "1"
+
+
+# --- parts that are missing or say what they are not ---------------------------------------------
+
+NEEDED = [
+    "[Content_Types].xml", "_rels/.rels", "xl/workbook.xml", "xl/_rels/workbook.xml.rels", sheet(1), sheet(2),
+    "xl/sharedStrings.xml", "xl/tables/table1.xml", "xl/tables/table14.xml",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NEEDED)
+def test_needed_parts_that_are_missing(attended: Attended, tmp_path: Path, name: str) -> None:
+    parts = honest()
+    del parts[name]
+    refused(attended, tmp_path, packed(parts), "lacks the part|not an Excel workbook")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PARTS)
+def test_any_part_that_is_missing(attended: Attended, tmp_path: Path, name: str) -> None:
+    parts = honest()
+    del parts[name]
+    judged(attended, tmp_path, packed(parts))
+
+
+@pytest.mark.parametrize(
+    "kind", ["worksheet+xml", "table+xml", "sharedStrings+xml", "styles+xml", "drawingml.chart+xml"]
+)
+@pytest.mark.parametrize(
+    "other", ["image/png", "application/vnd.ms-excel.sheet.binary.macroEnabled.main", ""]
+)
+def test_parts_of_the_wrong_type(attended: Attended, tmp_path: Path, kind: str, other: str) -> None:
+    """Parts are found by relationships, as spreadsheet programs do; types of their own do no harm."""
+    parts = changed(
+        "[Content_Types].xml",
+        lambda data: re.sub(
+            rb'ContentType="[^"]*' + re.escape(kind).encode() + b'"',
+            b'ContentType="%s"' % other.encode(),
+            data,
+        ),
+    )
+    judged(attended, tmp_path, packed(parts))
+
+
+@pytest.mark.parametrize(
+    "one", [sheet(1), "xl/styles.xml", "xl/sharedStrings.xml", "xl/tables/table1.xml"]
+)
+@pytest.mark.parametrize("other", ["xl/theme/theme1.xml", sheet(2), "xl/workbook.xml"])
+def test_parts_in_each_others_place(
+    attended: Attended, tmp_path: Path, one: str, other: str
+) -> None:
+    parts = honest()
+    parts[one], parts[other] = parts[other], parts[one]
+    said = judged(attended, tmp_path, packed(parts))
+    assert not said["written"] or one == "xl/styles.xml", said
 
 
 # --- sizes --------------------------------------------------------------------------------------
@@ -672,3 +747,89 @@ def test_numbers(attended: Attended, tmp_path: Path, number: str, kind: str) -> 
     said = judged(attended, tmp_path, packed(parts))
     assert not said["written"], "a stiffness of that kind is none"
     assert any("Stiffness" in one for one in said["told"]), said
+
+
+# --- what the fuzzer found, one by one ------------------------------------------------------------
+
+DAMAGES = [
+    (sheet(2), rb"</sheetData>", b'</sheetData><mergeCells><mergeCell ref="A1 B2"/></mergeCells>', "merged range .* no range of a sheet"),
+    (sheet(2), rb"</sheetData>", b"</sheetData><mergeCells><mergeCell/></mergeCells>", "merged range .* no range of a sheet"),
+    (sheet(4), rb'<f t="array" ref="[^"]*"', b'<f t="array" ref="ZZZZ9"', "array formula .* no range of a sheet"),
+    (sheet(2), rb'<row r="4"', b'<row r="NaN"', "rows of sheet Train are out of order"),
+    (sheet(2), rb'<row r="4"', "<row r='\u0664'".encode(), "rows of sheet Train are out of order"),
+    (sheet(2), rb'<row r="4"', b'<row r="1048577"', "rows of sheet Train are out of order"),
+    (sheet(2), rb'<row r="4"', b'<row r="1"', "rows of sheet Train are out of order"),
+    (sheet(2), rb'<c r="D5"', b'<c r="A5"', "in row 5, where none belongs"),
+    (sheet(2), rb'<c r="D5"', b'<c r="D6"', "in row 5, where none belongs"),
+    (sheet(2), rb'<c r="D5"', b'<c r="XFE5"', "in row 5, where none belongs"),
+    (sheet(3), rb"<sheetData>", b'<cols><col min="x" max="3"/></cols><sheetData>', "columns that no sheet has"),
+    (sheet(2), rb'(<c r="B5"[^>]*t="s"><v>)\d+', rb"\g<1>-1", "text number '-1'"),
+    (sheet(2), rb'(<c r="B5"[^>]*t="s"><v>)\d+', rb"\g<1>99999", "text number '99999'"),
+    ("xl/workbook.xml", rb'<sheet name="Train"', b'<sheet name="CASE"', "two sheets of one name"),
+    ("xl/workbook.xml", rb'<sheet name="Train"', b"<sheet", "two sheets of one name, or one without"),
+    ("xl/tables/table1.xml", rb' (displayName|name)="Stations"', b"", "has no name|no table of this name"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("part", "old", "new", "words"), DAMAGES, ids=lambda value: str(value)[-30:]
+)
+def test_damages(
+    attended: Attended, tmp_path: Path, part: str, old: bytes, new: bytes, words: str
+) -> None:
+    count = 0 if part.startswith("xl/tables") else 1
+    parts = changed(part, lambda data: re.sub(old, new, data, count=count))
+    refused(attended, tmp_path, packed(parts), words)
+
+
+ODDITIES = [
+    (
+        "xl/workbook.xml",
+        rb'<definedName name="Title"',
+        b'<definedName localSheetId="-1" name="x">1</definedName>\\g<0>',
+    ),
+    ("xl/styles.xml", rb'<cellXfs[^>]*><xf numFmtId="0"', b'<cellXfs><xf numFmtId="1e3"'),
+    (sheet(4), rb'<c r="A4"', b'<c s="-1" r="A4"'),
+    ("xl/charts/chart1.xml", b"<c:numCache>", b'<c:numCache><c:pt idx="points-7"/>'),
+]
+
+
+@pytest.mark.parametrize(("part", "old", "new"), ODDITIES, ids=lambda value: str(value)[-30:])
+def test_oddities_that_do_no_harm(
+    attended: Attended, tmp_path: Path, part: str, old: bytes, new: bytes
+) -> None:
+    said = judged(
+        attended, tmp_path, packed(changed(part, lambda data: re.sub(old, new, data, count=1)))
+    )
+    assert said["written"], said
+
+
+def test_a_style_that_breaks_out_of_its_attribute(attended: Attended, tmp_path: Path) -> None:
+    """Styles of result cells are written again; what is no number must not become cells."""
+    row, column = RESULT.partition("!")[2][1:], RESULT.partition("!")[2][0]
+    evil = b"0&quot;&gt;&lt;f&gt;1+1&lt;/f&gt;&lt;/c&gt;&lt;c s=&quot;0"
+    name = column + row
+    cell = f'<c r="{name}" s="'.encode() + evil + b'"/>'
+    parts = changed(
+        sheet(3), lambda data: data.replace(b"</sheetData>", b'<row r="%d">%s</row></sheetData>' % (int(row), cell))
+    )  # fmt: skip
+    said = judged(attended, tmp_path, packed(parts))
+    if said["written"]:
+        with zipfile.ZipFile(tmp_path / "done.xlsx") as done:
+            assert b"1+1</f>" not in done.read(sheet(3))
+
+
+def test_half_characters_in_cells(attended: Attended, tmp_path: Path) -> None:
+    text = b"<is><t>_xD800_ and _x001B_[2J</t></is>"
+    written(attended, tmp_path, packed(retyped(1, TITLE, text, "inlineStr")))
+    title = json.loads((tmp_path / "done.json").read_text(encoding="utf-8"))
+    assert "\x1b" not in json.dumps(title, ensure_ascii=False)
+
+
+def test_the_unit_of_a_column_that_knows_only_one() -> None:
+    from addin.units import UnitError, parse_unit
+
+    for unit in ("m", "rpm", "Hz", "furlong"):
+        with pytest.raises(UnitError, match="cycles per minute"):
+            parse_unit(unit, "cycles per minute")
+    assert parse_unit("cpm", "cycles per minute").factor == 1.0
