@@ -23,8 +23,10 @@ group() { echo "--group pyproject.toml:$1"; }
     compile "$@" $(group parquet) -c requirements/run.txt -o requirements/parquet.txt
     compile "$@" $(group excel) -c requirements/run.txt -o requirements/excel.txt
     compile "$@" $(group server) -c requirements/run.txt -o requirements/server.txt
+    compile "$@" $(group cluster) -c requirements/run.txt -o requirements/cluster.txt
     compile "$@" pyproject.toml $(group build) $(group parquet) $(group excel) $(group server) \
-        $(group dev) -c requirements/run.txt -c requirements/parquet.txt -c requirements/excel.txt \
-        -c requirements/server.txt -o requirements/dev.txt
+        $(group cluster) $(group dev) -c requirements/run.txt -c requirements/parquet.txt \
+        -c requirements/excel.txt -c requirements/server.txt -c requirements/cluster.txt \
+        -o requirements/dev.txt
     compile "$@" $(group lock) -o requirements/lock.txt
 }
