@@ -71,11 +71,12 @@ def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArra
     edges = np.searchsorted(time, np.linspace(time[0], time[-1], intervals + 1))
     begins = np.unique(edges[:-1])  # an interval without a point has none of its own
     least, largest = np.minimum.reduceat(value, begins), np.maximum.reduceat(value, begins)
-    interval = np.searchsorted(begins, np.arange(n), side="right") - 1
+    interval = np.repeat(np.arange(begins.size), np.diff(begins, append=n))
     ends = [np.array([0, n - 1])]
     for extreme in (least, largest):
         at = np.flatnonzero(value == extreme[interval])
-        ends.append(at[np.unique(interval[at], return_index=True)[1]])
+        own = interval[at]
+        ends.append(at[np.flatnonzero(np.diff(own, prepend=-1))])  # the first one of each interval
     return np.unique(np.concatenate(ends))
 
 

@@ -32,7 +32,7 @@ def crashes(kills: int, workbooks: int, seed: int) -> list[Section]:
 
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="torsionbook-crashes-") as place:
-        found = Crashes(Path(place), workbooks, seed)
+        found = Crashes(Path(place), workbooks, seed, _tell)
         record = found.run(kills)
     took = time.monotonic() - began
     rows = [
@@ -64,6 +64,10 @@ def crashes(kills: int, workbooks: int, seed: int) -> list[Section]:
     return [
         Section("Killed and resumed", words, (Table("Record", ("What", "Found"), tuple(rows)),))
     ]
+
+
+def _tell(words: str) -> None:
+    print(f"… {words}", file=sys.stderr, flush=True)
 
 
 def main() -> None:

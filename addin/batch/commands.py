@@ -22,6 +22,7 @@ __all__ = ["INTERRUPTED", "batch"]
 _DONE, _WRONG_INPUT = 0, 1
 #: Exit status after Ctrl-C, as shells have it; what was done is kept and summarised.
 INTERRUPTED = 130
+_AGAIN = "Run again with --resume to go on."
 _SEND = ("auto", "files", "bytes")
 #: Errors that are listed in the terminal; the summary has all. [count]
 _LISTED = 20
@@ -88,7 +89,7 @@ def batch(
 
     Each input is calculated into a file of the same name below --out; files that state the same case
     are calculated once. Ctrl-C ends it cleanly, and --resume goes on after that, or after a crash,
-    without doing anything twice.
+    without doing anything twice. Exit status 130 says that it was interrupted.
 
     Example: `torsionbook batch trains --out results`
     """
@@ -209,7 +210,7 @@ def _varied(base: Path, table: Path, out: Path, workers: Workers, resume: bool, 
     except (FolderRefused, Stopped) as wrong:
         raise _told(str(wrong)) from wrong
     except Abandoned:
-        typer.echo("Interrupted. Run again with --resume to go on.", err=True)
+        typer.echo(f"Interrupted. {_AGAIN}", err=True)
         return INTERRUPTED
     finally:
         workers.close()
@@ -224,7 +225,7 @@ def _varied(base: Path, table: Path, out: Path, workers: Workers, resume: bool, 
     )
     typer.echo(f"written: {done.result}")
     if stop.asked:
-        typer.echo("Interrupted. Run again with --resume to go on.", err=True)
+        typer.echo(f"Interrupted. {_AGAIN}", err=True)
         return INTERRUPTED
     return _DONE if done.outcomes.get(DONE, 0) == done.rows else _WRONG_INPUT
 
@@ -258,12 +259,12 @@ def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
     try:
         work.process(inputs)
     except Abandoned:
-        return "Interrupted; files that were being calculated were given up."
+        return f"Interrupted; files that were being calculated were given up. {_AGAIN}"
     except Stopped as wrong:
         stop.reason = stop.reason or str(wrong)
     if stop.reason:
         return stop.reason
-    return "Interrupted." if stop.asked else ""
+    return f"Interrupted. {_AGAIN}" if stop.asked else ""
 
 
 def _watched(
@@ -347,7 +348,7 @@ def _say(
     shared = f" {same} had a case that another file states too, calculated once." if same else ""
     typer.echo(f"{len(records)} files in {_duration(seconds)}: {counts}{kept}.{shared}")
     if ended:
-        typer.echo(f"{ended} Run again with --resume to go on.", err=True)
+        typer.echo(ended, err=True)
     for path in written:
         typer.echo(f"written: {path}")
 

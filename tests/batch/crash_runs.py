@@ -17,7 +17,7 @@ import signal
 import subprocess
 import time
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -82,10 +82,19 @@ class Crashes:
         How many. [count]
     seed : int
         Of the random moments.
+    tell : callable
+        Told after each kill and each batch.
     """
 
-    def __init__(self, place: Path, workbooks: int, seed: int) -> None:
+    def __init__(
+        self,
+        place: Path,
+        workbooks: int,
+        seed: int,
+        tell: Callable[[str], None] = lambda words: None,
+    ) -> None:
         self.place = place
+        self.tell = tell
         self.source = make_folder(place / "in", workbooks)
         self.random = random.Random(seed)
         self.record = Record()
@@ -152,6 +161,9 @@ class Crashes:
         self.record.kills += 1
         self.record.who[who] = self.record.who.get(who, 0) + 1
         self.record.places.append(len(list(results(self.place / out))))
+        self.tell(
+            f"kill {self.record.kills} ({who}) with {self.record.places[-1]} results in place"
+        )
 
     def _check(self, out: str) -> None:
         """Each result that is there is whole and right."""
@@ -183,6 +195,7 @@ class Crashes:
             summary(self.place / "undisturbed").drop(columns=_FREE),
         )
         self.record.batches += 1
+        self.tell(f"batch {self.record.batches} is whole, as undisturbed")
         folder.rename(self.place / f"ended {self.record.batches}")
 
 
