@@ -729,7 +729,7 @@ def _notes(
     if not shaft.counted:
         said.append(
             f"{name}: no cycle can exceed an amplitude of {_mpa(shaft.largest_amplitude)}, not "
-            f"above the endurance limit {_mpa(curve.endurance)}: starts unlimited, not counted."
+            f"above the endurance limit {_mpa(curve.endurance)}: no cycle damages, none is counted."
         )
     if shaft.above_first_point:
         said.append(

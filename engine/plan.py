@@ -513,7 +513,7 @@ def _cycle_counting(e: Evidence) -> _Finding:
     if wanted and number <= 1.0:
         why += ", but the material is damaged below endurance."
     else:
-        why += ": cycles are counted." if wanted else ": no cycle damages, starts are unlimited."
+        why += ": cycles are counted." if wanted else ": no cycle damages."
     return _Finding(wanted, True, number, 1.0, 0.0, COUNTING_COST, why)
 
 

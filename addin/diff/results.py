@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,7 +11,7 @@ from addin.diff.inputs import Renamed
 from addin.diff.sides import COMPARED, Judged
 from addin.diff.units import Units
 from addin.fields import Field, TableSpec, result_table
-from addin.layout import workbook_columns
+from addin.layout import WHOLE_STARTS, workbook_columns
 from addin.matching import ROW_NAMES, match_rows, row_name
 from addin.verify.recorded import DIGEST_ITEM, is_own_of_each_run
 
@@ -240,7 +241,7 @@ def _judged_in_words(value: Value | Judged, dimension: str, units: Units) -> str
         return str(value or "")
     if dimension not in _JUDGED_IN:
         return (
-            f"{value.number:,.0f}"
+            f"{math.floor(value.number * (1.0 + WHOLE_STARTS)):,}"  # whole starts, never rounded up
             if dimension == "count"
             else value.words or f"{value.number:,.6g}"
         )

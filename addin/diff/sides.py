@@ -255,7 +255,8 @@ def _plain_row(table: str, row: Mapping[str, Any]) -> dict[str, Any]:
                 plain[column] = Judged(float(value), 0.0, "")
     for column in ("Allowable starts", "Paper count"):
         if table == "AllowableStarts" and plain.get(column) is None:
-            plain[column] = "unlimited"
+            # a row that does not say whether its starts are limited is of no whole start
+            plain[column] = "unlimited" if "unlimited" in plain else "not judged"
     return plain
 
 

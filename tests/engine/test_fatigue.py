@@ -320,7 +320,7 @@ def test_below_the_endurance_limit_nothing_is_counted():
     assert (shaft.damage, shaft.allowable_starts, shaft.unlimited) == (0.0, None, True)
     assert (shaft.starts_low, shaft.starts_high, shaft.paper_starts) == (None, None, None)
     assert (shaft.counted, shaft.cycles.range.size) == (False, 0)
-    assert "not counted" in shaft.notes[0]
+    assert "none is counted" in shaft.notes[0]
     assert shaft.starts_error is None
 
 
