@@ -120,10 +120,10 @@ ERROR_COLUMNS: tuple[tuple[str, str, int], ...] = (
     ("Table", "table", 16),
     ("Row", "row", 6),
     ("Column", "column", 18),
-    ("Cell", "cell", 8),
+    ("Cell", "cell", 14),
     ("Found", "found", 24),
     ("Allowed", "allowed", 34),
-    ("What is wrong, and what to do", "message", 90),
+    ("What is wrong, and what to do", "message", 84),
 )
 
 
@@ -255,6 +255,8 @@ class _Styles:
         return self._numbers[form]
 
 
+#: Most a row can be. [points]
+_HIGHEST = 400.0
 _FIRST = 3  # row of the headers, counted from 0
 
 
@@ -299,6 +301,8 @@ def _colour(
 
 
 def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]]) -> None:
+    from addin.layout import text_height
+
     sheet = book.add_worksheet("Errors")
     many = f"{len(errors):,} error{'' if len(errors) == 1 else 's'}"
     sheet.write_string(0, 0, many if errors else "No errors", styles.title)
@@ -308,6 +312,9 @@ def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]
         sheet.set_column(at, at, width)
         sheet.write_string(_FIRST, at, header, styles.head)
     for offset, error in enumerate(errors, start=_FIRST + 1):
+        # Said, as not every program fits a row to its text.
+        heights = [text_height(str(error.get(key) or ""), width) for _, key, width in ERROR_COLUMNS]
+        sheet.set_row(offset, min(max(heights), _HIGHEST))
         for at, (_, key, _) in enumerate(ERROR_COLUMNS):
             _write(sheet, offset, at, error.get(key), styles.wrapped)
     sheet.autofilter(_FIRST, 0, _FIRST + max(len(errors), 1), len(ERROR_COLUMNS) - 1)
