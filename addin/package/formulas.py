@@ -327,13 +327,15 @@ def _spellings(name: str) -> Iterator[str]:
     yield name.upper().rpartition(".")[2]
 
 
-def _depth(text: str) -> int:
-    """Deepest nesting of parentheses, those within quotes included."""
+def _is_beyond_programs(text: str) -> bool:
+    """Whether a formula is longer, or its parentheses are deeper, than any program takes."""
+    if len(text) > MAX_FORMULA or text.count("(") <= MAX_DEPTH:
+        return len(text) > MAX_FORMULA
     depth = deepest = 0
     for mark in _PARENTHESES.findall(text):
         depth += 1 if mark == "(" else -1
         deepest = max(deepest, depth)
-    return deepest
+    return deepest > MAX_DEPTH
 
 
 def _recalculate(
@@ -347,7 +349,7 @@ def _recalculate(
         import formualizer
     except ImportError:
         return None, "The package formualizer is not installed, so formulas were not recalculated."
-    if any(len(cell.text) > MAX_FORMULA or _depth(cell.text) > MAX_DEPTH for cell in everything):
+    if any(_is_beyond_programs(cell.text) for cell in everything):
         return None, "A formula is longer or deeper than a spreadsheet program takes."
     fed, dropped = calculator_copy(workbook, with_formulas, read)
     package = io.BytesIO()
