@@ -55,6 +55,7 @@ __all__ = [
     "ANALYSES",
     "NO_STUDY",
     "RunStamp",
+    "VERDICT_UNITS",
     "chart_tables",
     "chosen_elements",
     "read_shown_units",
@@ -66,7 +67,7 @@ __all__ = [
 ]
 
 #: Column whose unit shows a judged number of a dimension in `Verdicts`.
-_VERDICT_UNITS: Mapping[str, tuple[str, str]] = {
+VERDICT_UNITS: Mapping[str, tuple[str, str]] = {
     "frequency": ("NaturalFrequencies", "Frequency"),
     "fraction": ("SeparationMargins", "Margin"),
     "pressure": ("SteadyState", "Allowable"),
@@ -411,9 +412,9 @@ def _mixed(value: Any, dimension: str | None, units: ShownUnits) -> Any:
         return value
     if dimension == "count":  # whole starts, never rounded up
         return float(math.floor(value * (1.0 + WHOLE_STARTS)))
-    if dimension is None or dimension not in _VERDICT_UNITS:
+    if dimension is None or dimension not in VERDICT_UNITS:
         return float(f"{value:.4g}") if abs(value) < 1000.0 else float(round(value))
-    place = _VERDICT_UNITS[dimension]
+    place = VERDICT_UNITS[dimension]
     number = value / units.factor(*place)
     if dimension == "fraction":
         digits = f"{number:.2f}"

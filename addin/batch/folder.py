@@ -19,6 +19,7 @@ from pathlib import Path
 from types import TracebackType
 
 from addin.batch.records import Output, Stamp
+from addin.package.save import flush_folder
 
 __all__ = ["FolderRefused", "OutFolder", "digest_of", "stamp_of"]
 
@@ -163,7 +164,7 @@ class OutFolder:
                 os.replace(staged, target)
                 folders.add(target.parent)
         for folder in folders:
-            _flush(folder)
+            flush_folder(folder)
 
     def holds(self, outputs: Iterable[Output]) -> bool:
         """Whether recorded results are in place and are those that were written.
@@ -185,17 +186,6 @@ class OutFolder:
             )
         except OSError:
             return False
-
-
-def _flush(folder: Path) -> None:
-    """Make new names in a folder durable; Windows has no such call and needs none."""
-    if os.name != "posix":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 class _Lock:

@@ -8,15 +8,14 @@ text. Numbers are never touched.
 from __future__ import annotations
 
 import math
-import os
 import re
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from addin.batch.records import DONE, Record
+from addin.whole_files import write_whole
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -167,26 +166,11 @@ def write_summary(workbook: Path, records: Sequence[Record], heading: str) -> tu
     """
     files = _file_rows(records)
     errors = _error_rows(records)
-    _whole(workbook, lambda path: _write_workbook(path, files, errors, records, heading))
+    workbook.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(workbook, lambda path: _write_workbook(path, files, errors, records, heading))
     table = workbook.with_suffix(".csv")
-    _whole(table, lambda path: _write_csv(path, files))
+    write_whole(table, lambda path: _write_csv(path, files))
     return workbook, table
-
-
-def _whole(path: Path, write: Callable[[Path], None]) -> None:
-    """Write a file whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix)
-    os.close(handle)
-    try:
-        write(Path(name))
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(name, 0o666 & ~mask)
-        os.replace(name, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
 
 
 def _file_rows(records: Sequence[Record]) -> pd.DataFrame:

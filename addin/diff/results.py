@@ -14,6 +14,7 @@ from addin.fields import Field, TableSpec, result_table
 from addin.layout import WHOLE_STARTS, workbook_columns
 from addin.matching import ROW_NAMES, match_rows, row_name
 from addin.verify.recorded import DIGEST_ITEM, is_own_of_each_run
+from addin.write_workbook import VERDICT_UNITS
 
 __all__ = ["compare_results", "compare_verdicts"]
 
@@ -21,16 +22,6 @@ __all__ = ["compare_results", "compare_verdicts"]
 _ROUNDING = 1e-9
 #: Columns that say nothing of the train: wall times.
 _LEFT_OUT = frozenset({("Effects", "Time")})
-#: Unit in which a judged number is shown, by its dimension; see `addin.write_workbook`.
-_JUDGED_IN: Mapping[str, tuple[str, str]] = {
-    "frequency": ("NaturalFrequencies", "Frequency"),
-    "fraction": ("SeparationMargins", "Margin"),
-    "pressure": ("SteadyState", "Allowable"),
-    "torque": ("StartupPeaks", "Maximum torque"),
-    "time": ("StartupPeaks", "Time"),
-    "speed": ("SeparationMargins", "Speed"),
-}
-
 Tables = Mapping[str, Sequence[Mapping[str, Any]]]
 
 
@@ -229,7 +220,7 @@ def _guessed(*rows: Mapping[str, Any]) -> str:
         for column in ("Result", "Limit"):
             value = row.get(column)
             unit = value.words.rpartition(" ")[2] if isinstance(value, Judged) else ""
-            for dimension in _JUDGED_IN:
+            for dimension in VERDICT_UNITS:
                 if unit in USUAL[dimension] and unit != "1":
                     return dimension
     return ""
@@ -239,13 +230,13 @@ def _judged_in_words(value: Value | Judged, dimension: str, units: Units) -> str
     """A judged number in the unit shown, with as many digits as a workbook shows."""
     if not isinstance(value, Judged):
         return str(value or "")
-    if dimension not in _JUDGED_IN:
+    if dimension not in VERDICT_UNITS:
         return (
             f"{math.floor(value.number * (1.0 + WHOLE_STARTS)):,}"  # whole starts, never rounded up
             if dimension == "count"
             else value.words or f"{value.number:,.6g}"
         )
-    table, column = _JUDGED_IN[dimension]
+    table, column = VERDICT_UNITS[dimension]
     unit, factor = units.of_field(table, result_table(table).column(column))
     number = value.number / factor
     if dimension == "fraction":

@@ -281,11 +281,17 @@ class _Temporary:
                 f"{target.name} could not be replaced ({problem.strerror})."
             ) from problem
         self._done = True
-        _flush_folder(target.parent)
+        flush_folder(target.parent)
 
 
-def _flush_folder(folder: Path) -> None:
-    """Make the new directory entry durable; Windows has no such call and needs none."""
+def flush_folder(folder: Path) -> None:
+    """Make new names in a folder durable; Windows has no such call and needs none.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder. [path]
+    """
     if os.name != "posix":
         return
     handle = os.open(folder, os.O_RDONLY)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from addin.problems import CellProblem
+from addin.whole_files import write_whole
 
 if TYPE_CHECKING:
     from addin.typed_case import CaseInput
@@ -99,7 +101,7 @@ def report(
         tell("setting the DOCX")
         made.append((docx, docx_of(document)))
     for path, content in made:
-        write_whole(path, content)
+        write_whole(path, partial(Path.write_bytes, data=content))
     return Reported((), (*calculation.warnings, *alerts), tuple(path for path, _ in made))
 
 
@@ -146,34 +148,3 @@ def _stored(read: CaseInput, name: str) -> str:
         return ""
     value = read.workbook.shown_value(at.sheet, cell_name(at.rect.top, at.rect.left))  # type: ignore[attr-defined]
     return value.strip() if isinstance(value, str) else ""
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-    content : bytes
-        What it holds. [file]
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; one that was there is as before.
-    """
-    import tempfile
-
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".tmp")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        # mkstemp makes the file private; give it the mode any other new file would get
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(name, 0o666 & ~mask)
-        os.replace(name, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
