@@ -273,7 +273,9 @@ def test_the_run_that_only_compiles_tells_of_the_second_compilation(monkeypatch)
     monkeypatch.setattr("addin.calculation.calculate", calculate)
     monkeypatch.setattr("engine.stepping.compiling.is_compiled", lambda kernel: False)
     said = []
-    recalc.calculate_read(recalc.read_checked(template_path("example_backlash.xlsx")), {}, said.append)
+    recalc.calculate_read(
+        recalc.read_checked(template_path("example_backlash.xlsx")), {}, said.append
+    )
     assert said[:2] == [COMPILING, COMPILING_EVENTS]
 
 
