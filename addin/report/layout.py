@@ -287,6 +287,6 @@ def _breakable(word: str, longest: int) -> str:
         if len(pieces[-1]) >= longest:
             pieces.append("")
         pieces[-1] += sign
-        if sign in "_-/.,:;+" and len(pieces[-1]) > 3:
+        if sign in "_-/.,:;+" and len(pieces[-1]) > 1:
             pieces.append("")
     return "\u200b".join(piece for piece in pieces if piece)
