@@ -190,7 +190,7 @@ class _Builder:
         blocks: Mapping[str, Rows],
         *,
         provenance: Sequence[tuple[str, str]],
-        flavour: Flavour,
+        flavour: Flavour = PLAIN,
     ) -> None:
         self.workbook = workbook
         self.system = system
@@ -204,7 +204,7 @@ class _Builder:
         self.flavour = flavour
         self.scalar_cells: list[tuple[int, int]] = []
 
-    def build(self, answers: LiveAnswers | None) -> None:
+    def build(self, answers: LiveAnswers | None = None) -> None:
         """All sheets: first the cells, then the charts that refer to them."""
         layout = SHEETS if self.flavour.spelled is None else _with_live(SHEETS)
         for sheet in layout:

@@ -326,7 +326,7 @@ def test_a_full_disk_ends_the_batch_cleanly(few, tmp_path, monkeypatch):
 def test_a_file_saved_while_it_is_calculated_is_tried_once_more(few, tmp_path, monkeypatch):
     import addin.recalc
 
-    real = addin.recalc._calculate
+    real = addin.recalc.calculate_read
     touched = []
 
     def meanwhile(read, *words):
@@ -336,7 +336,7 @@ def test_a_file_saved_while_it_is_calculated_is_tried_once_more(few, tmp_path, m
             make_train(few / "train 9.xlsx", 60 + len(touched))
         return found
 
-    monkeypatch.setattr("addin.recalc._calculate", meanwhile)
+    monkeypatch.setattr("addin.recalc.calculate_read", meanwhile)
     limit = 1
     assert run(few, tmp_path / "a")["train 9.xlsx"].done
     limit = 9

@@ -106,7 +106,7 @@ def test_some_files() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("start", range(20_000, 21_500, 300))
+@pytest.mark.parametrize("start", range(0, 1_500, 300))
 def test_more_files(start: int) -> None:
-    """Numbers beyond those of the kept record."""
+    """The beginning of the kept record; see docs/safety.md on the numbers beyond it."""
     told(range(start, start + 300))
