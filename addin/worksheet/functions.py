@@ -343,10 +343,14 @@ def tv_stiffness(
         raise FunctionError(
             f"ID: found {inner:.10g}; it must be at least 0 and below OD {outer:.10g}.", "#NUM!"
         )
-    return float(
-        shaft_stiffness(outer * metre, inner * metre, length * metre, modulus * pascal)
-        / newton_metre
-    )
+    sizes = outer * metre, inner * metre, length * metre, modulus * pascal
+    try:
+        stiffness = float(shaft_stiffness(*sizes) / newton_metre)
+    except (OverflowError, ZeroDivisionError):
+        stiffness = math.inf
+    if not 0.0 < stiffness < math.inf:
+        raise FunctionError("These sizes give a stiffness that no number can hold.", "#NUM!")
+    return stiffness
 
 
 # --- running --------------------------------------------------------------------------------------

@@ -418,5 +418,6 @@ def _plain(value: Any) -> Value:
     if value is None or isinstance(value, (bool, str)):
         return value
     number = float(value)
-    assert math.isfinite(number), "an answer holds a number that is not finite"
+    if not math.isfinite(number):
+        raise FunctionError("The answer is too large for a number.", "#NUM!")
     return number

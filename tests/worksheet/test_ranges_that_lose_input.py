@@ -76,3 +76,19 @@ def test_headings_choices_and_notes_on_sheet_case_are_no_names():
     before = call("TV_MODEL", model_arguments())
     noted = arguments(CASE, lambda block: [*block, ["my own factor", 1.25] + [None] * 9])
     assert call("TV_MODEL", noted) == before
+
+
+@pytest.mark.parametrize(
+    ("function", "given"),
+    [
+        ("TV_CONVERT", [1e308, "km", "mm"]),
+        ("TV_STIFFNESS", [1e100, 0.0, 1e100, 1e300]),
+        ("TV_STIFFNESS", [1e-100, 0.0, 1e-100, 1.0]),
+        ("TV_STIFFNESS", [1e-160, 0.0, 1e-320, 1e-20]),
+    ],
+)
+def test_answers_that_no_number_can_hold(function, given):
+    with pytest.raises(FunctionError) as wrong:
+        call(function, given)
+    assert wrong.value.code == "#NUM!"
+    assert "number" in wrong.value.message
