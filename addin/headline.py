@@ -98,15 +98,14 @@ def headline(results: Results, peaks: Iterable[Mapping[str, Any]]) -> Headline:
     Headline
         What a summary shows. [SI]
     """
-    from engine.start_fatigue import COUNTED_STARTS
+    from engine.start_fatigue import is_counted
 
     worst = results.margins.worst
     torque, over_rated, at = _peak(results)
     stress, stressed = _stress(peaks)
     most = max(results.reversals, key=lambda row: row.reversals, default=None)
     starts = results.starts if results.starts is not None and results.starts.shafts else None
-    ended = results.start is None or results.start.outcome.outcome in COUNTED_STARTS
-    not_judged = starts is not None and not ended
+    not_judged = starts is not None and not is_counted(results.start)
     if not_judged:
         starts = None
     return Headline(

@@ -185,6 +185,9 @@ class LiveSheet:
         self._case_block = case_block
         self._system = system
         self._answers = answers
+        self._write_array = (
+            page.write_dynamic_array_formula if flavour.dynamic else page.write_array_formula
+        )
 
     #: Cells with verdicts: first row and column, last row and column.
     verdict_areas = (
@@ -310,12 +313,7 @@ class LiveSheet:
         )
         for k, ((formula, style), value) in enumerate(zip(formulas, found, strict=True)):
             at_column = _LEAST + k
-            write = (
-                self._page.write_dynamic_array_formula
-                if self._flavour.dynamic
-                else self._page.write_array_formula
-            )
-            write(row, at_column, row, at_column, f"={formula}", style, value)
+            self._write_array(row, at_column, row, at_column, f"={formula}", style, value)
 
     def _least_of(self, mode: Any) -> tuple[Any, Any, Any]:
         rows = [r for r in (self._answers.margins[1:] if self._answers else ()) if r[0] == mode]
@@ -340,15 +338,10 @@ class LiveSheet:
     ) -> None:
         """A table of a function, header included, as one array formula."""
         text = f'=IF({MODEL_NAME}="","",{self._spelled(function)}({MODEL_NAME},"",TRUE,{rows}))'
-        write = (
-            self._page.write_dynamic_array_formula
-            if self._flavour.dynamic
-            else self._page.write_array_formula
-        )
         header = self._style("header_result")
         last = top + rows - 1, _LEFT + len(columns) - 1
         first = values[0][0] if values else ""
-        write(top, _LEFT, *last, text, header, first)
+        self._write_array(top, _LEFT, *last, text, header, first)
         self._page.set_row(top, 30)
         for i in range(rows):
             for j, field in enumerate(columns):
@@ -435,7 +428,7 @@ class LiveSheet:
     def _formula(self, row: int, column: int, formula: str, style: Any, value: Any) -> None:
         """A formula of one cell; a dynamic one where Excel would else cut the answer to one cell."""
         if self._flavour.dynamic and self._spelled("TV_") in formula:
-            self._page.write_dynamic_array_formula(row, column, row, column, formula, style, value)
+            self._write_array(row, column, row, column, formula, style, value)
         else:
             self._page.write_formula(row, column, formula, style, value)
 

@@ -17,7 +17,7 @@ from engine.fatigue import shear_stress
 from engine.margins import percent_speed
 from engine.results import AccuracyRow, AtSpeed, Results
 from engine.reversals import Reversal
-from engine.start_fatigue import COUNTED_STARTS
+from engine.start_fatigue import is_counted
 
 __all__ = [
     "accuracy_rows",
@@ -343,8 +343,7 @@ def _starts(results: Results) -> list[Row]:
     if starts is None:
         return []
     errors = dict(results.starts_error)
-    start = results.start
-    if start is not None and start.outcome.outcome not in COUNTED_STARTS:
+    if not is_counted(results.start):
         # What happened until then has its damage; how many such starts are allowed is not judged.
         return [{"element": s.element, "damage": s.damage} for s in starts.shafts]
     return [

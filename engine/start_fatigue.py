@@ -26,6 +26,7 @@ __all__ = [
     "COUNTED_STARTS",
     "DEFAULT_TOLERANCE_STARTS",
     "WHOLE_STARTS",
+    "is_counted",
     "judged_shafts",
     "sn_curve_of",
     "sn_slope",
@@ -42,6 +43,22 @@ WHOLE_STARTS = frozenset({"reached", "synchronised", "asynchronous", "completed"
 COUNTED_STARTS = WHOLE_STARTS | {"tripped"}
 #: Largest cycles compared between two steps to estimate the error of turning points.
 COMPARED_CYCLES = 50
+
+
+def is_counted(start: Start | None) -> bool:
+    """Whether the damage of a start says how many are allowed; see `COUNTED_STARTS`.
+
+    Parameters
+    ----------
+    start : Start or None
+        The start; None = there is none to speak against it. [SI]
+
+    Returns
+    -------
+    bool
+        False where it did not come to its end.
+    """
+    return start is None or start.outcome.outcome in COUNTED_STARTS
 
 
 def judged_shafts(case: CaseData) -> list[tuple[int, ElementRow]]:

@@ -21,7 +21,7 @@ from addin.report.numbers import clean, fixed, significant
 from addin.report.subject import Subject
 from addin.report.tables import result_table
 from addin.template_text import NOTES
-from engine.start_fatigue import COUNTED_STARTS
+from engine.start_fatigue import is_counted
 
 __all__ = ["cover_of", "largest_peak", "scope", "summary"]
 
@@ -185,7 +185,7 @@ def _key_figures(subject: Subject) -> Iterator[tuple[str, str]]:
     starts = results.starts
     if starts is None or not starts.shafts:
         yield "Allowable starts", "no shaft could be judged"
-    elif results.start is not None and results.start.outcome.outcome not in COUNTED_STARTS:
+    elif not is_counted(results.start):
         yield "Allowable starts", "not judged: the start did not come to its end"
     elif starts.judged_starts is None:
         yield "Allowable starts", "unlimited: no cycle of a start does damage"
