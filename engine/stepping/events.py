@@ -86,7 +86,7 @@ def mode_step(stiffness: float, rate: float, h: float, free: Floats, forced: Flo
     L, D = stiffness * h * h, rate * h
     a = 0.5 * D
     apart = a * a - L >= 1.0
-    response = np.zeros((2, 4))
+    response = forced  # first the answers to u = s^j, each from rest
     if apart:
         fast = a + math.sqrt(a * a - L)
         slow = L / fast
@@ -108,7 +108,8 @@ def mode_step(stiffness: float, rate: float, h: float, free: Floats, forced: Flo
         decay = math.exp(-a)
         wave = math.sin(beta) / beta if beta > 1e-8 else 1.0
         bend = math.sinh(gamma) / gamma if gamma > 1e-8 else 1.0
-        cosine, sine = decay * math.cos(beta) * math.cosh(gamma), decay * wave * bend
+        rise = math.cosh(gamma) if gamma > 0.0 else 1.0
+        cosine, sine = decay * math.cos(beta) * rise, decay * wave * bend
         f00, f01, f11 = cosine + a * sine, sine, cosine - a * sine
         if L > 4.0:
             before, last, factorial = f11, f01, 1.0
@@ -119,18 +120,7 @@ def mode_step(stiffness: float, rate: float, h: float, free: Floats, forced: Flo
                 before, last = last, (1.0 / factorial - D * last - before) / L
                 response[0, j] = factorial * last
         else:
-            for j in range(4):
-                before, last = 0.0, 0.0
-                for k in range(60):
-                    new = -D * (k + 1) * last - L * before
-                    if k == j:
-                        new += 1.0
-                    new /= (k + 2) * (k + 1)
-                    response[0, j] += new
-                    response[1, j] += (k + 2) * new
-                    before, last = last, new
-                    if k > j + 1 and abs(new) + abs(before) < 1e-19:
-                        break
+            _series(L, D, response)
     free[0, 0], free[0, 1] = f00, h * f01
     free[1, 0], free[1, 1] = -L * f01 / h, f11
     for i in range(2):
@@ -140,6 +130,44 @@ def mode_step(stiffness: float, rate: float, h: float, free: Floats, forced: Flo
         forced[i, 1] = size * h * (c1 - 2.0 * c2 + c3)
         forced[i, 2] = size * (3.0 * c2 - 2.0 * c3)
         forced[i, 3] = size * h * (c3 - c2)
+
+
+@kernel()
+def _series(L: float, D: float, response: Floats) -> None:
+    """Answers of ẍ + D ẋ + L x = s^j at s = 1, from rest, for j = 0 … 3, by their Taylor series.
+
+    The four run side by side: each waits for its own divisions, not for those of the others.
+    """
+    x0, x1, x2, x3 = 0.0, 0.0, 0.0, 0.0
+    y0, y1, y2, y3 = 0.0, 0.0, 0.0, 0.0
+    before0, before1, before2, before3 = 0.0, 0.0, 0.0, 0.0
+    last0, last1, last2, last3 = 0.0, 0.0, 0.0, 0.0
+    for k in range(60):
+        damped, size, more = -D * (k + 1), float((k + 2) * (k + 1)), float(k + 2)
+        new0 = damped * last0 - L * before0
+        new1 = damped * last1 - L * before1
+        new2 = damped * last2 - L * before2
+        new3 = damped * last3 - L * before3
+        if k == 0:
+            new0 += 1.0
+        elif k == 1:
+            new1 += 1.0
+        elif k == 2:
+            new2 += 1.0
+        elif k == 3:
+            new3 += 1.0
+        new0, new1, new2, new3 = new0 / size, new1 / size, new2 / size, new3 / size
+        x0, x1, x2, x3 = x0 + new0, x1 + new1, x2 + new2, x3 + new3
+        y0, y1, y2, y3 = y0 + more * new0, y1 + more * new1, y2 + more * new2, y3 + more * new3
+        before0, before1, before2, before3 = last0, last1, last2, last3
+        last0, last1, last2, last3 = new0, new1, new2, new3
+        if k > 4:
+            largest = max(abs(new0) + abs(before0), abs(new1) + abs(before1))
+            largest = max(largest, abs(new2) + abs(before2), abs(new3) + abs(before3))
+            if largest < 1e-19:
+                break
+    response[0, 0], response[0, 1], response[0, 2], response[0, 3] = x0, x1, x2, x3
+    response[1, 0], response[1, 1], response[1, 2], response[1, 3] = y0, y1, y2, y3
 
 
 @kernel()
@@ -173,13 +201,16 @@ def _first_fall(g0: float, d0: float, g1: float, d1: float) -> float:
     """
     if g0 <= 0.0 and (d0 < 0.0 or (d0 == 0.0 and g1 < 0.0)):
         return 0.0
+    # Where the control points of the curve lie well above zero, so does all of it: most steps.
+    least = 1e-12 * (abs(g0) + abs(d0) + abs(g1) + abs(d1))
+    if g0 > least and g1 > least and g0 + d0 / 3.0 > least and g1 - d1 / 3.0 > least:
+        return 2.0
     rise = g1 - g0
     b = 3.0 * rise - 2.0 * d0 - d1
     c = d0 + d1 - 2.0 * rise
     low, value = 0.0, g0
     disc = b * b - 3.0 * c * d0
-    ends = np.empty(3)
-    count = 0
+    end0, end1 = 0.0, 0.0  # where it turns within the step; 0 where it does not
     if disc > 0.0:
         root = math.sqrt(disc)
         w = -(b + root) if b >= 0.0 else -(b - root)
@@ -188,14 +219,13 @@ def _first_fall(g0: float, d0: float, g1: float, d1: float) -> float:
         if s1 > s2:
             s1, s2 = s2, s1
         if 0.0 < s1 < 1.0:
-            ends[count] = s1
-            count += 1
+            end0 = s1
         if 0.0 < s2 < 1.0 and s2 > s1:
-            ends[count] = s2
-            count += 1
-    ends[count] = 1.0
-    for i in range(count + 1):
-        high = ends[i]
+            end1 = s2
+    for i in range(3):
+        high = end0 if i == 0 else end1 if i == 1 else 1.0
+        if high == 0.0:
+            continue
         new = g1 if high == 1.0 else g0 + high * (d0 + high * (b + high * c))
         if value > 0.0 and new <= 0.0:
             for _ in range(60):
@@ -698,13 +728,17 @@ def advance_pieces(
         # the step: as long as what rings visibly is resolved
         level = 0
         angle = base_step * sampled
-        for i in range(n - 1, -1, -1):
-            if lam[s, i] <= sampled * sampled:
-                break
-            u = constants[s, i]
-            for f in range(nf):
-                u += reaches[s, f, i] * force[f]
-            x = q[i] - u / lam[s, i]
+        slowest = n  # the first mode that the base step does not sample
+        while slowest > 0 and lam[s, slowest - 1] > sampled * sampled:
+            slowest -= 1
+        push = work[0]
+        for i in range(slowest, n):
+            push[i] = constants[s, i]
+        for f in range(nf):
+            for i in range(slowest, n):
+                push[i] += reaches[s, f, i] * force[f]
+        for i in range(slowest, n):
+            x = q[i] - push[i] / lam[s, i]
             ringing = shows[s, i] * math.sqrt(x * x + v[i] * v[i] / lam[s, i])
             if ringing > visible:
                 # the cubic through two samples errs by ringing × angle⁴ / 384
