@@ -6,6 +6,7 @@ parsed in one go and put in place row by row, which keeps the cost in proportion
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -42,6 +43,11 @@ _C, _F, _V, _ROW = (main(tag) for tag in ("c", "f", "v", "row"))
 _SQREF = f"{{{EXCEL_2010_FORMULA}}}sqref"
 _SPARKLINE = f"{{{EXCEL_2010}}}sparkline"
 _SPARKLINE_RANGE = f"{{{EXCEL_2010_FORMULA}}}f"
+# Where cells go that are still text: a cell with a name that no cell has.
+_PLACE_NAME = "written-"
+_PLACE = re.compile(rb'<c r="written-([0-9]{1,9})"/>')
+# Blocks of so many rows stay text.
+_LONG = 8
 _XML_SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
 SharedStrings = Callable[[str], str]
@@ -54,6 +60,15 @@ class Row:
     element: Element
     cells: dict[int, Element] = field(default_factory=dict)
     columns: list[int] = field(default_factory=list)
+    # Runs of cells that are still text, by their first column, and the last column of each. In `cells` a run is one
+    # element that keeps its place.
+    waiting: dict[int, int] = field(default_factory=dict)
+
+    def waits_in(self, rect: Rect) -> bool:
+        """Whether some cell in the columns of the rectangle is still text."""
+        return any(
+            first <= rect.right and last >= rect.left for first, last in self.waiting.items()
+        )
 
 
 class _Block(NamedTuple):
@@ -102,6 +117,11 @@ class SheetPart:
         self._extent: Rect | None = None
         # Long blocks that still stand as they were written; they do not overlap.
         self._blocks: list[_Block] = []
+        # Rows of long blocks stay text until somebody asks for one of their cells or the part is stored: as elements
+        # they would cost more than all the rest. A sheet that writes its tags with a prefix cannot take the text as it
+        # is, and one in which something bears the name of a place would be mistaken.
+        self._texts: list[str] = []
+        self._may_wait = self._root.prefix is None and _PLACE_NAME.encode() not in data
 
     @property
     def changed(self) -> bool:
@@ -373,16 +393,17 @@ class SheetPart:
             Number of rules changed.
         """
         count = 0
-        for element in self._root.iter(main("conditionalFormatting"), main("dataValidation")):
-            resized = _resized_ranges(element.get("sqref", ""), old, new)
-            if resized is not None:
-                element.set("sqref", resized)
-                count += 1
-        for element in self._root.iter(_SQREF):
-            resized = _resized_ranges(element.text or "", old, new)
-            if resized is not None:
-                element.text = resized
-                count += 1
+        for around in self._around_cells():
+            for element in around.iter(main("conditionalFormatting"), main("dataValidation")):
+                resized = _resized_ranges(element.get("sqref", ""), old, new)
+                if resized is not None:
+                    element.set("sqref", resized)
+                    count += 1
+            for element in around.iter(_SQREF):
+                resized = _resized_ranges(element.text or "", old, new)
+                if resized is not None:
+                    element.text = resized
+                    count += 1
         if count:
             self._touch()
         return count
@@ -396,14 +417,19 @@ class SheetPart:
             Number of sparklines changed.
         """
         count = 0
-        for formula in self._root.iterfind(f".//{_SPARKLINE}/{_SPARKLINE_RANGE}"):
-            moved = retargeted(formula.text or "", sheet, old, new)
-            if moved != formula.text:
-                formula.text = moved
-                count += 1
+        for around in self._around_cells():
+            for formula in around.iterfind(f".//{_SPARKLINE}/{_SPARKLINE_RANGE}"):
+                moved = retargeted(formula.text or "", sheet, old, new)
+                if moved != formula.text:
+                    formula.text = moved
+                    count += 1
         if count:
             self._touch()
         return count
+
+    def _around_cells(self) -> Iterator[Element]:
+        """What stands in the sheet beside its cells, which are too many to look through."""
+        return (element for element in self._root if element is not self._data)
 
     def merge_across(self, rect: Rect) -> Rect | None:
         """A merged range that shares a cell with the rectangle."""
@@ -420,7 +446,10 @@ class SheetPart:
         """The part as it shall be stored."""
         if self._bytes is None:
             self._update_dimension()
-            self._bytes = serialise(self._root, self._original)
+            data = serialise(self._root, self._original)
+            if self._texts:
+                data = _PLACE.sub(lambda found: self._texts[int(found[1])].encode(), data)
+            self._bytes = data
         return self._bytes
 
     # ---- rows and cells ----------------------------------------------------------------------------------------
@@ -446,6 +475,23 @@ class SheetPart:
 
     def _row(self, number: int) -> Row:
         """Row with its cells indexed; it must exist."""
+        row = self._row_as_it_is(number)
+        return self._with_cells(row) if row.waiting else row
+
+    def _with_cells(self, row: Row) -> Row:
+        """The row with elements for the cells that were text."""
+        for first in sorted(row.waiting):
+            place = row.cells.pop(first)
+            text = self._texts[int(place.get("r")[len(_PLACE_NAME) :])]
+            built = etree.fromstring(f'<row xmlns="{MAIN}">{text}</row>')
+            row.columns.remove(first)
+            row.element.remove(place)
+            self._put_in(row, built[:])
+        row.waiting.clear()
+        return row
+
+    def _row_as_it_is(self, number: int) -> Row:
+        """Row in which runs of cells may still be text; it must exist."""
         if number not in self._indexed:
             row = Row(self._rows[number])
             ending, last = str(number), 0
@@ -531,7 +577,9 @@ class SheetPart:
     ) -> list[str | None]:
         if not keep_styles or number not in self._rows:
             return new_styles
-        row = self._row(number)
+        row = self._row_as_it_is(number)
+        if row.waits_in(rect):
+            self._with_cells(row)
         start = bisect_left(row.columns, rect.left)
         stop = bisect_left(row.columns, rect.right + 1)
         for column in row.columns[start:stop]:
@@ -540,6 +588,10 @@ class SheetPart:
 
     def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
         """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""
+        if self._may_wait and rect.height >= _LONG and not any(FORMULA_MARK in t for t in texts):
+            for number, text in enumerate(texts, rect.top):
+                self._put_text(number, rect, text)
+            return
         body = "</row><row>".join(texts)
         built = etree.fromstring(f'<d xmlns="{MAIN}"><row>{body}</row></d>')
         for number, new_row in enumerate(list(built), rect.top):
@@ -548,6 +600,34 @@ class SheetPart:
             elif len(new_row):
                 new_row.set("r", str(number))
                 self._insert_row(number, new_row)
+
+    def _put_text(self, number: int, rect: Rect, text: str) -> None:
+        """Put a row of new cells in the place of the old ones, as text."""
+        if number in self._rows:
+            row = self._row_as_it_is(number)
+            if row.waiting and row.waits_in(rect):
+                self._with_cells(row)
+            if row.columns and row.columns[-1] >= rect.left:
+                self._take_out(row, rect)
+        elif text:
+            element = self._data.makeelement(_ROW, r=str(number))
+            self._insert_row(number, element)
+            row = self._indexed[number] = Row(element)
+        if not text:
+            return
+        place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
+        self._texts.append(text)
+        if not row.columns or row.columns[-1] < rect.left:
+            row.element.append(place)
+            row.columns.append(rect.left)
+        else:
+            position = bisect_left(row.columns, rect.left)
+            row.element.insert(position, place)
+            row.columns.insert(position, rect.left)
+        row.cells[rect.left] = place
+        if not row.waiting:  # as in `_put_in`
+            row.element.attrib.pop("spans", None)
+        row.waiting[rect.left] = rect.right
 
     def _replace_cells(self, number: int, rect: Rect, new_row: Element) -> None:
         old = self._rows[number]

@@ -209,6 +209,8 @@ def constant_text(value: Constant) -> tuple[str, str | None]:
 
 
 def _text_xml(text: str) -> str:
+    if not text:
+        return "<t/>"  # as it is stored
     body = escape(_ESCAPE.sub("_x005F_", text))
     return f'<t xml:space="preserve">{body}</t>' if _NEEDS_SPACE.search(text) else f"<t>{body}</t>"
 
