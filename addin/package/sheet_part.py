@@ -35,6 +35,7 @@ from .values import (
     constant_text,
     read_cell,
     read_constant,
+    row_writer,
     row_xml,
 )
 from .xml_part import EXCEL_2010, EXCEL_2010_FORMULA, MAIN, Element, main, parse_part, serialise
@@ -63,6 +64,8 @@ class Row:
     # Runs of cells that are still text, by their first column, and the last column of each. In `cells` a run is one
     # element that keeps its place.
     waiting: dict[int, int] = field(default_factory=dict)
+    # No cell stands beyond this column.
+    right: int = 0
 
     def waits_in(self, rect: Rect) -> bool:
         """Whether some cell in the columns of the rectangle is still text."""
@@ -290,17 +293,19 @@ class SheetPart:
         starts = [f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)]
         blank: list[CellValue] = [None] * rect.width
         texts = []
+        usual = list(column_styles if column_styles is not None else styles or ())
+        usual_row = row_writer(starts, usual)
         for offset in range(rect.height):
             number = rect.top + offset
-            default = (
-                self._default_styles(number, column_styles)
-                if column_styles is not None
-                else list(styles or ())
-            )
+            row = rows[offset] if offset < len(rows) else blank
+            default = usual
+            if column_styles is not None:
+                default = self._default_styles(number, column_styles)
             row_styles = self._row_styles(number, rect, default, keep_styles)
-            texts.append(
-                row_xml(number, starts, row_styles, rows[offset] if offset < len(rows) else blank)
-            )
+            if row_styles is usual:
+                texts.append(usual_row(number, row))
+            else:
+                texts.append(row_xml(number, starts, row_styles, row))
         self._graft(rect, texts)
         with_formulas = [offset for offset, text in enumerate(texts) if FORMULA_MARK in text]
         for offset in with_formulas:
@@ -517,6 +522,7 @@ class SheetPart:
             if len(row.columns) != len(row.element):
                 # Positions of cells are used below: comments between them would shift these.
                 etree.strip_tags(row.element, etree.Comment, etree.ProcessingInstruction)
+            row.right = last
             self._indexed[number] = row
         return self._indexed[number]
 
@@ -570,7 +576,7 @@ class SheetPart:
         element = self._rows.get(number)
         if element is not None and element.get("customFormat") in ("1", "true"):
             return [element.get("s")] * len(column_styles)
-        return list(column_styles)
+        return column_styles
 
     def _row_styles(
         self, number: int, rect: Rect, new_styles: list[str | None], keep_styles: bool
@@ -578,10 +584,15 @@ class SheetPart:
         if not keep_styles or number not in self._rows:
             return new_styles
         row = self._row_as_it_is(number)
+        if row.right < rect.left:
+            return new_styles
         if row.waits_in(rect):
             self._with_cells(row)
         start = bisect_left(row.columns, rect.left)
         stop = bisect_left(row.columns, rect.right + 1)
+        if start == stop:
+            return new_styles
+        new_styles = list(new_styles)
         for column in row.columns[start:stop]:
             new_styles[column - rect.left] = row.cells[column].get("s")
         return new_styles
@@ -605,9 +616,9 @@ class SheetPart:
         """Put a row of new cells in the place of the old ones, as text."""
         if number in self._rows:
             row = self._row_as_it_is(number)
-            if row.waiting and row.waits_in(rect):
-                self._with_cells(row)
-            if row.columns and row.columns[-1] >= rect.left:
+            if row.right >= rect.left:
+                if row.waits_in(rect):
+                    self._with_cells(row)
                 self._take_out(row, rect)
         elif text:
             element = self._data.makeelement(_ROW, r=str(number))
@@ -617,13 +628,15 @@ class SheetPart:
             return
         place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
         self._texts.append(text)
-        if not row.columns or row.columns[-1] < rect.left:
+        if row.right < rect.left:
             row.element.append(place)
             row.columns.append(rect.left)
+            row.right = rect.right
         else:
             position = bisect_left(row.columns, rect.left)
             row.element.insert(position, place)
             row.columns.insert(position, rect.left)
+            row.right = max(row.right, rect.right)
         row.cells[rect.left] = place
         if not row.waiting:  # as in `_put_in`
             row.element.attrib.pop("spans", None)
@@ -675,6 +688,7 @@ class SheetPart:
         row.element[position:position] = cells
         row.columns[position:position] = columns
         row.cells.update(zip(columns, cells, strict=True))
+        row.right = max(row.right, columns[-1])
         # The span is a hint for readers and wrong as soon as a cell lies outside it; without it nothing is lost.
         row.element.attrib.pop("spans", None)
 
