@@ -61,16 +61,16 @@ class Row:
     element: Element
     cells: dict[int, Element] = field(default_factory=dict)
     columns: list[int] = field(default_factory=list)
-    # Runs of cells that are still text, by their first column, and the last column of each. In `cells` a run is one
-    # element that keeps its place.
-    waiting: dict[int, int] = field(default_factory=dict)
+    # Runs of cells that are still text, by their first column: the last column of each and the number of its text. In
+    # `cells` a run is one element that keeps its place.
+    waiting: dict[int, tuple[int, int]] = field(default_factory=dict)
     # No cell stands beyond this column.
     right: int = 0
 
     def waits_in(self, rect: Rect) -> bool:
         """Whether some cell in the columns of the rectangle is still text."""
         return any(
-            first <= rect.right and last >= rect.left for first, last in self.waiting.items()
+            first <= rect.right and last >= rect.left for first, (last, _) in self.waiting.items()
         )
 
 
@@ -485,12 +485,10 @@ class SheetPart:
 
     def _with_cells(self, row: Row) -> Row:
         """The row with elements for the cells that were text."""
-        for first in sorted(row.waiting):
-            place = row.cells.pop(first)
-            text = self._texts[int(place.get("r")[len(_PLACE_NAME) :])]
-            built = etree.fromstring(f'<row xmlns="{MAIN}">{text}</row>')
+        for first, (_, number) in sorted(row.waiting.items()):
+            built = etree.fromstring(f'<row xmlns="{MAIN}">{self._texts[number]}</row>')
             row.columns.remove(first)
-            row.element.remove(place)
+            row.element.remove(row.cells.pop(first))
             self._put_in(row, built[:])
         row.waiting.clear()
         return row
@@ -626,6 +624,14 @@ class SheetPart:
             row = self._indexed[number] = Row(element)
         if not text:
             return
+        if row.right < rect.left and row.columns and row.columns[-1] in row.waiting:
+            # Tables side by side: one run, which costs least.
+            first = row.columns[-1]
+            at = row.waiting[first][1]
+            self._texts[at] += text
+            row.waiting[first] = rect.right, at
+            row.right = rect.right
+            return
         place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
         self._texts.append(text)
         if row.right < rect.left:
@@ -640,7 +646,7 @@ class SheetPart:
         row.cells[rect.left] = place
         if not row.waiting:  # as in `_put_in`
             row.element.attrib.pop("spans", None)
-        row.waiting[rect.left] = rect.right
+        row.waiting[rect.left] = rect.right, len(self._texts) - 1
 
     def _replace_cells(self, number: int, rect: Rect, new_row: Element) -> None:
         old = self._rows[number]
