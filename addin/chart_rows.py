@@ -37,9 +37,11 @@ def side_by_side(columns: Iterable[Sequence[Cell]]) -> Rows:
 
 def plain(values: Iterable[float]) -> list[Cell]:
     """Numbers of a chart: six digits are more than a chart shows, and keep the file small."""
-    if isinstance(values, np.ndarray):
-        values = values.tolist()
-    return [float(f"{value:.6g}") if math.isfinite(value) else None for value in values]
+    numbers = values.tolist() if isinstance(values, np.ndarray) else list(values)
+    if not all(map(math.isfinite, numbers)):
+        return [float(f"{value:.6g}") if math.isfinite(value) else None for value in numbers]
+    # All in one go: a format string for each costs twice the time.
+    return list(map(float, ("%.6g " * len(numbers) % tuple(numbers)).split()))
 
 
 def decimate(time: Floats, value: Floats, limit: int = HISTORY_POINTS) -> NDArray[np.int64]:

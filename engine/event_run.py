@@ -200,12 +200,14 @@ class _Recorder:
         speed = np.empty(n)
         bearing = np.empty((len(self.largest), n))
         for p in np.unique(of_piece):
-            here = of_piece == p
-            state = (rows[k][:n][here] for k in ("q", "v", "f", "fr"))
-            piece = pieces.pieces[int(p)]
-            torque[:, here], rate[:, here], bearing[:, here], speed[here] = _answers(
-                pieces, piece, *state
-            )
+            here = np.flatnonzero(of_piece == p)
+            alone = len(here) == n
+            state = (rows[k][:n] if alone else rows[k].take(here, 0) for k in ("q", "v", "f", "fr"))
+            found = _answers(pieces, pieces.pieces[int(p)], *state)
+            if alone:
+                torque, rate, bearing, speed = found
+            else:
+                torque[:, here], rate[:, here], bearing[:, here], speed[here] = found
         if self.keep_state:
             turns = np.array([pieces.pieces[int(p)].turn for p in of_piece])
             self.position.append(np.einsum("nij,nj->in", turns, rows["q"][:n]))
@@ -323,6 +325,15 @@ class _Simulation:
         self.electrical = tuple(
             a.copy() if isinstance(a, np.ndarray) else a for a in model.electrical
         )
+        self._rows: dict[str, Any] = {  # filled again and again
+            "t": np.empty(ROWS),
+            "q": np.empty((ROWS, m)),
+            "v": np.empty((ROWS, m)),
+            "f": np.empty((ROWS, n_forces)),
+            "fr": np.empty((ROWS, n_forces)),
+            "phase": np.empty((ROWS, len(model.phase))),
+            "piece": np.empty(ROWS, dtype=np.int64),
+        }
         self.recorder = _Recorder(model, script.keep_state, script.keep_all)
         self.field_time: float | None = None
         self.trip_time: float | None = None
@@ -435,17 +446,8 @@ class _Simulation:
         """Call the compiled loop until it has something to say."""
         model = self.model
         pieces = model.pieces
-        m, nf = len(self.q), len(self.force)
+        rows = self._rows
         while True:
-            rows: dict[str, Any] = {
-                "t": np.empty(ROWS),
-                "q": np.empty((ROWS, m)),
-                "v": np.empty((ROWS, m)),
-                "f": np.empty((ROWS, nf)),
-                "fr": np.empty((ROWS, nf)),
-                "phase": np.empty((ROWS, len(self.phase))),
-                "piece": np.empty(ROWS, dtype=np.int64),
-            }
             log = np.empty((LOGGED, 5))
             done, logged, reason = events.advance_pieces(
                 self.clock, stop, self.step, model.visible, targets, model.limited,

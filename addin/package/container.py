@@ -24,7 +24,7 @@ _OLE_MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
 _ZIP_MAGIC = b"PK\x03\x04"
 _UTF8_FLAG = 0x800
 _ENCRYPTED_FLAG = 0x1
-_LONG_PART = 256 * 2**10
+_LONG_PART = 32 * 2**10
 _FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 
 # What reading an archive raises when its bytes are not what its headers say.

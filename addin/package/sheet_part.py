@@ -6,6 +6,7 @@ parsed in one go and put in place row by row, which keeps the cost in proportion
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -34,6 +35,7 @@ from .values import (
     constant_text,
     read_cell,
     read_constant,
+    row_writer,
     row_xml,
 )
 from .xml_part import EXCEL_2010, EXCEL_2010_FORMULA, MAIN, Element, main, parse_part, serialise
@@ -42,6 +44,11 @@ _C, _F, _V, _ROW = (main(tag) for tag in ("c", "f", "v", "row"))
 _SQREF = f"{{{EXCEL_2010_FORMULA}}}sqref"
 _SPARKLINE = f"{{{EXCEL_2010}}}sparkline"
 _SPARKLINE_RANGE = f"{{{EXCEL_2010_FORMULA}}}f"
+# Where cells go that are still text: a cell with a name that no cell has.
+_PLACE_NAME = "written-"
+_PLACE = re.compile(rb'<c r="written-([0-9]{1,9})"/>')
+# Blocks of so many rows stay text.
+_LONG = 8
 _XML_SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
 SharedStrings = Callable[[str], str]
@@ -54,6 +61,17 @@ class Row:
     element: Element
     cells: dict[int, Element] = field(default_factory=dict)
     columns: list[int] = field(default_factory=list)
+    # Runs of cells that are still text, by their first column: the last column of each and the number of its text. In
+    # `cells` a run is one element that keeps its place.
+    waiting: dict[int, tuple[int, int]] = field(default_factory=dict)
+    # No cell stands beyond this column.
+    right: int = 0
+
+    def waits_in(self, rect: Rect) -> bool:
+        """Whether some cell in the columns of the rectangle is still text."""
+        return any(
+            first <= rect.right and last >= rect.left for first, (last, _) in self.waiting.items()
+        )
 
 
 class _Block(NamedTuple):
@@ -102,6 +120,11 @@ class SheetPart:
         self._extent: Rect | None = None
         # Long blocks that still stand as they were written; they do not overlap.
         self._blocks: list[_Block] = []
+        # Rows of long blocks stay text until somebody asks for one of their cells or the part is stored: as elements
+        # they would cost more than all the rest. A sheet that writes its tags with a prefix cannot take the text as it
+        # is, and one in which something bears the name of a place would be mistaken.
+        self._texts: list[str] = []
+        self._may_wait = self._root.prefix is None and _PLACE_NAME.encode() not in data
 
     @property
     def changed(self) -> bool:
@@ -270,17 +293,19 @@ class SheetPart:
         starts = [f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)]
         blank: list[CellValue] = [None] * rect.width
         texts = []
+        usual = list(column_styles if column_styles is not None else styles or ())
+        usual_row = row_writer(starts, usual)
         for offset in range(rect.height):
             number = rect.top + offset
-            default = (
-                self._default_styles(number, column_styles)
-                if column_styles is not None
-                else list(styles or ())
-            )
+            row = rows[offset] if offset < len(rows) else blank
+            default = usual
+            if column_styles is not None:
+                default = self._default_styles(number, column_styles)
             row_styles = self._row_styles(number, rect, default, keep_styles)
-            texts.append(
-                row_xml(number, starts, row_styles, rows[offset] if offset < len(rows) else blank)
-            )
+            if row_styles is usual:
+                texts.append(usual_row(number, row))
+            else:
+                texts.append(row_xml(number, starts, row_styles, row))
         self._graft(rect, texts)
         with_formulas = [offset for offset, text in enumerate(texts) if FORMULA_MARK in text]
         for offset in with_formulas:
@@ -373,16 +398,17 @@ class SheetPart:
             Number of rules changed.
         """
         count = 0
-        for element in self._root.iter(main("conditionalFormatting"), main("dataValidation")):
-            resized = _resized_ranges(element.get("sqref", ""), old, new)
-            if resized is not None:
-                element.set("sqref", resized)
-                count += 1
-        for element in self._root.iter(_SQREF):
-            resized = _resized_ranges(element.text or "", old, new)
-            if resized is not None:
-                element.text = resized
-                count += 1
+        for around in self._around_cells():
+            for element in around.iter(main("conditionalFormatting"), main("dataValidation")):
+                resized = _resized_ranges(element.get("sqref", ""), old, new)
+                if resized is not None:
+                    element.set("sqref", resized)
+                    count += 1
+            for element in around.iter(_SQREF):
+                resized = _resized_ranges(element.text or "", old, new)
+                if resized is not None:
+                    element.text = resized
+                    count += 1
         if count:
             self._touch()
         return count
@@ -396,14 +422,19 @@ class SheetPart:
             Number of sparklines changed.
         """
         count = 0
-        for formula in self._root.iterfind(f".//{_SPARKLINE}/{_SPARKLINE_RANGE}"):
-            moved = retargeted(formula.text or "", sheet, old, new)
-            if moved != formula.text:
-                formula.text = moved
-                count += 1
+        for around in self._around_cells():
+            for formula in around.iterfind(f".//{_SPARKLINE}/{_SPARKLINE_RANGE}"):
+                moved = retargeted(formula.text or "", sheet, old, new)
+                if moved != formula.text:
+                    formula.text = moved
+                    count += 1
         if count:
             self._touch()
         return count
+
+    def _around_cells(self) -> Iterator[Element]:
+        """What stands in the sheet beside its cells, which are too many to look through."""
+        return (element for element in self._root if element is not self._data)
 
     def merge_across(self, rect: Rect) -> Rect | None:
         """A merged range that shares a cell with the rectangle."""
@@ -420,7 +451,10 @@ class SheetPart:
         """The part as it shall be stored."""
         if self._bytes is None:
             self._update_dimension()
-            self._bytes = serialise(self._root, self._original)
+            data = serialise(self._root, self._original)
+            if self._texts:
+                data = _PLACE.sub(lambda found: self._texts[int(found[1])].encode(), data)
+            self._bytes = data
         return self._bytes
 
     # ---- rows and cells ----------------------------------------------------------------------------------------
@@ -446,6 +480,21 @@ class SheetPart:
 
     def _row(self, number: int) -> Row:
         """Row with its cells indexed; it must exist."""
+        row = self._row_as_it_is(number)
+        return self._with_cells(row) if row.waiting else row
+
+    def _with_cells(self, row: Row) -> Row:
+        """The row with elements for the cells that were text."""
+        for first, (_, number) in sorted(row.waiting.items()):
+            built = etree.fromstring(f'<row xmlns="{MAIN}">{self._texts[number]}</row>')
+            row.columns.remove(first)
+            row.element.remove(row.cells.pop(first))
+            self._put_in(row, built[:])
+        row.waiting.clear()
+        return row
+
+    def _row_as_it_is(self, number: int) -> Row:
+        """Row in which runs of cells may still be text; it must exist."""
         if number not in self._indexed:
             row = Row(self._rows[number])
             ending, last = str(number), 0
@@ -471,6 +520,7 @@ class SheetPart:
             if len(row.columns) != len(row.element):
                 # Positions of cells are used below: comments between them would shift these.
                 etree.strip_tags(row.element, etree.Comment, etree.ProcessingInstruction)
+            row.right = last
             self._indexed[number] = row
         return self._indexed[number]
 
@@ -524,22 +574,33 @@ class SheetPart:
         element = self._rows.get(number)
         if element is not None and element.get("customFormat") in ("1", "true"):
             return [element.get("s")] * len(column_styles)
-        return list(column_styles)
+        return column_styles
 
     def _row_styles(
         self, number: int, rect: Rect, new_styles: list[str | None], keep_styles: bool
     ) -> list[str | None]:
         if not keep_styles or number not in self._rows:
             return new_styles
-        row = self._row(number)
+        row = self._row_as_it_is(number)
+        if row.right < rect.left:
+            return new_styles
+        if row.waits_in(rect):
+            self._with_cells(row)
         start = bisect_left(row.columns, rect.left)
         stop = bisect_left(row.columns, rect.right + 1)
+        if start == stop:
+            return new_styles
+        new_styles = list(new_styles)
         for column in row.columns[start:stop]:
             new_styles[column - rect.left] = row.cells[column].get("s")
         return new_styles
 
     def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
         """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""
+        if self._may_wait and rect.height >= _LONG and not any(FORMULA_MARK in t for t in texts):
+            for number, text in enumerate(texts, rect.top):
+                self._put_text(number, rect, text)
+            return
         body = "</row><row>".join(texts)
         built = etree.fromstring(f'<d xmlns="{MAIN}"><row>{body}</row></d>')
         for number, new_row in enumerate(list(built), rect.top):
@@ -548,6 +609,44 @@ class SheetPart:
             elif len(new_row):
                 new_row.set("r", str(number))
                 self._insert_row(number, new_row)
+
+    def _put_text(self, number: int, rect: Rect, text: str) -> None:
+        """Put a row of new cells in the place of the old ones, as text."""
+        if number in self._rows:
+            row = self._row_as_it_is(number)
+            if row.right >= rect.left:
+                if row.waits_in(rect):
+                    self._with_cells(row)
+                self._take_out(row, rect)
+        elif text:
+            element = self._data.makeelement(_ROW, r=str(number))
+            self._insert_row(number, element)
+            row = self._indexed[number] = Row(element)
+        if not text:
+            return
+        if row.right < rect.left and row.columns and row.columns[-1] in row.waiting:
+            # Tables side by side: one run, which costs least.
+            first = row.columns[-1]
+            at = row.waiting[first][1]
+            self._texts[at] += text
+            row.waiting[first] = rect.right, at
+            row.right = rect.right
+            return
+        place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
+        self._texts.append(text)
+        if row.right < rect.left:
+            row.element.append(place)
+            row.columns.append(rect.left)
+            row.right = rect.right
+        else:
+            position = bisect_left(row.columns, rect.left)
+            row.element.insert(position, place)
+            row.columns.insert(position, rect.left)
+            row.right = max(row.right, rect.right)
+        row.cells[rect.left] = place
+        if not row.waiting:  # as in `_put_in`
+            row.element.attrib.pop("spans", None)
+        row.waiting[rect.left] = rect.right, len(self._texts) - 1
 
     def _replace_cells(self, number: int, rect: Rect, new_row: Element) -> None:
         old = self._rows[number]
@@ -595,6 +694,7 @@ class SheetPart:
         row.element[position:position] = cells
         row.columns[position:position] = columns
         row.cells.update(zip(columns, cells, strict=True))
+        row.right = max(row.right, columns[-1])
         # The span is a hint for readers and wrong as soon as a cell lies outside it; without it nothing is lost.
         row.element.attrib.pop("spans", None)
 

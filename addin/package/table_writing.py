@@ -195,7 +195,9 @@ def carry_out(workbook: Workbook, plan: TablePlan) -> None:
     for first, position, count in plan.runs():
         left = new.data.left + position
         rect = Rect(new.data.top, left, new.data.bottom, left + count - 1)
-        grid = [row[first : first + count] for row in plan.grid]
+        grid = plan.grid
+        if count < len(plan.positions):
+            grid = [row[first : first + count] for row in plan.grid]
         texts = sheet.write_rows(rect, grid, styles=styles[position : position + count])
         workbook.note_written(old.sheet, rect, grid, texts)
     _fill_user_formulas(workbook, plan, styles)

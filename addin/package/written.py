@@ -15,6 +15,8 @@ from .values import FORMULA_MARK, CellValue, Formula, clean
 _CELL_START = b"<c "
 # A character that no XML can hold.
 _CUT = "\0"
+# Types of values that stay as they are where they are finite.
+_PLAIN = frozenset([float, type(None)])
 
 
 @dataclass(frozen=True)
@@ -28,8 +30,10 @@ class Written:
     def stands_in(self, part: bytes) -> bool:
         """Whether the rows stand in the part as they were built, in their order; a formula may have got its value."""
         position = 0
-        for text in self.texts:
-            for number, piece in enumerate(map(str.encode, _around_values(text))):
+        # All rows are encoded at once; no text of a cell holds the mark between them.
+        for whole, text in zip(_CUT.join(self.texts).encode().split(b"\0"), self.texts, strict=True):
+            pieces = [*map(str.encode, _around_values(text))] if FORMULA_MARK in text else [whole]
+            for number, piece in enumerate(pieces):
                 found = part.find(piece, position)
                 # Between the pieces of a row only type and value of a formula may have come.
                 if found < 0 or (number and _CELL_START in part[position:found]):
@@ -66,6 +70,8 @@ def cleaned_row(
     sheet: str, number: int, columns: Sequence[int], row: Sequence[Any]
 ) -> list[CellValue]:
     """The values that the cells of a row will hold."""
+    if _PLAIN.issuperset(map(type, row)) and isfinite(sum(filter(None, row))):
+        return list(row)
     try:
         # Most cells are numbers; asking for that here spares a call for each.
         return [

@@ -6,6 +6,7 @@ A document type declaration is refused outright: no spreadsheet program writes o
 from __future__ import annotations
 
 import re
+import threading
 from typing import Any
 
 from lxml import etree
@@ -39,6 +40,18 @@ def main(tag: str) -> str:
     return f"{{{MAIN}}}{tag}"
 
 
+class _Own(threading.local):
+    """A parser for each thread: making one costs as much as parsing a small part."""
+
+    def __init__(self) -> None:
+        self.parser = etree.XMLParser(
+            resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
+        )
+
+
+_own = _Own()
+
+
 def parse_part(data: bytes, name: str) -> Element:
     """Root element of a part.
 
@@ -57,11 +70,8 @@ def parse_part(data: bytes, name: str) -> Element:
     # A comment may come before the root, hence the whole text is searched; a cell can hold the mark only escaped.
     if any(mark in data for mark in _DOCTYPE_MARKS):
         raise _dtd(name)
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
-    )
     try:
-        root = etree.fromstring(data, parser)
+        root = etree.fromstring(data, _own.parser)
     except etree.XMLSyntaxError as problem:
         raise WorkbookRefused(
             "damaged",

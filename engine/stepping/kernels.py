@@ -231,7 +231,103 @@ def start_forces(
         force_rate[f] -= viscous[k] * acceleration[f]
 
 
-@kernel(fastmath={"reassoc", "contract", "nsz"})
+@kernel(fastmath={"reassoc", "contract", "nsz"}, _nrt=False)
+def _advance(
+    n_steps: int,
+    h: float,
+    t: float,
+    target_speed: float,
+    free: Floats,
+    forced: Floats,
+    stiffness: Floats,
+    rate: Floats,
+    reach: Floats,
+    mean_speed: Floats,
+    curves: tuple[Floats, Floats, Any],
+    motors: tuple[Any, Any, Any, Floats, Floats, float, Any],
+    loads: tuple[Any, Any, Floats, Floats],
+    timed: tuple[Any, Floats, Floats, Any],
+    dampers: tuple[Any, Floats],
+    electrical: Electrical | None,
+    q: Floats,
+    v: Floats,
+    phase: Floats,
+    force: Floats,
+    force_rate: Floats,
+    out_q: Floats,
+    out_v: Floats,
+    out_f: Floats,
+    out_fr: Floats,
+    space: tuple[Any, ...],
+) -> tuple[int, int]:
+    """`advance_start` with the room it works in; what allocates nothing need not count references."""
+    nf, n = reach.shape
+    base_q, base_v, u1, r1, q1, v1, a1, f1, fr1, speed, acceleration, phase1 = space
+    motor_force, pole_pairs, line_omega = motors[0], motors[4], motors[5]
+    for k in range(n_steps):
+        for i in range(n):
+            u1[i], r1[i] = 0.0, 0.0
+        for f in range(nf):
+            for i in range(n):
+                u1[i] += reach[f, i] * force[f]
+                r1[i] += reach[f, i] * force_rate[f]
+        for i in range(n):  # what does not depend on the end of the step
+            base_q[i] = (
+                free[0, 0, i] * q[i]
+                + free[0, 1, i] * v[i]
+                + forced[0, 0, i] * u1[i]
+                + forced[0, 1, i] * r1[i]
+            )
+            base_v[i] = (
+                free[1, 0, i] * q[i]
+                + free[1, 1, i] * v[i]
+                + forced[1, 0, i] * u1[i]
+                + forced[1, 1, i] * r1[i]
+            )
+            u1[i] += h * r1[i]
+        for _ in range(2):  # predict and evaluate, correct and evaluate
+            for i in range(n):
+                q1[i] = base_q[i] + forced[0, 2, i] * u1[i] + forced[0, 3, i] * r1[i]
+                v1[i] = base_v[i] + forced[1, 2, i] * u1[i] + forced[1, 3, i] * r1[i]
+                a1[i] = u1[i] - rate[i] * v1[i] - stiffness[i] * q1[i]
+            for f in range(nf):
+                x, y = 0.0, 0.0
+                for i in range(n):
+                    x += reach[f, i] * v1[i]
+                    y += reach[f, i] * a1[i]
+                speed[f], acceleration[f] = x, y
+            for m in range(len(phase)):
+                turned = 0.0
+                for i in range(n):
+                    turned += reach[motor_force[m], i] * (q1[i] - q[i])
+                phase1[m] = phase[m] + 2.0 * (line_omega * h - pole_pairs[m] * turned)
+            start_forces(
+                t + h, t + 0.5 * h, phase1, speed, acceleration, curves, motors, loads, timed,
+                dampers, electrical, f1, fr1,
+            )  # fmt: skip
+            for i in range(n):
+                u1[i], r1[i] = 0.0, 0.0
+            for f in range(nf):
+                for i in range(n):
+                    u1[i] += reach[f, i] * f1[f]
+                    r1[i] += reach[f, i] * fr1[f]
+        t += h
+        mean = 0.0
+        for i in range(n):
+            q[i], v[i] = q1[i], v1[i]
+            out_q[k, i], out_v[k, i] = q1[i], v1[i]
+            mean += mean_speed[i] * v1[i]
+        for m in range(len(phase)):
+            phase[m] = phase1[m] % (4.0 * np.pi)  # half of it is the load angle
+        for f in range(nf):
+            force[f], force_rate[f] = f1[f], fr1[f]
+            out_f[k, f], out_fr[k, f] = f1[f], fr1[f]
+        if mean >= target_speed:
+            return k + 1, REACHED
+    return n_steps, PENDING
+
+
+@kernel()
 def advance_start(
     n_steps: int,
     h: float,
@@ -312,74 +408,15 @@ def advance_start(
         Steps taken; PENDING or REACHED. [count]
     """
     nf, n = reach.shape
-    base_q, base_v = np.empty(n), np.empty(n)
-    u1, r1 = np.empty(n), np.empty(n)
-    q1, v1, a1 = np.empty(n), np.empty(n), np.empty(n)
-    f1, fr1 = np.empty(nf), np.empty(nf)
-    speed, acceleration = np.empty(nf), np.empty(nf)
-    phase1 = np.empty(len(phase))
-    motor_force, pole_pairs, line_omega = motors[0], motors[4], motors[5]
-    for k in range(n_steps):
-        for i in range(n):
-            u1[i], r1[i] = 0.0, 0.0
-        for f in range(nf):
-            for i in range(n):
-                u1[i] += reach[f, i] * force[f]
-                r1[i] += reach[f, i] * force_rate[f]
-        for i in range(n):  # what does not depend on the end of the step
-            base_q[i] = (
-                free[0, 0, i] * q[i]
-                + free[0, 1, i] * v[i]
-                + forced[0, 0, i] * u1[i]
-                + forced[0, 1, i] * r1[i]
-            )
-            base_v[i] = (
-                free[1, 0, i] * q[i]
-                + free[1, 1, i] * v[i]
-                + forced[1, 0, i] * u1[i]
-                + forced[1, 1, i] * r1[i]
-            )
-            u1[i] += h * r1[i]
-        for _ in range(2):  # predict and evaluate, correct and evaluate
-            for i in range(n):
-                q1[i] = base_q[i] + forced[0, 2, i] * u1[i] + forced[0, 3, i] * r1[i]
-                v1[i] = base_v[i] + forced[1, 2, i] * u1[i] + forced[1, 3, i] * r1[i]
-                a1[i] = u1[i] - rate[i] * v1[i] - stiffness[i] * q1[i]
-            for f in range(nf):
-                x, y = 0.0, 0.0
-                for i in range(n):
-                    x += reach[f, i] * v1[i]
-                    y += reach[f, i] * a1[i]
-                speed[f], acceleration[f] = x, y
-            for m in range(len(phase)):
-                turned = 0.0
-                for i in range(n):
-                    turned += reach[motor_force[m], i] * (q1[i] - q[i])
-                phase1[m] = phase[m] + 2.0 * (line_omega * h - pole_pairs[m] * turned)
-            start_forces(
-                t + h, t + 0.5 * h, phase1, speed, acceleration, curves, motors, loads, timed,
-                dampers, electrical, f1, fr1,
-            )  # fmt: skip
-            for i in range(n):
-                u1[i], r1[i] = 0.0, 0.0
-            for f in range(nf):
-                for i in range(n):
-                    u1[i] += reach[f, i] * f1[f]
-                    r1[i] += reach[f, i] * fr1[f]
-        t += h
-        mean = 0.0
-        for i in range(n):
-            q[i], v[i] = q1[i], v1[i]
-            out_q[k, i], out_v[k, i] = q1[i], v1[i]
-            mean += mean_speed[i] * v1[i]
-        for m in range(len(phase)):
-            phase[m] = phase1[m] % (4.0 * np.pi)  # half of it is the load angle
-        for f in range(nf):
-            force[f], force_rate[f] = f1[f], fr1[f]
-            out_f[k, f], out_fr[k, f] = f1[f], fr1[f]
-        if mean >= target_speed:
-            return k + 1, REACHED
-    return n_steps, PENDING
+    space = (
+        np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n),
+        np.empty(nf), np.empty(nf), np.empty(nf), np.empty(nf), np.empty(len(phase)),
+    )  # fmt: skip
+    return _advance(
+        n_steps, h, t, target_speed, free, forced, stiffness, rate, reach, mean_speed, curves,
+        motors, loads, timed, dampers, electrical, q, v, phase, force, force_rate, out_q, out_v,
+        out_f, out_fr, space,
+    )  # fmt: skip
 
 
 @kernel()
