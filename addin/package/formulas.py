@@ -5,8 +5,9 @@ wrong until a spreadsheet program recalculates, and viewers never do. Hence, for
 cell, the result is renewed, and where that cannot be done for certain, removed: blank beats wrong.
 
 Renewed values come from formualizer, when it is installed. It is not trusted blindly: functions it does not know, values
-that it gets otherwise than the file has them in cells that did not change, new errors, and clock or random functions make
-everything that hangs on them suspect, and that is removed and not replaced.
+that it gets otherwise than the file has them in cells that did not change, new errors, clock or random functions, and rich
+values (pictures in cells, linked data types), which it takes for errors, make everything that hangs on them suspect, and
+that is removed and not replaced. So are the results of data tables, which it does not calculate.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from .calculator_copy import calculator_copy, reads_other_workbook
-from .dependents import DependencyGraph, FormulaCell, ReferenceResolver, spill_rect
+from .dependents import ChangedCells, DependencyGraph, FormulaCell, ReferenceResolver, spill_rect
 from .formula_text import CHANGES_BY_ITSELF, parse_formula
 from .references import Rect, cell_name
 from .sheet_part import SheetPart
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 _F = main("f")
 _HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
+_HAS_RICH_VALUE = re.compile(rb"""\svm=["']""")
 
 _PARENTHESES = re.compile(r"[()]")
 # Spreadsheet programs take 64 levels of functions; a calculator that is given far more may run out of stack.
@@ -146,6 +148,16 @@ def _formulas_of(sheet: SheetPart) -> Iterator[FormulaCell]:
             yield FormulaCell(sheet.name, arrays.get((row, column), here), text)
 
 
+def _rich_values(workbook: Workbook) -> ChangedCells:
+    """Cells that show rich values, in all sheets."""
+    found = ChangedCells()
+    for sheet in workbook.sheet_names:
+        if _HAS_RICH_VALUE.search(workbook.sheet_bytes(sheet)):
+            for row, column in workbook.sheet_part(sheet).rich_values:
+                found.add(sheet, Rect(row, column, row, column))
+    return found
+
+
 def _home(cell: FormulaCell) -> Rect:
     """The cell that holds the formula."""
     return Rect(cell.rect.top, cell.rect.left, cell.rect.top, cell.rect.left)
@@ -167,14 +179,14 @@ class _Refresh:
         self.affected = affected
         self.count = count
         self.reads = reads
+        self.rich_values = _rich_values(workbook)
+        self.all_calculated = True
         self.changed = 0
         self.removed = 0
 
     def run(self) -> CacheReport:
         with_formulas = {cell.sheet for cell in self.everything}
-        recalculated, reason = _recalculate(
-            self.workbook, self.everything, with_formulas, self._areas_read()
-        )
+        recalculated, reason = self._recalculate(with_formulas)
         if recalculated is None:
             for cell in self.affected:
                 self._remove(cell)
@@ -189,15 +201,23 @@ class _Refresh:
         reason = "Some formulas cannot be recalculated for certain." if self.removed else ""
         return self._report("recalculated", reason, disagreements)
 
-    def _areas_read(self) -> set[tuple[str, Rect]] | None:
-        """What formulas read; None when some formula may read anything."""
-        found: set[tuple[str, Rect]] = set()
-        for cell in self.everything:
-            areas = self.reads(cell)
-            if areas is None:
-                return None
-            found.update(areas)
-        return found
+    def _recalculate(self, with_formulas: Collection[str]) -> tuple[_Recalculated | None, str]:
+        """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
+        areas = [self.reads(cell) for cell in self.everything]
+        known = {area for found in areas for area in found or ()}
+        read = None if None in areas else known
+        recalculated, reason = _recalculate(self.workbook, self.everything, with_formulas, read)
+        if recalculated is None and read is None:
+            # The whole may be more than the calculator takes, or those that may read anything be what it refuses.
+            self.all_calculated = False
+            unclear = {
+                cell.text
+                for cell, found in zip(self.everything, areas, strict=True)
+                if found is None
+            }
+            again = _recalculate(self.workbook, self.everything, with_formulas, known, unclear)
+            recalculated, reason = again[0], again[1] or reason
+        return recalculated, reason
 
     def _report(self, method: str, reason: str, disagreements: tuple[str, ...] = ()) -> CacheReport:
         return CacheReport(
@@ -226,8 +246,12 @@ class _Refresh:
     def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
         if not parse_formula(cell.text).functions.isdisjoint(recalculated.doubtful_functions):
             return True
+        if not self.all_calculated and self.reads(cell) is None:
+            return True
         if affected and reads_other_workbook(cell.text):
             return True  # calculated nowhere: the copy had its old value
+        if affected and self.rich_values and self._meets_rich_value(cell):
+            return True  # the calculator sees an error there, spreadsheet programs do not
         sheet = self.workbook.sheet_part(cell.sheet)
         again = recalculated.sheet(cell.sheet)
         if again is sheet:
@@ -245,6 +269,12 @@ class _Refresh:
             if not trusted and old is not None and not _alike(old, new, _SAME_RESULT):
                 return True
         return False
+
+    def _meets_rich_value(self, cell: FormulaCell) -> bool:
+        """Whether a formula reads or shows a rich value."""
+        areas = self.reads(cell)
+        shown = [(cell.sheet, Rect(*place, *place)) for place in self._places(cell)]
+        return areas is None or any(self.rich_values.touch(*area) for area in (*areas, *shown))
 
     def _places(self, cell: FormulaCell) -> Sequence[tuple[int, int]]:
         """Cells that show the result of the formula now."""
@@ -343,6 +373,7 @@ def _recalculate(
     everything: Sequence[FormulaCell],
     with_formulas: Collection[str],
     read: Collection[tuple[str, Rect]] | None,
+    left_out: Collection[str] = (),
 ) -> tuple[_Recalculated | None, str]:
     """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
     try:
@@ -351,7 +382,7 @@ def _recalculate(
         return None, "The package formualizer is not installed, so formulas were not recalculated."
     if any(_is_beyond_programs(cell.text) for cell in everything):
         return None, "A formula is longer or deeper than a spreadsheet program takes."
-    fed, dropped = calculator_copy(workbook, with_formulas, read)
+    fed, dropped = calculator_copy(workbook, with_formulas, read, left_out)
     package = io.BytesIO()
     # Not compressed, as it lives for milliseconds.
     workbook.container.write(package, fed, dropped, compress=False)

@@ -1,5 +1,6 @@
 """Cached values of formulas and charts: renewed or removed, never stale."""
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -7,7 +8,7 @@ from typing import Any
 import openpyxl
 import pytest
 import xlsxwriter
-from rich_workbooks import changed_parts, parts_of, with_parts
+from rich_workbooks import changed_parts, parts_of, tiny_png, with_parts
 
 from addin.package import CacheReport, Formula, open_workbook
 from addin.package.calculator_copy import calculator_copy
@@ -83,8 +84,6 @@ def test_recalculation_is_asked_for(train: Path) -> None:
 
 @pytest.mark.parametrize("last", ["definedNames", "sheets"])
 def test_recalculation_is_asked_for_where_nothing_was_said(train: Path, last: str) -> None:
-    import re
-
     def without(data: bytes) -> bytes:
         data = re.sub(rb"<calcPr[^>]*/>", b"", data)
         return re.sub(rb"<definedNames>.*</definedNames>", b"", data) if last == "sheets" else data
@@ -445,6 +444,74 @@ def test_tables_that_no_formula_reads_do_not_limit_the_recalculation(
     assert changed == {"xl/worksheets/sheet1.xml", "xl/worksheets/sheet2.xml"}
 
 
+@pytest.mark.parametrize(
+    "cell",
+    [
+        b'<c r="B1"><f>INDIRECT("Data!A1")</f>',
+        b'<c r="B1"><f>INDIRECT("Wide_7["&amp;"c1]")</f>',
+        b'<c r="B1"><f>GETPIVOTDATA("Sum",Data!$A$1)</f>',
+        b'<c r="B1" cm="1"><f t="array" ref="B1">INDIRECT("Data!A"&amp;A1)</f>',
+        b'<c r="B1"><f t="shared" ref="B1:C1" si="7">OFFSET(INDIRECT("Wide_3"),0,0)</f>',
+    ],
+)
+def test_a_formula_that_may_read_anything_costs_itself_alone(tmp_path: Path, cell: bytes) -> None:
+    """With it every table belongs into the copy, which are more than the calculator takes, or it is refused itself."""
+    path = wide_workbook(tmp_path / "t.xlsx", 9)
+    out = "xl/worksheets/sheet2.xml"
+
+    def more(data: bytes) -> bytes:
+        return data.replace(
+            b"</row></sheetData>",
+            cell + b'<v>0.5</v></c><c r="C1"><f>B1*2</f><v>1</v></c></row></sheetData>',
+        )
+
+    values, report = refreshed(with_parts(path, {}, {out: more}), {"A1": 2.0})
+    assert (report.method, report.removed) == ("recalculated", 2)
+    assert values == {"A1": 1252, "B1": None, "C1": None}
+
+
+@pytest.mark.parametrize("types", ["both", "pictures alone", "pictures first"])
+def test_metadata_of_the_copy_for_the_calculator(tmp_path: Path, types: str) -> None:
+    """It takes those of dynamic arrays and refuses all others."""
+    path = tmp_path / "t.xlsx"
+    book = xlsxwriter.Workbook(str(path))
+    source, sheet = book.add_worksheet("In"), book.add_worksheet("Out")
+    for row in range(3):
+        source.write_number(row, 0, row + 1.0)
+    source.embed_image("D1", "dot.png", {"image_data": tiny_png()})
+    sheet.write_formula("B1", "=In!A1*2", None, 2)
+    if types != "pictures alone":
+        sheet.write_dynamic_array_formula("A1:A3", "=_xlfn._xlws.SORT(In!A1:A3,1,-1)", None, 3)
+        sheet.write_number("A2", 2)
+        sheet.write_number("A3", 1)
+    book.close()
+    if types == "pictures first":
+
+        def turned(data: bytes) -> bytes:
+            kinds = re.findall(rb"<metadataType .*?/>", data)
+            future = re.findall(rb"<futureMetadata .*?</futureMetadata>", data)
+            data = data.replace(b"".join(kinds), b"".join(kinds[::-1]))
+            data = data.replace(b"".join(future), b"".join(future[::-1]))
+            data = data.replace(
+                b'<cellMetadata count="1"><bk><rc t="1"', b'<cellMetadata count="1"><bk><rc t="2"'
+            )
+            return data.replace(
+                b'<valueMetadata count="1"><bk><rc t="2"', b'<valueMetadata count="1"><bk><rc t="1"'
+            )
+
+        with_parts(path, {}, {"xl/metadata.xml": turned})
+    values, report = refreshed(path, {"A1": 50.0})
+    assert (report.method, report.removed) == ("recalculated", 0)
+    assert values["B1"] == 100
+    if types != "pictures alone":
+        assert [values[name] for name in ("A1", "A2", "A3")] == [50, 3, 2]
+    assert changed_parts(path, path.with_name("out.xlsx")) == {
+        "xl/worksheets/sheet1.xml",
+        "xl/worksheets/sheet2.xml",
+    }
+    assert b' t="e" vm="1"' in parts_of(path.with_name("out.xlsx"))["xl/worksheets/sheet1.xml"]
+
+
 def test_the_copy_for_the_calculator_holds_what_formulas_read(tmp_path: Path) -> None:
     book = open_workbook(wide_workbook(tmp_path / "t.xlsx", 3, named=True))
     table, last = book.table("Wide_0"), book.table("Wide_2")
@@ -512,6 +579,75 @@ def test_a_drop_down_list_of_another_sheet_does_not_stop_the_recalculation(tmp_p
     values, report = refreshed(path, {"A1": 10.0})
     assert (report.method, values["B2"]) == ("recalculated", 20)
     assert LIST_OF_ANOTHER_SHEET in parts_of(path.with_name("out.xlsx"))[sheet]
+
+
+def with_rich_values(path: Path) -> Path:
+    """In!A9 is a linked data type, In!A8 a picture; Out!B4 shows one of them, Out!D1 is blocked and cannot spill."""
+    out = "xl/worksheets/sheet2.xml"
+
+    def rich(cell: bytes, number: bytes) -> Any:
+        pattern = rb'<c r="%s"([^>]*?)( t="e")?>(<f.*?</f>)?<v>[^<]*</v>' % cell
+        new = rb'<c r="%s"\1 t="e" vm="%s">\3<v>#VALUE!</v>' % (cell, number)
+        return lambda data: re.sub(pattern, new, data)
+
+    for part, cell, number in (
+        ("xl/worksheets/sheet1.xml", b"A9", b"1"),
+        ("xl/worksheets/sheet1.xml", b"A8", b"2"),
+        (out, b"B4", b"1"),
+        (out, b"D1", b"3"),
+    ):
+        with_parts(path, {}, {part: rich(cell, number)})
+    return path
+
+
+def test_what_hangs_on_rich_values_is_removed(tmp_path: Path) -> None:
+    """The file has #VALUE! for them, and what they show stands elsewhere."""
+    path = with_rich_values(
+        workbook_of(
+            tmp_path / "t.xlsx",
+            {
+                "B1": ("=In!A1*2", 2),
+                "B2": ("=IF(ISERROR(In!A9),0,In!A1)", 1),  # no error to a spreadsheet program
+                "B3": ("=B2+1", 2),
+                "B4": ("=IF(In!A1>0,In!A9,In!A8)", "#VALUE!"),
+                "B5": ('=_FV(In!A9,"Price")*In!A1', 5),
+                "B6": ('=_FV(In!A9,"Price")', 5),
+                "B7": ("=IF(ISERROR(In!A9),0,7)", 7),
+                "B8": ("=COUNTA(In!A1:A9)", 9),
+                "D1": ("=SUM(In!A1:A2)", "#VALUE!"),
+            },
+        )
+    )
+    values, report = refreshed(path, {"A1": 10.0})
+    assert report.method == "recalculated"
+    assert values["B1"] == 20
+    assert [values[name] for name in ("B2", "B3", "B4", "B5", "B8", "D1")] == [None] * 6
+    assert (values["B6"], values["B7"]) == (5, 7)  # these hang on nothing that changed
+    after = parts_of(path.with_name("out.xlsx"))
+    assert after["xl/worksheets/sheet2.xml"].count(b"vm=") == 0
+    assert after["xl/worksheets/sheet1.xml"].count(b'vm="') == 2
+
+
+def test_rich_values_that_hang_on_nothing_changed_stay(tmp_path: Path) -> None:
+    cells = {
+        "B1": ("=In!A1*2", 2),
+        "B4": ("=IF(In!A2>0,In!A9,In!A8)", "#VALUE!"),
+        "D1": ("=In!A3", 1),
+    }
+    path = with_rich_values(workbook_of(tmp_path / "t.xlsx", cells))
+    values, _ = refreshed(path, {"A1": 10.0})
+    assert values["B1"] == 20
+    after = parts_of(path.with_name("out.xlsx"))["xl/worksheets/sheet2.xml"]
+    assert b'<c r="B4" t="e" vm="1">' in after
+    assert b'<c r="D1" t="e" vm="3">' in after
+
+
+def test_a_number_over_a_picture_takes_its_rich_value_away(tmp_path: Path) -> None:
+    path = with_rich_values(workbook_of(tmp_path / "t.xlsx", {"B4": ("=1", 1), "D1": ("=1", 1)}))
+    refreshed(path, {"A8": 3.0})
+    after = parts_of(path.with_name("out.xlsx"))["xl/worksheets/sheet1.xml"]
+    assert b'<c r="A8"><v>3</v></c><' in after.replace(b"</row>", b"<")
+    assert after.count(b"vm=") == 1
 
 
 def with_table(path: Path, formulas: dict[str, tuple[str, Any]], names: dict[str, str]) -> Path:
