@@ -1,9 +1,9 @@
 """The copy of a workbook that goes to the calculator: what it refuses or needs not is left out.
 
 formualizer refuses a workbook in which a cell of a calculated column holds a value (people type over such cells), one
-that states too small an extent of a sheet (some programs do), one in which any cell shows a rich value (a picture, a linked
-data type), and one whose tables have more than 256 columns together. And it reads all cells, where histories take longer
-than everything else. Hence column formulas, extents and links to rich values are taken out, and on sheets without formulas
+that states too small an extent of a sheet (some programs do), one with a data table, one in which any cell shows a rich value
+(a picture, a linked data type), and one whose tables have more than 256 columns together. And it reads all cells, where histories take longer
+than everything else. Hence column formulas, extents, data tables and links to rich values are taken out, and on sheets without formulas
 the tables and the last rows that no formula reads.
 """
 
@@ -40,6 +40,7 @@ _EXTERNAL_BYTES = re.compile(_EXTERNAL.pattern.encode())
 _FORMULA = re.compile(rb"<((?:\w+:)?f)\b(?:[^>]*/>|[^>]*>[^<]*</\1\s*>)")
 _GROUP = re.compile(rb"""\bsi=["'](\d+)["']""")
 _RICH_VALUE = re.compile(rb"""(<(?:\w+:)?c\s[^<>]*?)\svm=["'][^"'<>]*["']""")
+_IS_DATA_TABLE = re.compile(rb"""^[^>]*\st=["']dataTable["']""")
 _DYNAMIC_VALUE = re.compile(
     rb"""(<(?:\w+:)?c\s[^<>]*?)\scm=["'][^"'<>]*["']([^<>]*>)(?!<(?:\w+:)?f[\s/>])"""
 )
@@ -227,13 +228,14 @@ def reads_other_workbook(formula: str) -> bool:
 
 
 def _without_formulas(data: bytes, left_out: Collection[str]) -> bytes:
-    """A sheet whose formulas on other workbooks, and some more, are gone; their values stay."""
-    if not left_out and _BRACKETED.search(data) is None:  # a quick look, as sheets are long
+    """A sheet whose data tables, formulas on other workbooks, and some more, are gone; their values stay."""
+    # A quick look, as sheets are long.
+    if not left_out and b"dataTable" not in data and _BRACKETED.search(data) is None:
         return data
 
     def is_left_out(formula: re.Match[bytes]) -> bool:
         text = formula[0]
-        if _EXTERNAL_BYTES.search(text):
+        if _EXTERNAL_BYTES.search(text) or _IS_DATA_TABLE.search(text):
             return True
         inside = text[text.index(b">") + 1 : text.rfind(b"</")] if left_out else b""
         return unescape(inside.decode("utf-8", "replace")) in left_out if inside else False

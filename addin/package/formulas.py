@@ -26,7 +26,7 @@ from .formula_text import CHANGES_BY_ITSELF, parse_formula
 from .references import Rect, cell_name
 from .sheet_part import SheetPart
 from .values import MAX_FORMULA, Constant, ErrorValue
-from .xml_part import in_short, main
+from .xml_part import Element, in_short, main
 
 if TYPE_CHECKING:
     from .workbook import Workbook
@@ -141,11 +141,22 @@ def _formulas_of(sheet: SheetPart) -> Iterator[FormulaCell]:
             text, from_row, from_column = masters.get(formula.get("si"), ("", row, column))
             yield FormulaCell(sheet.name, here, text, (row - from_row, column - from_column))
         elif kind == "dataTable":
-            yield FormulaCell(sheet.name, arrays.get((row, column), here), "")
+            rect = arrays.get((row, column), here)
+            text = _read_by_data_table(formula, rect)
+            yield FormulaCell(sheet.name, rect, text, is_data_table=True)
         elif cell.get("cm"):
             yield FormulaCell(sheet.name, spill_rect(here), text, spills=True)
         else:
             yield FormulaCell(sheet.name, arrays.get((row, column), here), text)
+
+
+def _read_by_data_table(formula: Element, rect: Rect) -> str:
+    """What a data table reads, as a formula: the cells that it varies, its axes and formulas above and left of it."""
+    varied = [formula.get(name) for name in ("r1", "r2") if formula.get(name)]
+    if not varied or rect.top == 1 or rect.left == 1:
+        return ""
+    around = Rect(rect.top - 1, rect.left - 1, rect.bottom, rect.right)
+    return f"TABLE({','.join([str(around), *varied])})"
 
 
 def _rich_values(workbook: Workbook) -> ChangedCells:
@@ -180,7 +191,7 @@ class _Refresh:
         self.count = count
         self.reads = reads
         self.rich_values = _rich_values(workbook)
-        self.all_calculated = True
+        self.left_out: Collection[str] = frozenset()
         self.changed = 0
         self.removed = 0
 
@@ -207,15 +218,18 @@ class _Refresh:
         known = {area for found in areas for area in found or ()}
         read = None if None in areas else known
         recalculated, reason = _recalculate(self.workbook, self.everything, with_formulas, read)
-        if recalculated is None and read is None:
-            # The whole may be more than the calculator takes, or those that may read anything be what it refuses.
-            self.all_calculated = False
-            unclear = {
-                cell.text
-                for cell, found in zip(self.everything, areas, strict=True)
-                if found is None
-            }
-            again = _recalculate(self.workbook, self.everything, with_formulas, known, unclear)
+        if recalculated is not None:
+            return recalculated, reason
+        # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
+        # refuses circles, which spreadsheet programs leave or calculate round by round.
+        circles = DependencyGraph(self.everything, self.reads).in_circles()
+        left_out = {self.everything[index].text for index in circles}
+        left_out |= {
+            cell.text for cell, area in zip(self.everything, areas, strict=True) if area is None
+        }
+        if left_out:
+            self.left_out = left_out
+            again = _recalculate(self.workbook, self.everything, with_formulas, known, left_out)
             recalculated, reason = again[0], again[1] or reason
         return recalculated, reason
 
@@ -244,12 +258,12 @@ class _Refresh:
         return {self.everything[index] for index in graph.downstream_of_formulas(sources)}
 
     def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
+        if cell.is_data_table or cell.text in self.left_out:
+            return affected  # calculated nowhere: the copy had its old value
         if not parse_formula(cell.text).functions.isdisjoint(recalculated.doubtful_functions):
             return True
-        if not self.all_calculated and self.reads(cell) is None:
-            return True
         if affected and reads_other_workbook(cell.text):
-            return True  # calculated nowhere: the copy had its old value
+            return True  # nor is this one
         if affected and self.rich_values and self._meets_rich_value(cell):
             return True  # the calculator sees an error there, spreadsheet programs do not
         sheet = self.workbook.sheet_part(cell.sheet)

@@ -9,11 +9,21 @@ import openpyxl
 import pytest
 import xlsxwriter
 from rich_workbooks import changed_parts, parts_of, tiny_png, with_parts
+from whatif_workbooks import (
+    HANGING,
+    OUT,
+    RENEWED,
+    UNTOUCHED,
+    VARIED,
+    circular_workbook,
+    whatif_workbook,
+)
 
-from addin.package import CacheReport, Formula, open_workbook
+from addin.package import CacheReport, Formula, dependents, open_workbook
 from addin.package.calculator_copy import calculator_copy
+from addin.package.dependents import DependencyGraph, FormulaCell, ReferenceResolver
 from addin.package.formula_text import parse_formula, shifted_formula
-from addin.package.references import Rect
+from addin.package.references import Rect, parse_range
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 
@@ -224,6 +234,104 @@ def test_long_chains_and_cycles_end(tmp_path: Path) -> None:
     values, report = refreshed(path, {"A1": 2.0})
     assert values == {"A1": None, "B1": None}
     assert report.method in ("removed", "recalculated")
+
+
+@pytest.mark.parametrize("calculator", [True, False])
+def test_data_tables_are_left_blank_where_they_hang_on_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, calculator: bool
+) -> None:
+    if not calculator:
+        monkeypatch.setitem(sys.modules, "formualizer", None)
+    path = whatif_workbook(tmp_path / "t.xlsx")
+    values, report = refreshed(path, {"A1": 5.0})
+    assert {name: values[name] for name in (*VARIED, *HANGING)} == dict.fromkeys(
+        (*VARIED, *HANGING)
+    )
+    assert {name: values[name] for name in UNTOUCHED} == UNTOUCHED
+    assert [values[name] for name in RENEWED] == [
+        v if calculator else None for v in RENEWED.values()
+    ]
+    assert report.method == ("recalculated" if calculator else "removed")
+    before, after = (parts_of(p)[OUT] for p in (path, path.with_name("out.xlsx")))
+    tables = re.findall(rb"<f t=.dataTable.[^>]*/>", before)
+    assert re.findall(rb"<f t=.dataTable.[^>]*/>", after) == tables
+    assert len(tables) == 4
+
+
+@pytest.mark.parametrize(
+    ("cell", "blank"),
+    [
+        (
+            "C1",
+            {"B3", "E4", "J3", "N3", "P1", "P4"},
+        ),  # the cell that is varied; its own value shows in none of them
+        ("C2", {"J3", "K4", "P3"}),
+        ("A4", {"B3", "B4", "B5", "P1", "P5"}),
+        ("I4", {"J3", "K4", "P3"}),
+        ("F3", {"E4", "F4", "G4", "P2"}),
+    ],
+)
+def test_data_tables_hang_on_their_axes_and_on_the_cells_they_vary(
+    tmp_path: Path, cell: str, blank: set[str]
+) -> None:
+    book = open_workbook(whatif_workbook(tmp_path / "t.xlsx"))
+    book.set_cell("Out", cell, 9.0)
+    out = openpyxl.load_workbook(book.save(tmp_path / "out.xlsx").path, data_only=True)["Out"]
+    assert {name for name in blank if out[name].value is not None} == set()
+    others = {"B3": "P1", "E4": "P2", "J3": "P3", "N3": "P4"}
+    for first, total in others.items():
+        assert (out[first].value is None) == (out[total].value is None)
+        assert (out[first].value is None) == (first in blank)
+
+
+@pytest.mark.parametrize("iterated", [True, False])
+@pytest.mark.parametrize("calculator", [True, False])
+def test_circles_are_left_blank_where_they_hang_on_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, iterated: bool, calculator: bool
+) -> None:
+    """What a circle ends at hangs on where it began, and on how a program goes round it."""
+    if not calculator:
+        monkeypatch.setitem(sys.modules, "formualizer", None)
+    path = circular_workbook(tmp_path / "t.xlsx", iterated=iterated)
+    values, report = refreshed(path, {"A1": 30.0})
+    assert [values[name] for name in ("A1", "B1", "C1")] == [None] * 3
+    assert [values[name] for name in ("E1", "E2", "E3")] == [2, 2, 6]  # of their own
+    renewed = [60, 61, 36] if calculator else [None] * 3
+    assert [values[name] for name in ("D1", "D2", "D3")] == renewed
+    assert report.method == ("recalculated" if calculator else "removed")
+    asked = parts_of(path.with_name("out.xlsx"))["xl/workbook.xml"]
+    assert b'fullCalcOnLoad="1"' in asked
+    assert (b'iterate="1" iterateCount="200"' in asked) == iterated
+
+
+def test_circles_of_any_shape_are_found() -> None:
+    cells = {
+        "A1": "A1+1", "B1": "B2", "B2": "SUM(B3:B9)", "B5": "B1*2", "C1": "A1", "D1": "D2", "D2": "1",
+        "E1": "SUM(E1:E3)", "F2": "SUM(F:F)", "G1": "ROW(G2)", "G2": "COLUMN(G1)", "H1": "B5", "I1": "SUM(J:J)",
+        "J7": "Out!I1", "K1": "L1", "L1": "M1", "M1": "K1+D1",
+    }  # fmt: skip
+    formulas = [FormulaCell("Out", parse_range(cell), text) for cell, text in cells.items()]
+    formulas.append(
+        FormulaCell("Out", parse_range("X1:Y2"), "Y2")
+    )  # an array formula on a cell of its own
+    resolver = ReferenceResolver(["Out"], [], [])
+    found = DependencyGraph(formulas, resolver.reads).in_circles()
+    names = {str(formulas[index].rect) for index in found}
+    assert names == {
+        "A1", "B1", "B2", "B5", "E1", "F2", "G1", "G2", "I1", "J7", "K1", "L1", "M1", "X1:Y2"
+    }  # fmt: skip
+    assert DependencyGraph(formulas[4:7], resolver.reads).in_circles() == set()
+    assert DependencyGraph([], resolver.reads).in_circles() == set()
+
+
+def test_a_circle_among_too_many_formulas_costs_all_their_values(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dependents, "_MOST_STEPS", 5)
+    values, report = refreshed(circular_workbook(tmp_path / "t.xlsx"), {"A1": 30.0})
+    assert [values[name] for name in ("A1", "B1", "C1", "D1", "D2", "D3")] == [None] * 6
+    assert (report.method, values["E3"]) == ("removed", 6)
+    assert "recalculated" in report.reason
 
 
 def test_without_formualizer_affected_values_are_removed(
