@@ -128,7 +128,7 @@ def test_some_files() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("start", range(0, 1_500, 300))
+@pytest.mark.parametrize("start", range(20_000, 21_500, 300))
 def test_more_files(start: int) -> None:
-    """The beginning of the kept record; see docs/safety.md on the numbers beyond it."""
+    """Beyond the kept record, which ends with number 19,999: files that no repair was made after but two."""
     told(range(start, start + 300))
