@@ -163,7 +163,9 @@ def _rich_values(workbook: Workbook) -> ChangedCells:
     """Cells that show rich values, in all sheets."""
     found = ChangedCells()
     for sheet in workbook.sheet_names:
-        if _HAS_RICH_VALUE.search(workbook.sheet_bytes(sheet)):
+        data = workbook.sheet_bytes(sheet)
+        # Looked for without pattern first, as sheets are long.
+        if b"vm=" in data and _HAS_RICH_VALUE.search(data):
             for row, column in workbook.sheet_part(sheet).rich_values:
                 found.add(sheet, Rect(row, column, row, column))
     return found
@@ -221,9 +223,11 @@ class _Refresh:
         if recalculated is not None:
             return recalculated, reason
         # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
-        # refuses circles, which spreadsheet programs leave or calculate round by round.
+        # refuses circles, which spreadsheet programs leave or calculate round by round. It is not given what would be
+        # beyond spreadsheet programs.
         circles = DependencyGraph(self.everything, self.reads).in_circles()
         left_out = {self.everything[index].text for index in circles}
+        left_out |= {cell.text for cell in self.everything if _is_beyond_programs(cell.text)}
         left_out |= {
             cell.text for cell, area in zip(self.everything, areas, strict=True) if area is None
         }
@@ -394,7 +398,7 @@ def _recalculate(
         import formualizer
     except ImportError:
         return None, "The package formualizer is not installed, so formulas were not recalculated."
-    if any(_is_beyond_programs(cell.text) for cell in everything):
+    if any(_is_beyond_programs(cell.text) for cell in everything if cell.text not in left_out):
         return None, "A formula is longer or deeper than a spreadsheet program takes."
     fed, dropped = calculator_copy(workbook, with_formulas, read, left_out)
     package = io.BytesIO()
