@@ -12,7 +12,7 @@ from addin.problems import shortened
 
 __all__ = [
     "Cell", "Fault", "is_date_format", "is_percent_format", "number_in_text", "read_number",
-    "read_text",
+    "read_text", "read_unit",
 ]  # fmt: skip
 
 Constant = None | bool | int | float | str | ErrorValue
@@ -138,6 +138,33 @@ def read_text(cell: Cell, spec: Field) -> str | Fault | None:
         return value
     assert isinstance(value, (int, float))
     return f"{value:.15g}"
+
+
+def read_unit(cell: Cell) -> str | Fault:
+    """The unit in a cell; the number 1 is a unit too.
+
+    A unit that cannot be told is no blank one: a ratio would be taken for what is per cent.
+
+    Parameters
+    ----------
+    cell : Cell
+        Beside the number or above the header. [cell]
+
+    Returns
+    -------
+    str or Fault
+        Empty for a blank. [text]
+    """
+    value = cell.value
+    if cell.is_blank:
+        return ""
+    fault = _formula_fault(cell)
+    if fault is not None:
+        return fault
+    if isinstance(value, bool):
+        shown = "TRUE" if value else "FALSE"
+        return Fault(shown, "a unit", f"found {shown}; a unit is needed. Type it.")
+    return value.strip() if isinstance(value, str) else f"{value:.15g}"
 
 
 def _formula_fault(cell: Cell) -> Fault | None:

@@ -20,6 +20,7 @@ from addin.cells import (
     is_percent_format,
     read_number,
     read_text,
+    read_unit,
 )
 from addin.fields import (
     INPUT_TABLES,
@@ -168,6 +169,45 @@ class WorkbookInput(CaseInput):
         """
         return _located(problem, self.typed, self.locations)
 
+    def otherwise_now(self) -> tuple[list[str], list[str]]:
+        """Inputs that are formulas and show something else since results were written.
+
+        Returns
+        -------
+        without_value : list of str
+            Cells of inputs and units, with their sheet, that nothing here could calculate again.
+        changed : list of str
+            Cells of inputs that hang on results and have got another value.
+        """
+        places = dict(self._places())
+        if not any(self._is_calculated(*cell) for cell in places):
+            return [], []
+        after = read_workbook(self.workbook).typed
+        without_value, changed = [], []
+        for (sheet, cell), (place, entry) in places.items():
+            if self.workbook.shown_value(sheet, cell) is None:
+                without_value.append(f"{sheet}!{cell}")
+            elif after.entry(place) != entry and self._is_calculated(sheet, cell):
+                changed.append(f"{sheet}!{cell}")
+        return without_value, changed
+
+    def _places(self) -> Iterator[tuple[tuple[str, str], tuple[Place, Entry]]]:
+        """Cells of all entries, and of their units."""
+        rows: list[tuple[str, int | None, Mapping[str, Entry]]]
+        rows = [(SCALAR_TABLE, None, self.typed.scalars)]
+        for table, entries in self.typed.tables.items():
+            rows += [(table, row, entry) for row, entry in enumerate(entries, start=1)]
+        for table, row, line in rows:
+            for column, entry in line.items():
+                place = (table, row, column)
+                yield self.locations.cell(*place), (place, entry)
+                if isinstance(entry, Typed) and entry.unit:
+                    yield self.locations.units[table, column], (place, entry)
+
+    def _is_calculated(self, sheet: str, cell: str) -> bool:
+        part, place = self.workbook.sheet_part(sheet), parse_cell(cell)
+        return place in part.formulas or part.array_across(Rect(*place, *place)) is not None
+
 
 def read_workbook(source: str | Path | Workbook) -> WorkbookInput:
     """Read the inputs of a workbook, all problems collected.
@@ -257,21 +297,20 @@ class _Reading:
         cell = self.sheets.cell(sheet, top, left)
         entry: Entry | None
         if spec.is_number:
-            unit = self.sheets.unit(sheet, *unit_at)
+            unit = self.sheets.cell(sheet, *unit_at)
             entry = self._scalar_number(cell, unit, spec, place)
         else:
             entry = self._words(cell, spec, place)
         if entry is not None:
             self.typed.scalars[spec.name] = entry
 
-    def _scalar_number(self, cell: Cell, unit: str, spec: Field, place: Place) -> Typed | None:
+    def _scalar_number(self, cell: Cell, unit: Cell, spec: Field, place: Place) -> Typed | None:
         """A number and the unit to its right."""
         number = self._number(cell, spec, place, "in the cell to the right of it")
         if number is None:
             return None
-        scale = self._scale(unit, spec, place)
-        shown = unit if spec.has_unit else ""
-        return None if scale is None else self._typed(number, scale, shown, cell, place)
+        found = self._scale(unit, spec, place)
+        return None if found is None else self._typed(number, *found, cell, place)
 
     def _note_missing_name(self, spec: Field, broken: bool) -> None:
         known = {one.name.casefold() for one in SCALARS}
@@ -391,17 +430,17 @@ class _Reading:
             return
         place = (spec.name, None, column.name)
         sheet, at = self.locations.units.get((spec.name, column.name), ("", ""))
-        unit = self.sheets.unit(sheet, *parse_cell(at)) if column.has_unit and at else ""
-        scale = self._scale(unit, column, place)
+        unit = self.sheets.cell(sheet, *parse_cell(at)) if at else Cell(None)
+        scaled = self._scale(unit, column, place)
         for i, cell in cells.items():
             number = self._number(
                 cell, column, (spec.name, i + 1, column.name), "in the cell above the header"
             )
-            if scale is None:
+            if scaled is None:
                 self.findings.silence((spec.name, i + 1, column.name))
             elif number is not None:
                 here = (spec.name, i + 1, column.name)
-                entry = self._typed(number, scale, unit, cell, here)
+                entry = self._typed(number, *scaled, cell, here)
                 if entry is not None:
                     yield i, entry
 
@@ -457,18 +496,24 @@ class _Reading:
             return None
         return None if words is None else word_entry(words, spec, place, self.findings)
 
-    def _scale(self, unit: str, spec: Field, place: Place) -> UnitScale | None:
-        """The scale of a unit cell; a unit that cannot be read is noted."""
+    def _scale(self, cell: Cell, spec: Field, place: Place) -> tuple[UnitScale, str] | None:
+        """The scale of a unit cell and the unit; one that cannot be read is noted."""
         if not spec.has_unit:
-            return UnitScale(1.0)
-        try:
-            return parse_unit(unit, spec.dimension)
-        except UnitError as error:
-            message = error.message
-            if place[0] == SCALAR_TABLE:
-                message = f"unit cell {self.locations.units[place[0], place[2]][1]}: {message}"
-            self.findings.add(place, unit or None, error.allowed, message)
+            return UnitScale(1.0), ""
+        unit = read_unit(cell)
+        if isinstance(unit, Fault):
+            self._note_unit(unit.message, unit.found, unit.allowed, place)
             return None
+        try:
+            return parse_unit(unit, spec.dimension), unit
+        except UnitError as error:
+            self._note_unit(error.message, unit or None, error.allowed, place)
+            return None
+
+    def _note_unit(self, message: str, found: str | None, allowed: str, place: Place) -> None:
+        if place[0] == SCALAR_TABLE:
+            message = f"unit cell {self.locations.units[place[0], place[2]][1]}: {message}"
+        self.findings.add(place, found, allowed, message)
 
     def _typed(
         self,
@@ -533,13 +578,6 @@ class _Sheets:
             is_formula=(row, column) in part.formulas,
             number_format=self._format(style),
         )
-
-    def unit(self, sheet: str, row: int, column: int) -> str:
-        """The unit in a cell as text; the number 1 is a unit too."""
-        value = self._workbook.sheet_part(sheet).constant(row, column)
-        if isinstance(value, float):
-            return f"{value:.15g}"
-        return value.strip() if isinstance(value, str) else ""
 
     def filled(self, sheet: str, area: Rect) -> Iterator[tuple[int, int]]:
         """Cells of an area that hold something, row by row."""

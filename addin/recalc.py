@@ -19,6 +19,7 @@ from addin.whole_files import write_whole
 if TYPE_CHECKING:
     from addin.calculation import Calculation
     from addin.package import Workbook
+    from addin.read_workbook import WorkbookInput
     from addin.typed_case import CaseInput
     from engine.errors import CaseError, ModelError
     from engine.results import Results
@@ -219,7 +220,7 @@ def recalculate(
                     place.parent.mkdir(parents=True, exist_ok=True)
             if isinstance(read, WorkbookInput) and source.suffix.lower() in WORKBOOK_ENDINGS:
                 new = None if in_place else target
-                notes = _write_workbook(read.workbook, new, calculation, ignore_lock)
+                notes = _write_workbook(read, new, calculation, ignore_lock)
                 files.append(target)
                 if on_written is not None:
                     on_written(read.workbook)
@@ -348,13 +349,13 @@ def _whole(message: str, table: str) -> CellProblem:
 
 
 def _write_workbook(
-    source: Workbook, destination: Path | None, calculation: Calculation, ignore_lock: bool
+    read: WorkbookInput, destination: Path | None, calculation: Calculation, ignore_lock: bool
 ) -> tuple[str, ...]:
     from addin.write_workbook import RunStamp, write_results
 
     stamp = RunStamp(calculation.stamp.software, calculation.stamp.date, calculation.case_sha256)
     report = write_results(
-        source,
+        read.workbook,
         destination,
         calculation.view,
         stamp,
@@ -366,8 +367,32 @@ def _write_workbook(
             f"{report.caches.removed} formulas were left without a value, to be calculated when the "
             f"workbook is opened: {report.caches.reason}"
         )
-        return (*report.notes, left)
-    return report.notes
+        return (*report.notes, left, *_on_inputs(read))
+    renewed = report.caches.changed or report.caches.removed
+    return (*report.notes, *(_on_inputs(read) if renewed else ()))
+
+
+def _on_inputs(read: WorkbookInput) -> Iterable[str]:
+    """Sentences on inputs that are formulas and do not show any more what was calculated with."""
+    without_value, changed = read.otherwise_now()
+    if without_value:
+        yield (
+            f"Inputs that are formulas were left without a value: {_some(without_value)}. They may "
+            "hang on results, and cannot be recalculated here for certain. Before the written "
+            "workbook can be calculated again, open it in Excel or LibreOffice and save it, or type "
+            "values there instead of the formulas."
+        )
+    if changed:
+        yield (
+            f"Inputs that are formulas hang on results, and have changed with them: {_some(changed)}. "
+            "The results are those of the inputs before. Calculate again until they stay, or type "
+            "values there instead of the formulas."
+        )
+
+
+def _some(cells: list[str], most: int = 10) -> str:
+    more = f" and {len(cells) - most} more" if len(cells) > most else ""
+    return ", ".join(cells[:most]) + more
 
 
 def _write_history(calculation: Calculation, beside: Path) -> Iterable[Path]:

@@ -15,6 +15,7 @@ import faulthandler
 import hashlib
 import io
 import json
+import multiprocessing
 import random
 import re
 import resource
@@ -32,6 +33,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +43,8 @@ ROOT = Path(__file__).resolve().parents[1]
 RECORD = Path(__file__).parent / "records" / "workbook_fuzz.json"
 #: One mutation may take this long before it counts as hanging [s]; an honest one takes 0.3, or 16 on a machine with ten times as much to do.
 PATIENCE = 60.0
+#: What openpyxl gets to open a file: it makes an object of each cell of a merged range, be that the whole sheet.
+OPENPYXL_PATIENCE, OPENPYXL_MEMORY = 20.0, 200 * 2**20  # [s], [byte]
 BLOCK = 100
 
 
@@ -751,12 +755,13 @@ def _reads_back(source: Path, target: Path, suffix: str) -> str:
 
 
 def _calculates_inputs(read: Any) -> bool:
-    """Whether an input is a formula: its value may hang on results, and changes with them."""
+    """Whether an input or its unit is a formula: its value may hang on results, and changes with them."""
     from addin.package.references import Rect, parse_cell
 
     places = [
         (sheet, Rect(*parse_cell(cell), *parse_cell(cell)))
-        for sheet, cell in read.locations.scalars.values()
+        for where in (read.locations.scalars, read.locations.units)
+        for sheet, cell in where.values()
     ]
     places += [(table.sheet, table.data) for table in read.locations.tables.values()]
     return any(
@@ -767,6 +772,32 @@ def _calculates_inputs(read: Any) -> bool:
 
 
 def _openpyxl_says(path: Path) -> str:
+    """What openpyxl stumbles over, asked in a process that ends when it takes too much."""
+    fork = multiprocessing.get_context("fork")
+    here, there = fork.Pipe(duplex=False)
+    process = fork.Process(target=_open_with_openpyxl, args=(path, there))
+    process.start()
+    there.close()
+    try:
+        if not here.poll(OPENPYXL_PATIENCE):
+            return f"it takes longer than {OPENPYXL_PATIENCE:g} s"
+        return str(here.recv())
+    except EOFError:
+        return "its process ended"
+    finally:
+        process.kill()
+        process.join()
+        here.close()
+
+
+def _open_with_openpyxl(path: Path, answer: Connection) -> None:
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    most = pages * resource.getpagesize() + OPENPYXL_MEMORY
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    answer.send(_stumbles(path))
+
+
+def _stumbles(path: Path) -> str:
     import openpyxl
 
     try:

@@ -1,20 +1,22 @@
 """The copy of a workbook that goes to the calculator: what it refuses or needs not is left out.
 
 formualizer refuses a workbook in which a cell of a calculated column holds a value (people type over such cells), one
-that states too small an extent of a sheet (some programs do), and one whose tables have more than 256 columns together.
-And it reads all cells, where histories take longer than everything else. Hence column formulas and extents are taken out,
-and on sheets without formulas the tables and the last rows that no formula reads.
+that states too small an extent of a sheet (some programs do), one with a data table, one in which any cell shows a rich value
+(a picture, a linked data type), and one whose tables have more than 256 columns together. And it reads all cells, where histories take longer
+than everything else. Hence column formulas, extents, data tables and links to rich values are taken out, and on sheets without formulas
+the tables and the last rows that no formula reads.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection
+from html import unescape
 from typing import TYPE_CHECKING
 
 from .references import Rect, absolute_range, quoted_sheet
 from .tables import Table
-from .xml_part import main, parse_part, serialise
+from .xml_part import Element, main, parse_part, serialise
 
 if TYPE_CHECKING:
     from .workbook import Workbook
@@ -37,12 +39,20 @@ _BRACKETED = re.compile(rb"\[\d+\]")
 _EXTERNAL_BYTES = re.compile(_EXTERNAL.pattern.encode())
 _FORMULA = re.compile(rb"<((?:\w+:)?f)\b(?:[^>]*/>|[^>]*>[^<]*</\1\s*>)")
 _GROUP = re.compile(rb"""\bsi=["'](\d+)["']""")
+_RICH_VALUE = re.compile(rb"""(<(?:\w+:)?c\s[^<>]*?)\svm=["'][^"'<>]*["']""")
+_IS_DATA_TABLE = re.compile(rb"""^[^>]*\st=["']dataTable["']""")
+_DYNAMIC_VALUE = re.compile(
+    rb"""(<(?:\w+:)?c\s[^<>]*?)\scm=["'][^"'<>]*["']([^<>]*>)(?!<(?:\w+:)?f[\s/>])"""
+)
 _EXTENSIONS = re.compile(rb"<((?:\w+:)?extLst)\b[^>]*>.*?</\1\s*>", re.DOTALL)
 _TOTALS_FUNCTION = re.compile(rb"""\stotalsRowFunction=(?:"[^"]*"|'[^']*')""")
 
 
 def calculator_copy(
-    workbook: Workbook, with_formulas: Collection[str], read: Collection[tuple[str, Rect]] | None
+    workbook: Workbook,
+    with_formulas: Collection[str],
+    read: Collection[tuple[str, Rect]] | None,
+    left_out: Collection[str] = (),
 ) -> tuple[dict[str, bytes], set[str]]:
     """Parts of the copy that differ from the file as it was opened.
 
@@ -54,6 +64,8 @@ def calculator_copy(
         Sheets that hold formulas.
     read : collection of (str, Rect) or None
         What formulas read; None when some formula may read anything.
+    left_out : collection of str
+        Formulas that are not to be calculated; their cells keep their values.
 
     Returns
     -------
@@ -64,7 +76,9 @@ def calculator_copy(
     """
     parts = workbook.changed_parts()
     unread = [] if read is None else _unread_tables(workbook, with_formulas, read)
-    dropped = {table.part for table in unread}
+    rich, parts_without_rich = _without_rich_data(workbook)
+    parts |= parts_without_rich
+    dropped = {table.part for table in unread} | rich
     kept = [table for table in workbook.tables.values() if table.part not in dropped]
     for table in kept:
         data = parts.get(table.part) or workbook.container.read(table.part)
@@ -85,7 +99,8 @@ def calculator_copy(
         data = _without_table_parts(data, ids)
         stated = _DIMENSION.search(data, 0, data.find(b"sheetData"))
         data = data[: stated.start()] + data[stated.end() :] if stated else data
-        parts[part] = _without_external_formulas(_without_extensions(data))
+        data = _without_rich_values(_without_extensions(data))
+        parts[part] = _without_formulas(data, left_out)
     parts |= workbook.structure.as_plain_workbook(without=dropped)
     parts |= _with_plain_names(workbook)
     return {name: data for name, data in parts.items() if name not in dropped}, dropped
@@ -161,27 +176,83 @@ def _without_extensions(data: bytes) -> bytes:
     return data[:cells] + _EXTENSIONS.sub(b"", data[cells:]) if cells >= 0 else data
 
 
+def _without_rich_data(workbook: Workbook) -> tuple[set[str], dict[str, bytes]]:
+    """Parts left out that hold rich values, and what leads to them without that."""
+    structure = workbook.structure
+    left_out = {
+        name for name in workbook.container.names if name.lower().startswith("xl/richdata/")
+    }
+    replaced: dict[str, bytes] = {}
+    metadata = structure.related("sheetMetadata")
+    if metadata is not None:
+        data = workbook.container.read(metadata)
+        root = parse_part(data, metadata)
+        if not _keep_dynamic_arrays(root):
+            left_out.add(metadata)
+        else:
+            replaced[metadata] = serialise(root, data)
+    return left_out, replaced | structure.without_relationships(structure.part, left_out)[1]
+
+
+def _keep_dynamic_arrays(root: Element) -> bool:
+    """Take out of the metadata what is said of values, and say whether anything remains."""
+    types = root.findall(f"{main('metadataTypes')}/{main('metadataType')}")
+    kept = [one.get("name") == "XLDAPR" for one in types]
+    numbers = {str(k): str(sum(kept[:k])) for k, keep in enumerate(kept, start=1) if keep}
+    for one in [*types, *root.findall(main("futureMetadata"))]:
+        if one.get("name") != "XLDAPR":
+            one.getparent().remove(one)
+    for tag in ("valueMetadata", "mdxMetadata", "metadataStrings"):
+        for one in root.findall(main(tag)):
+            root.remove(one)
+    for record in root.findall(f"{main('cellMetadata')}/{main('bk')}/{main('rc')}"):
+        number = numbers.get(record.get("t", ""))
+        if number is None:
+            record.getparent().remove(record)
+        else:
+            record.set("t", number)
+    holder = root.find(main("metadataTypes"))
+    if holder is not None:
+        holder.set("count", str(sum(kept)))
+    return any(kept)
+
+
+def _without_rich_values(data: bytes) -> bytes:
+    """A sheet whose cells show their fallbacks; what may hang on them is not taken over."""
+    return _RICH_VALUE.sub(rb"\1", data) if b"vm=" in data else data
+
+
 def reads_other_workbook(formula: str) -> bool:
     """Whether a formula reads another workbook, whose cells are not here."""
     return _EXTERNAL.search(formula) is not None
 
 
-def _without_external_formulas(data: bytes) -> bytes:
-    """A sheet whose formulas on other workbooks are gone; their values stay."""
-    if _BRACKETED.search(data) is None:  # a quick look, as sheets are long
+def _without_formulas(data: bytes, left_out: Collection[str]) -> bytes:
+    """A sheet whose data tables, formulas on other workbooks, and some more, are gone; their values stay."""
+    # A quick look, as sheets are long.
+    if not left_out and b"dataTable" not in data and _BRACKETED.search(data) is None:
         return data
+
+    def is_left_out(formula: re.Match[bytes]) -> bool:
+        text = formula[0]
+        if _EXTERNAL_BYTES.search(text) or _IS_DATA_TABLE.search(text):
+            return True
+        inside = text[text.index(b">") + 1 : text.rfind(b"</")] if left_out else b""
+        return unescape(inside.decode("utf-8", "replace")) in left_out if inside else False
+
     groups = {
         group[1]
         for formula in _FORMULA.finditer(data)
-        if _EXTERNAL_BYTES.search(formula[0]) and (group := _GROUP.search(formula[0]))
+        if is_left_out(formula) and (group := _GROUP.search(formula[0]))
     }
 
     def kept(formula: re.Match[bytes]) -> bytes:
         group = _GROUP.search(formula[0])
         shares = group is not None and group[1] in groups
-        return b"" if shares or _EXTERNAL_BYTES.search(formula[0]) else formula[0]
+        return b"" if shares or is_left_out(formula) else formula[0]
 
-    return _FORMULA.sub(kept, data)
+    # A cell that is no formula any more is no dynamic array either.
+    return _DYNAMIC_VALUE.sub(rb"\1\2", _FORMULA.sub(kept, data))
 
 
 def _without_table_parts(data: bytes, ids: Collection[str]) -> bytes:

@@ -5,8 +5,9 @@ The graph is conservative: it may name a formula too many, never one too few.
 
 from __future__ import annotations
 
+from array import array
 from bisect import bisect_left
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -16,6 +17,8 @@ from .tables import Table
 from .workbook_part import DefinedName
 
 _MOST_NAME_STEPS = 1_000
+# Formulas that read each other's columns may have steps like the square of their number.
+_MOST_STEPS = 2_000_000
 _LANGUAGE_WORDS = frozenset(["TRUE", "FALSE"])
 
 
@@ -31,11 +34,13 @@ class FormulaCell:
         The cells that show its result; more than one for array formulas, everything below and right of the first for
         formulas that spill.
     text : str
-        The formula as written in its master cell; empty when it has none that can be read (data tables).
+        The formula as written in its master cell, of a data table what it reads; empty when that cannot be told.
     shift : tuple of int
         Rows and columns from the master of a shared formula to this cell.
     spills : bool
         Whether it is a dynamic-array formula.
+    is_data_table : bool
+        Whether it is a data table (What-If Analysis), whose values no other formula gives.
     """
 
     sheet: str
@@ -43,6 +48,7 @@ class FormulaCell:
     text: str
     shift: tuple[int, int] = (0, 0)
     spills: bool = False
+    is_data_table: bool = False
 
 
 @dataclass
@@ -259,6 +265,26 @@ class DependencyGraph:
         seeds = set(sources)
         return self._closure(seeds | set(self._everything)) if seeds else seeds
 
+    def in_circles(self) -> set[int]:
+        """Formulas that hang on themselves, directly or through others; none where that would take long to find."""
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import connected_components
+
+        places = _FormulaIndex(self.formulas)
+        starts, ends = array("l"), array("l")
+        for node, ((sheet, rect), readers) in enumerate(self._readers.items(), len(self.formulas)):
+            shown = places.within(sheet, rect)
+            starts.extend([node] * len(readers) + shown)
+            ends.extend(readers + [node] * len(shown))
+            if len(starts) + places.looked_at > _MOST_STEPS:
+                return set()
+        size = len(self.formulas) + len(self._readers)
+        graph = csr_array(([True] * len(starts), (starts, ends)), shape=(size, size))
+        _, groups = connected_components(graph, directed=True, connection="strong")
+        # An area that a formula lies in and reads is in its circle: no circle has a single member.
+        members = Counter(groups.tolist())
+        return {index for index in range(len(self.formulas)) if members[groups[index]] > 1}
+
     def _closure(self, reached: set[int]) -> set[int]:
         areas = _AreaIndex(self._readers)
         wave = list(reached)
@@ -272,6 +298,44 @@ class DependencyGraph:
                         reached.add(reader)
                         wave.append(reader)
         return reached
+
+
+class _FormulaIndex:
+    """Formulas by the cells that show their results."""
+
+    def __init__(self, formulas: Sequence[FormulaCell]) -> None:
+        self._rows: dict[str, dict[int, list[tuple[int, int]]]] = defaultdict(
+            lambda: defaultdict(list)
+        )
+        self._blocks: list[tuple[int, FormulaCell]] = []
+        self.looked_at = 0
+        for index, formula in enumerate(formulas):
+            if formula.rect.is_single:
+                self._rows[formula.sheet][formula.rect.left].append((formula.rect.top, index))
+            else:
+                self._blocks.append((index, formula))
+        for columns in self._rows.values():
+            for rows in columns.values():
+                rows.sort()
+
+    def within(self, sheet: str, area: Rect) -> list[int]:
+        """Formulas that show results in an area."""
+        columns = self._rows.get(sheet, {})
+        width = range(area.left, area.right + 1)
+        near = [c for c in columns if c in width] if len(columns) < area.width else [
+            c for c in width if c in columns
+        ]  # fmt: skip
+        self.looked_at += min(len(columns), area.width) + len(self._blocks)
+        found = [
+            index
+            for index, formula in self._blocks
+            if formula.sheet == sheet and formula.rect.meets(area)
+        ]
+        for column in near:
+            rows = columns[column]
+            first = bisect_left(rows, (area.top, 0))
+            found += (index for _, index in rows[first : bisect_left(rows, (area.bottom + 1, 0))])
+        return found
 
 
 class _AreaIndex:

@@ -5,8 +5,9 @@ wrong until a spreadsheet program recalculates, and viewers never do. Hence, for
 cell, the result is renewed, and where that cannot be done for certain, removed: blank beats wrong.
 
 Renewed values come from formualizer, when it is installed. It is not trusted blindly: functions it does not know, values
-that it gets otherwise than the file has them in cells that did not change, new errors, and clock or random functions make
-everything that hangs on them suspect, and that is removed and not replaced.
+that it gets otherwise than the file has them in cells that did not change, new errors, clock or random functions, and rich
+values (pictures in cells, linked data types), which it takes for errors, make everything that hangs on them suspect, and
+that is removed and not replaced. So are the results of data tables, which it does not calculate.
 """
 
 from __future__ import annotations
@@ -20,18 +21,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from .calculator_copy import calculator_copy, reads_other_workbook
-from .dependents import DependencyGraph, FormulaCell, ReferenceResolver, spill_rect
+from .dependents import ChangedCells, DependencyGraph, FormulaCell, ReferenceResolver, spill_rect
 from .formula_text import CHANGES_BY_ITSELF, parse_formula
 from .references import Rect, cell_name
 from .sheet_part import SheetPart
 from .values import MAX_FORMULA, Constant, ErrorValue
-from .xml_part import in_short, main
+from .xml_part import Element, in_short, main
 
 if TYPE_CHECKING:
     from .workbook import Workbook
 
 _F = main("f")
 _HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
+_HAS_RICH_VALUE = re.compile(rb"""\svm=["']""")
 
 _PARENTHESES = re.compile(r"[()]")
 # Spreadsheet programs take 64 levels of functions; a calculator that is given far more may run out of stack.
@@ -139,11 +141,34 @@ def _formulas_of(sheet: SheetPart) -> Iterator[FormulaCell]:
             text, from_row, from_column = masters.get(formula.get("si"), ("", row, column))
             yield FormulaCell(sheet.name, here, text, (row - from_row, column - from_column))
         elif kind == "dataTable":
-            yield FormulaCell(sheet.name, arrays.get((row, column), here), "")
+            rect = arrays.get((row, column), here)
+            text = _read_by_data_table(formula, rect)
+            yield FormulaCell(sheet.name, rect, text, is_data_table=True)
         elif cell.get("cm"):
             yield FormulaCell(sheet.name, spill_rect(here), text, spills=True)
         else:
             yield FormulaCell(sheet.name, arrays.get((row, column), here), text)
+
+
+def _read_by_data_table(formula: Element, rect: Rect) -> str:
+    """What a data table reads, as a formula: the cells that it varies, its axes and formulas above and left of it."""
+    varied = [formula.get(name) for name in ("r1", "r2") if formula.get(name)]
+    if not varied or rect.top == 1 or rect.left == 1:
+        return ""
+    around = Rect(rect.top - 1, rect.left - 1, rect.bottom, rect.right)
+    return f"TABLE({','.join([str(around), *varied])})"
+
+
+def _rich_values(workbook: Workbook) -> ChangedCells:
+    """Cells that show rich values, in all sheets."""
+    found = ChangedCells()
+    for sheet in workbook.sheet_names:
+        data = workbook.sheet_bytes(sheet)
+        # Looked for without pattern first, as sheets are long.
+        if b"vm=" in data and _HAS_RICH_VALUE.search(data):
+            for row, column in workbook.sheet_part(sheet).rich_values:
+                found.add(sheet, Rect(row, column, row, column))
+    return found
 
 
 def _home(cell: FormulaCell) -> Rect:
@@ -167,14 +192,14 @@ class _Refresh:
         self.affected = affected
         self.count = count
         self.reads = reads
+        self.rich_values = _rich_values(workbook)
+        self.left_out: Collection[str] = frozenset()
         self.changed = 0
         self.removed = 0
 
     def run(self) -> CacheReport:
         with_formulas = {cell.sheet for cell in self.everything}
-        recalculated, reason = _recalculate(
-            self.workbook, self.everything, with_formulas, self._areas_read()
-        )
+        recalculated, reason = self._recalculate(with_formulas)
         if recalculated is None:
             for cell in self.affected:
                 self._remove(cell)
@@ -189,15 +214,28 @@ class _Refresh:
         reason = "Some formulas cannot be recalculated for certain." if self.removed else ""
         return self._report("recalculated", reason, disagreements)
 
-    def _areas_read(self) -> set[tuple[str, Rect]] | None:
-        """What formulas read; None when some formula may read anything."""
-        found: set[tuple[str, Rect]] = set()
-        for cell in self.everything:
-            areas = self.reads(cell)
-            if areas is None:
-                return None
-            found.update(areas)
-        return found
+    def _recalculate(self, with_formulas: Collection[str]) -> tuple[_Recalculated | None, str]:
+        """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
+        areas = [self.reads(cell) for cell in self.everything]
+        known = {area for found in areas for area in found or ()}
+        read = None if None in areas else known
+        recalculated, reason = _recalculate(self.workbook, self.everything, with_formulas, read)
+        if recalculated is not None:
+            return recalculated, reason
+        # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
+        # refuses circles, which spreadsheet programs leave or calculate round by round. It is not given what would be
+        # beyond spreadsheet programs.
+        circles = DependencyGraph(self.everything, self.reads).in_circles()
+        left_out = {self.everything[index].text for index in circles}
+        left_out |= {cell.text for cell in self.everything if _is_beyond_programs(cell.text)}
+        left_out |= {
+            cell.text for cell, area in zip(self.everything, areas, strict=True) if area is None
+        }
+        if left_out:
+            self.left_out = left_out
+            again = _recalculate(self.workbook, self.everything, with_formulas, known, left_out)
+            recalculated, reason = again[0], again[1] or reason
+        return recalculated, reason
 
     def _report(self, method: str, reason: str, disagreements: tuple[str, ...] = ()) -> CacheReport:
         return CacheReport(
@@ -224,10 +262,14 @@ class _Refresh:
         return {self.everything[index] for index in graph.downstream_of_formulas(sources)}
 
     def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
+        if cell.is_data_table or cell.text in self.left_out:
+            return affected  # calculated nowhere: the copy had its old value
         if not parse_formula(cell.text).functions.isdisjoint(recalculated.doubtful_functions):
             return True
         if affected and reads_other_workbook(cell.text):
-            return True  # calculated nowhere: the copy had its old value
+            return True  # nor is this one
+        if affected and self.rich_values and self._meets_rich_value(cell):
+            return True  # the calculator sees an error there, spreadsheet programs do not
         sheet = self.workbook.sheet_part(cell.sheet)
         again = recalculated.sheet(cell.sheet)
         if again is sheet:
@@ -245,6 +287,12 @@ class _Refresh:
             if not trusted and old is not None and not _alike(old, new, _SAME_RESULT):
                 return True
         return False
+
+    def _meets_rich_value(self, cell: FormulaCell) -> bool:
+        """Whether a formula reads or shows a rich value."""
+        areas = self.reads(cell)
+        shown = [(cell.sheet, Rect(*place, *place)) for place in self._places(cell)]
+        return areas is None or any(self.rich_values.touch(*area) for area in (*areas, *shown))
 
     def _places(self, cell: FormulaCell) -> Sequence[tuple[int, int]]:
         """Cells that show the result of the formula now."""
@@ -343,15 +391,16 @@ def _recalculate(
     everything: Sequence[FormulaCell],
     with_formulas: Collection[str],
     read: Collection[tuple[str, Rect]] | None,
+    left_out: Collection[str] = (),
 ) -> tuple[_Recalculated | None, str]:
     """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
     try:
         import formualizer
     except ImportError:
         return None, "The package formualizer is not installed, so formulas were not recalculated."
-    if any(_is_beyond_programs(cell.text) for cell in everything):
+    if any(_is_beyond_programs(cell.text) for cell in everything if cell.text not in left_out):
         return None, "A formula is longer or deeper than a spreadsheet program takes."
-    fed, dropped = calculator_copy(workbook, with_formulas, read)
+    fed, dropped = calculator_copy(workbook, with_formulas, read, left_out)
     package = io.BytesIO()
     # Not compressed, as it lives for milliseconds.
     workbook.container.write(package, fed, dropped, compress=False)

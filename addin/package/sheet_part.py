@@ -201,6 +201,11 @@ class SheetPart:
         return self._formulas
 
     @property
+    def rich_values(self) -> list[tuple[int, int]]:
+        """Cells that show a rich value: a picture, a linked data type, an error without a code of its own."""
+        return [self._place(cell) for cell in self._data.iter(_C) if cell.get("vm")]
+
+    @property
     def merges(self) -> list[Rect]:
         """Merged ranges."""
         if self._merges is None:
@@ -364,6 +369,8 @@ class SheetPart:
             cell.remove(old)
         kind, text = constant_text(value)
         cell.attrib.pop("t", None)
+        # What a rich value shows is not in the cell: it would outlive the value that it belongs to.
+        cell.attrib.pop("vm", None)
         if kind:
             cell.set("t", kind)
         if text is not None:

@@ -49,6 +49,15 @@ cell, so that `=TV_PEAKS(LiveModel)` works anywhere in the book. Answers are tab
 365 and 2021, and are entered as array formulas (Ctrl+Shift+Enter) in older Excel and in Calc. *Units*
 is `SI` or `US`, blank as the tables are typed; *Headers* `FALSE` leaves the row of headers out.
 
+**Do not type the per cent sign where the unit is `%` already.** A cell that shows `1.5%` holds 0.015, and a
+spreadsheet program hands a function that number without its format. With the unit `%` it is read as
+0.015 %, a hundred times too small, in every front: the functions cannot notice, and no error is
+shown. It concerns all that is typed in per cent: damping ratios, margins, tolerances, voltage,
+and speeds and torques as shares of the rated ones. Type 1.5 in a cell formatted as Number; or keep the
+per cent format and write 1 as the unit. `torsionbook check train.xlsx` and `recalc` read the saved file
+with its formats and refuse such a cell by its name: run `check` once where numbers were pasted or come
+from another workbook. (Where the format was changed afterwards and the cell shows 0.015, nobody can tell.)
+
 | function | what it answers | calculates a start |
 |---|---|---|
 """

@@ -100,7 +100,7 @@ class SmallWorkbook:
     rows: dict[str, list[dict[str, Any] | None]] = field(
         default_factory=lambda: {name: [dict(r) for r in rows] for name, rows in TABLE_ROWS.items()}
     )
-    units: dict[Any, str] = field(default_factory=dict)
+    units: dict[Any, Any] = field(default_factory=dict)
     headers: dict[tuple[str, str], str | None] = field(default_factory=dict)
     without: set[str] = field(default_factory=set)
     merged: list[tuple[str, int, int, str]] = field(default_factory=list)
@@ -131,7 +131,7 @@ class SmallWorkbook:
             if spec.name in self.without:
                 continue
             self._write(sheet, row, 4, self.scalars.get(spec.name))
-            sheet.write_string(row, 5, self.units.get(spec.name, spec.unit_us))
+            self._write(sheet, row, 5, self.units.get(spec.name, spec.unit_us))
             self.book.define_name(spec.name, f"=Case!$E${row + 1}")
 
     def _write_table(self, table: Any, top: int) -> int:
@@ -142,7 +142,7 @@ class SmallWorkbook:
         rows = self.rows.get(table.name, [])
         height = max(len(rows), 1) + 2
         for j, column in enumerate(columns, start=1):
-            sheet.write_string(top, j, self.units.get((table.name, column.name), column.unit_us))
+            self._write(sheet, top, j, self.units.get((table.name, column.name), column.unit_us))
             for i, row in enumerate(rows, start=1):
                 self.places[table.name, i, column.name] = xlsxwriter.utility.xl_rowcol_to_cell(
                     top + 1 + i, j

@@ -261,6 +261,34 @@ def test_a_formula_nobody_calculated(workbook, tmp_path):
     assert "let it calculate, and save it" in problem.message
 
 
+@pytest.mark.parametrize("place", ["DampingRatio", ("Stations", "Inertia")])
+@pytest.mark.parametrize(
+    ("unit", "sentence"),
+    [
+        (Calculated("=NA()", "#N/A"), "found the error #N/A. Correct the formula"),
+        ("#REF!", "found the error #REF!. Type the value"),
+        (True, "found TRUE; a unit is needed. Type it."),
+        (Calculated("=250*2", 500), "a formula that has never been calculated"),
+    ],
+    ids=["error of a formula", "error", "TRUE", "formula without value"],
+)
+def test_a_unit_that_cannot_be_told(workbook, tmp_path, place, unit, sentence):
+    """A ratio without unit is a plain number: 0.5 with its % lost would be 50 %."""
+    workbook.scalars["DampingRatio"] = 0.5
+    workbook.units[place] = unit
+    path = workbook.save(tmp_path / "small.xlsx")
+    without_values(path, "<v>500</v>")
+    problem = only_problem(read_workbook(path), place if isinstance(place, str) else place[1])
+    assert "unit cell" in problem.message
+    assert sentence in problem.message
+
+
+def test_a_unit_that_is_a_formula(workbook, read):
+    workbook.scalars["DampingRatio"] = 0.5
+    workbook.units["DampingRatio"] = Calculated('="%"', "%")
+    assert read(workbook).case().damping_ratio == 0.005
+
+
 def without_values(path: Path, text: str) -> None:
     """Take a piece of text out of every sheet."""
     with zipfile.ZipFile(path) as archive:

@@ -817,6 +817,57 @@ def test_a_style_that_breaks_out_of_its_attribute(attended: Attended, tmp_path: 
             assert b"1+1</f>" not in done.read(sheet(3))
 
 
+@pytest.mark.parametrize("number", [2, 3, 4], ids=["inputs", "results", "the owner's"])
+def test_a_sheet_merged_as_a_whole(attended: Attended, tmp_path: Path, number: int) -> None:
+    """No object a cell is made of it: fuzzer's number 20,033, where openpyxl does."""
+    whole = b'<mergeCell ref="A1:XFD1048576"/><mergeCell ref="XFE1"/>'
+    if number < 4:
+        whole = b'<mergeCell ref="A1:XFD1048576"/>'
+    parts = changed(
+        sheet(number),
+        lambda data: (
+            data.replace(b"</mergeCells>", whole + b"</mergeCells>")
+            if b"</mergeCells>" in data
+            else data.replace(
+                b"</sheetData>", b"</sheetData><mergeCells>" + whole + b"</mergeCells>"
+            )
+        ),
+    )
+    said = judged(attended, tmp_path, packed(parts))
+    assert said["written"] == (number == 4)
+    assert said["peak_mb"] < MEMORY / 2
+    told = {2: "the cells A1:XFD1048576 are merged", 3: "a merged range"}
+    assert told.get(number, "") in " ".join(said["told"])
+
+
+def test_inputs_that_cannot_be_calculated_again_are_named(
+    attended: Attended, tmp_path: Path
+) -> None:
+    """Fuzzer's number 20,578: a unit was gone from the written workbook, and nobody told."""
+    broken = b"<f>Stations[</f>"
+    data = retyped(2, "D3", broken + b"<v>lb*ft^2</v>", "str")[sheet(2)]
+    parts = honest() | {sheet(2): data.replace(b'<c r="D5">', b'<c r="D5">' + broken)}
+    said = written(attended, tmp_path, packed(parts))
+    (warning,) = [one for one in said["warnings"] if one.startswith("Inputs that are formulas")]
+    assert "without a value: Train!D5, Train!D3. " in warning
+    done = (tmp_path / "done.xlsx").read_bytes()
+    folder = tmp_path / "again"
+    folder.mkdir()
+    told = refused(attended, folder, done, "never been calculated")
+    assert [one for one in told["told"] if "D3" in one]
+
+
+def test_inputs_that_hang_on_results_are_named(attended: Attended, tmp_path: Path) -> None:
+    """The results are those of the old inputs: nobody shall take them for those of the new ones."""
+    formula = b"<f>100+INT(%s)</f>" % RESULT.encode()
+    data = honest()[sheet(2)].replace(b'<c r="D5">', b'<c r="D5">' + formula)
+    said = written(attended, tmp_path, packed(honest() | {sheet(2): data}))
+    (warning,) = [one for one in said["warnings"] if one.startswith("Inputs that are formulas")]
+    assert (
+        "have changed with them: Train!D5. The results are those of the inputs before." in warning
+    )
+
+
 def test_half_characters_in_cells(attended: Attended, tmp_path: Path) -> None:
     text = b"<is><t>_xD800_ and _x001B_[2J</t></is>"
     written(attended, tmp_path, packed(retyped(1, TITLE, text, "inlineStr")))

@@ -1,8 +1,8 @@
 """A template as engineers return it: moved, renamed, reordered, protected, full of things of their own.
 
 Built by the product's own template builder from other places, and by XlsxWriter; what XlsxWriter does not
-know (threaded comments, printer settings, external links, x14 validations, custom XML) is put into the
-package as Excel stores it.
+know (threaded comments, printer settings, external links, x14 validations, custom XML, and what is in
+office_objects.py) is put into the package as Excel stores it.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from typing import Any
 
 import pytest
 import xlsxwriter
+from office_objects import pivot_sheet, pivot_tables, rich_cells, rich_values, slicers
+from office_package import added, edited, part_of_sheet, related
 
 from addin import template
 from addin.examples import EXAMPLES
@@ -75,6 +77,8 @@ def engineers_workbook(
             builder.build()
             own = _own_sheet(book)
             _ornaments(book, builder.sheets, own)
+            pivot_sheet(book)
+            rich_cells(own, {"image_data": io.BytesIO(_png())})
             if macros:
                 book.add_vba_project(io.BytesIO(VBA), True)
     return with_office_parts(reordered(renamed(path)))
@@ -221,21 +225,12 @@ def reordered(path: Path) -> Path:
     return _store(path, parts)
 
 
-def part_of_sheet(parts: Mapping[str, bytes], sheet: str) -> str:
-    """Part that holds a sheet."""
-    book = parts["xl/workbook.xml"].decode("utf-8")
-    links = parts["xl/_rels/workbook.xml.rels"].decode("utf-8")
-    rel = re.search(rf'<sheet name="{re.escape(sheet)}"[^>]*r:id="(\w+)"', book).group(1)
-    entry = next(e for e in re.findall(r"<Relationship [^>]*/>", links) if f'Id="{rel}"' in e)
-    return "xl/" + re.search(r'Target="([^"]*)"', entry).group(1)
-
-
 def with_office_parts(path: Path) -> Path:
-    """Threaded comments, printer settings, an external link, x14 validations, custom XML."""
+    """Threaded comments, printer settings, an external link, x14 validations, custom XML, and what is in office_objects."""
     parts = parts_of(path)
     own = part_of_sheet(parts, "Our summary")
     steady = part_of_sheet(parts, sheet_name("Steady state"))
-    added: dict[str, tuple[bytes, str]] = {
+    new: dict[str, tuple[bytes, str]] = {
         "xl/threadedComments/threadedComment1.xml": (
             f'<ThreadedComments xmlns="{_MS}/spreadsheetml/2018/threadedcomments"><threadedComment '
             'ref="D12" dT="2026-01-02T03:04:05.00" personId="{A}" id="{B}"><text>agreed?</text>'
@@ -266,34 +261,28 @@ def with_office_parts(path: Path) -> Path:
         ),
         "customXml/item1.xml": (b"<mine><x a='1'/></mine>", "application/xml"),
     }
-    for name, (data, _) in added.items():
-        parts[name] = b'<?xml version="1.0" encoding="UTF-8"?>\n' * name.endswith("l") + data
-    types = "".join(
-        f'<Override PartName="/{name}" ContentType="{kind}"/>'
-        for name, (_, kind) in added.items()
-        if kind
-    )
-    _edit(parts, "[Content_Types].xml", "</Types>", f"{types}</Types>")
-    _relate(parts, steady, f"{_MS[:-7]}/office/2017/10/relationships/threadedComment",
+    for name, (data, kind) in new.items():
+        added(parts, name, kind, data.decode() if name.endswith("l") else data)
+    related(parts, steady, f"{_MS[:-7]}/office/2017/10/relationships/threadedComment",
             "../threadedComments/threadedComment1.xml")  # fmt: skip
-    printer = _relate(
+    printer = related(
         parts, steady, f"{_REL}/printerSettings", "../printerSettings/printerSettings1.bin"
     )
-    _edit(parts, steady, "<pageSetup ", f'<pageSetup r:id="{printer}" ')
-    _relate(
+    edited(parts, steady, "<pageSetup ", f'<pageSetup r:id="{printer}" ')
+    related(
         parts,
         "xl/workbook.xml",
         f"{_MS[:-7]}/office/2017/10/relationships/person",
         "persons/person.xml",
     )
-    link = _relate(
+    link = related(
         parts, "xl/workbook.xml", f"{_REL}/externalLink", "externalLinks/externalLink1.xml"
     )
-    _edit(
+    edited(
         parts, "xl/workbook.xml", "<definedNames>",
         f'<externalReferences><externalReference r:id="{link}"/></externalReferences><definedNames>',
     )  # fmt: skip
-    _edit(parts, "xl/workbook.xml", "<bookViews>",
+    edited(parts, "xl/workbook.xml", "<bookViews>",
           '<workbookProtection workbookPassword="CC1A" lockStructure="1"/><bookViews>')  # fmt: skip
     rule = (
         '<ext xmlns:x14="http://schemas.microsoft.com/office/spreadsheetml/2009/9/main" '
@@ -302,25 +291,8 @@ def with_office_parts(path: Path) -> Path:
         '<x14:dataValidation type="list" allowBlank="1"><x14:formula1><xm:f>Lists!$A$2:$A$9</xm:f>'
         "</x14:formula1><xm:sqref>C1</xm:sqref></x14:dataValidation></x14:dataValidations></ext>"
     )
-    _edit(parts, own, "<extLst>", f"<extLst>{rule}")
+    edited(parts, own, "<extLst>", f"<extLst>{rule}")
+    pivot_tables(parts)
+    slicers(parts)
+    rich_values(parts)
     return _store(path, parts)
-
-
-def _edit(parts: dict[str, bytes], name: str, old: str, new: str) -> None:
-    text = parts[name].decode("utf-8")
-    assert old in text, (name, old)
-    parts[name] = text.replace(old, new, 1).encode("utf-8")
-
-
-def _relate(parts: dict[str, bytes], part: str, kind: str, target: str) -> str:
-    folder, _, name = part.rpartition("/")
-    rels = f"{folder}/_rels/{name}.rels"
-    empty = (
-        b'<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n<Relationships '
-        b'xmlns="http://schemas.openxmlformats.org/package/2006/relationships"></Relationships>'
-    )
-    parts.setdefault(rels, empty)
-    new = f"rId{9000 + len(parts[rels])}"
-    entry = f'<Relationship Id="{new}" Type="{kind}" Target="{target}"/></Relationships>'
-    _edit(parts, rels, "</Relationships>", entry)
-    return new

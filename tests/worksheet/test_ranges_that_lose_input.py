@@ -50,6 +50,29 @@ def test_a_misspelt_name():
     assert "'Dampng ratio' is not known. Did you mean 'DampingRatio'?" in message
 
 
+def test_what_is_typed_with_the_sign_and_under_the_unit_of_per_cent_is_a_hundredth():
+    """As docs/functions.md warns: no front hands formats to a function."""
+
+    def damping(factor, unit):
+        def change(block):
+            row = next(row for row in block if "Damping ratio" in row)
+            at = row.index("Damping ratio")
+            value = next(j for j in range(at + 1, len(row)) if isinstance(row[j], int | float))
+            assert row[value + 1] == "%"
+            row[value : value + 2] = [row[value] * factor, unit]
+            return block
+
+        model = call("TV_MODEL", arguments(CASE, change))
+        table = call("TV_FREQUENCIES", [model])
+        at = next(j for j, header in enumerate(table[0]) if header.startswith("Damping ratio"))
+        return table[2][at]
+
+    typed = damping(1.0, "%")
+    assert typed > 0.0
+    assert damping(0.01, "%") == pytest.approx(typed / 100, rel=1e-12)
+    assert damping(0.01, "1") == pytest.approx(typed, rel=1e-12)
+
+
 def test_a_name_twice():
     def change(block):
         row = next(row for row in block if "Damping ratio" in row)

@@ -1,5 +1,6 @@
 """Cached values of formulas and charts: renewed or removed, never stale."""
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -7,12 +8,22 @@ from typing import Any
 import openpyxl
 import pytest
 import xlsxwriter
-from rich_workbooks import changed_parts, parts_of, with_parts
+from rich_workbooks import changed_parts, parts_of, tiny_png, with_parts
+from whatif_workbooks import (
+    HANGING,
+    OUT,
+    RENEWED,
+    UNTOUCHED,
+    VARIED,
+    circular_workbook,
+    whatif_workbook,
+)
 
-from addin.package import CacheReport, Formula, open_workbook
+from addin.package import CacheReport, Formula, dependents, open_workbook
 from addin.package.calculator_copy import calculator_copy
+from addin.package.dependents import DependencyGraph, FormulaCell, ReferenceResolver
 from addin.package.formula_text import parse_formula, shifted_formula
-from addin.package.references import Rect
+from addin.package.references import Rect, parse_range
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 
@@ -83,8 +94,6 @@ def test_recalculation_is_asked_for(train: Path) -> None:
 
 @pytest.mark.parametrize("last", ["definedNames", "sheets"])
 def test_recalculation_is_asked_for_where_nothing_was_said(train: Path, last: str) -> None:
-    import re
-
     def without(data: bytes) -> bytes:
         data = re.sub(rb"<calcPr[^>]*/>", b"", data)
         return re.sub(rb"<definedNames>.*</definedNames>", b"", data) if last == "sheets" else data
@@ -225,6 +234,104 @@ def test_long_chains_and_cycles_end(tmp_path: Path) -> None:
     values, report = refreshed(path, {"A1": 2.0})
     assert values == {"A1": None, "B1": None}
     assert report.method in ("removed", "recalculated")
+
+
+@pytest.mark.parametrize("calculator", [True, False])
+def test_data_tables_are_left_blank_where_they_hang_on_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, calculator: bool
+) -> None:
+    if not calculator:
+        monkeypatch.setitem(sys.modules, "formualizer", None)
+    path = whatif_workbook(tmp_path / "t.xlsx")
+    values, report = refreshed(path, {"A1": 5.0})
+    assert {name: values[name] for name in (*VARIED, *HANGING)} == dict.fromkeys(
+        (*VARIED, *HANGING)
+    )
+    assert {name: values[name] for name in UNTOUCHED} == UNTOUCHED
+    assert [values[name] for name in RENEWED] == [
+        v if calculator else None for v in RENEWED.values()
+    ]
+    assert report.method == ("recalculated" if calculator else "removed")
+    before, after = (parts_of(p)[OUT] for p in (path, path.with_name("out.xlsx")))
+    tables = re.findall(rb"<f t=.dataTable.[^>]*/>", before)
+    assert re.findall(rb"<f t=.dataTable.[^>]*/>", after) == tables
+    assert len(tables) == 4
+
+
+@pytest.mark.parametrize(
+    ("cell", "blank"),
+    [
+        (
+            "C1",
+            {"B3", "E4", "J3", "N3", "P1", "P4"},
+        ),  # the cell that is varied; its own value shows in none of them
+        ("C2", {"J3", "K4", "P3"}),
+        ("A4", {"B3", "B4", "B5", "P1", "P5"}),
+        ("I4", {"J3", "K4", "P3"}),
+        ("F3", {"E4", "F4", "G4", "P2"}),
+    ],
+)
+def test_data_tables_hang_on_their_axes_and_on_the_cells_they_vary(
+    tmp_path: Path, cell: str, blank: set[str]
+) -> None:
+    book = open_workbook(whatif_workbook(tmp_path / "t.xlsx"))
+    book.set_cell("Out", cell, 9.0)
+    out = openpyxl.load_workbook(book.save(tmp_path / "out.xlsx").path, data_only=True)["Out"]
+    assert {name for name in blank if out[name].value is not None} == set()
+    others = {"B3": "P1", "E4": "P2", "J3": "P3", "N3": "P4"}
+    for first, total in others.items():
+        assert (out[first].value is None) == (out[total].value is None)
+        assert (out[first].value is None) == (first in blank)
+
+
+@pytest.mark.parametrize("iterated", [True, False])
+@pytest.mark.parametrize("calculator", [True, False])
+def test_circles_are_left_blank_where_they_hang_on_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, iterated: bool, calculator: bool
+) -> None:
+    """What a circle ends at hangs on where it began, and on how a program goes round it."""
+    if not calculator:
+        monkeypatch.setitem(sys.modules, "formualizer", None)
+    path = circular_workbook(tmp_path / "t.xlsx", iterated=iterated)
+    values, report = refreshed(path, {"A1": 30.0})
+    assert [values[name] for name in ("A1", "B1", "C1")] == [None] * 3
+    assert [values[name] for name in ("E1", "E2", "E3")] == [2, 2, 6]  # of their own
+    renewed = [60, 61, 36] if calculator else [None] * 3
+    assert [values[name] for name in ("D1", "D2", "D3")] == renewed
+    assert report.method == ("recalculated" if calculator else "removed")
+    asked = parts_of(path.with_name("out.xlsx"))["xl/workbook.xml"]
+    assert b'fullCalcOnLoad="1"' in asked
+    assert (b'iterate="1" iterateCount="200"' in asked) == iterated
+
+
+def test_circles_of_any_shape_are_found() -> None:
+    cells = {
+        "A1": "A1+1", "B1": "B2", "B2": "SUM(B3:B9)", "B5": "B1*2", "C1": "A1", "D1": "D2", "D2": "1",
+        "E1": "SUM(E1:E3)", "F2": "SUM(F:F)", "G1": "ROW(G2)", "G2": "COLUMN(G1)", "H1": "B5", "I1": "SUM(J:J)",
+        "J7": "Out!I1", "K1": "L1", "L1": "M1", "M1": "K1+D1",
+    }  # fmt: skip
+    formulas = [FormulaCell("Out", parse_range(cell), text) for cell, text in cells.items()]
+    formulas.append(
+        FormulaCell("Out", parse_range("X1:Y2"), "Y2")
+    )  # an array formula on a cell of its own
+    resolver = ReferenceResolver(["Out"], [], [])
+    found = DependencyGraph(formulas, resolver.reads).in_circles()
+    names = {str(formulas[index].rect) for index in found}
+    assert names == {
+        "A1", "B1", "B2", "B5", "E1", "F2", "G1", "G2", "I1", "J7", "K1", "L1", "M1", "X1:Y2"
+    }  # fmt: skip
+    assert DependencyGraph(formulas[4:7], resolver.reads).in_circles() == set()
+    assert DependencyGraph([], resolver.reads).in_circles() == set()
+
+
+def test_a_circle_among_too_many_formulas_costs_all_their_values(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dependents, "_MOST_STEPS", 5)
+    values, report = refreshed(circular_workbook(tmp_path / "t.xlsx"), {"A1": 30.0})
+    assert [values[name] for name in ("A1", "B1", "C1", "D1", "D2", "D3")] == [None] * 6
+    assert (report.method, values["E3"]) == ("removed", 6)
+    assert "recalculated" in report.reason
 
 
 def test_without_formualizer_affected_values_are_removed(
@@ -445,6 +552,79 @@ def test_tables_that_no_formula_reads_do_not_limit_the_recalculation(
     assert changed == {"xl/worksheets/sheet1.xml", "xl/worksheets/sheet2.xml"}
 
 
+@pytest.mark.parametrize(
+    "cell",
+    [
+        b'<c r="B1"><f>INDIRECT("Data!A1")</f>',
+        b'<c r="B1"><f>INDIRECT("Wide_7["&amp;"c1]")</f>',
+        b'<c r="B1"><f>GETPIVOTDATA("Sum",Data!$A$1)</f>',
+        b'<c r="B1" cm="1"><f t="array" ref="B1">INDIRECT("Data!A"&amp;A1)</f>',
+        b'<c r="B1"><f>In!A1+%s1%s</f>' % (b"(" * 300, b")" * 300),
+        b'<c r="B1"><f>In!A1%s</f>' % (b"+1" * 4_200),
+        b'<c r="B1"><f>SUM(Wide_0[</f>',
+        b'<c r="B1"><f t="shared" ref="B1:C1" si="7">OFFSET(INDIRECT("Wide_3"),0,0)</f>',
+    ],
+)
+def test_a_formula_that_cannot_be_calculated_costs_itself_alone(
+    tmp_path: Path, cell: bytes
+) -> None:
+    """Of some is not known what they read: with them every table belongs into the copy, which are more than the calculator takes, or it is refused itself."""
+    path = wide_workbook(tmp_path / "t.xlsx", 9)
+    out = "xl/worksheets/sheet2.xml"
+
+    def more(data: bytes) -> bytes:
+        return data.replace(
+            b"</row></sheetData>",
+            cell + b'<v>0.5</v></c><c r="C1"><f>B1*2</f><v>1</v></c></row></sheetData>',
+        )
+
+    values, report = refreshed(with_parts(path, {}, {out: more}), {"A1": 2.0})
+    assert (report.method, report.removed) == ("recalculated", 2)
+    assert values == {"A1": 1252, "B1": None, "C1": None}
+
+
+@pytest.mark.parametrize("types", ["both", "pictures alone", "pictures first"])
+def test_metadata_of_the_copy_for_the_calculator(tmp_path: Path, types: str) -> None:
+    """It takes those of dynamic arrays and refuses all others."""
+    path = tmp_path / "t.xlsx"
+    book = xlsxwriter.Workbook(str(path))
+    source, sheet = book.add_worksheet("In"), book.add_worksheet("Out")
+    for row in range(3):
+        source.write_number(row, 0, row + 1.0)
+    source.embed_image("D1", "dot.png", {"image_data": tiny_png()})
+    sheet.write_formula("B1", "=In!A1*2", None, 2)
+    if types != "pictures alone":
+        sheet.write_dynamic_array_formula("A1:A3", "=_xlfn._xlws.SORT(In!A1:A3,1,-1)", None, 3)
+        sheet.write_number("A2", 2)
+        sheet.write_number("A3", 1)
+    book.close()
+    if types == "pictures first":
+
+        def turned(data: bytes) -> bytes:
+            kinds = re.findall(rb"<metadataType .*?/>", data)
+            future = re.findall(rb"<futureMetadata .*?</futureMetadata>", data)
+            data = data.replace(b"".join(kinds), b"".join(kinds[::-1]))
+            data = data.replace(b"".join(future), b"".join(future[::-1]))
+            data = data.replace(
+                b'<cellMetadata count="1"><bk><rc t="1"', b'<cellMetadata count="1"><bk><rc t="2"'
+            )
+            return data.replace(
+                b'<valueMetadata count="1"><bk><rc t="2"', b'<valueMetadata count="1"><bk><rc t="1"'
+            )
+
+        with_parts(path, {}, {"xl/metadata.xml": turned})
+    values, report = refreshed(path, {"A1": 50.0})
+    assert (report.method, report.removed) == ("recalculated", 0)
+    assert values["B1"] == 100
+    if types != "pictures alone":
+        assert [values[name] for name in ("A1", "A2", "A3")] == [50, 3, 2]
+    assert changed_parts(path, path.with_name("out.xlsx")) == {
+        "xl/worksheets/sheet1.xml",
+        "xl/worksheets/sheet2.xml",
+    }
+    assert b' t="e" vm="1"' in parts_of(path.with_name("out.xlsx"))["xl/worksheets/sheet1.xml"]
+
+
 def test_the_copy_for_the_calculator_holds_what_formulas_read(tmp_path: Path) -> None:
     book = open_workbook(wide_workbook(tmp_path / "t.xlsx", 3, named=True))
     table, last = book.table("Wide_0"), book.table("Wide_2")
@@ -512,6 +692,75 @@ def test_a_drop_down_list_of_another_sheet_does_not_stop_the_recalculation(tmp_p
     values, report = refreshed(path, {"A1": 10.0})
     assert (report.method, values["B2"]) == ("recalculated", 20)
     assert LIST_OF_ANOTHER_SHEET in parts_of(path.with_name("out.xlsx"))[sheet]
+
+
+def with_rich_values(path: Path) -> Path:
+    """In!A9 is a linked data type, In!A8 a picture; Out!B4 shows one of them, Out!D1 is blocked and cannot spill."""
+    out = "xl/worksheets/sheet2.xml"
+
+    def rich(cell: bytes, number: bytes) -> Any:
+        pattern = rb'<c r="%s"([^>]*?)( t="e")?>(<f.*?</f>)?<v>[^<]*</v>' % cell
+        new = rb'<c r="%s"\1 t="e" vm="%s">\3<v>#VALUE!</v>' % (cell, number)
+        return lambda data: re.sub(pattern, new, data)
+
+    for part, cell, number in (
+        ("xl/worksheets/sheet1.xml", b"A9", b"1"),
+        ("xl/worksheets/sheet1.xml", b"A8", b"2"),
+        (out, b"B4", b"1"),
+        (out, b"D1", b"3"),
+    ):
+        with_parts(path, {}, {part: rich(cell, number)})
+    return path
+
+
+def test_what_hangs_on_rich_values_is_removed(tmp_path: Path) -> None:
+    """The file has #VALUE! for them, and what they show stands elsewhere."""
+    path = with_rich_values(
+        workbook_of(
+            tmp_path / "t.xlsx",
+            {
+                "B1": ("=In!A1*2", 2),
+                "B2": ("=IF(ISERROR(In!A9),0,In!A1)", 1),  # no error to a spreadsheet program
+                "B3": ("=B2+1", 2),
+                "B4": ("=IF(In!A1>0,In!A9,In!A8)", "#VALUE!"),
+                "B5": ('=_FV(In!A9,"Price")*In!A1', 5),
+                "B6": ('=_FV(In!A9,"Price")', 5),
+                "B7": ("=IF(ISERROR(In!A9),0,7)", 7),
+                "B8": ("=COUNTA(In!A1:A9)", 9),
+                "D1": ("=SUM(In!A1:A2)", "#VALUE!"),
+            },
+        )
+    )
+    values, report = refreshed(path, {"A1": 10.0})
+    assert report.method == "recalculated"
+    assert values["B1"] == 20
+    assert [values[name] for name in ("B2", "B3", "B4", "B5", "B8", "D1")] == [None] * 6
+    assert (values["B6"], values["B7"]) == (5, 7)  # these hang on nothing that changed
+    after = parts_of(path.with_name("out.xlsx"))
+    assert after["xl/worksheets/sheet2.xml"].count(b"vm=") == 0
+    assert after["xl/worksheets/sheet1.xml"].count(b'vm="') == 2
+
+
+def test_rich_values_that_hang_on_nothing_changed_stay(tmp_path: Path) -> None:
+    cells = {
+        "B1": ("=In!A1*2", 2),
+        "B4": ("=IF(In!A2>0,In!A9,In!A8)", "#VALUE!"),
+        "D1": ("=In!A3", 1),
+    }
+    path = with_rich_values(workbook_of(tmp_path / "t.xlsx", cells))
+    values, _ = refreshed(path, {"A1": 10.0})
+    assert values["B1"] == 20
+    after = parts_of(path.with_name("out.xlsx"))["xl/worksheets/sheet2.xml"]
+    assert b'<c r="B4" t="e" vm="1">' in after
+    assert b'<c r="D1" t="e" vm="3">' in after
+
+
+def test_a_number_over_a_picture_takes_its_rich_value_away(tmp_path: Path) -> None:
+    path = with_rich_values(workbook_of(tmp_path / "t.xlsx", {"B4": ("=1", 1), "D1": ("=1", 1)}))
+    refreshed(path, {"A8": 3.0})
+    after = parts_of(path.with_name("out.xlsx"))["xl/worksheets/sheet1.xml"]
+    assert b'<c r="A8"><v>3</v></c><' in after.replace(b"</row>", b"<")
+    assert after.count(b"vm=") == 1
 
 
 def with_table(path: Path, formulas: dict[str, tuple[str, Any]], names: dict[str, str]) -> Path:

@@ -5,6 +5,14 @@ from typing import Any
 
 import openpyxl
 import pytest
+from whatif_workbooks import (
+    HANGING,
+    RENEWED,
+    UNTOUCHED,
+    VARIED,
+    circular_workbook,
+    whatif_workbook,
+)
 
 from addin.package import open_workbook
 
@@ -48,6 +56,37 @@ def test_libreoffice_calculates_the_cached_values(
                     assert other == mine, f"{sheet.title}!{cell.coordinate}"
                 compared += cell.data_type == "f"
     assert compared >= 11 + count
+
+
+def test_libreoffice_fills_what_is_left_blank_of_data_tables(soffice: Any, tmp_path: Path) -> None:
+    """And finds every other value as it stands: blank cells are those that it calculates otherwise than before."""
+    book = open_workbook(whatif_workbook(tmp_path / "t.xlsx"))
+    book.set_cell("In", "A1", 5.0)
+    out = book.save(tmp_path / "out.xlsx").path
+    ours, theirs = _both(out, soffice, tmp_path)
+    for cell, value in (VARIED | HANGING | RENEWED | UNTOUCHED).items():
+        assert theirs[cell].value == pytest.approx(value, rel=1e-12), cell
+        assert ours[cell].value == (None if cell in VARIED | HANGING else value), cell
+
+
+def test_libreoffice_fills_what_is_left_blank_of_circles(soffice: Any, tmp_path: Path) -> None:
+    book = open_workbook(circular_workbook(tmp_path / "t.xlsx"))
+    book.set_cell("In", "A1", 30.0)
+    out = book.save(tmp_path / "out.xlsx").path
+    ours, theirs = _both(out, soffice, tmp_path)
+    # A1 = In!A1 + A1/4, where the circle comes to rest
+    for cell, value in (("A1", 40.0), ("B1", 20.0), ("C1", 400.0)):
+        assert ours[cell].value is None
+        assert theirs[cell].value == pytest.approx(value, rel=1e-6), cell
+    for cell, value in (("D1", 60), ("D2", 61), ("E1", 2), ("E2", 2), ("E3", 6), ("D3", 36)):
+        assert ours[cell].value == value
+        assert theirs[cell].value == pytest.approx(value, rel=1e-6), cell
+
+
+def _both(path: Path, soffice: Any, folder: Path) -> tuple[Any, Any]:
+    """Sheet Out as it was written, and as LibreOffice saves it."""
+    saved = soffice.convert(path, "xlsx", folder / "lo")
+    return tuple(openpyxl.load_workbook(p, data_only=True)["Out"] for p in (path, saved))
 
 
 def test_libreoffice_draws_every_page(macro_train: Path, soffice: Any, tmp_path: Path) -> None:
