@@ -11,6 +11,7 @@ module             responsibility
 ``tables``         input and result tables, narrow enough for a page
 ``figures``        pictures of the chart data of the workbook
 ``opening``        cover, summary, scope
+``changes``        what changed since an earlier revision, and what it did
 ``inputs``         the input sections
 ``answers``        frequencies, margins, steady state, start, reversals, fatigue
 ``closing``        effects, accuracy, equations, checks, audit

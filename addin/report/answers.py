@@ -7,10 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from addin.chart_data import HISTORIES
 from addin.report.document import Block, Column, Facts, Listing, Paragraph, Section, Table
 from addin.report.equations import by
 from addin.report.layout import folded
 from addin.report.numbers import clean, fixed, significant
+from addin.report.shown import own_speeds
 from addin.report.subject import Subject
 from addin.report.tables import result_table, turned
 from addin.start_cycles import start_cycle_facts, start_cycle_rows
@@ -28,6 +30,8 @@ _SHAPES = 6
 _NODES = 8
 #: Shares of energy that are named. [1]
 _SHARE = 0.05
+#: Change of stiffness of which the effect is shown. [1]
+_TOLERANCE = 0.1
 _ELSEWHERE = "all rows are in the workbook and in the JSON"
 
 
@@ -95,7 +99,12 @@ def frequencies(subject: Subject) -> Section:
     return Section(
         "Natural frequencies and mode shapes",
         (_with_amplification(table, chosen),),
-        (_damping(subject, chosen), _energies(subject, count), _shapes(subject, count)),
+        (
+            _damping(subject, chosen),
+            _energies(subject, count),
+            *_tolerances(subject, count),
+            _shapes(subject, count),
+        ),
     )
 
 
@@ -108,7 +117,11 @@ def _with_amplification(table: Table, rows: Sequence[Mapping[str, Any]]) -> Tabl
     cells = [
         significant(0.5 / r["damping_ratio"], 3) if r.get("damping_ratio") else "" for r in rows
     ]
-    column = Column("Amplification", "", "number")
+    return _with_column(table, at, Column("Amplification", "", "number"), cells)
+
+
+def _with_column(table: Table, at: int, column: Column, cells: Sequence[str]) -> Table:
+    """A table with one column more."""
     return replace(
         table,
         columns=(*table.columns[:at], column, *table.columns[at:]),
@@ -206,6 +219,43 @@ def _shares(energy: Mapping[str, float]) -> str:
     order = sorted(energy.items(), key=lambda pair: -pair[1])
     shown = [pair for k, pair in enumerate(order[:5]) if pair[1] >= _SHARE or k == 0]
     return "; ".join(f"{clean(name)} {100.0 * share:.0f} %" for name, share in shown)
+
+
+def _tolerances(subject: Subject, count: int) -> Iterator[Section]:
+    """What a coupling that is stiffer or softer than its data sheet does to the modes."""
+    couplings = [e.element or "" for e in subject.calculation.case.elements if e.kind == "coupling"]
+    modes = subject.calculation.details["modes"][: min(count, _SHAPES)]
+    if not couplings or not modes:
+        return
+    columns = (
+        Column("Coupling"),
+        *(Column(f"Mode {mode['mode']}", "%", "number") for mode in modes),
+    )
+    rows = tuple(
+        (
+            clean(name),
+            *(
+                fixed(50.0 * _TOLERANCE * dict(mode["strain_energy"]).get(name, 0.0), 2)
+                for mode in modes
+            ),
+        )
+        for name in couplings[:_FULL]
+    )
+    left = _left_out(len(rows), len(couplings), "couplings", "the first")
+    yield Section(
+        "Tolerance of the couplings",
+        (
+            Table(
+                f"Change of a frequency where a coupling is {100.0 * _TOLERANCE:.0f} % stiffer",
+                columns,
+                rows,
+                f"Half the share of strain energy times the change of stiffness: the first-order rule of "
+                f"Rayleigh's quotient; of a softer coupling the same downwards. {100.0 * _TOLERANCE:.0f} % "
+                "serves to compare: the tolerance itself is the maker's, and not an input. "
+                f"{left}".rstrip(),
+            ),
+        ),
+    )
 
 
 def _shapes(subject: Subject, count: int) -> Section:
@@ -424,7 +474,7 @@ def start(subject: Subject) -> Section:
     picture = subject.pictures.speed_time()
     if picture is not None:
         blocks.append(picture)
-    parts = [_crossings(subject), _peaks(subject)]
+    parts = [_conditions(subject), _crossings(subject), _peaks(subject)]
     field = startup.get("pull_in")
     if field:
         parts.append(Section("Field application and pull-in", tuple(_pull_in(subject, field))))
@@ -432,10 +482,63 @@ def start(subject: Subject) -> Section:
     if histories:
         note = Paragraph(
             "Each point drawn is calculated; of long histories the least and the largest value of "
-            "equal intervals of time are drawn, so that no peak is lost.", "note",
+            "equal intervals of time are drawn, so that no peak is lost." + _not_drawn(subject), "note",
         )  # fmt: skip
         parts.append(Section("Histories", (*histories, note)))
     return Section(title, tuple(blocks), tuple(parts))
+
+
+def _not_drawn(subject: Subject) -> str:
+    """How many elements have no picture, and how to have one."""
+    rows = len(subject.rows("StartupPeaks"))
+    if rows <= HISTORIES:
+        return ""
+    choose = (
+        "name others above the charts of sheet Start-up to have them drawn."
+        if subject.shown.is_workbook
+        else "of a workbook the engineer chooses which."
+    )
+    return f" {HISTORIES} of {rows} elements are drawn; {choose}"
+
+
+def _conditions(subject: Subject) -> Section:
+    """Under what conditions this start was calculated, and under which it was not."""
+    case = subject.calculation.case
+    effects = {row["effect"]: bool(row["on"]) for row in subject.rows("Effects")}
+    why = {row["effect"]: clean(str(row["why"])) for row in subject.rows("Effects")}
+    voltage = 1.0 if case.voltage is None else case.voltage
+    facts = [
+        (
+            "Voltage",
+            "that of the torque curves"
+            if voltage == 1.0
+            else f"{significant(100.0 * voltage, 4)} % of that of the torque curves; motor torques times "
+            f"{significant(voltage**2, 4)}",
+        )
+    ]
+    for name, words in (
+        ("breaker closing", "Breaker closing"),
+        ("pull-in", "Field application, pull-in"),
+        ("aborted start", "Aborted start"),
+    ):
+        if name in effects:
+            said = "simulated" if effects[name] else f"not simulated: {why[name]}"
+            facts.append((words, said))
+    given = sorted({clean(row.station or "") for row in case.torque_time})
+    facts += [
+        (
+            "Short circuits, reclosing",
+            f"torques prescribed against time act at {', '.join(given)} (table TorqueTime)"
+            if given
+            else "not part of this start; their torque can be prescribed in table TorqueTime",
+        ),
+        (
+            "Starts in succession",
+            "each from rest, as cold as the first: residual oscillation, temperature and starts per hour "
+            "are not considered",
+        ),
+    ]
+    return Section("Conditions of the start", (Facts(tuple(facts)),))
 
 
 def _crossings(subject: Subject) -> Section:
@@ -464,7 +567,29 @@ def _peaks(subject: Subject) -> Section:
         "Time and speed of the largest torque. Estimated error: change from step h to h/2. "
         + by("Start, exponential", "Shear stress"),
     )  # fmt: skip
-    return Section("Extreme torques", (*_in_rated(subject), table))
+    return Section("Extreme torques", (*_in_rated(subject), _over_rated(subject, table, rows)))
+
+
+def _over_rated(subject: Subject, table: Table, rows: Sequence[Mapping[str, Any]]) -> Table:
+    """The table with the largest torque over rated torque, both at motor speed, after the torques."""
+    rated, ratio = (
+        subject.calculation.case.ratings.rated_torque,
+        own_speeds(subject.calculation.case),
+    )
+    headers = [column.header for column in table.columns]
+    if not rated or "Torque, pk‑pk" not in headers:
+        return table
+    at = headers.index("Torque, pk‑pk")
+    cells = [
+        fixed(
+            max(abs(r["maximum_torque"]), abs(r["minimum_torque"])) * ratio[r["element"]] / rated, 2
+        )
+        for r in rows
+    ]
+    return replace(
+        _with_column(table, at, Column("Largest over rated", "", "number"), cells),
+        note=f"{table.note} Largest over rated: referred to motor speed, as multiples of rated torque.",
+    )
 
 
 def _in_rated(subject: Subject) -> Iterator[Block]:
