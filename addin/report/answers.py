@@ -11,7 +11,7 @@ from addin.chart_data import HISTORIES
 from addin.report.document import Block, Column, Facts, Listing, Paragraph, Section, Table
 from addin.report.equations import by
 from addin.report.layout import folded
-from addin.report.numbers import clean, fixed, significant
+from addin.report.numbers import clean, fixed, significant, typed
 from addin.report.shown import own_speeds
 from addin.report.subject import Subject
 from addin.report.tables import result_table, turned
@@ -512,8 +512,8 @@ def _conditions(subject: Subject) -> Section:
             "Voltage",
             "that of the torque curves"
             if voltage == 1.0
-            else f"{significant(100.0 * voltage, 4)} % of that of the torque curves; motor torques times "
-            f"{significant(voltage**2, 4)}",
+            else f"{typed(100.0 * voltage, 6)} % of that of the torque curves; motor torques times "
+            f"{typed(voltage**2, 4)}",
         )
     ]
     for name, words in (

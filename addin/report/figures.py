@@ -500,7 +500,9 @@ class Pictures:
             ax.set_yscale("log")
             for axis, size in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
                 axis.set_major_formatter(_decimal)
-                axis.set_minor_formatter(_some_decimals if size[1] < 300.0 * size[0] else _no_number)
+                axis.set_minor_formatter(
+                    _some_decimals if size[1] < 300.0 * size[0] else _no_number
+                )
             ax.tick_params(which="minor", labelsize=6)
             ax.set(xlabel="Wall time [ms]", ylabel=_axis(self.charts.labels["Accuracy axis"]))
             _legend_below(drawing, ax, 2)
