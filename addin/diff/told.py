@@ -8,6 +8,8 @@ from typing import Any
 
 from addin.diff.changes import Change, Differences, Value
 from addin.diff.sides import Side
+from addin.json_schemas import AUDIT_FORMAT
+from addin.results_json import storable
 
 __all__ = ["as_json", "change_in_words", "in_words", "telling"]
 
@@ -132,7 +134,7 @@ def as_json(found: Differences) -> dict[str, Any]:
         Ready for `json.dumps`; numbers in SI, with the unit they are shown in beside.
     """
     return {
-        "format": 1,
+        "format": AUDIT_FORMAT,
         "a": _side(found.first),
         "b": _side(found.second),
         "same_inputs": found.same_inputs,
@@ -166,19 +168,14 @@ def _side(side: Side) -> dict[str, Any]:
     }
 
 
-def _storable(value: Value) -> Value:
-    """A value JSON can hold: a damaged file may state numbers that are none."""
-    return value if not isinstance(value, float) or math.isfinite(value) else str(value)
-
-
 def _change(one: Change) -> dict[str, Any]:
     return {
         "kind": _KINDS[one.kind],
         "table": one.table,
         "row": one.row,
         "column": one.column,
-        "a": _storable(one.before),
-        "b": _storable(one.after),
+        "a": storable(one.before),
+        "b": storable(one.after),
         "difference": one.difference,
         "relative": one.relative,
         "shown_unit": one.unit,
