@@ -6,7 +6,7 @@ from addin.calculation import Calculation
 from addin.chart_data import accuracy_block, chart_blocks
 from addin.diff.changes import Differences
 from addin.problems import shortened
-from addin.report import answers, changes, closing, inputs, opening
+from addin.report import changes, closing, inputs, modes, opening, operation, starting
 from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
@@ -70,12 +70,12 @@ def build_document(
         opening.scope(subject),
         *(() if against is None else (changes.changes(subject, against),)),
         inputs.inputs(subject),
-        answers.frequencies(subject),
-        answers.margins(subject),
-        answers.steady_state(subject),
-        answers.start(subject),
-        answers.reversals(subject),
-        answers.fatigue(subject),
+        modes.frequencies(subject),
+        operation.margins(subject),
+        operation.steady_state(subject),
+        starting.start(subject),
+        starting.reversals(subject),
+        starting.fatigue(subject),
         closing.effects(subject),
         closing.accuracy(subject),
         closing.equations(subject),
