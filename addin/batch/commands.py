@@ -98,7 +98,10 @@ def batch(
 
     Each input is calculated into a file of the same name below --out; files that state the same case
     are calculated once. Ctrl-C ends it cleanly, and --resume goes on after that, or after a crash,
-    without doing anything twice. Exit status 130 says that it was interrupted.
+    without doing anything twice.
+
+    Exit status 0 if every file is done, 1 if one is not (with --strict also if a verdict fails), 2 for
+    wrong usage, 130 if it was interrupted: what was done by then is kept and summarised.
 
     Example: `torsionbook batch trains --out results`
     """

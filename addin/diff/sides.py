@@ -19,7 +19,7 @@ from addin.typed_case import CaseInput, TypedCase
 from addin.units import UnitError, parse_unit
 from addin.verify.again import calculated_again
 from addin.verify.json_file import header_rows, read_results_json
-from addin.verify.recorded import of_audit
+from addin.verify.recorded import of_results_json, of_workbook
 from addin.write_workbook import read_shown_units
 from engine.case import CaseData, case_digest
 
@@ -170,9 +170,6 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> Side:
     startup = content.get("startup")
     if isinstance(startup, dict) and isinstance(startup.get("bearing_forces"), list):
         tables["BearingForces"] = header_rows(_spec("BearingForces"), startup["bearing_forces"])
-    audit = content.get("audit")
-    rows = [row for row in audit if isinstance(row, dict)] if isinstance(audit, list) else []
-    settings = of_audit(rows).settings
     return Side(
         source,
         None,
@@ -182,7 +179,7 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> Side:
         "as they stand in the file, which holds no inputs",
         f"torsionbook {content.get('version', '')}".strip(),
         str(content.get("case_sha256") or ""),
-        settings,
+        of_results_json(content).settings,
     )
 
 
@@ -195,8 +192,7 @@ def _of_workbook(
     units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
     tables = {spec.name: standing_rows(read.workbook, spec, units) for spec in COMPARED}
     tables["Verdicts"] = [_with_judged(row) for row in tables["Verdicts"]]
-    audit = [{"item": r.get("Item"), "value": r.get("Value")} for r in tables.get("Audit", ())]
-    recorded = of_audit(audit)
+    recorded = of_workbook(read.workbook)
     digest = case_digest(read.data)
     if recorded.digest == digest and not recalculate:
         return Side(
