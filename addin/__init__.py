@@ -11,12 +11,14 @@ module               responsibility
 `read_workbook`      workbook → `CaseData` and every problem with its cell
 `case_json`          case JSON ↔ `CaseData`
 `results_json`       results → JSON
-`json_schemas`       JSON Schemas of both, made from `fields` into `schemas/`
+`json_schemas`       JSON Schemas of both, and of `verify` and `diff`, into `schemas/`
 `calculation`        a checked case → everything shown of it
 `run_view`           what the workbook shows of a run
 `audit`              the audit trail
 `write_workbook`     results → the cells the product owns
 `shown_units`        units above the columns → their worth in SI
+`standing_results`   results as they stand in a workbook, in SI
+`processes`          processes of our own with a line to each
 `layout`             what template and writer agree on beside the fields
 `chart_data`         numbers behind the charts
 `charts`             which series goes on which chart

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from addin.batch.commands import batch
+from addin.batch.commands import INTERRUPTED, batch
 from addin.calc.commands import calc
 from addin.diff.commands import diff
 from addin.excel.commands import excel
@@ -49,7 +49,7 @@ app = typer.Typer(
         "`torsionbook check mine.xlsx`, and calculate it with `torsionbook recalc mine.xlsx`. "
         "Results go to a new file beside it; the workbook you typed is not touched.\n\n"
         "Exit status: 0 done, 1 some input is wrong (every error is listed, nothing is written for "
-        "that file), 2 wrong usage, 3 an error inside torsionbook."
+        "that file), 2 wrong usage, 3 an error inside torsionbook, 130 interrupted by Ctrl-C."
     ),
 )
 
@@ -531,6 +531,21 @@ def _summary_cells(one: Recalculated) -> list[str]:
     return [modes, margin, peak, outcome, starts]
 
 
+def _by_ctrl_c(ended: BaseException) -> bool:
+    """Whether a command was cut short; one that ends of itself after Ctrl-C has had its say."""
+    one: BaseException | None = ended
+    while one is not None and not isinstance(one, KeyboardInterrupt):
+        one = one.__cause__ or one.__context__
+    return one is not None
+
+
+def _tell_interrupted() -> None:
+    typer.echo(
+        "Interrupted. Files written before are whole; nothing was written for what was being done.",
+        err=True,
+    )
+
+
 def main() -> None:
     """Entry point: run the command line and turn what goes wrong into its exit status."""
     # Matrices here have at most some hundred rows: more threads of the linear algebra would only wait for each other,
@@ -542,6 +557,13 @@ def main() -> None:
     except _Wrong as wrong:
         typer.echo(str(wrong), err=True)
         sys.exit(WRONG_INPUT)
+    except SystemExit as ended:
+        if ended.code == INTERRUPTED and _by_ctrl_c(ended):
+            _tell_interrupted()
+        raise
+    except KeyboardInterrupt:
+        _tell_interrupted()
+        sys.exit(INTERRUPTED)
     except Exception:  # the last resort: anything else is ours, and must not look like input
         import traceback
 

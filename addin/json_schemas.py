@@ -1,4 +1,4 @@
-"""JSON Schemas of cases and results, made from `addin.fields`.
+"""JSON Schemas of cases, results, verifications and differences; the first two made from `addin.fields`.
 
 ``python -m addin.json_schemas`` writes them into ``addin/schemas``; a test compares.
 """
@@ -13,7 +13,15 @@ from addin.case_json import FORMAT as CASE_FORMAT
 from addin.fields import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
 from addin.results_json import FORMAT as RESULTS_FORMAT
 
-__all__ = ["SCHEMA_FOLDER", "case_schema", "results_schema", "write_schemas"]
+__all__ = [
+    "SCHEMAS",
+    "SCHEMA_FOLDER",
+    "case_schema",
+    "diff_schema",
+    "results_schema",
+    "verify_schema",
+    "write_schemas",
+]
 
 #: Where the shipped schemas are.
 SCHEMA_FOLDER = Path(__file__).resolve().parent / "schemas"
@@ -69,8 +77,166 @@ def results_schema() -> dict[str, Any]:
     }
 
 
+def verify_schema() -> dict[str, Any]:
+    """Schema of what `torsionbook verify --json` writes.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12.
+    """
+    text, flag, count = {"type": "string"}, {"type": "boolean"}, {"type": "integer", "minimum": 0}
+    agreements = ("equal_to_the_bit", "equal_in_the_digits_shown", "within_the_reported_error",
+                  "different", "not_compared")  # fmt: skip
+    table = {"table": text, "sheet": text} | dict.fromkeys(agreements, count)
+    finding = {
+        "kind": {"enum": list(_FINDINGS)},
+        "fails": {"description": "Whether the file fails by it; else it is a note.", **flag},
+        "sheet": {"description": "Sheet; of a result JSON the key of the table.", **text},
+        "cell": {"description": "Cell; of a result JSON the path in it.", **text},
+        "table": text,
+        "row": {"description": "What the row is called: element, mode, excitation.", **text},
+        "column": text,
+        "found": {"description": "What stands there, in the unit shown.", **_ANYTHING},
+        "expected": {"description": "What follows from the inputs.", **_ANYTHING},
+        "message": {"description": "The whole sentence.", **text},
+    }
+    digest = {"type": "string", "pattern": "^([0-9a-f]{64})?$"}
+    properties = {
+        "format": {"const": AUDIT_FORMAT},
+        "file": text,
+        "outcome": {"enum": ["follows", "does not follow", "never calculated", "not verified"]},
+        "sentence": {"description": "The outcome in words.", **text},
+        "follows": {"description": "Whether every result follows from the inputs.", **flag},
+        "made_by": {"description": "Version that made the results; empty = not recorded.", **text},
+        "verified_by": {"description": "Version that verified them.", **text},
+        "recorded_sha256": {
+            "description": "Digest the file records, as it stands there; empty = none.",
+            **text,
+        },
+        "case_sha256": {"description": "Digest of the inputs; empty = not readable.", **digest},
+        "settings": {
+            "description": "Settings of the command line that the file records, used again. [SI]",
+            **_SETTINGS,
+        },
+        "within": {"description": "What is accepted.", **text},
+        "tables": {"type": "array", "items": _whole(table)},
+        "findings": {
+            "description": "What fails first, notes last.",
+            "type": "array",
+            "items": _whole(finding),
+        },
+        "errors": {
+            "description": "What is wrong with the inputs.",
+            "type": "array",
+            "items": _problem(),
+        },
+    }
+    return _schema(
+        "torsionbook verify", "Which results of a file follow from its inputs.", properties
+    )
+
+
+def diff_schema() -> dict[str, Any]:
+    """Schema of what `torsionbook diff --json` writes.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12.
+    """
+    text, flag, count = {"type": "string"}, {"type": "boolean"}, {"type": "integer", "minimum": 0}
+    number = {"type": ["number", "null"]}
+    side = _whole(
+        {
+            "file": text,
+            "revision": {"description": "Tag, document, revision of the title block.", **text},
+            "case_sha256": text,
+            "software": text,
+            "results": {"description": "Where its results come from, in words.", **text},
+            "settings": {"description": "Settings of the command line. [SI]", **_SETTINGS},
+        }
+    )
+    verdict = {
+        "table": text,
+        "row": {"description": "What is judged.", **text},
+        "a": {"description": "Verdict; empty where the check is not made.", **text},
+        "b": text,
+        "result_a": {"description": "The number judged, with its unit.", **text},
+        "result_b": text,
+        "limit": text,
+        "changed": flag,
+    }
+    change = {
+        "kind": {"enum": ["changed", "row_added", "row_removed", "row_renamed"]},
+        "table": {"description": "Input or result table; Case for a scalar.", **text},
+        "row": text,
+        "column": {"description": "Empty for a whole row.", **text},
+        "a": {"description": "In the first file; a number in SI.", **_ANYTHING},
+        "b": {"description": "In the second file; a number in SI.", **_ANYTHING},
+        "difference": {"description": "Second minus first. [SI]", **number},
+        "relative": {"description": "Difference over the first. [1]", **number},
+        "shown_unit": {"description": "The unit people are shown; a and b are in SI.", **text},
+        "administrative": {"description": "Whether it can change no result.", **flag},
+    }
+    changes = {"type": "array", "items": _whole(change)}
+    properties = {
+        "format": {"const": AUDIT_FORMAT},
+        "a": side,
+        "b": side,
+        "same_inputs": count,
+        "same_results": count,
+        "verdicts": {"type": "array", "items": _whole(verdict)},
+        "inputs": {
+            "description": "null where a side is a result JSON, which holds no inputs.",
+            "anyOf": [changes, {"type": "null"}],
+        },
+        "results": changes,
+    }
+    return _schema("torsionbook diff", "What changed between two files.", properties)
+
+
+def _schema(title: str, description: str, properties: dict[str, Any]) -> dict[str, Any]:
+    head = {"$schema": _DIALECT, "title": title, "description": description}
+    return head | _whole(properties)
+
+
+def _whole(properties: dict[str, Any]) -> dict[str, Any]:
+    """An object that always has all its keys."""
+    return _object(properties, required=list(properties))
+
+
+#: Form of the JSON of `verify` and `diff`.
+AUDIT_FORMAT = 1
+_ANYTHING: dict[str, Any] = {"type": ["number", "string", "boolean", "null"]}
+_SETTINGS: dict[str, Any] = {
+    "type": "object",
+    "additionalProperties": {"type": ["number", "string"]},
+}
+#: Kinds of findings, see `addin.verify.findings`.
+_FINDINGS = (
+    "different",
+    "edited",
+    "row missing",
+    "row added",
+    "not shown",
+    "old value",
+    "chart",
+    "digest",
+    "never calculated",
+    "settings",
+)
+#: Every shipped schema by name.
+SCHEMAS = {
+    "case": case_schema,
+    "results": results_schema,
+    "verify": verify_schema,
+    "diff": diff_schema,
+}
+
+
 def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
-    """Write both schemas.
+    """Write every schema.
 
     Parameters
     ----------
@@ -78,8 +244,8 @@ def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
         Where to; made when it is not there. [path]
     """
     folder.mkdir(exist_ok=True)
-    for name, schema in (("case", case_schema()), ("results", results_schema())):
-        text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+    for name, schema in SCHEMAS.items():
+        text = json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
         (folder / f"{name}.schema.json").write_text(text, encoding="utf-8", newline="\n")
 
 

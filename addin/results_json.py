@@ -12,10 +12,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
 from addin.fields import RESULT_TABLES, TableSpec, result_table
-from addin.problems import CellProblem
+from addin.problems import CellProblem, shortened
 from engine.errors import InternalError
 
-__all__ = ["FORMAT", "RunResults", "errors_to_json", "results_to_json", "table_rows"]
+__all__ = ["FORMAT", "RunResults", "errors_to_json", "results_to_json", "storable", "table_rows"]
 
 #: Value of the key ``format``.
 FORMAT = 1
@@ -145,6 +145,26 @@ def errors_to_json(
         "warnings": list(warnings),
         "errors": [problem.as_json() for problem in problems],
     }
+
+
+def storable(value: Any) -> Any:
+    """A single value JSON can hold: a damaged file may state numbers that are none, or lists of them.
+
+    Parameters
+    ----------
+    value : object
+        As it stands in a file.
+
+    Returns
+    -------
+    None, bool, int, float or str
+        The same where it is a single value; else words.
+    """
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    return shortened(str(value))
 
 
 def _row(row: Mapping[str, Any], spec: TableSpec) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -58,6 +58,15 @@ def batch(
             "--watch", help="Then calculate each file again when it is saved; Ctrl-C ends it."
         ),
     ] = False,
+    json: Annotated[
+        Path | None, typer.Option(help="Also write each file's results as JSON into this folder.")
+    ] = None,
+    method: Annotated[
+        str | None, typer.Option(help="exponential (default) or newmark, the paper's method.")
+    ] = None,
+    tolerance: Annotated[
+        str | None, typer.Option(help="Wanted error of peak torques, such as 0.001 or 0.1%.")
+    ] = None,
     vary: Annotated[
         Path | None,
         typer.Option(
@@ -89,7 +98,10 @@ def batch(
 
     Each input is calculated into a file of the same name below --out; files that state the same case
     are calculated once. Ctrl-C ends it cleanly, and --resume goes on after that, or after a crash,
-    without doing anything twice. Exit status 130 says that it was interrupted.
+    without doing anything twice.
+
+    Exit status 0 if every file is done, 1 if one is not (with --strict also if a verdict fails), 2 for
+    wrong usage, 130 if it was interrupted: what was done by then is kept and summarised.
 
     Example: `torsionbook batch trains --out results`
     """
@@ -99,17 +111,22 @@ def batch(
 
     if send not in _SEND:
         raise typer.BadParameter(f"--send is '{send}'; it must be {', '.join(_SEND)}.")
+    from addin.cli import _overrides
+
+    overrides = _overrides(method, tolerance)
     book = _summary_file(summary, out)
 
     def find() -> list[Input]:
         try:
-            return find_inputs(what, out, [book, book.with_suffix(".csv")])
+            return find_inputs(what, out, [book, book.with_suffix(".csv")], json=json is not None)
         except InputsRefused as wrong:
             if watch:
                 return []
             raise _told(str(wrong)) from wrong
 
     inputs = find()
+    if json is not None:
+        _check_json_folder(json, vary)
     stop = Stop()
     if vary is not None:
         if watch or len(inputs) != 1:
@@ -117,9 +134,15 @@ def batch(
                 f"--vary needs one base case and no --watch; {len(inputs)} files are named."
             )
         raise typer.Exit(
-            _varied(inputs[0].path, vary, out, _workers(jobs, scheduler), resume, stop)
+            _varied(inputs[0].path, vary, out, _workers(jobs, scheduler), resume, stop, overrides)
         )
-    settings = {"resume": resume, "ignore_lock": ignore_lock, "may_be_open": watch}
+    settings = {
+        "resume": resume,
+        "ignore_lock": ignore_lock,
+        "may_be_open": watch,
+        "overrides": overrides,
+        "json": json,
+    }
     workers = _workers(jobs, scheduler)
     began = time.monotonic()
     try:
@@ -128,7 +151,7 @@ def batch(
                 work.send = _way(work, inputs[0], send)
             ended = _processed(work, inputs, stop)
             records = _rows(work, inputs)
-            written = _summarised(book, records)
+            written = _summarised(book, records, overrides)
             if watch and not ended:
                 _say(work, records, ended, began, written)
                 _watched(work, find, inputs, book, stop)
@@ -176,7 +199,15 @@ def _way(work: Batch, first: Input, send: str) -> str:
     return "files" if shared else "bytes"
 
 
-def _varied(base: Path, table: Path, out: Path, workers: Workers, resume: bool, stop: Stop) -> int:
+def _varied(
+    base: Path,
+    table: Path,
+    out: Path,
+    workers: Workers,
+    resume: bool,
+    stop: Stop,
+    overrides: Mapping[str, Any],
+) -> int:
     """A programme of cases; its exit status."""
     from addin.batch.conductor import Abandoned, Stopped
     from addin.batch.folder import FolderRefused, OutFolder
@@ -202,6 +233,7 @@ def _varied(base: Path, table: Path, out: Path, workers: Workers, resume: bool, 
                 resume=resume,
                 stop=stop,
                 listener=listener,
+                overrides=overrides,
             )
     except TableRefused as wrong:
         for sentence in wrong.sentences:
@@ -228,6 +260,24 @@ def _varied(base: Path, table: Path, out: Path, workers: Workers, resume: bool, 
         typer.echo(f"Interrupted. {_AGAIN}", err=True)
         return INTERRUPTED
     return _DONE if done.outcomes.get(DONE, 0) == done.rows else _WRONG_INPUT
+
+
+def _check_json_folder(json: Path, vary: Path | None) -> None:
+    """What would keep JSON from being written, said before anything is calculated."""
+    import os
+
+    from addin.recalc import of_file
+
+    if vary is not None:
+        raise typer.BadParameter("--json is of a batch of files; results of --vary are Parquet.")
+    if json.suffix.lower() == ".json" and not json.is_dir():
+        raise typer.BadParameter(f"--json is '{json}'; in a batch it names a folder.")
+    try:
+        json.mkdir(parents=True, exist_ok=True)
+    except OSError as wrong:
+        raise _told(of_file(json, wrong).message) from wrong
+    if not os.access(json, os.W_OK):
+        raise _told(f"{json} may not be written. Name another folder with --json.")
 
 
 def _summary_file(summary: Path | None, out: Path) -> Path:
@@ -286,7 +336,7 @@ def _watched(
         for record in _rows(work, ready):
             said = record.results.get("verdict") if record.done else record.sentence
             typer.echo(f"{record.name}: {record.outcome}: {said}")
-        _summarised(book, _rows(work, list(everything.values())))
+        _summarised(book, _rows(work, list(everything.values())), work.overrides)
 
     typer.echo("Watching; Ctrl-C ends it.")
     try:
@@ -308,7 +358,9 @@ def _rows(work: Batch, inputs: Sequence[Input]) -> list[Record]:
     ]
 
 
-def _summarised(book: Path, records: Sequence[Record]) -> tuple[Path, ...]:
+def _summarised(
+    book: Path, records: Sequence[Record], overrides: Mapping[str, Any]
+) -> tuple[Path, ...]:
     """Write the summary; nothing if that is impossible, which is said."""
     import datetime as dt
 
@@ -322,6 +374,9 @@ def _summarised(book: Path, records: Sequence[Record]) -> tuple[Path, ...]:
         f"{len(records)} files: {counts}. torsionbook {product_version()}, "
         f"{dt.datetime.now(dt.UTC):%Y-%m-%d %H:%M} UTC."
     )
+    if overrides:
+        said = ", ".join(f"{name} = {value}" for name, value in overrides.items())
+        heading += f" Settings of the command line: {said}."
     try:
         return write_summary(book, records, heading)
     except OSError as wrong:

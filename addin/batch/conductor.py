@@ -11,18 +11,28 @@ import contextlib
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
 from addin.batch.folder import OutFolder, digest_of, stamp_of
-from addin.batch.inputs import Input, result_name
+from addin.batch.inputs import Input, json_name, result_name
 from addin.batch.journal import Journal, read_journal
 from addin.batch.pool import Crashed, Task, Workers
-from addin.batch.records import CHANGED, CRASHED, DISK_FULL, Record, Stamp, failed, outcome_of
+from addin.batch.records import (
+    CHANGED,
+    CRASHED,
+    DISK_FULL,
+    Output,
+    Record,
+    Stamp,
+    failed,
+    outcome_of,
+)
 from addin.batch.work import Calculated, Examine, Work, calculate, examine
+from addin.problems import CellProblem
 
 __all__ = ["Abandoned", "Batch", "Listener", "Stop", "Stopped", "cores"]
 
@@ -140,6 +150,10 @@ class Batch:
         Asked all the time.
     listener : Listener
         Told all the time.
+    overrides : mapping
+        Fields of the case that the command line sets, such as ``method``. [SI]
+    json : Path or None
+        Folder in which results are wanted as JSON too. [path]
     """
 
     folder: OutFolder
@@ -150,6 +164,8 @@ class Batch:
     resume: bool = False
     stop: Stop = field(default_factory=Stop)
     listener: Listener = field(default_factory=Listener)
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    json: Path | None = None
     records: dict[str, Record] = field(default_factory=dict)
     #: Files that needed no work, as an earlier batch did them. [count]
     kept: int = 0
@@ -202,6 +218,10 @@ class Batch:
         """Whether the record of a file still tells the truth."""
         record = self.records.get(one.name)
         if record is None or not record.settled or record.version != self._version:
+            return False
+        if record.settings != self.overrides:
+            return False
+        if self.json and self._json_of(one.name) not in {output.name for output in record.outputs}:
             return False
         if record.source != str(one.path) or not _unchanged(one.path, record.stamp):
             return False
@@ -283,12 +303,23 @@ class Batch:
             case_sha256=digest,
             ignore_lock=self.ignore_lock,
             may_be_open=self.may_be_open,
+            overrides=self.overrides,
+            json=self._json_of(one.name),
             **more,
         )
         if self.send == "files":
             staging = self.folder.staging / f"{self._numbers}"
             work = replace(work, staging=str(staging))
         self.workers.add(Task(calculate, work, one))
+
+    def _json_of(self, name: str) -> str:
+        """Where the JSON of a file belongs, as the name of an output; empty if none is wanted."""
+        if self.json is None:
+            return ""
+        place = self.json.absolute() / json_name(name)
+        if place.is_relative_to(self.folder.path):
+            place = place.relative_to(self.folder.path)
+        return place.as_posix()
 
     def _placed(self, work: Work, answer: Calculated) -> Record:
         """The record, its result files on the disk; those that came as bytes are staged here."""
@@ -322,17 +353,41 @@ class Batch:
 
     def _settle(self, record: Record) -> Record:
         """Record what became of a file, then put its results in place."""
-        record = replace(record, version=record.version or self._version)
+        record = replace(record, version=record.version or self._version, settings=self.overrides)
+        if self.json is not None and not record.done:
+            record = self._with_errors(record)
         self._write(record)
         try:
             self.folder.put(record.outputs)
         except OSError as wrong:
-            record = replace(self._not_written(record, wrong), version=self._version)
+            record = replace(
+                self._not_written(record, wrong), version=self._version, settings=self.overrides
+            )
             self._write(record)
         self.records[record.name] = record
         if record.outcome == DISK_FULL and not self.stop.reason:
             self.stop.reason = "The disk is full. Free some space, then run again with --resume."
         return record
+
+    def _with_errors(self, record: Record) -> Record:
+        """A file without results: its errors as JSON, staged, so that no earlier results stay there."""
+        from addin.recalc import write_json
+        from addin.results_json import errors_to_json
+
+        self._numbers += 1
+        staged = self.folder.staging / f"{self._numbers}-errors.json"
+        problems = [CellProblem(**error) for error in record.errors]
+        try:
+            write_json(staged, errors_to_json(problems, record.version, record.warnings))
+            output = Output(
+                self._json_of(record.name),
+                staged.stat().st_size,
+                digest_of(staged),
+                staged.relative_to(self.folder.path).as_posix(),
+            )
+        except OSError:  # such as a full disk, which the record says already
+            return record
+        return replace(record, outputs=(output,))
 
     def _write(self, record: Record) -> None:
         try:

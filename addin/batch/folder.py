@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import datetime as dt
+import errno
 import hashlib
 import os
 import platform
@@ -20,6 +21,7 @@ from types import TracebackType
 
 from addin.batch.records import Output, Stamp
 from addin.package.save import flush_folder
+from addin.whole_files import write_whole
 
 __all__ = ["FolderRefused", "OutFolder", "digest_of", "stamp_of"]
 
@@ -134,7 +136,7 @@ class OutFolder:
         Parameters
         ----------
         name : str
-            Its path inside the folder. [path]
+            Its path inside the folder, or a full one. [path]
 
         Returns
         -------
@@ -161,7 +163,7 @@ class OutFolder:
             if output.staged and staged.is_file():
                 target = self.place(output.name)
                 target.parent.mkdir(parents=True, exist_ok=True)
-                os.replace(staged, target)
+                _move(staged, target)
                 folders.add(target.parent)
         for folder in folders:
             flush_folder(folder)
@@ -186,6 +188,17 @@ class OutFolder:
             )
         except OSError:
             return False
+
+
+def _move(staged: Path, target: Path) -> None:
+    """Put a file in its place in one step, also on another disk."""
+    try:
+        os.replace(staged, target)
+    except OSError as wrong:
+        if wrong.errno != errno.EXDEV:
+            raise
+        write_whole(target, lambda made: shutil.copyfile(staged, made))
+        staged.unlink()
 
 
 class _Lock:

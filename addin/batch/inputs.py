@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["Input", "InputsRefused", "find_inputs", "natural_key", "result_name"]
+__all__ = ["Input", "InputsRefused", "find_inputs", "json_name", "natural_key", "result_name"]
 
 #: Endings that are looked for in folders; .xls and .xlsb are refused with the reason, not passed over.
 ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")
@@ -41,7 +41,9 @@ class Input:
     name: str
 
 
-def find_inputs(patterns: Sequence[str], out: Path, also_ours: Iterable[Path] = ()) -> list[Input]:
+def find_inputs(
+    patterns: Sequence[str], out: Path, also_ours: Iterable[Path] = (), *, json: bool = False
+) -> list[Input]:
     """Everything that folders, patterns and names stand for.
 
     A folder stands for the workbooks and case JSON files in it and below. Left out are the folder of
@@ -55,6 +57,8 @@ def find_inputs(patterns: Sequence[str], out: Path, also_ours: Iterable[Path] = 
         The folder of results. [path]
     also_ours : iterable of Path
         Further files that are results, such as the summary. [paths]
+    json : bool
+        Whether results are written as JSON too. [flag]
 
     Returns
     -------
@@ -79,7 +83,7 @@ def find_inputs(patterns: Sequence[str], out: Path, also_ours: Iterable[Path] = 
             found.setdefault(Path(os.path.abspath(path)), root)
         if not some:
             raise InputsRefused(_nothing(pattern))
-    return _named(found)
+    return _named(found, json)
 
 
 def _nothing(pattern: str) -> str:
@@ -142,20 +146,20 @@ def _may_be_case(file: Path) -> bool:
     return isinstance(content, dict) and "format" in content and "errors" not in content
 
 
-def _named(found: dict[Path, Path]) -> list[Input]:
+def _named(found: dict[Path, Path], json: bool) -> list[Input]:
     """Names relative to each root; where two meet, relative to what all files have in common."""
     names = {path: _relative(path, root) for path, root in found.items()}
-    if _clash(names) is not None:
+    if _clash(names, json) is not None:
         try:
             common = Path(os.path.commonpath([str(path.parent) for path in found]))
         except ValueError:  # several drives
             common = None
         if common is not None:
             names = {path: _relative(path, common) for path in found}
-    clash = _clash(names)
+    clash = _clash(names, json)
     if clash is not None:
         raise InputsRefused(
-            f"{clash[0]} and {clash[1]} would both be written to {result_name(names[clash[1]])}. "
+            f"{clash[0]} and {clash[1]} would both be written to {clash[2]}. "
             "Rename one, or calculate them in two batches."
         )
     return sorted(
@@ -167,13 +171,14 @@ def _relative(path: Path, root: Path) -> str:
     return Path(os.path.relpath(path, os.path.abspath(root))).as_posix()
 
 
-def _clash(names: dict[Path, str]) -> tuple[Path, Path] | None:
+def _clash(names: dict[Path, str], json: bool) -> tuple[Path, Path, str] | None:
     """Two files with the same results, capitals aside: not every disk tells them apart."""
     seen: dict[str, Path] = {}
     for path, name in names.items():
-        other = seen.setdefault(result_name(name).casefold(), path)
-        if other != path:
-            return other, path
+        for result in (result_name(name), *((json_name(name),) if json else ())):
+            other = seen.setdefault(result.casefold(), path)
+            if other != path:
+                return other, path, result
     return None
 
 
@@ -193,6 +198,23 @@ def result_name(name: str) -> str:
     if name.lower().endswith(".json"):
         return name[: -len(".json")] + ".results.json"
     return name
+
+
+def json_name(name: str) -> str:
+    """Name of the results of a file as JSON, as `torsionbook recalc --json FOLDER` would give it.
+
+    Parameters
+    ----------
+    name : str
+        The file, relative. [path]
+
+    Returns
+    -------
+    str
+        With the ending ``.results.json``. [path]
+    """
+    folder, slash, last = name.rpartition("/")
+    return f"{folder}{slash}{Path(last).stem}.results.json"
 
 
 def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:

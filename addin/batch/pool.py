@@ -1,31 +1,27 @@
 """Processes of this machine that do tasks; one that dies loses nothing.
 
 Each process has a line of its own, so that it is known which task a dead one had: that task is given
-to another once more, and if it dies again it is answered by `Crashed`. Processes are spawned, so the
-same code runs on every system, and end as soon as the batch does, however it ends.
+to another once more, and if it dies again it is answered by `Crashed`. Processes end as soon as the
+batch does, however it ends.
 """
 
 from __future__ import annotations
 
 import contextlib
 import gc
-import multiprocessing
-import os
 import signal
-import threading
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
 from typing import Any
+
+from addin.processes import Process
 
 __all__ = ["Crashed", "Pool", "Task", "Workers"]
 
 #: How often it is looked whether the batch is to stop. [s]
 LOOK = 0.2
-#: How long a process that is told to end may take. [s]
-LAST_WORDS = 2.0
 #: How often a task is begun in all, when the processes that had it died. [count]
 ATTEMPTS = 2
 #: When garbage is looked for within a task: far less often than Python does of itself. [counts]
@@ -157,7 +153,7 @@ class Pool(Workers):
             answer = process.line.recv()
         except (EOFError, OSError):
             self._processes.remove(process)
-            how = process.ended()
+            how = process.last_words()
             if attempt < ATTEMPTS:
                 self._waiting.appendleft((task, attempt + 1))
                 return
@@ -183,21 +179,13 @@ class Pool(Workers):
         return [one.pid for one in self._processes]
 
 
-class _Process:
-    """A spawned process, the line to it and its task."""
+class _Process(Process):
+    """One of the pool, and its task."""
 
     def __init__(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self.line, theirs = context.Pipe()
+        super().__init__(_serve)
         self.task: Task | None = None
         self.attempt = 0
-        self._process: BaseProcess = context.Process(target=_serve, args=(theirs,), daemon=True)
-        self._process.start()
-        theirs.close()  # so that a process that ends is seen as the end of the line
-
-    @property
-    def pid(self) -> int:
-        return self._process.pid or 0
 
     def give(self, task: Task, attempt: int) -> bool:
         try:
@@ -208,23 +196,13 @@ class _Process:
         self.task, self.attempt = task, attempt
         return True
 
-    def ended(self) -> str:
+    def last_words(self) -> str:
         """What is known of its end."""
-        self._process.join(LAST_WORDS)
-        code = self._process.exitcode
-        self.end()
-        if code is not None and code < 0:
-            name = signal.Signals(-code).name if -code in set(signal.Signals) else str(-code)
+        status = self.ended()
+        if status is not None and status < 0:
+            name = signal.Signals(-status).name if -status in set(signal.Signals) else str(-status)
             return f"the process that calculated it was ended by {name}"
-        return f"the process that calculated it ended by itself (exit status {code})"
-
-    def end(self) -> None:
-        self.line.close()
-        self._process.terminate()
-        self._process.join(LAST_WORDS)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join()
+        return f"the process that calculated it ended by itself (exit status {status})"
 
 
 # --- in the processes -----------------------------------------------------------------------------
@@ -232,8 +210,6 @@ class _Process:
 
 def _serve(line: Connection) -> None:
     """Do one task after the other until the line ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the batch's to answer
-    _end_with_parent()
     settled = False
     while True:
         try:
@@ -248,16 +224,3 @@ def _serve(line: Connection) -> None:
             gc.freeze()  # what is loaded now stays
             gc.set_threshold(*_GARBAGE)
             settled = True
-
-
-def _end_with_parent() -> None:
-    """Let this process end at once when the batch is gone, even within a calculation."""
-    parent = multiprocessing.parent_process()
-    if parent is None:
-        return
-
-    def watch() -> None:
-        wait([parent.sentinel])
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()

@@ -69,7 +69,8 @@ class Output:
     Parameters
     ----------
     name : str
-        Path inside the folder of results, with ``/``. [path]
+        Path inside the folder of results, with ``/``; of a JSON that is wanted elsewhere the full
+        one. [path]
     size : int
         Bytes. [count]
     sha256 : str
@@ -116,6 +117,8 @@ class Record:
         What it took. [s]
     version : str
         Version that calculated it. [text]
+    settings : mapping
+        Fields of the case that the command line set. [SI]
     """
 
     name: str
@@ -131,6 +134,7 @@ class Record:
     outputs: tuple[Output, ...] = ()
     seconds: float = 0.0
     version: str = ""
+    settings: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def done(self) -> bool:

@@ -20,7 +20,7 @@ import re
 import shutil
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -122,11 +122,14 @@ class Chunk:
         The table's columns, without the one of names.
     rows : tuple
         Row number, name and values of each row. [as read]
+    overrides : mapping
+        Fields of the case that the command line sets. [SI]
     """
 
     base: bytes
     columns: tuple[Varied, ...]
     rows: tuple[tuple[int, str | None, tuple[Any, ...]], ...]
+    overrides: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass
@@ -399,13 +402,13 @@ def calculate_rows(task: Chunk) -> list[dict[str, Any]]:
     found = []
     for number, name, values in task.rows:
         began = time.perf_counter()
-        row = {"row": number, "name": name} | _calculated(task.columns, values, base, known)
+        row = {"row": number, "name": name} | _calculated(task, values, base, known)
         found.append(row | {"seconds": time.perf_counter() - began})
     return found
 
 
 def _calculated(
-    columns: Sequence[Varied],
+    task: Chunk,
     values: Sequence[Any],
     base: TypedCase,
     known: dict[str, dict[str, Any]],
@@ -415,6 +418,7 @@ def _calculated(
     from engine.case import Case, case_digest
     from engine.errors import CaseError, ModelError
 
+    columns = task.columns
     findings = Findings()
     typed = TypedCase(dict(base.scalars), {name: list(rows) for name, rows in base.tables.items()})
     inputs = _put(columns, values, typed, findings)
@@ -427,7 +431,7 @@ def _calculated(
         if problems:
             reasons = [_reason(one, columns, typed) for one in problems]
             return inputs | {"outcome": WRONG_INPUT, "reason": "\n".join(reasons)}
-        case = Case(**vars(data))
+        case = Case(**(vars(data) | dict(task.overrides)))
         digest = case_digest(data)
         if digest not in known:
             known[digest] = _answers(case)
@@ -546,6 +550,7 @@ def run_programme(
     resume: bool,
     stop: Stop,
     listener: Listener,
+    overrides: Mapping[str, Any] | None = None,
 ) -> Programme:
     """Calculate every row of a table.
 
@@ -565,6 +570,8 @@ def run_programme(
         Asked all the time.
     listener : Listener
         Told all the time.
+    overrides : mapping, optional
+        Fields of the case that the command line sets, whatever base and table say. [SI]
 
     Returns
     -------
@@ -584,10 +591,12 @@ def run_programme(
     varied = tuple(one for one in columns if one is not None)
     total = read.count()
     parts = _Parts(folder, _schema(varied))
-    parts.begin(_fingerprint(base, table), resume)
+    settings = dict(overrides or {})
+    parts.begin(_fingerprint(base, table) | {"settings": settings}, resume)
     programme = Programme(folder.place("results.parquet"), total)
     listener.begin("calculating", total)
-    work = _Work(pickle.dumps(typed), varied, names, parts, programme, listener)
+    chunk = Chunk(pickle.dumps(typed), varied, (), settings)
+    work = _Work(chunk, names, parts, programme, listener)
     chunks = enumerate(_chunked(read.rows()))
     tasks = (one for number, rows in chunks for one in work.tasks(number, rows))
     try:
@@ -638,14 +647,13 @@ class _Work:
 
     def __init__(
         self,
-        base: bytes,
-        columns: tuple[Varied, ...],
+        like: Chunk,
         names: int | None,
         parts: _Parts,
         programme: Programme,
         listener: Listener,
     ) -> None:
-        self._base, self._columns, self._names = base, columns, names
+        self._like, self._names = like, names
         self._parts, self._programme, self._listener = parts, programme, listener
         self._open: dict[int, tuple[int, list[dict[str, Any]]]] = {}
 
@@ -659,7 +667,7 @@ class _Work:
         first = number * ROWS + 1
         named = tuple(self._split(first + i, row) for i, row in enumerate(rows))
         self._open[number] = (len(rows), [])
-        yield Task(calculate_rows, Chunk(self._base, self._columns, named), number)
+        yield Task(calculate_rows, replace(self._like, rows=named), number)
 
     def _split(self, number: int, row: Sequence[Any]) -> tuple[int, str | None, tuple[Any, ...]]:
         if self._names is None:
@@ -674,7 +682,7 @@ class _Work:
         if isinstance(answer, Crashed):
             if len(chunk.rows) > 1:
                 for row in chunk.rows:
-                    yield Task(calculate_rows, Chunk(chunk.base, chunk.columns, (row,)), task.tag)
+                    yield Task(calculate_rows, replace(chunk, rows=(row,)), task.tag)
                 return
             number, name, _ = chunk.rows[0]
             answer = [{"row": number, "name": name, "outcome": CRASHED, "reason": answer.sentence}]
@@ -720,7 +728,10 @@ class _Parts:
             if json.loads(manifest.read_text(encoding="utf-8")) == fingerprint:
                 return
             raise TableRefused(
-                ["the table, the base case or torsionbook has changed since. Run without --resume."]
+                [
+                    "the table, the base case, --method or --tolerance, or torsionbook has changed "
+                    "since. Run without --resume."
+                ]
             )
         shutil.rmtree(self._place, ignore_errors=True)
         self._place.mkdir(parents=True)

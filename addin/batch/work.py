@@ -10,6 +10,7 @@ from __future__ import annotations
 import pickle
 import time
 import uuid
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -115,6 +116,10 @@ class Work:
         Calculate although lock files say somebody has the workbook or its result open. [flag]
     may_be_open : bool
         That somebody has the workbook itself open does not matter: the file as saved counts. [flag]
+    overrides : mapping
+        Fields of the case that the command line sets. [SI]
+    json : str
+        Name of the results as JSON, as in `Output`; empty if they are not wanted. [path]
     """
 
     name: str
@@ -131,6 +136,8 @@ class Work:
     keep: bool = False
     ignore_lock: bool = False
     may_be_open: bool = False
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    json: str = ""
 
 
 @dataclass(frozen=True)
@@ -246,6 +253,8 @@ def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
     done = recalculate(
         source,
         destination=staging / Path(result_name(task.name)).name,
+        json_file=staging / Path(task.json).name if task.json else None,
+        overrides=task.overrides,
         ignore_lock=task.ignore_lock or task.may_be_open,
         read=read,
         known=known,
@@ -328,9 +337,10 @@ def _outputs(task: Work, staging: Path) -> tuple[Output, ...]:
     parent = task.name.rpartition("/")[0]
     prefix = f"{parent}/" if parent else ""
     inside = bool(task.staging)
+    json = Path(task.json).name if task.json else ""
     return tuple(
         Output(
-            prefix + file.name,
+            task.json if file.name == json else prefix + file.name,
             file.stat().st_size,
             digest_of(file),
             file.relative_to(task.root).as_posix() if inside else "",

@@ -8,23 +8,22 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from addin.calculation import Calculation
 from addin.chart_data import ShownUnits
-from addin.fields import RESULT_TABLES, WORKBOOK_TABLES, Field, TableSpec
-from addin.layout import workbook_columns
-from addin.package import ErrorValue, Workbook
-from addin.package.references import cell_name
+from addin.fields import RESULT_TABLES, WORKBOOK_TABLES, TableSpec
 from addin.problems import CellProblem
 from addin.read_workbook import WorkbookInput
 from addin.recalc import Unreadable, of_file, read_checked
+from addin.standing_results import standing_rows
 from addin.typed_case import CaseInput, TypedCase
 from addin.units import UnitError, parse_unit
 from addin.verify.again import calculated_again
 from addin.verify.json_file import header_rows, read_results_json
-from addin.verify.recorded import of_audit
+from addin.verify.recorded import of_results_json, of_workbook
 from addin.write_workbook import read_shown_units
 from engine.case import CaseData, case_digest
 
-__all__ = ["CannotBeCompared", "COMPARED", "Judged", "Side", "read_side"]
+__all__ = ["CannotBeCompared", "COMPARED", "Judged", "Side", "read_side", "side_of"]
 
 #: Result tables that are compared; wall times and the study of accuracy are no results of the train.
 COMPARED: tuple[TableSpec, ...] = (
@@ -171,9 +170,6 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> Side:
     startup = content.get("startup")
     if isinstance(startup, dict) and isinstance(startup.get("bearing_forces"), list):
         tables["BearingForces"] = header_rows(_spec("BearingForces"), startup["bearing_forces"])
-    audit = content.get("audit")
-    rows = [row for row in audit if isinstance(row, dict)] if isinstance(audit, list) else []
-    settings = of_audit(rows).settings
     return Side(
         source,
         None,
@@ -183,7 +179,7 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> Side:
         "as they stand in the file, which holds no inputs",
         f"torsionbook {content.get('version', '')}".strip(),
         str(content.get("case_sha256") or ""),
-        settings,
+        of_results_json(content).settings,
     )
 
 
@@ -194,9 +190,9 @@ def _of_workbook(
     on_stage: Callable[[str], None] | None,
 ) -> Side:
     units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
-    tables = {spec.name: _standing(read.workbook, spec, units) for spec in COMPARED}
-    audit = [{"item": r.get("Item"), "value": r.get("Value")} for r in tables.get("Audit", ())]
-    recorded = of_audit(audit)
+    tables = {spec.name: standing_rows(read.workbook, spec, units) for spec in COMPARED}
+    tables["Verdicts"] = [_with_judged(row) for row in tables["Verdicts"]]
+    recorded = of_workbook(read.workbook)
     digest = case_digest(read.data)
     if recorded.digest == digest and not recalculate:
         return Side(
@@ -224,6 +220,39 @@ def _calculated(
     run, problems = calculated_again(read, settings, on_stage)
     if run is None:
         raise CannotBeCompared(source, problems)
+    return side_of(source, read, run, units, why, settings)
+
+
+def side_of(
+    source: Path,
+    read: CaseInput,
+    run: Calculation,
+    units: ShownUnits | None,
+    results_from: str,
+    settings: Mapping[str, Any] | None = None,
+) -> Side:
+    """A side whose results have been calculated.
+
+    Parameters
+    ----------
+    source : Path
+        The file. [path]
+    read : CaseInput
+        Its inputs. [SI]
+    run : Calculation
+        Their results. [SI]
+    units : ShownUnits or None
+        Units in which it is shown; None for a case JSON.
+    results_from : str
+        Where the results come from, in words. [sentence]
+    settings : mapping, optional
+        Settings of the command line. [SI]
+
+    Returns
+    -------
+    Side
+        Inputs and results.
+    """
     tables = {
         spec.name: header_rows(spec, run.tables[spec.name])
         for spec in COMPARED
@@ -232,8 +261,8 @@ def _calculated(
     forces = (run.startup or {}).get("bearing_forces") or ()
     tables["BearingForces"] = header_rows(_spec("BearingForces"), list(forces))
     return Side(
-        source, read.data, read.typed, units, _plain_tables(tables), why, run.stamp.software,
-        run.case_sha256, settings,
+        source, read.data, read.typed, units, _plain_tables(tables), results_from,
+        run.stamp.software, run.case_sha256, dict(settings or {}),
     )  # fmt: skip
 
 
@@ -260,44 +289,13 @@ def _plain_row(table: str, row: Mapping[str, Any]) -> dict[str, Any]:
     return plain
 
 
-# --- a workbook's results in SI -------------------------------------------------------------------
+# --- numbers that a workbook shows as words --------------------------------------------------------
 
 
-def _standing(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> list[dict[str, Any]]:
-    """Rows of a result table as they stand, in SI."""
-    table = workbook.tables.get(spec.name)
-    if table is None:
-        return []
-    known = {name.casefold(): table.ref.left + k for k, name in enumerate(table.columns)}
-    fields = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
-    rows = []
-    for number in range(table.data.top, table.data.bottom + 1):
-        row: dict[str, Any] = {}
-        for one in fields:
-            at = known.get(one.name.casefold())
-            shown = at and workbook.shown_value(table.sheet, cell_name(number, at))
-            if shown is not None and shown != "" and at:
-                row[one.name] = _si(spec, one, shown, units)
-        if row:
-            rows.append(row)
-    return rows
-
-
-def _si(spec: TableSpec, one: Field, shown: Any, units: ShownUnits) -> Any:
-    """A shown result in SI, as it was before it was written."""
-    if isinstance(shown, ErrorValue):
-        return shown.code
-    if one.kind == "flag":
-        return {"yes": True, "on": True, "off": False}.get(str(shown), shown)
-    if spec.name == "Verdicts" and one.kind == "mixed":
-        return _judged(shown)
-    if isinstance(shown, float) and one.is_number:
-        column = one.name
-        if spec.repeated is not None and one not in spec.columns:
-            column = spec.repeated.name
-        factor = units.factors.get((spec.name, one.name), units.factor(spec.name, column))
-        return shown * factor
-    return shown
+def _with_judged(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row of table `Verdicts` with its numbers read out of the words."""
+    judged = {k: _judged(row[k]) for k in ("Result", "Limit") if k in row}
+    return dict(row) | judged
 
 
 _NUMBER_AND_UNIT = re.compile(r"(-?\d[\d,]*(?:\.(\d+))?(?:[eE][+-]?\d+)?)\s*(\S.*)?")

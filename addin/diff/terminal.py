@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from rich.console import Console
 from rich.table import Table
@@ -10,25 +10,11 @@ from rich.text import Text
 
 from addin.diff.changes import Change, Differences, VerdictChange
 from addin.diff.sides import Side
-from addin.diff.told import change_in_words, in_words
+from addin.diff.told import change_in_words, in_words, telling
 from addin.template_text import CAPTIONS
 
-__all__ = ["SHOWN", "TELLING", "show"]
+__all__ = ["show"]
 
-#: Changed results shown of each table unless all are asked for. [count]
-SHOWN = 12
-#: Columns shown unless all are asked for.
-TELLING: Mapping[str, tuple[str, ...]] = {
-    "NaturalFrequencies": ("Frequency", "Largest strain energy"),
-    "SeparationMargins": ("Margin",),
-    "SteadyState": ("Peak-to-peak stress",),
-    "StartupPeaks": ("Maximum torque", "Peak-to-peak stress"),
-    "StartupCrossings": ("Peak-to-peak torque", "Mesh minimum torque"),
-    "AllowableStarts": ("Allowable starts",),
-    "TorqueReversals": ("Minimum torque", "Reversals", "Impacts", "Tooth force"),
-    "Effects": ("On",),
-    "BearingForces": ("Force",),
-}
 #: Width below which tables are not squeezed. [characters]
 _WIDTH = 120
 
@@ -146,7 +132,7 @@ def _results(console: Console, found: Differences, everything: bool) -> None:
         by_table.setdefault(one.table, []).append(one)
     told = 0
     for name, changes in by_table.items():
-        shown = changes if everything else _telling(name, changes)
+        shown = changes if everything else telling(name, changes)
         told += len(shown)
         if shown:
             console.print(_changes(_of_table(name, changes, shown), shown))
@@ -158,21 +144,6 @@ def _results(console: Console, found: Differences, everything: bool) -> None:
         else ""
     )
     console.print(f"{found.same_results} results are the same.{more}")
-
-
-def _telling(name: str, changes: list[Change]) -> list[Change]:
-    """The changes of a table that an engineer asks for first."""
-    columns = TELLING.get(name, ())
-    shown = [one for one in changes if one.column in columns and one.kind == "changed"]
-    if name == "SeparationMargins":  # the margin nearest to the line
-        shown.sort(key=lambda one: min(_size(one.before), _size(one.after)))
-    elif name == "SteadyState":  # the most stressed
-        shown.sort(key=lambda one: -max(_size(one.before), _size(one.after)))
-    return shown[:SHOWN]
-
-
-def _size(value: object) -> float:
-    return float(value) if isinstance(value, int | float) else 0.0
 
 
 def _of_table(name: str, changes: Sequence[Change], shown: Sequence[Change]) -> str:

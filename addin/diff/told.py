@@ -3,13 +3,30 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from addin.diff.changes import Change, Differences, Value
 from addin.diff.sides import Side
+from addin.json_schemas import AUDIT_FORMAT
+from addin.results_json import storable
 
-__all__ = ["as_json", "change_in_words", "in_words"]
+__all__ = ["as_json", "change_in_words", "in_words", "telling"]
 
+#: Changed results shown of each table unless all are asked for. [count]
+SHOWN = 12
+#: Columns shown unless all are asked for.
+TELLING: Mapping[str, tuple[str, ...]] = {
+    "NaturalFrequencies": ("Frequency", "Largest strain energy"),
+    "SeparationMargins": ("Margin",),
+    "SteadyState": ("Peak-to-peak stress",),
+    "StartupPeaks": ("Maximum torque", "Peak-to-peak stress"),
+    "StartupCrossings": ("Peak-to-peak torque", "Mesh minimum torque"),
+    "AllowableStarts": ("Allowable starts",),
+    "TorqueReversals": ("Minimum torque", "Reversals", "Impacts", "Tooth force"),
+    "Effects": ("On",),
+    "BearingForces": ("Force",),
+}
 #: JSON keys of the kinds of change.
 _KINDS = {
     "changed": "changed",
@@ -75,6 +92,34 @@ def change_in_words(change: Change) -> str:
     return f"{100.0 * relative:+.3g} %" if abs(relative) < 10.0 else f"× {1.0 + relative:.3g}"
 
 
+def telling(name: str, changes: Sequence[Change]) -> list[Change]:
+    """The changes of a result table that an engineer asks for first.
+
+    Parameters
+    ----------
+    name : str
+        Result table. [name]
+    changes : sequence of Change
+        All its changes.
+
+    Returns
+    -------
+    list of Change
+        At most `SHOWN`; of margins the least, of stresses the largest.
+    """
+    columns = TELLING.get(name, ())
+    shown = [one for one in changes if one.column in columns and one.kind == "changed"]
+    if name == "SeparationMargins":  # the margin nearest to the line
+        shown.sort(key=lambda one: min(_size(one.before), _size(one.after)))
+    elif name == "SteadyState":  # the most stressed
+        shown.sort(key=lambda one: -max(_size(one.before), _size(one.after)))
+    return shown[:SHOWN]
+
+
+def _size(value: Value) -> float:
+    return float(value) if isinstance(value, int | float) else 0.0
+
+
 def as_json(found: Differences) -> dict[str, Any]:
     """Everything that differs as a JSON object.
 
@@ -89,7 +134,7 @@ def as_json(found: Differences) -> dict[str, Any]:
         Ready for `json.dumps`; numbers in SI, with the unit they are shown in beside.
     """
     return {
-        "format": 1,
+        "format": AUDIT_FORMAT,
         "a": _side(found.first),
         "b": _side(found.second),
         "same_inputs": found.same_inputs,
@@ -123,19 +168,14 @@ def _side(side: Side) -> dict[str, Any]:
     }
 
 
-def _storable(value: Value) -> Value:
-    """A value JSON can hold: a damaged file may state numbers that are none."""
-    return value if not isinstance(value, float) or math.isfinite(value) else str(value)
-
-
 def _change(one: Change) -> dict[str, Any]:
     return {
         "kind": _KINDS[one.kind],
         "table": one.table,
         "row": one.row,
         "column": one.column,
-        "a": _storable(one.before),
-        "b": _storable(one.after),
+        "a": storable(one.before),
+        "b": storable(one.after),
         "difference": one.difference,
         "relative": one.relative,
         "shown_unit": one.unit,

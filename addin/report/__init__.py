@@ -11,8 +11,11 @@ module             responsibility
 ``tables``         input and result tables, narrow enough for a page
 ``figures``        pictures of the chart data of the workbook
 ``opening``        cover, summary, scope
+``changes``        what changed since an earlier revision, and what it did
 ``inputs``         the input sections
-``answers``        frequencies, margins, steady state, start, reversals, fatigue
+``modes``          natural frequencies, damping, energies, shapes
+``operation``      margins, steady state
+``starting``       start, reversals, fatigue
 ``closing``        effects, accuracy, equations, checks, audit
 ``build``          all of it in order, numbered
 ``pdf``            the PDF, set by typst with ``report.typ``

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from addin.calculation import Calculation
-from addin.chart_data import chart_blocks
+from addin.chart_data import accuracy_block, chart_blocks
+from addin.diff.changes import Differences
 from addin.problems import shortened
-from addin.report import answers, closing, inputs, opening
+from addin.report import changes, closing, inputs, modes, opening, operation, starting
 from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
 from addin.report.numbers import clean
-from addin.report.shown import shown_of
+from addin.report.shown import Shown, shown_of
 from addin.report.subject import Subject
+from addin.standing_results import StandingStudy, standing_study
 from addin.typed_case import CaseInput
 
 __all__ = ["build_document"]
@@ -29,6 +31,7 @@ def build_document(
     vectors: bool = True,
     pixels: bool = True,
     show_times: bool = True,
+    against: Differences | None = None,
 ) -> Document:
     """The report of a calculation.
 
@@ -46,6 +49,8 @@ def build_document(
         Forms of the pictures: vectors for the PDF, pixels for the DOCX. [flag]
     show_times : bool
         Whether measured times are shown; they differ from run to run. [flag]
+    against : Differences, optional
+        An earlier calculation, and this one beside it. [SI]
 
     Returns
     -------
@@ -54,19 +59,23 @@ def build_document(
     """
     shown = shown_of(read)
     blocks = chart_blocks(calculation.case, shown.units, calculation.view, _chosen(read))
+    study = _study(read, shown)
+    if study is not None and study.belongs_to(calculation.case_sha256):
+        blocks = {**blocks, "ChartAccuracy": accuracy_block(study.rows)}
     pictures = Pictures(Charts.of(blocks), vectors, pixels)
     told = (*alerts, *(clean(note) for note in shown.notes))
-    subject = Subject(name, calculation, read, shown, pictures, told, show_times)
+    subject = Subject(name, calculation, read, shown, pictures, told, show_times, study, against)
     sections = (
         opening.summary(subject),
         opening.scope(subject),
+        *(() if against is None else (changes.changes(subject, against),)),
         inputs.inputs(subject),
-        answers.frequencies(subject),
-        answers.margins(subject),
-        answers.steady_state(subject),
-        answers.start(subject),
-        answers.reversals(subject),
-        answers.fatigue(subject),
+        modes.frequencies(subject),
+        operation.margins(subject),
+        operation.steady_state(subject),
+        starting.start(subject),
+        starting.reversals(subject),
+        starting.fatigue(subject),
         closing.effects(subject),
         closing.accuracy(subject),
         closing.equations(subject),
@@ -84,6 +93,13 @@ def build_document(
         paper=shown.paper,
         date=int(calculation.stamp.date.timestamp()),
     )
+
+
+def _study(read: CaseInput, shown: Shown) -> StandingStudy | None:
+    """The study of accuracy that stands in a workbook."""
+    from addin.read_workbook import WorkbookInput
+
+    return standing_study(read.workbook, shown.units) if isinstance(read, WorkbookInput) else None
 
 
 def _chosen(read: CaseInput) -> list[str | None]:

@@ -123,9 +123,8 @@ def accuracy(subject: Subject) -> Section:
         "AccuracyCost", subject.rows("AccuracyCost"), subject.shown, "Errors and cost of each analysis",
         columns,
         "Errors are estimated by the calculation, from a step h to h/2. "
-        + ("Times are those measured when this document was made; they differ from run to run. "
-           if subject.show_times else "Measured times are left out of a document with a fixed date. ")
-        + "Error against time for this case: torsionbook accuracy.",
+        + ("Times are those measured when this document was made; they differ from run to run."
+           if subject.show_times else "Measured times are left out of a document with a fixed date."),
     )  # fmt: skip
     said = (
         "The error of an answer is asked for, not a time step: peaks and starts are calculated at a step "
@@ -135,7 +134,43 @@ def accuracy(subject: Subject) -> Section:
     rows = tuple(row for row in cost.rows if any(row[1:]))
     shown = without_blanks(Table(cost.caption, cost.columns, rows, cost.note))
     table: tuple[Block, ...] = (shown,) if rows else ()
-    return Section("Accuracy and what it cost", (Paragraph(said), Facts(tuple(found)), *table))
+    return Section(
+        "Accuracy and what it cost",
+        (Paragraph(said), Facts(tuple(found)), *table),
+        (_study(subject),),
+    )
+
+
+def _study(subject: Subject) -> Section:
+    """Error against time, where the workbook holds a study of these inputs."""
+    title, study = "Error against time", subject.study
+    if study is None or not study.belongs_to(subject.calculation.case_sha256):
+        stands = "No study of error against time stands in the input file."
+        if study is not None:
+            stands = (
+                "The study of error against time in the workbook belongs to other inputs, and is not "
+                f"shown ({clean(study.inputs) or 'it does not say to which'})."
+            )
+        how = "torsionbook accuracy FILE makes one and writes it into a copy of the workbook; a report of that copy shows it here."  # fmt: skip
+        if not subject.shown.is_workbook:
+            how = "torsionbook accuracy makes one of a case file too; a report shows it where the input is a workbook."  # fmt: skip
+        return Section(title, (Paragraph(f"{stands} {how}"),))
+    picture = subject.pictures.accuracy()
+    blocks: list[Block] = [Paragraph(clean(study.sentence), "lead")]
+    if picture is not None:
+        blocks.append(picture)
+    if study.rows:
+        blocks.append(
+            result_table(
+                "AccuracyCost",
+                study.rows,
+                subject.shown,
+                "Error against time of this case",
+                note="As it stands in the workbook: what torsionbook accuracy measured, and when.",
+            )
+        )
+    told = " ".join(filter(None, (clean(study.reference), clean(study.inputs))))
+    return Section(title, (*blocks, *((Paragraph(told, "note"),) if told else ())))
 
 
 def _starts_errors(subject: Subject) -> list[tuple[str, str]]:

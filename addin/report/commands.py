@@ -21,6 +21,14 @@ def report(
     docx: Annotated[
         Path | None, typer.Option(help="The Word document to write.", show_default=False)
     ] = None,
+    against: Annotated[
+        Path | None,
+        typer.Option(
+            help="An earlier revision (workbook, case or result JSON): a section says what changed "
+            "since, and what that did.",
+            show_default=False,
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
 ) -> None:
     """Write the calc sheet as a document: PDF, Word, or both.
@@ -28,6 +36,8 @@ def report(
     Everything in it is calculated from the inputs when it is written.
 
     Example: `torsionbook report train.xlsx --pdf train.pdf --docx train.docx`
+
+    Example: `torsionbook report rev1.xlsx --pdf rev1.pdf --against rev0.xlsx`
     """
     wanted = {name: path for name, path in (("pdf", pdf), ("docx", docx)) if path is not None}
     if not wanted:
@@ -35,6 +45,10 @@ def report(
     for name, path in wanted.items():
         if path.suffix.lower() != f".{name}":
             raise typer.BadParameter(f"'{path}' must end in .{name}.")
+    if against is not None and against.resolve() == file.resolve():
+        raise typer.BadParameter(
+            f"--against is {against}, the file itself. Name an earlier revision of it."
+        )
     for name, path in wanted.items():
         _refuse(name, path, force)
 
@@ -45,14 +59,18 @@ def report(
     try:
         with _progress() as tell:
             done = make(
-                file, pdf=pdf, docx=docx, on_stage=lambda stage: tell(f"{file.name}: {stage}")
+                file,
+                pdf=pdf,
+                docx=docx,
+                against=against,
+                on_stage=lambda stage: tell(f"{file.name}: {stage}"),
             )
     except OSError as wrong:
         _sorry(of_file(next(iter(wanted.values())), wrong).message)
     for sentence in done.notes:
         typer.echo(f"{file}: note: {sentence}", err=True)
     if done.problems:
-        _list_problems(file, done.problems)
+        _list_problems(done.wrong or file, done.problems)
         raise typer.Exit(WRONG_INPUT)
     for path in done.written:
         typer.echo(f"written: {path}")

@@ -17,7 +17,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 
-from addin.chart_data import CHART_TABLES, CROSSINGS, GROUPS, HISTORIES, LINES, SHAPES
+from addin.chart_data import CHART_TABLES, CROSSINGS, GROUPS, HISTORIES, LINES, METHODS, SHAPES
 from addin.effect_charts import EVENTS, FORCES
 from addin.report.document import Figure
 from addin.report.numbers import clean, pretty_unit
@@ -477,6 +477,37 @@ class Pictures:
             _legend_below(drawing, ax, 3)
             return self._picture(drawing, self.charts.labels["S-N title"])
 
+    # ---- accuracy ------------------------------------------------------------------------------
+
+    def accuracy(self) -> Figure | None:
+        """Error against wall time on logarithmic axes: what ten times better costs."""
+        table = "ChartAccuracy"
+        curves = []
+        for method, colour in zip(METHODS, ("navy", "rust"), strict=True):
+            for error, dash, marker in (("peak", "-", "o"), ("starts", "--", "D")):
+                name = f"{method} {error}"
+                time, value = self.charts.pair(table, f"{name} time", name)
+                if time.size:
+                    label = clean(str(self.charts.columns[table][f"{name} name"][0] or name))
+                    curves.append((time, value, PALETTE[colour], dash, marker, label))
+        if not curves:
+            return None
+        with _style():
+            drawing, (ax,) = _new(1, 92.0)
+            for time, value, colour, dash, marker, label in curves:
+                ax.plot(time, value, dash, color=colour, marker=marker, markersize=4, label=label)
+            ax.set_xscale("log")
+            ax.set_yscale("log")
+            for axis, size in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
+                axis.set_major_formatter(_decimal)
+                axis.set_minor_formatter(
+                    _some_decimals if size[1] < 300.0 * size[0] else _no_number
+                )
+            ax.tick_params(which="minor", labelsize=6)
+            ax.set(xlabel="Wall time [ms]", ylabel=_axis(self.charts.labels["Accuracy axis"]))
+            _legend_below(drawing, ax, 2)
+            return self._picture(drawing, "Error of the answers against wall time, as studied")
+
     # ---- files ---------------------------------------------------------------------------------
 
     def _picture(self, drawing: Drawing, caption: str) -> Figure:
@@ -551,6 +582,19 @@ def _power_of_ten(value: float, _: Any = None) -> str:
 
 def _plain_number(value: float, _: Any = None) -> str:
     return f"{value:,.10g}"
+
+
+def _decimal(value: float, _: Any = None) -> str:
+    """A number without a power of ten, however small."""
+    return f"{value:,.12f}".rstrip("0").rstrip(".") if value < 1.0 else _plain_number(value)
+
+
+def _some_decimals(value: float, _: Any = None) -> str:
+    return _decimal(value) if _some_plain_numbers(value) else ""
+
+
+def _no_number(value: float, _: Any = None) -> str:
+    return ""
 
 
 def _some_plain_numbers(value: float, _: Any = None) -> str:

@@ -12,10 +12,11 @@ from addin.report.document import Block, Column, Paragraph, Section, Table
 from addin.report.equations import by
 from addin.report.layout import folded
 from addin.report.numbers import clean, fixed, significant
-from addin.report.shown import entry_text
+from addin.report.shown import entry_text, own_speeds
 from addin.report.subject import Subject
-from addin.report.tables import input_tables, turned
+from addin.report.tables import input_tables, turned, without_blanks
 from addin.template_text import CAPTIONS
+from engine.case import ElementRow
 
 __all__ = ["inputs"]
 
@@ -198,18 +199,25 @@ def _inertias(subject: Subject) -> Iterator[Table]:
 def _stiffnesses(subject: Subject) -> Table:
     train, case = subject.calculation.results.train, subject.calculation.case
     flanks = {train.elements[f.element]: f.stiffness for f in train.flanks}
-    ratio = {row.station: row.speed_ratio or 1.0 for row in case.stations}
+    speeds = own_speeds(case)
     place = ("Elements", "Stiffness")
     unit, factor = subject.shown.unit(*place), subject.shown.units.factor(*place)
     rows = []
     for e in case.elements:
         stiffness = flanks.get(e.element or "") or stiffness_of(e)
-        own = ratio.get(e.from_) or ratio.get(e.to) or 1.0
+        own = speeds[e.element]
         rigid = e.kind == "gear mesh" and not stiffness
         shown = "rigid" if rigid else significant(stiffness / factor, 5)
         referred = "rigid" if rigid else significant(stiffness / factor * own**2, 5)
         rows.append(
-            (clean(e.element or ""), clean(e.from_ or ""), clean(e.to or ""), shown, referred)
+            (
+                clean(e.element or ""),
+                clean(e.from_ or ""),
+                clean(e.to or ""),
+                shown,
+                referred,
+                _least_diameter(subject, e),
+            )
         )
     columns = (
         Column("Element"),
@@ -217,9 +225,21 @@ def _stiffnesses(subject: Subject) -> Table:
         Column("To"),
         Column("Stiffness", unit, "number"),
         Column("Referred to the motor", unit, "number"),
+        Column("Diameter", subject.shown.unit("Elements", "OD"), "number"),
     )
-    note = f"Of a gear mesh on the From side. {by('Shaft stiffness')}"
-    return Table("Stiffnesses", columns, tuple(rows), note)
+    note = (
+        "Of a gear mesh on the From side. Diameter: where stress is judged, else the outer one. "
+        f"{by('Shaft stiffness')}"
+    )
+    return without_blanks(Table("Stiffnesses", columns, tuple(rows), note))
+
+
+def _least_diameter(subject: Subject, element: ElementRow) -> str:
+    """The diameter that counts for stress; blank where none is stated."""
+    diameter = element.stress_diameter or element.od
+    if not diameter:
+        return ""
+    return significant(diameter / subject.shown.units.factor("Elements", "OD"), 5)
 
 
 def _torques(subject: Subject) -> Section:

@@ -13,6 +13,8 @@ from addin.problems import CellProblem
 from addin.whole_files import write_whole
 
 if TYPE_CHECKING:
+    from addin.calculation import Calculation
+    from addin.diff.changes import Differences
     from addin.typed_case import CaseInput
 
 __all__ = ["Reported", "report"]
@@ -30,11 +32,14 @@ class Reported:
         What the user should know. [sentences]
     written : tuple of Path
         Files written. [paths]
+    wrong : Path or None
+        The file the problems are of, where it is not the source itself. [path]
     """
 
     problems: tuple[CellProblem, ...]
     notes: tuple[str, ...]
     written: tuple[Path, ...]
+    wrong: Path | None = None
 
 
 def report(
@@ -42,6 +47,7 @@ def report(
     *,
     pdf: Path | None = None,
     docx: Path | None = None,
+    against: Path | None = None,
     on_stage: Callable[[str], None] | None = None,
 ) -> Reported:
     """Calculate an input and write its report.
@@ -52,6 +58,9 @@ def report(
         Workbook or case JSON; it is only read. [path]
     pdf, docx : Path, optional
         Files to write; one that is there is replaced. [path]
+    against : Path, optional
+        An earlier revision: a workbook, a case JSON or a result JSON. The report says what changed
+        since. [path]
     on_stage : callable, optional
         Called with a word on what is being done.
 
@@ -77,6 +86,15 @@ def report(
         return Reported(problems, read.warnings, ())
     from addin.report.build import build_document
 
+    differences = None
+    if against is not None:
+        from addin.diff.sides import CannotBeCompared
+
+        tell(f"comparing with {against.name}")
+        try:
+            differences = _compared(against, source, read, calculation)
+        except CannotBeCompared as wrong:
+            return Reported(wrong.problems, (), (), against)
     tell("drawing")
     alerts = stored_results(read, calculation.case_sha256)
     document = build_document(
@@ -88,6 +106,7 @@ def report(
         pixels=docx is not None,
         # with a fixed date the same inputs are to give the same bytes; measured times never do
         show_times=not os.environ.get("SOURCE_DATE_EPOCH"),
+        against=differences,
     )
     made: list[tuple[Path, bytes]] = []
     if pdf is not None:
@@ -103,6 +122,19 @@ def report(
     for path, content in made:
         write_whole(path, partial(Path.write_bytes, data=content))
     return Reported((), (*calculation.warnings, *alerts), tuple(path for path, _ in made))
+
+
+def _compared(
+    against: Path, source: Path, read: CaseInput, calculation: Calculation
+) -> Differences:
+    """An earlier revision, calculated again by this version, and this calculation."""
+    from addin.diff.compare import compare_sides
+    from addin.diff.sides import read_side, side_of
+    from addin.report.shown import shown_of
+
+    units = shown_of(read).units
+    now = side_of(source, read, calculation, units, "calculated now, for this document")
+    return compare_sides(read_side(against, recalculate=True), now)
 
 
 def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:
@@ -121,10 +153,13 @@ def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:
         A sentence, or none where results are absent or belong to the inputs. [sentences]
     """
     from addin.read_workbook import WorkbookInput
+    from addin.standing_results import recorded_fact
 
     if not isinstance(read, WorkbookInput):
         return ()
-    stored = {name: _stored(read, f"run_{name}") for name in ("SHA256", "Date", "Software")}
+    stored = {
+        name: recorded_fact(read.workbook, f"run_{name}") for name in ("SHA256", "Date", "Software")
+    }
     if not stored["SHA256"] or stored["SHA256"] == digest:
         return ()
     made = ", ".join(filter(None, (stored["Software"], stored["Date"] and f"{stored['Date']} UTC")))
@@ -133,18 +168,3 @@ def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:
         f"SHA-256 {stored['SHA256'][:12]}…{f' ({made})' if made else ''}. The results in this document "
         f"were calculated from the inputs as they are now, SHA-256 {digest[:12]}…",
     )
-
-
-def _stored(read: CaseInput, name: str) -> str:
-    """A fact that a calculation has left in the workbook; empty where there is none."""
-    from addin.package import PackageError
-    from addin.package.references import cell_name
-
-    try:
-        at = read.workbook.name(name)  # type: ignore[attr-defined]
-    except PackageError:
-        return ""
-    if at.sheet is None or at.rect is None:
-        return ""
-    value = read.workbook.shown_value(at.sheet, cell_name(at.rect.top, at.rect.left))  # type: ignore[attr-defined]
-    return value.strip() if isinstance(value, str) else ""

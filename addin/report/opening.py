@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from addin.diff.changes import Differences
 from addin.problems import shortened
 from addin.report.document import (
     Block,
@@ -18,17 +19,20 @@ from addin.report.document import (
     Table,
 )
 from addin.report.numbers import clean, fixed, significant
+from addin.report.shown import own_speeds
 from addin.report.subject import Subject
 from addin.report.tables import result_table
 from addin.template_text import NOTES
 from engine.start_fatigue import is_counted
 
-__all__ = ["cover_of", "largest_peak", "scope", "summary"]
+__all__ = ["conclusions", "cover_of", "largest_peak", "scope", "summary"]
 
 #: Longest tag below the title; the title block has all of it. [characters]
 _SUBTITLE = 120
 #: Rows of the revision table that stay blank for later revisions.
 _BLANK_REVISIONS = 3
+#: Modes without their margin that the conclusions speak of. [count]
+_NEAREST = 5
 #: Warnings on the summary; where there are more, section Audit lists all.
 _WARNINGS = 15
 #: What no calculation of this program covers, whatever the inputs.
@@ -83,7 +87,8 @@ def cover_of(subject: Subject) -> Cover:
         checked,
         "",
     )
-    blank = tuple(("",) * len(heads) for _ in range(_BLANK_REVISIONS))
+    earlier = [] if subject.against is None else _earlier(subject.against)
+    blank = [("",) * len(heads)] * _BLANK_REVISIONS
     kinds = ("text", "text", "sentence", "text", "text", "text")
     columns = tuple(Column(h, "", k) for h, k in zip(heads, kinds, strict=True))
     return Cover(
@@ -94,11 +99,21 @@ def cover_of(subject: Subject) -> Cover:
         sentence=_verdict_sentence(overall, subject.rows("Verdicts")),
         facts=tuple(facts),
         alerts=subject.alerts,
-        revisions=Table("Revisions", columns, (first, *blank)),
+        revisions=Table("Revisions", columns, (*earlier, first, *blank)),
         signatures=SignatureBox(
             (("Prepared by", prepared), ("Checked by", checked), ("Approved by", ""))
         ),
     )
+
+
+def _earlier(found: Differences) -> list[tuple[str, ...]]:
+    """The line of the revision compared with; its date is not known here."""
+    before = found.first.data
+    if before is None:
+        return []
+    said = f"{clean(found.first.source.name)}, inputs {found.first.digest[:12]}…"
+    words = (before.revision, "", said, before.prepared_by, before.checked_by, "")
+    return [tuple(shortened(clean(str(one or "")), 100) for one in words)]
 
 
 def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str, Any]]) -> str:
@@ -154,7 +169,85 @@ def summary(subject: Subject) -> Section:
         (
             Section("Key figures", (Facts(tuple(_key_figures(subject))),)),
             Section("Warnings of the calculation", (told,)),
+            Section(
+                "Conclusions and what remains to be done", (Listing(tuple(conclusions(subject))),)
+            ),
         ),
+    )
+
+
+def conclusions(subject: Subject) -> Iterator[str]:
+    """What follows from the verdicts: where the train could be changed, what to enter, what to measure.
+
+    Parameters
+    ----------
+    subject : Subject
+        What the report is about.
+
+    Yields
+    ------
+    str
+        One after the other. [sentences]
+    """
+    verdicts = [row for row in subject.rows("Verdicts") if row["check"] != "Overall"]
+    failing = [str(row["check"]) for row in verdicts if row["verdict"] in ("fail", "unbounded")]
+    open_checks = [str(row["check"]) for row in verdicts if row["verdict"] == "not judged"]
+    if failing:
+        yield f"Not accepted as it stands: {', '.join(failing)}."
+    elif len(open_checks) < len(verdicts):
+        yield "No check that could be judged fails."
+    if open_checks:
+        yield (
+            f"Not judged, for want of a limit or of data: {', '.join(open_checks)}. Table Verdicts says "
+            "what is missing; until it is entered, nothing is claimed of it."
+        )
+    near = _nearest_modes(subject)
+    for mode in near:
+        yield _where_to_act(subject, mode)
+    if near:
+        shafts = dict.fromkeys(
+            clean(str(_mode(subject, mode)["largest_strain_energy"])) for mode in near
+        )
+        modes = ", ".join(str(mode) for mode in near)
+        yield (
+            f"Field test: confirm the frequency of mode{'s' if len(near) > 1 else ''} {modes} and the "
+            f"damping, by torque telemetry at {', '.join(shafts)}, during a start and in operation; "
+            "10 % margin is then enough (MarginBasis measured)."
+        )
+    else:
+        yield (
+            "Field test: none is called for by these margins; where one is made, torque during the "
+            "start confirms damping and peaks."
+        )
+    if subject.against is None:
+        yield (
+            "No other design is compared here; torsionbook report FILE --against OTHER sets two side by "
+            "side."
+        )
+
+
+def _nearest_modes(subject: Subject) -> list[int]:
+    """The lowest modes that do not keep a margin, whether or not the response is accepted."""
+    modes = {row["mode"] for row in subject.rows("SeparationMargins") if row["verdict"] != "pass"}
+    return sorted(modes)[:_NEAREST]
+
+
+def _mode(subject: Subject, mode: int) -> Mapping[str, Any]:
+    return next(row for row in subject.rows("NaturalFrequencies") if row["mode"] == mode)
+
+
+def _where_to_act(subject: Subject, mode: int) -> str:
+    """A mode without its margin, and the element that moves it most."""
+    rows = [row for row in subject.rows("SeparationMargins") if row["mode"] == mode]
+    worst = min(rows, key=lambda row: row["margin"])
+    row = _mode(subject, mode)
+    place = ("NaturalFrequencies", "Frequency")
+    frequency = fixed(row["frequency"] / subject.shown.units.factor(*place), 2)
+    return (
+        f"Mode {mode} ({frequency} {subject.shown.unit(*place)}) keeps {fixed(100.0 * worst['margin'], 1)} % "
+        f"from {clean(str(worst['excitation']))}, {fixed(100.0 * worst['required'], 0)} % required. "
+        f"{fixed(100.0 * row['share'], 0)} % of its strain energy is in "
+        f"{clean(str(row['largest_strain_energy']))}, whose stiffness moves it most."
     )
 
 
@@ -208,8 +301,7 @@ def largest_peak(subject: Subject) -> str:
         Element, torque at its own speed and pu of rated torque; empty without a start. [text]
     """
     case, shown = subject.calculation.case, subject.shown
-    ratio = {row.station: row.speed_ratio or 1.0 for row in case.stations}
-    own = {e.element: ratio.get(e.from_) or ratio.get(e.to) or 1.0 for e in case.elements}
+    own = own_speeds(case)
     rows = [
         (max(abs(row["maximum_torque"]), abs(row["minimum_torque"])), row["element"])
         for row in subject.rows("StartupPeaks")

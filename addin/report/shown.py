@@ -18,8 +18,9 @@ from addin.report.numbers import clean, pretty_unit, typed
 from addin.shown_units import shown_units
 from addin.typed_case import CaseInput, Entry, Typed
 from addin.units import parse_unit
+from engine.case import CaseData
 
-__all__ = ["Shown", "entry_text", "shown_of"]
+__all__ = ["Shown", "entry_text", "own_speeds", "shown_of"]
 
 #: Digits of an input that was converted to another unit: as good as the factor of its unit.
 _CONVERTED_DIGITS = 7
@@ -149,6 +150,23 @@ def entry_text(entry: Entry | None, field: Field, shown: Shown) -> tuple[str, st
         if not scale.base:
             number, unit, digits = scale.from_si(number), usual, _CONVERTED_DIGITS
     return typed(number, digits), pretty_unit(unit)
+
+
+def own_speeds(case: CaseData) -> dict[str | None, float]:
+    """How fast each element turns, of a mesh its From side.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    dict
+        Element → speed ratio to the motor. [1]
+    """
+    ratio = {row.station: row.speed_ratio or 1.0 for row in case.stations}
+    return {e.element: ratio.get(e.from_) or ratio.get(e.to) or 1.0 for e in case.elements}
 
 
 def _system(units: Iterable[str]) -> str:

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from addin.calculation import Calculation
+from addin.diff.changes import Differences
 from addin.problems import shortened
 from addin.report.figures import Pictures
 from addin.report.numbers import clean
 from addin.report.shown import Shown
+from addin.standing_results import StandingStudy
 from addin.typed_case import CaseInput
 
 __all__ = ["Subject"]
@@ -39,6 +41,10 @@ class Subject:
         What must be known before anything is read. [sentences]
     show_times : bool
         Whether measured times are shown; they differ from run to run. [flag]
+    study : StandingStudy or None
+        The study of accuracy in the workbook. [SI]
+    against : Differences or None
+        An earlier calculation and this one. [SI]
     """
 
     name: str
@@ -48,6 +54,8 @@ class Subject:
     pictures: Pictures
     alerts: tuple[str, ...]
     show_times: bool
+    study: StandingStudy | None = None
+    against: Differences | None = None
 
     def rows(self, table: str) -> Sequence[Mapping[str, Any]]:
         """Rows of a result table. [SI]"""

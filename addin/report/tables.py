@@ -17,10 +17,20 @@ from addin.report.shown import Shown, entry_text
 from addin.typed_case import Entry
 from addin.write_workbook import shown_cell
 
-__all__ = ["input_tables", "result_table", "turned", "without_blanks"]
+__all__ = [
+    "FULL",
+    "input_tables",
+    "left_out",
+    "result_table",
+    "turned",
+    "with_column",
+    "without_blanks",
+]
 
 Rows = Sequence[Mapping[str, Any]]
 
+#: Most rows of a long table (pairs of mode and excitation, couplings) shown in full.
+FULL = 40
 _SPECS = {spec.name: spec for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES)}
 #: Columns of sentences, which take the width that is left.
 _SENTENCES = frozenset({"Description", "Where", "Note", "Why", "Reason", "Value"})
@@ -211,6 +221,55 @@ def without_blanks(table: Table) -> Table:
         table,
         columns=tuple(table.columns[k] for k in keep),
         rows=tuple(tuple(row[k] for k in keep) for row in table.rows),
+    )
+
+
+def left_out(shown: int, total: int, what: str, why: str) -> str:
+    """What a table does not show.
+
+    Parameters
+    ----------
+    shown, total : int
+        Rows in the table and rows there are. [count]
+    what, why : str
+        What they are, and which are shown. [words]
+
+    Returns
+    -------
+    str
+        Empty where nothing is left out. [sentence]
+    """
+    if shown == total:
+        return ""
+    rest = "all rows are in the workbook and in the JSON"
+    return f"{shown} of {total} {what} are shown, {why}; {rest}."
+
+
+def with_column(table: Table, at: int, column: Column, cells: Sequence[str]) -> Table:
+    """A table with one column more.
+
+    Parameters
+    ----------
+    table : Table
+        A table.
+    at : int
+        Where the new column stands. [count]
+    column : Column
+        Its head.
+    cells : sequence of str
+        Its cells. [text]
+
+    Returns
+    -------
+    Table
+        The wider one.
+    """
+    return replace(
+        table,
+        columns=(*table.columns[:at], column, *table.columns[at:]),
+        rows=tuple(
+            (*row[:at], cell, *row[at:]) for row, cell in zip(table.rows, cells, strict=True)
+        ),
     )
 
 

@@ -2,27 +2,25 @@
 
 Each process is looked after by a thread that hands it one task at a time, passes its stages on and
 ends it when the task is cancelled or takes too long; a new process then takes its place. Processes
-are spawned, so the same code runs on every system, and they end when the server is gone.
+end when the server is gone, however it went.
 """
 
 from __future__ import annotations
 
 import contextlib
 import logging
-import multiprocessing
 import pickle
 import queue
-import signal
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
+from addin.processes import LAST_WORDS, Process
 from addin.worksheet.registry import FunctionError
 
 __all__ = ["Busy", "Cancelled", "Job", "TooLong", "Work"]
@@ -32,8 +30,6 @@ LOG = logging.getLogger("torsionbook.server")
 LOOK = 0.05
 #: How long a new process may take until it is ready; no task's time. [s]
 START_TIME = 120.0
-#: How long a process that is told to end may take. [s]
-LAST_WORDS = 2.0
 #: A process that has used more memory than this is replaced after its task. [B]
 MOST_MEMORY = 1_200_000_000
 #: What is told when the server ends.
@@ -299,28 +295,12 @@ class Work:
             raise _Died(has_spoken) from None
 
 
-class _Process:
-    """A spawned process and the line to it."""
+class _Process(Process):
+    """One of the pool; ready once it has loaded what every task needs."""
 
     def __init__(self) -> None:
+        super().__init__(_serve)
         self.ready = False
-        context = multiprocessing.get_context("spawn")
-        self.line, theirs = context.Pipe()
-        self._process: BaseProcess = context.Process(target=_serve, args=(theirs,), daemon=True)
-        self._process.start()
-        theirs.close()  # so that a process that ends is seen as the end of the line
-
-    @property
-    def is_alive(self) -> bool:
-        return self._process.is_alive()
-
-    def end(self) -> None:
-        self.line.close()
-        self._process.terminate()
-        self._process.join(LAST_WORDS)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join()
 
 
 def _successor(process: _Process | None) -> _Process:
@@ -342,7 +322,6 @@ def _successor(process: _Process | None) -> _Process:
 
 def _serve(line: Connection) -> None:
     """Do one task after the other until the line ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is the server's to answer
     import addin.calculation  # noqa: F401  (what every task needs, while nothing waits for it)
 
     with contextlib.suppress(BrokenPipeError, OSError):

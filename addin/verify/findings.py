@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
 from addin.problems import CellProblem
 
-__all__ = ["AGREEMENTS", "Agreement", "Counts", "Finding", "Verification"]
+__all__ = [
+    "AGREEMENTS",
+    "Agreement",
+    "Counts",
+    "Finding",
+    "Verification",
+    "concluded",
+    "not_calculated",
+]
 
 
 class Agreement(IntEnum):
@@ -149,3 +158,64 @@ class Verification:
             Number of results. [count]
         """
         return sum(one.of[agreement] for one in self.counts)
+
+
+def concluded(about: Verification, counts: list[Counts], findings: list[Finding]) -> Verification:
+    """The outcome of everything found, what fails first.
+
+    Parameters
+    ----------
+    about : Verification
+        The file, its versions and digests.
+    counts : list of Counts
+        One a table.
+    findings : list of Finding
+        Everything found.
+
+    Returns
+    -------
+    Verification
+        Complete.
+    """
+    ordered = sorted(findings, key=lambda finding: not finding.fails)
+    wrong = sum(finding.fails for finding in ordered)
+    results = sum(sum(one.of) for one in counts)
+    if wrong == 0:
+        outcome, sentence = "follows", f"All {results:,} results follow from the inputs."
+    else:
+        outcome = "does not follow"
+        one = "1 thing does" if wrong == 1 else f"{wrong:,} things do"
+        sentence = f"{one} not follow from the inputs, of {results:,} results compared."
+        if about.recorded and about.recorded != about.inputs:
+            sentence = f"The results belong to other inputs. {sentence}"
+    return replace(
+        about, outcome=outcome, sentence=sentence, counts=tuple(counts), findings=tuple(ordered)
+    )
+
+
+def not_calculated(
+    about: Verification, problems: tuple[CellProblem, ...], findings: Sequence[Finding] = ()
+) -> Verification:
+    """The outcome where the inputs cannot be calculated.
+
+    Parameters
+    ----------
+    about : Verification
+        The file, its versions and digests.
+    problems : tuple of CellProblem
+        Why. [problems]
+    findings : sequence of Finding
+        Found all the same.
+
+    Returns
+    -------
+    Verification
+        Complete.
+    """
+    return replace(
+        about,
+        outcome="not verified",
+        sentence="Its inputs cannot be calculated.",
+        findings=tuple(findings),
+        problems=problems,
+    )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +13,16 @@ from addin.typed_case import CaseInput
 from addin.verify.again import calculated_again
 from addin.verify.allowances import Allowances
 from addin.verify.compare import Standing, agreement
-from addin.verify.findings import Agreement, Counts, Finding, Verification
-from addin.verify.recorded import of_audit
+from addin.verify.findings import (
+    Agreement,
+    Counts,
+    Finding,
+    Verification,
+    concluded,
+    not_calculated,
+)
+from addin.verify.recorded import of_results_json, rows_of
 from addin.verify.tables import Expected, Stands, compare_tables
-from addin.verify.workbook import concluded
 from addin.version import product_version
 from engine.case import case_digest
 
@@ -119,7 +124,7 @@ def verify_results_json(
     Verification
         Result by result; places are paths such as ``steady_state[3].torque``.
     """
-    recorded = of_audit(_rows_of(content, "Audit"))
+    recorded = of_results_json(content)
     made_by = str(content.get("version") or "")
     about = Verification(
         path, "", "", f"torsionbook {made_by}" if made_by else "",
@@ -129,12 +134,7 @@ def verify_results_json(
     findings = _on_digests(about, recorded.digest)
     run, problems = calculated_again(read, recorded.settings, on_stage)
     if run is None:
-        return replace(
-            about,
-            outcome="not verified",
-            sentence="Its inputs cannot be calculated.",
-            problems=problems,
-        )
+        return not_calculated(about, problems)
     expected = results_to_json(run, product_version(), run.details)
     same_version = about.made_by == about.this
     pairs = list(_table_pairs(content, expected))
@@ -158,11 +158,6 @@ def verify_results_json(
         found = _nested(key, content.get(key), expected.get(key), allowed, one)
         findings += [f for f, how in found if how > within or how is Agreement.DIFFERENT]
     return concluded(about, counts, findings)
-
-
-def _rows_of(content: Mapping[str, Any], table: str) -> list[dict[str, Any]]:
-    rows = content.get(json_key(table))
-    return [row for row in rows if isinstance(row, dict)] if isinstance(rows, list) else []
 
 
 def _on_digests(about: Verification, of_audit_table: str) -> list[Finding]:
@@ -190,7 +185,7 @@ def _table_pairs(
         if spec.key not in expected or spec.key not in content:
             continue
         follows = header_rows(spec, expected[spec.key])
-        stands = header_rows(spec, _rows_of(content, spec.name))
+        stands = header_rows(spec, rows_of(content, spec.name))
         columns = tuple(dict.fromkeys(column for row in (*follows, *stands) for column in row))
         keys = {field.name: field.key for field in spec.columns}
         rows = [

@@ -7,9 +7,19 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from addin.fields import SCALARS
+from addin.chart_data import ShownUnits
+from addin.fields import SCALARS, json_key, result_table
+from addin.package import Workbook
+from addin.standing_results import standing_rows
 
-__all__ = ["DIGEST_ITEM", "Recorded", "is_own_of_each_run", "of_audit"]
+__all__ = [
+    "DIGEST_ITEM",
+    "Recorded",
+    "is_own_of_each_run",
+    "of_results_json",
+    "of_workbook",
+    "rows_of",
+]
 
 #: Items of table `Audit`, see `addin.audit`.
 DIGEST_ITEM = "Inputs, SHA-256 of the canonical case"
@@ -58,19 +68,60 @@ def is_own_of_each_run(item: str) -> bool:
     return _OWN_OF_EACH_RUN.fullmatch(item) is not None
 
 
-def of_audit(rows: Iterable[Mapping[str, Any]]) -> Recorded:
-    """What the rows of table `Audit` record.
+def of_workbook(workbook: Workbook) -> Recorded:
+    """What table `Audit` of a workbook records.
 
     Parameters
     ----------
-    rows : iterable of mapping
-        Keys ``item`` and ``value``. [text]
+    workbook : Workbook
+        The open workbook.
 
     Returns
     -------
     Recorded
         Blank where nothing is recorded.
     """
+    rows = standing_rows(workbook, result_table("Audit"), ShownUnits({}, {}))
+    return _of_audit({"item": row.get("Item"), "value": row.get("Value")} for row in rows)
+
+
+def of_results_json(content: Mapping[str, Any]) -> Recorded:
+    """What table `Audit` of a result JSON records.
+
+    Parameters
+    ----------
+    content : mapping
+        What the file holds. [SI]
+
+    Returns
+    -------
+    Recorded
+        Blank where nothing is recorded.
+    """
+    return _of_audit(rows_of(content, "Audit"))
+
+
+def rows_of(content: Mapping[str, Any], table: str) -> list[dict[str, Any]]:
+    """Rows of a table of a result JSON, whatever a damaged file has in their place.
+
+    Parameters
+    ----------
+    content : mapping
+        What the file holds. [SI]
+    table : str
+        Result table. [name]
+
+    Returns
+    -------
+    list of dict
+        By JSON key. [SI]
+    """
+    rows = content.get(json_key(table))
+    return [row for row in rows if isinstance(row, dict)] if isinstance(rows, list) else []
+
+
+def _of_audit(rows: Iterable[Mapping[str, Any]]) -> Recorded:
+    """What rows with the keys ``item`` and ``value`` record."""
     said = {str(row.get("item") or ""): row.get("value") for row in rows}
     settings: dict[str, Any] = {}
     unreadable = []

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
+from addin.json_schemas import AUDIT_FORMAT
+from addin.results_json import storable
 from addin.verify.findings import AGREEMENTS, Agreement, Finding, Verification
 
 __all__ = ["SHOWN", "as_json", "in_words", "lines"]
@@ -78,11 +79,6 @@ def _digests(found: Verification) -> str:
     return f"SHA-256 {found.inputs[:12]}…, recorded is {found.recorded[:12]}…"
 
 
-def _storable(value: Any) -> Any:
-    """A value JSON can hold: a damaged file may state numbers that are none."""
-    return value if not isinstance(value, float) or math.isfinite(value) else str(value)
-
-
 def as_json(found: Verification) -> dict[str, Any]:
     """A verification as a JSON object.
 
@@ -97,7 +93,7 @@ def as_json(found: Verification) -> dict[str, Any]:
         Ready for `json.dumps`.
     """
     return {
-        "format": 1,
+        "format": AUDIT_FORMAT,
         "file": str(found.source),
         "outcome": found.outcome,
         "sentence": found.sentence,
@@ -129,8 +125,8 @@ def as_json(found: Verification) -> dict[str, Any]:
                 "table": one.table,
                 "row": one.row,
                 "column": one.column,
-                "found": _storable(one.found),
-                "expected": _storable(one.expected),
+                "found": storable(one.found),
+                "expected": storable(one.expected),
                 "message": in_words(one),
             }
             for one in found.findings

@@ -16,9 +16,16 @@ from addin.verify.again import calculated_again
 from addin.verify.allowances import Allowances
 from addin.verify.charts import compare_charts, drawn_elements
 from addin.verify.compare import Standing, agreement
-from addin.verify.findings import Agreement, Counts, Finding, Verification
+from addin.verify.findings import (
+    Agreement,
+    Counts,
+    Finding,
+    Verification,
+    concluded,
+    not_calculated,
+)
 from addin.verify.formulas import old_values, typed_over
-from addin.verify.recorded import Recorded, of_audit
+from addin.verify.recorded import Recorded, of_workbook
 from addin.verify.tables import Expected, Stands, compare_tables
 from addin.version import product_version
 from addin.write_workbook import (
@@ -30,7 +37,7 @@ from addin.write_workbook import (
 )
 from engine.case import case_digest
 
-__all__ = ["concluded", "verify_workbook"]
+__all__ = ["verify_workbook"]
 
 _RESULTS = (*RESULT_TABLES, *WORKBOOK_TABLES)
 #: Facts that tell of the run and not of the inputs, or are told by a finding of their own.
@@ -76,50 +83,11 @@ def verify_workbook(
     findings += _on_digest(workbook, recorded, inputs)
     run, problems = calculated_again(read, recorded.settings, on_stage)
     if run is None:
-        return replace(
-            about,
-            outcome="not verified",
-            sentence="Its inputs cannot be calculated.",
-            findings=tuple(findings),
-            problems=problems,
-        )
+        return not_calculated(about, problems, findings)
     counts, more = _compared(workbook, run, about)
     findings += more
     findings += typed_over(workbook)
     return concluded(about, counts, findings)
-
-
-def concluded(about: Verification, counts: list[Counts], findings: list[Finding]) -> Verification:
-    """The outcome of everything found, what fails first.
-
-    Parameters
-    ----------
-    about : Verification
-        The file, its versions and digests.
-    counts : list of Counts
-        One a table.
-    findings : list of Finding
-        Everything found.
-
-    Returns
-    -------
-    Verification
-        Complete.
-    """
-    ordered = sorted(findings, key=lambda finding: not finding.fails)
-    wrong = sum(finding.fails for finding in ordered)
-    results = sum(sum(one.of) for one in counts)
-    if wrong == 0:
-        outcome, sentence = "follows", f"All {results:,} results follow from the inputs."
-    else:
-        outcome = "does not follow"
-        one = "1 thing does" if wrong == 1 else f"{wrong:,} things do"
-        sentence = f"{one} not follow from the inputs, of {results:,} results compared."
-        if about.recorded and about.recorded != about.inputs:
-            sentence = f"The results belong to other inputs. {sentence}"
-    return replace(
-        about, outcome=outcome, sentence=sentence, counts=tuple(counts), findings=tuple(ordered)
-    )
 
 
 # --- what the workbook records --------------------------------------------------------------------
@@ -129,11 +97,7 @@ def _recorded(workbook: Workbook) -> tuple[Recorded, list[Finding]]:
     """Digest, software and settings; findings where two places disagree or a name was led astray."""
     findings: list[Finding] = []
     table = workbook.tables.get("Audit")
-    rows = [] if table is None else [
-        {"item": row.get("Item", Standing(None)).value, "value": row.get("Value", Standing(None)).value}
-        for row in _rows(workbook, table, ("Item", "Value"))
-    ]  # fmt: skip
-    audit = of_audit(rows)
+    audit = of_workbook(workbook)
     facts = _facts(workbook)
     digest = str(facts.get("run_SHA256", ("", "", None))[2] or "").strip()
     findings += [

@@ -11,7 +11,7 @@ import pytest
 from test_case_json import CASE
 
 from addin.case_json import case_to_json, read_case_json
-from addin.json_schemas import SCHEMA_FOLDER, case_schema, results_schema
+from addin.json_schemas import SCHEMA_FOLDER, SCHEMAS, case_schema, results_schema
 from addin.results_json import errors_to_json, results_to_json
 from engine.errors import InternalError
 
@@ -113,7 +113,7 @@ def test_errors(run):
     }  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "schema"), [("case", case_schema), ("results", results_schema)])
+@pytest.mark.parametrize(("name", "schema"), SCHEMAS.items())
 def test_the_shipped_schemas_are_those_of_the_fields(name, schema):
     text = (SCHEMA_FOLDER / f"{name}.schema.json").read_text(encoding="utf-8")
     assert json.loads(text) == schema(), "run: python -m addin.json_schemas"

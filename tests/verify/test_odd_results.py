@@ -7,11 +7,13 @@ import json
 import random
 from typing import Any
 
+import jsonschema
 import pytest
 
 from addin.diff.compare import compare_files
 from addin.diff.sides import CannotBeCompared
 from addin.diff.told import as_json as diff_json
+from addin.json_schemas import diff_schema, verify_schema
 from addin.recalc import read_checked
 from addin.verify import json_file
 from addin.verify.again import calculated_again
@@ -71,6 +73,7 @@ def test_spoilt_results_are_judged(seed, whole, again, tmp_path, monkeypatch):
     assert found.outcome in ("follows", "does not follow")
     assert list(lines(found))
     json.dumps(as_json(found), allow_nan=False)
+    jsonschema.Draft202012Validator(verify_schema()).validate(as_json(found))
 
 
 @pytest.mark.parametrize("seed", range(25))
@@ -82,3 +85,4 @@ def test_spoilt_results_are_compared_or_refused(seed, whole, calculated, tmp_pat
     except CannotBeCompared:
         return  # with its problems, which the command lists
     json.dumps(diff_json(found), allow_nan=False)
+    jsonschema.Draft202012Validator(diff_schema()).validate(diff_json(found))

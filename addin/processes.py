@@ -1,0 +1,95 @@
+"""Processes of our own on this machine, each with a line to it; none outlives the program.
+
+They are spawned, so the same code runs on every system. Ctrl-C is the program's to answer, never
+theirs; they end as soon as the program does, however it ends, even within a calculation.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+
+__all__ = ["LAST_WORDS", "Process"]
+
+#: How long a process that is told to end may take. [s]
+LAST_WORDS = 2.0
+
+
+class Process:
+    """A spawned process and the line to it.
+
+    Parameters
+    ----------
+    serve : callable
+        A function of a module; called in the process with the other end of the line, it does what is
+        asked for until the line ends.
+    """
+
+    def __init__(self, serve: Callable[[Connection], None]) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.line, theirs = context.Pipe()
+        self._process: BaseProcess = context.Process(
+            target=_begin, args=(serve, theirs), daemon=True
+        )
+        self._process.start()
+        theirs.close()  # so that a process that ends is seen as the end of the line
+
+    @property
+    def pid(self) -> int:
+        """Its number. [count]"""
+        return self._process.pid or 0
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether it runs."""
+        return self._process.is_alive()
+
+    def end(self) -> None:
+        """End it, whatever it does."""
+        self.line.close()
+        self._process.terminate()
+        self._process.join(LAST_WORDS)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+
+    def ended(self) -> int | None:
+        """Clear away one whose line has ended.
+
+        Returns
+        -------
+        int or None
+            Its exit status, of one ended by a signal the negative number of that; None if it had to
+            be ended. [count]
+        """
+        self._process.join(LAST_WORDS)
+        status = self._process.exitcode
+        self.end()
+        return status
+
+
+# --- in the processes -----------------------------------------------------------------------------
+
+
+def _begin(serve: Callable[[Connection], None], line: Connection) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _end_with_parent()
+    serve(line)
+
+
+def _end_with_parent() -> None:
+    """Let this process end at once when the program is gone."""
+    parent = multiprocessing.parent_process()
+    if parent is None:
+        return
+
+    def watch() -> None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

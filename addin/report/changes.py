@@ -1,0 +1,258 @@
+"""What changed since an earlier revision, and what it did."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from addin.diff.changes import Change, Differences, Value, VerdictChange
+from addin.diff.sides import COMPARED
+from addin.diff.told import change_in_words, in_words, telling
+from addin.problems import shortened
+from addin.report.document import Block, Column, Facts, Paragraph, Section, Table
+from addin.report.numbers import clean, of_dimension, pretty_unit, typed
+from addin.report.subject import Subject
+from addin.template_text import CAPTIONS
+
+__all__ = ["changes", "earlier_name"]
+
+#: Most changed inputs shown. [count]
+_MOST = 120
+#: Longest text of a cell. [characters]
+_LONGEST = 200
+_OTHER_VERDICTS = 12
+#: Dimension of each column of the results, by table.
+_DIMENSIONS: Mapping[str, Mapping[str, str]] = {
+    spec.name: {field.name: field.dimension for field in spec.columns} for spec in COMPARED
+}
+
+
+def earlier_name(found: Differences) -> str:
+    """What the earlier calculation is called.
+
+    Parameters
+    ----------
+    found : Differences
+        The earlier calculation first, this one second.
+
+    Returns
+    -------
+    str
+        Its revision, or its document, where the title block states another one than this; else the
+        name of its file. [text]
+    """
+    before, now = found.first.data, found.second.data
+    if before is not None and now is not None:
+        if before.revision and before.revision != now.revision:
+            return f"revision {shortened(clean(before.revision), 20)}"
+        if before.document and before.document != now.document:
+            return shortened(clean(before.document), 40)
+    return clean(found.first.source.name)
+
+
+def changes(subject: Subject, found: Differences) -> Section:
+    """Inputs that changed, and what that did to verdicts and results.
+
+    Parameters
+    ----------
+    subject : Subject
+        What the report is about.
+    found : Differences
+        The earlier calculation first, this one second.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
+    before = found.first
+    facts = [
+        ("Compared with", clean(before.source.name)),
+        ("Title block there", clean(before.revision) or "blank"),
+        ("Its inputs, SHA-256", before.digest or "not recorded"),
+        ("Its results", clean(f"{before.results_from}; {before.software}")),
+    ]
+    blocks: list[Block] = [Paragraph(_sentence(found), "lead"), Facts(tuple(facts))]
+    return Section(
+        f"Changes since {earlier_name(found)}",
+        tuple(blocks),
+        (_inputs(found), _verdicts(found), _results(found, clean(subject.name))),
+    )
+
+
+def _sentence(found: Differences) -> str:
+    """How much changed, in numbers."""
+    verdicts = sum(one.changed for one in found.verdicts if one.table == "Verdicts")
+    judged = {0: "No check has another verdict", 1: "One check has another verdict"}.get(
+        verdicts, f"{verdicts} checks have another verdict"
+    )
+    if found.inputs is None:
+        return f"{judged}. The file compared with is a result JSON, which holds no inputs."
+    inputs = sum(not one.administrative for one in found.inputs)
+    if not inputs:
+        return f"No input that can change a result differs. {judged}."
+    differ = (
+        "1 entry of the inputs differs" if inputs == 1 else f"{inputs} entries of the inputs differ"
+    )
+    return f"{differ}, {found.same_inputs:,} are the same. {judged}."
+
+
+def _inputs(found: Differences) -> Section:
+    """Inputs before and after; what changes no result in one sentence."""
+    title = "Inputs"
+    if found.inputs is None:
+        return Section(title, (Paragraph("Not compared: a result JSON holds no inputs."),))
+    real = [one for one in found.inputs if not one.administrative]
+    other = [one for one in found.inputs if one.administrative]
+    note = []
+    if len(real) > _MOST:
+        note.append(f"{_MOST} of {len(real)} are shown; torsionbook diff lists all.")
+    if other:
+        said = "; ".join(
+            " ".join(filter(None, (_words(one.row), one.column, _before_after(one))))
+            for one in other[:8]
+        )
+        rest = f"; and {len(other) - 8} more" if len(other) > 8 else ""
+        note.append(f"Also changed, without any bearing on results: {said}{rest}.")
+    if not real:
+        return Section(title, (Paragraph(" ".join(["No difference.", *note])),))
+    table = _table("Inputs that changed", real[:_MOST], with_table=True)
+    return Section(title, (replace(table, note=" ".join(note)),))
+
+
+def _before_after(one: Change) -> str:
+    return f"({_value(one, one.before)} → {_value(one, one.after)})"
+
+
+def _table(caption: str, found: Iterable[Change], with_table: bool = False) -> Table:
+    """Changes as lines: where, before, after, by how much."""
+    columns = (
+        *((Column("Table"),) if with_table else ()),
+        Column("Row", "", "sentence"),
+        Column("Quantity"),
+        Column("Unit"),
+        Column("Before", "", "number"),
+        Column("After", "", "number"),
+        Column("Change", "", "number"),
+    )
+    rows = []
+    for one in found:
+        table = (CAPTIONS.get(one.table, one.table),) if with_table else ()
+        unit = pretty_unit(one.unit)
+        rows.append(
+            (
+                *table,
+                _words(one.row) or "–",
+                one.column or "–",
+                unit,
+                _value(one, one.before),
+                _value(one, one.after),
+                _minus(change_in_words(one)) or ("–" if one.kind == "changed" else one.kind),
+            )
+        )
+    return Table(caption, columns, tuple(rows))
+
+
+def _words(text: str) -> str:
+    return shortened(clean(text), _LONGEST)
+
+
+def _value(one: Change, value: Value) -> str:
+    """A value as printed; a blank as a dash."""
+    shown = one.shown(value)
+    if isinstance(shown, bool) or not isinstance(shown, int | float) or not math.isfinite(shown):
+        return _words(in_words(one, value))
+    if one.table in _DIMENSIONS:
+        dimension = _DIMENSIONS[one.table].get(one.column, "none")
+        return of_dimension(float(shown), one.column, dimension, one.unit)
+    return typed(float(shown))
+
+
+def _minus(text: str) -> str:
+    return "−" + text[1:] if text.startswith("-") else text
+
+
+def _verdicts(found: Differences) -> Section:
+    """Every check at a glance before and after, and other verdicts that changed."""
+    checks = [one for one in found.verdicts if one.table == "Verdicts"]
+    others = [one for one in found.verdicts if one.table != "Verdicts" and one.changed]
+    blocks: list[Block] = []
+    if checks:
+        blocks.append(_judged("Checks before and after", checks))
+    if others:
+        some = [
+            replace(one, row=f"{CAPTIONS[one.table]}: {one.row}")
+            for one in others[:_OTHER_VERDICTS]
+        ]
+        table = _judged("Other verdicts that changed", some)
+        left = len(others) - len(some)
+        note = f"{len(some)} of {len(others)} are shown." if left else ""
+        blocks.append(replace(table, note=note))
+    return Section("Verdicts", tuple(blocks) or (Paragraph("Neither file holds verdicts."),))
+
+
+def _judged(caption: str, found: Sequence[VerdictChange]) -> Table:
+    columns = (
+        Column("Check", "", "sentence"),
+        Column("Before", "", "number"),
+        Column("After", "", "number"),
+        Column("Limit", "", "number"),
+        Column("Verdict before", "", "verdict"),
+        Column("Verdict after", "", "verdict"),
+    )
+    rows = tuple(
+        (
+            _words(one.row),
+            _quantity(one.result_before),
+            _quantity(one.result_after),
+            _quantity(one.limit),
+            one.before or "–",
+            one.after or "–",
+        )
+        for one in found
+    )
+    numbers = any(row[1] or row[2] or row[3] for row in rows)
+    if numbers:
+        return Table(caption, columns, rows)
+    return Table(caption, (columns[0], *columns[4:]), tuple((row[0], *row[4:]) for row in rows))
+
+
+def _quantity(words: str) -> str:
+    """A number with its unit as printed."""
+    number, _, unit = clean(words).partition(" ")
+    if not number.lstrip("-")[:1].isdigit():
+        return clean(words)
+    return f"{_minus(number)} {pretty_unit(unit)}".rstrip()
+
+
+def _results(found: Differences, name: str) -> Section:
+    """By table, the results an engineer asks for first."""
+    title = "Results"
+    if not found.results:
+        said = f"No difference in {found.same_results:,} quantities."
+        return Section(title, (Paragraph(said),))
+    by_table: dict[str, list[Change]] = {}
+    for one in found.results:
+        by_table.setdefault(one.table, []).append(one)
+    blocks: list[Block] = []
+    shown = 0
+    for table, differing in by_table.items():
+        some = telling(table, differing)
+        shown += len(some)
+        if some:
+            rows = [
+                f"{sum(one.kind == kind for one in differing)} {words}"
+                for kind, words in (("row removed", "only before"), ("row added", "only now"))
+                if any(one.kind == kind for one in differing)
+            ]
+            note = f"Rows that have no counterpart: {', '.join(rows)}." if rows else ""
+            blocks.append(replace(_table(CAPTIONS[table], some), note=note))
+    left = len(found.results) - shown
+    said = f"{found.same_results:,} results are the same, {len(found.results):,} differ."
+    if left:
+        said += (
+            f" Shown is what is asked for first; all {len(found.results):,} are listed by "
+            f"torsionbook diff {clean(found.first.source.name)} {name} --xlsx OUT.xlsx."
+        )
+    return Section(title, (Paragraph(said), *blocks))

@@ -1,0 +1,171 @@
+"""Continuous operation: interference and margins, steady-state response."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from addin.report.document import Block, Paragraph, Section
+from addin.report.equations import by
+from addin.report.numbers import clean
+from addin.report.subject import Subject
+from addin.report.tables import FULL, left_out, result_table
+
+__all__ = ["margins", "steady_state"]
+
+
+def margins(subject: Subject) -> Section:
+    """Interference diagram and separation margins.
+
+    Parameters
+    ----------
+    subject : Subject
+        What the report is about.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
+    rows = subject.rows("SeparationMargins")
+    if not rows:
+        why = "no excitation is known, or the train has no elastic mode"
+        return Section("Interference and separation margins",
+                       (Paragraph(f"No separation margin was calculated: {why}. See the warnings in "
+                                  "section 1."),))  # fmt: skip
+    blocks: list[Block] = []
+    picture = subject.pictures.interference()
+    if picture is not None:
+        blocks.append(picture)
+    else:
+        blocks.append(
+            Paragraph(
+                "There is no interference diagram: line frequency and speed are not both known."
+            )
+        )
+    chosen = _chosen_margins(rows)
+    blocks.append(
+        result_table(
+            "SeparationMargins",
+            [_with_mode(row) for row in chosen],
+            subject.shown,
+            "Separation margins",
+            note=" ".join(
+                filter(
+                    None,
+                    (
+                        "Speed: of the motor, where the margin is least within continuous operation.",
+                        left_out(
+                            len(chosen),
+                            len(rows),
+                            "pairs of mode and excitation",
+                            "every pair that does not pass, and the nearest excitations of each mode",
+                        ),
+                        by("Separation margin"),
+                    ),
+                )
+            ),
+        )  # fmt: skip
+    )
+    failing = [r for r in rows if r["verdict"] != "pass"]
+    said = (
+        "All margins are kept."
+        if not failing
+        else f"{len(failing)} of {len(rows)} margins are not kept"
+        + (", all of them accepted by forced response." if all(
+            r["verdict"].startswith("accepted") for r in failing) else ".")
+    )  # fmt: skip
+    return Section("Interference and separation margins", (Paragraph(said, "lead"), *blocks))
+
+
+def _with_mode(row: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The row of a margin; the name of its excitation as it can be printed."""
+    return dict(row) | {"excitation": clean(str(row["excitation"]))}
+
+
+def _chosen_margins(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """All; of very many every one that does not pass, and the two least of each mode."""
+    if len(rows) <= FULL:
+        return list(rows)
+    nearest: dict[int, list[Mapping[str, Any]]] = {}
+    for row in sorted(rows, key=lambda r: r["margin"]):
+        nearest.setdefault(row["mode"], []).append(row)
+    keep = {id(row) for near in nearest.values() for row in near[:2]}
+    chosen = [row for row in rows if row["verdict"] != "pass" or id(row) in keep]
+    if len(chosen) <= FULL:
+        return chosen
+    keep = {
+        id(row)
+        for row in sorted(chosen, key=lambda r: (r["verdict"] == "pass", r["margin"]))[:FULL]
+    }
+    return [row for row in chosen if id(row) in keep]
+
+
+_STEADY = (
+    "Element", "Excitation", "Frequency", "Applied at", "Applied torque", "Torque",
+    "Zero-to-peak stress", "Peak-to-peak stress", "Allowable", "Verdict",
+)  # fmt: skip
+
+
+def steady_state(subject: Subject) -> Section:
+    """Forced response at running speed.
+
+    Parameters
+    ----------
+    subject : Subject
+        What the report is about.
+
+    Returns
+    -------
+    Section
+        The section.
+    """
+    rows = subject.rows("SteadyState")
+    title = "Steady-state response"
+    if not rows:
+        return Section(title, (Paragraph("No forced response was calculated: every margin is kept, or "
+                                         "no excitation is known."),))  # fmt: skip
+    chosen = _chosen_steady(rows)
+    basis = subject.calculation.results.steady.stress_basis
+    table = result_table(
+        "SteadyState", chosen, subject.shown, "Forced response, worst first by element", _STEADY,
+        note=" ".join(filter(None, (
+            "Torques zero-to-peak at the element's own speed; stresses with SCF. Applied at: the station "
+            "of the applied torque.",
+            left_out(len(chosen), len(rows), "rows", "of each element the largest torque and what "
+                      "does not pass"),
+            by("Forced response", "Shear stress", "Allowable vibratory stress"),
+        ))),
+    )  # fmt: skip
+    judged = {row["element"] for row in rows if row.get("allowable") is not None}
+    elements = {row["element"] for row in rows}
+    failing = sorted({clean(r["element"]) for r in rows if r["verdict"] in ("fail", "unbounded")})
+    said = (
+        f"{len(judged)} of {len(elements)} elements have a stress diameter and a material and are judged; "
+        f"the {basis} stress is compared with UTS/25. "
+        + (f"The limit is exceeded at {', '.join(failing[:8])}{' and others' if len(failing) > 8 else ''}."
+           if failing else ("No judged stress exceeds it." if judged else "So nothing was judged."))
+    )  # fmt: skip
+    return Section(title, (Paragraph(said, "lead"), table))
+
+
+def _chosen_steady(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Of each element the largest torque, and what fails, the worst of very many."""
+    keep: dict[int, Mapping[str, Any]] = {}
+    best: dict[str, Mapping[str, Any]] = {}
+    for row in rows:
+        seen = best.get(row["element"])
+        if seen is None or _size(row) > _size(seen):
+            best[row["element"]] = row
+    for row in best.values():
+        keep[id(row)] = row
+    failing = [r for r in rows if r["verdict"] in ("fail", "unbounded")]
+    for row in sorted(failing, key=lambda r: -_size(r))[: max(FULL - len(keep), 0)]:
+        keep[id(row)] = row
+    order = {name: k for k, name in enumerate(best)}
+    return sorted(keep.values(), key=lambda r: (order[r["element"]], -_size(r)))
+
+
+def _size(row: Mapping[str, Any]) -> float:
+    return math.inf if row.get("torque") is None else float(row["torque"])

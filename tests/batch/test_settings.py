@@ -1,0 +1,190 @@
+"""`--json`, `--method`, `--tolerance`: as `recalc` has them, and kept apart by `--resume`."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import shutil
+from pathlib import Path
+
+import openpyxl
+import pytest
+from batch_helpers import Here, spoil, torsionbook
+
+from addin.batch.conductor import Batch
+from addin.batch.folder import OutFolder
+from addin.batch.inputs import InputsRefused, find_inputs
+from addin.batch.records import Record
+
+NEWMARK = {"method": "newmark", "tolerance_peak": 0.01}
+#: Keys of a result JSON that belong to one run.
+OWN_OF_EACH_RUN = {"accuracy_cost", "audit", "effects", "plans"}
+
+
+def run(trains: Path, out: Path, *, resume: bool = False, **more) -> dict[str, Record]:
+    """A batch in this process."""
+    inputs = find_inputs([str(trains)], out)
+    with OutFolder(out) as folder, Batch(folder, Here(), resume=resume, **more) as batch:
+        batch.process(inputs)
+        return dict(batch.records)
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """Which cases the engine runs."""
+    import addin.calculation
+
+    calls = []
+    real = addin.calculation.run
+    monkeypatch.setattr(
+        addin.calculation, "run", lambda *words: calls.append(words[0]) or real(*words)
+    )
+    return calls
+
+
+def audit(path: Path) -> dict[str, str]:
+    """Table Audit, by an independent reader."""
+    book = openpyxl.load_workbook(path, data_only=True)
+    sheet = book["Audit"]
+    return {row[0].value: row[1].value for row in sheet[sheet.tables["Audit"].ref]}
+
+
+def read(path: Path) -> dict:
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def test_settings_reach_every_file_and_are_written_where_verify_looks(few, tmp_path, counted):
+    records = run(few, tmp_path / "out", overrides=NEWMARK)
+    assert len(records) == 3
+    assert len(counted) == 2  # the twin has the case of another
+    assert {(case.method, case.tolerance_peak) for case in counted} == {("newmark", 0.01)}
+    for name, record in records.items():
+        said = audit(tmp_path / "out" / name)
+        assert said["Setting of the command line: method"] == "newmark"
+        assert said["Setting of the command line: tolerance_peak"] == "0.01"
+        assert record.settings == NEWMARK
+
+
+def test_resume_with_other_settings_reuses_nothing(few, tmp_path, counted):
+    out = tmp_path / "out"
+    run(few, out)
+    for settings, runs in (
+        ({}, 0),
+        ({"method": "newmark"}, 2),
+        ({"method": "newmark"}, 0),
+        ({"method": "newmark", "tolerance_peak": 0.01}, 2),
+        ({}, 2),
+    ):
+        counted.clear()
+        run(few, out, resume=True, overrides=settings)
+        assert len(counted) == runs, settings
+        said = audit(out / "twin.xlsx")
+        assert said.get("Setting of the command line: method") == settings.get("method")
+
+
+def test_json_is_that_of_recalc(few, tmp_path):
+    words = ("--method", "newmark", "--tolerance", "1%")
+    done = torsionbook(
+        "batch", few, "--out", "out", "--json", "j", "--jobs", 1, *words, cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    one = few / "twin.xlsx"
+    done = torsionbook("recalc", one, "--out", "r", "--json", "r/t.json", *words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    mine, its = read(tmp_path / "j" / "twin.results.json"), read(tmp_path / "r" / "t.json")
+    assert mine.keys() == its.keys()
+    assert {k for k in its if mine[k] != its[k]} <= OWN_OF_EACH_RUN
+    assert sorted(p.name for p in (tmp_path / "j").iterdir()) == [
+        f"{name}.results.json" for name in ("train 8", "train 9", "twin")
+    ]
+    heading = openpyxl.load_workbook(tmp_path / "out" / "summary.xlsx")["Files"]["A2"].value
+    assert "method = newmark, tolerance_peak = 0.01" in heading
+    # nothing is left to do, until a JSON is lost
+    assert audit(tmp_path / "out" / "twin.xlsx")["Setting of the command line: method"] == "newmark"
+    again = ("batch", few, "--out", "out", "--json", "j", "--resume", *words)
+    assert "(3 of them by an earlier batch)" in torsionbook(*again, cwd=tmp_path).stdout
+    (tmp_path / "j" / "train 9.results.json").unlink()
+    assert "(2 of them by an earlier batch)" in torsionbook(*again, cwd=tmp_path).stdout
+    assert (tmp_path / "j" / "train 9.results.json").is_file()
+
+
+def test_an_input_with_errors_gets_them_in_place_of_its_results(few, tmp_path, counted):
+    out, there = tmp_path / "out", tmp_path / "json"
+    run(few, out, json=there)
+    assert read(there / "twin.results.json")["natural_frequencies"]
+    spoil(few / "twin.xlsx")
+    done = torsionbook("recalc", few / "twin.xlsx", "--json", "its.json", cwd=tmp_path)
+    assert done.returncode == 1
+    run(few, out, json=there, resume=True)
+    assert read(there / "twin.results.json") == read(tmp_path / "its.json")
+    counted.clear()
+    run(few, out, json=there, resume=True)
+    assert counted == []
+
+
+def test_json_asked_for_later_is_made(few, tmp_path, counted):
+    out = tmp_path / "out"
+    run(few, out)
+    counted.clear()
+    run(few, out, resume=True, json=out)
+    assert len(counted) == 2
+    assert (out / "twin.results.json").is_file()
+
+
+def test_json_on_another_disk(few, tmp_path, monkeypatch):
+    real, there = os.replace, tmp_path / "json"
+
+    def replace(source, target):
+        if there in Path(target).parents and there not in Path(source).parents:
+            raise OSError(errno.EXDEV, "Invalid cross-device link", str(source))
+        real(source, target)
+
+    monkeypatch.setattr(os, "replace", replace)
+    records = run(few, tmp_path / "out", json=there)
+    assert {one.outcome for one in records.values()} == {"done"}
+    assert sorted(p.name for p in there.iterdir())[0] == "train 8.results.json"
+    assert len(list(there.iterdir())) == 3
+
+
+def test_two_files_with_one_json_are_refused_only_where_json_is_asked_for(few, tmp_path):
+    shutil.copy(few / "twin.xlsx", few / "twin.xlsm")
+    assert len(find_inputs([str(few)], tmp_path / "out")) == 4
+    with pytest.raises(InputsRefused, match=r"both be written to twin\.results\.json"):
+        find_inputs([str(few)], tmp_path / "out", json=True)
+
+
+def test_a_programme_of_cases_respects_settings(few, tmp_path):
+    pd = pytest.importorskip("pandas")
+    (tmp_path / "t.csv").write_text("Name,DampingRatio\na,0.015\n", encoding="utf-8")
+    words = ("batch", few / "twin.xlsx", "--vary", "t.csv", "--out", "out", "--jobs", 1)
+    peaks = {}
+    for settings in ((), ("--method", "newmark", "--tolerance", "5%")):
+        done = torsionbook(*words, *settings, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        peaks[settings] = pd.read_parquet(tmp_path / "out" / "results.parquet")
+    ours, papers = (float(one["peak_torque_N_m"].iloc[0]) for one in peaks.values())
+    # another method to a coarse tolerance: near, and not the same
+    assert ours != papers
+    assert papers == pytest.approx(ours, rel=0.1)
+    done = torsionbook(*words, "--resume", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "--method or --tolerance" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--method", "euler"), "newmark"),
+        (("--tolerance", "much"), "write a number"),
+        (("--tolerance", "0.9"), "must lie between"),
+        (("--json", "a.json"), "it names a folder"),
+        (("--json", "j", "--vary", "t.csv"), "are Parquet"),
+    ],
+)
+def test_wrong_words(few, tmp_path, words, said):
+    target = few / "twin.xlsx"
+    done = torsionbook("batch", target, "--out", "out", *words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert said in " ".join(done.stderr.replace("│", " ").split())
+    assert not (tmp_path / "out").exists()
