@@ -746,7 +746,9 @@ def _advance(
         else:
             h = remaining
             _coefficients(h, lam[s], rates[s], free_t, forced_t, one)
-            _damper_solver(forced_t, lam[s], rates[s], reaches[s], damper_force, viscous, solver_t, matrix)
+            _damper_solver(
+                forced_t, lam[s], rates[s], reaches[s], damper_force, viscous, solver_t, matrix
+            )
             _take_step(
                 h, t, free_t, forced_t, solver_t, lam[s], rates[s], reaches[s], constants[s], viscous,
                 curves, motors, loads, timed, damper_force, electrical, flanks, q, v, phase, force,
@@ -1020,8 +1022,9 @@ def advance_pieces(
         np.empty((2, 4, n)), np.empty((2 * nd, 2 * nd)), np.empty((2 * nd, 2 * nd)),
         (np.empty((2, 2)), np.empty((2, 4))), np.empty(n),
     )  # fmt: skip
-    return _advance(
+    came_back: tuple[int, int, int] = _advance(
         clock, end_time, base_step, visible, targets, limited, tables, contacts, curves, motors,
         loads, timed, damper_force, electrical, piece, contact_of, q, v, phase, force, force_rate,
         out_t, out_q, out_v, out_f, out_fr, out_phase, out_piece, log, space,
     )  # fmt: skip
+    return came_back
