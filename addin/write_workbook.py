@@ -608,5 +608,5 @@ def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> 
             f"Table {data.name} has no column {', '.join(missing)}; it is not shown."
         )
     formulas = {name: text for name, text in data.formulas.items() if name.casefold() in known}
-    rows = [[row[k] for k in keep] for row in data.rows]
+    rows = [[row[k] for k in keep] for row in data.rows] if missing else data.rows
     return TableData(data.name, rows, [names[k] for k in keep], formulas)

@@ -244,7 +244,10 @@ def _answers(
     )
     rate = piece.output_position @ v.T + piece.output_force @ fr.T
     if np.any(piece.output_velocity):
-        acceleration = f @ piece.reach.T + piece.constant - v * piece.rate - q * piece.stiffness
+        acceleration = f @ piece.reach.T
+        acceleration += piece.constant
+        acceleration -= v * piece.rate
+        acceleration -= q * piece.stiffness
         rate += piece.output_velocity @ acceleration.T
     bodies = pieces.basis.train.bodies
     bearing = np.empty((len(bodies), len(q)))

@@ -90,6 +90,7 @@ class ChartPart:
         resolve: Callable[[str], list[Area] | None],
         touched: Callable[[str, Rect], bool],
         shown: Shown,
+        known: dict[tuple[str, str, tuple[Area, ...]], bytes] | None = None,
     ) -> int:
         """Renew the caches of all ranges that reach changed cells.
 
@@ -101,6 +102,8 @@ class ChartPart:
             Whether a rectangle of a sheet holds a changed cell.
         shown : callable
             Values that the cells of a rectangle of a sheet show, row by row.
+        known : dict, optional
+            Points that other charts of the workbook draw, too, by kind, prefix and areas; added to.
 
         Returns
         -------
@@ -108,12 +111,13 @@ class ChartPart:
             Number of caches renewed.
         """
         count = 0
+        known = {} if known is None else known
         for reference in self._root.iter(*_CACHES):
             cache = reference.find(_CACHES[reference.tag])
             areas = resolve(reference.findtext(_F) or "") if cache is not None else None
             if areas is None or not any(touched(*area) for area in areas):
                 continue
-            self._fill(reference.tag, cache, areas, shown)
+            self._fill(reference.tag, cache, areas, shown, known)
             count += 1
         self.changed = self.changed or count > 0
         return count
@@ -154,34 +158,31 @@ class ChartPart:
 
         return _PLACE.sub(points, data)
 
-    def _fill(self, kind: str, cache: Element, areas: list[Area], shown: Shown) -> None:
+    def _fill(
+        self,
+        kind: str,
+        cache: Element,
+        areas: list[Area],
+        shown: Shown,
+        known: dict[tuple[str, str, tuple[Area, ...]], bytes],
+    ) -> None:
         for old in cache.findall(_PT_COUNT) + cache.findall(_PT) + cache.findall(_LEVEL):
             cache.remove(old)
         prefix = f"{cache.prefix}:" if cache.prefix else ""
         self._points_left -= sum(rect.height * rect.width for _, rect in areas)
+        place = (kind, prefix, tuple(areas))
         if self._points_left < 0:
-            xml = f'<{prefix}ptCount val="0"/>'  # more than any chart draws: blank beats wrong
-        elif kind == _MULTI_LEVEL:
-            xml = _levels_xml(areas, shown, prefix)
+            # more than any chart draws: blank beats wrong
+            xml = f'<{prefix}ptCount val="0"/>'.encode()
+        elif place in known:
+            xml = known[place]
         else:
-            values = [value for sheet, rect in areas for value in shown(sheet, rect)]
-            points = (
-                [
-                    value if type(value) is float and isfinite(value) else _other_number(value)
-                    for value in values
-                ]
-                if kind == _NUMBERS
-                else [_text_point(value) for value in values]
-            )
-            xml = f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
-            if kind == _NUMBERS:
-                # Whole numbers without a point, as `number_text` writes them.
-                xml = xml.replace(f".0</{prefix}v>", f"</{prefix}v>")
+            xml = known[place] = _cache_xml(kind, areas, shown, prefix).encode()
         # The schema wants format code, count and points in this order, extensions last.
         extensions = cache.find(_EXTENSIONS)
         at = len(cache) if extensions is None else cache.index(extensions)
         cache.insert(at, cache.makeelement(_PT, idx=f"points-{len(self._points)}"))
-        self._points.append(xml.encode())
+        self._points.append(xml)
 
     @cached_property
     def _by_rows(self) -> dict[tuple[str, int, int], dict[Element, None]]:
@@ -201,6 +202,23 @@ def _rows_of_areas(reference: str) -> Iterator[tuple[str, int, int]]:
         except ValueError:
             continue
         yield sheet, rect.top, rect.bottom
+
+
+def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
+    """Count and points of a range."""
+    if kind == _MULTI_LEVEL:
+        return _levels_xml(areas, shown, prefix)
+    values = [value for sheet, rect in areas for value in shown(sheet, rect)]
+    if kind != _NUMBERS:
+        points = [_text_point(value) for value in values]
+        return f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
+    numbers = [
+        value if type(value) is float and isfinite(value) else _other_number(value)
+        for value in values
+    ]
+    xml = f'<{prefix}ptCount val="{len(numbers)}"/>{_points_xml(numbers, prefix)}'
+    # Whole numbers without a point, as `number_text` writes them.
+    return xml.replace(f".0</{prefix}v>", f"</{prefix}v>")
 
 
 def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:

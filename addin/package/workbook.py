@@ -435,8 +435,10 @@ class Workbook:
         self._charts_current = True
         if not self._changed:
             return 0
+        known: dict[tuple[str, str, tuple[Area, ...]], bytes] = {}
         return sum(
-            chart.refresh(self._areas, self._changed.touch, self._shown) for chart in self._charts
+            chart.refresh(self._areas, self._changed.touch, self._shown, known)
+            for chart in self._charts
         )
 
     def refresh_formula_caches(self) -> CacheReport:

@@ -31,7 +31,9 @@ class Written:
         """Whether the rows stand in the part as they were built, in their order; a formula may have got its value."""
         position = 0
         # All rows are encoded at once; no text of a cell holds the mark between them.
-        for whole, text in zip(_CUT.join(self.texts).encode().split(b"\0"), self.texts, strict=True):
+        for whole, text in zip(
+            _CUT.join(self.texts).encode().split(b"\0"), self.texts, strict=True
+        ):
             pieces = [*map(str.encode, _around_values(text))] if FORMULA_MARK in text else [whole]
             for number, piece in enumerate(pieces):
                 found = part.find(piece, position)

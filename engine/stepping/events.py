@@ -699,6 +699,7 @@ def _advance(
             _copy(a1, a0)
         # the step: as long as what rings visibly is resolved
         level = 0
+        finest = 1.0  # the base step over the step wanted
         angle = base_step * sampled
         slowest = n  # the first mode that the base step does not sample
         while slowest > 0 and lam[s, slowest - 1] > sampled * sampled:
@@ -714,9 +715,10 @@ def _advance(
             ringing = shows[s, i] * math.sqrt(x * x + v[i] * v[i] / lam[s, i])
             if ringing > visible:
                 # the cubic through two samples errs by ringing × angle⁴ / 384
-                allowed = min(angle * (FULL_RINGING / ringing) ** 0.25, WIDEST_ANGLE)
-                needed = math.log2(math.sqrt(lam[s, i]) * base_step / allowed)
-                level = max(level, int(math.ceil(needed)))
+                allowed = min(angle * math.sqrt(math.sqrt(FULL_RINGING / ringing)), WIDEST_ANGLE)
+                finest = max(finest, math.sqrt(lam[s, i]) * base_step / allowed)
+        if finest > 1.0:
+            level = int(math.ceil(math.log2(finest)))
         # contacts that would change to and fro at one instant (the damping of the pieces differs)
         # are left alone for the shortest of all steps
         dwell = at_once > MOST_AT_ONCE
@@ -744,7 +746,9 @@ def _advance(
         else:
             h = remaining
             _coefficients(h, lam[s], rates[s], free_t, forced_t, one)
-            _damper_solver(forced_t, lam[s], rates[s], reaches[s], damper_force, viscous, solver_t, matrix)
+            _damper_solver(
+                forced_t, lam[s], rates[s], reaches[s], damper_force, viscous, solver_t, matrix
+            )
             _take_step(
                 h, t, free_t, forced_t, solver_t, lam[s], rates[s], reaches[s], constants[s], viscous,
                 curves, motors, loads, timed, damper_force, electrical, flanks, q, v, phase, force,
@@ -1018,8 +1022,9 @@ def advance_pieces(
         np.empty((2, 4, n)), np.empty((2 * nd, 2 * nd)), np.empty((2 * nd, 2 * nd)),
         (np.empty((2, 2)), np.empty((2, 4))), np.empty(n),
     )  # fmt: skip
-    return _advance(
+    came_back: tuple[int, int, int] = _advance(
         clock, end_time, base_step, visible, targets, limited, tables, contacts, curves, motors,
         loads, timed, damper_force, electrical, piece, contact_of, q, v, phase, force, force_rate,
         out_t, out_q, out_v, out_f, out_fr, out_phase, out_piece, log, space,
     )  # fmt: skip
+    return came_back

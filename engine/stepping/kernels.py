@@ -412,11 +412,12 @@ def advance_start(
         np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n),
         np.empty(nf), np.empty(nf), np.empty(nf), np.empty(nf), np.empty(len(phase)),
     )  # fmt: skip
-    return _advance(
+    came_back: tuple[int, int] = _advance(
         n_steps, h, t, target_speed, free, forced, stiffness, rate, reach, mean_speed, curves,
         motors, loads, timed, dampers, electrical, q, v, phase, force, force_rate, out_q, out_v,
         out_f, out_fr, space,
     )  # fmt: skip
+    return came_back
 
 
 @kernel()
