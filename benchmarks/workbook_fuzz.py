@@ -44,7 +44,7 @@ RECORD = Path(__file__).parent / "records" / "workbook_fuzz.json"
 #: One mutation may take this long before it counts as hanging [s]; an honest one takes 0.3, or 16 on a machine with ten times as much to do.
 PATIENCE = 60.0
 #: What openpyxl gets to open a file: it makes an object of each cell of a merged range, be that the whole sheet.
-OPENPYXL_PATIENCE, OPENPYXL_MEMORY = 20.0, 200 * 2**20  # [s], [byte]
+OPENPYXL_PATIENCE, OPENPYXL_MEMORY = 20.0, 100 * 2**20  # [s], [byte]
 BLOCK = 100
 
 
