@@ -64,6 +64,8 @@ def verify(
 
     passed = True
     folder = json is not None and (len(files) > 1 or json.is_dir())
+    if json is not None and folder:
+        _refuse_clashes(files, json)
     for file in files:
         found = verify_file(file, case=case, within=Agreement(_WITHIN[within]))
         passed = passed and found.passes
@@ -80,6 +82,18 @@ def verify(
                 passed = False
     if not passed:
         raise typer.Exit(_WRONG_INPUT)
+
+
+def _refuse_clashes(files: list[Path], folder: Path) -> None:
+    """Two files with one JSON are refused before any work."""
+    seen: dict[str, Path] = {}
+    for file in files:
+        other = seen.setdefault(file.stem.casefold(), file)
+        if other.absolute() != file.absolute():
+            raise typer.BadParameter(
+                f"{other} and {file} would both be written to {folder / file.stem}.verify.json. Verify "
+                "them one by one, or into two folders."
+            )
 
 
 def _trace(files: list[Path], wanted: str) -> None:
