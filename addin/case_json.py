@@ -199,6 +199,12 @@ class _Reading:
         if not isinstance(content, Mapping):
             self._no_case("the file holds no object. A case is one object in braces.")
             return
+        if _RESULT_KEYS <= content.keys() and "stations" not in content:
+            self._no_case(
+                "this is a result JSON, which holds no inputs. Name the workbook or the case JSON that "
+                "it was calculated from."
+            )
+            return
         self._read_format(content.get("format"))
         self._note_unknown(content, {"format", *_SCALARS, *_TABLES}, (SCALAR_TABLE, None))
         for key, spec in _SCALARS.items():
@@ -350,6 +356,8 @@ class _Reading:
         )
 
 
+#: What every result JSON has, also one that holds errors only.
+_RESULT_KEYS = frozenset({"version", "warnings", "errors"})
 _SCALARS = {spec.key: spec for spec in SCALARS}
 _TABLES = {table.key: table for table in INPUT_TABLES}
 _QUANTITY = re.compile(

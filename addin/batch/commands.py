@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -274,8 +275,6 @@ def _check_json_folder(json: Path, vary: Path | None) -> None:
     """What would keep JSON from being written, said before anything is calculated."""
     import os
 
-    from addin.recalc import of_file
-
     if vary is not None:
         raise typer.BadParameter("--json is of a batch of files; results of --vary are Parquet.")
     if json.suffix.lower() == ".json" and not json.is_dir():
@@ -283,7 +282,10 @@ def _check_json_folder(json: Path, vary: Path | None) -> None:
     try:
         json.mkdir(parents=True, exist_ok=True)
     except OSError as wrong:
-        raise _told(of_file(json, wrong).message) from wrong
+        why = wrong.strerror or wrong
+        raise _told(
+            f"The folder {json} cannot be made ({why}). Name another with --json."
+        ) from wrong
     if not os.access(json, os.W_OK):
         raise _told(f"{json} may not be written. Name another folder with --json.")
 
@@ -294,6 +296,13 @@ def _summary_file(summary: Path | None, out: Path) -> Path:
     book = summary or out / SUMMARY
     if book.suffix.lower() != ".xlsx":
         raise typer.BadParameter(f"--summary is '{book}'; it must end in .xlsx.")
+    from addin.batch.summary_file import is_summary
+
+    if book.is_file() and not is_summary(book):
+        raise typer.BadParameter(
+            f"{book} is there already, and it is no summary of a batch. Choose another name for "
+            "--summary."
+        )
     return book
 
 
@@ -415,6 +424,10 @@ def _say(
     shared = f" {same} had a case that another file states too, calculated once." if same else ""
     files = "1 file" if len(records) == 1 else f"{len(records)} files"
     typer.echo(f"{files} in {_duration(seconds)}: {counts}{kept}.{shared}")
+    verdicts = Counter(str(one.results.get("verdict")) for one in records if one.done)
+    if verdicts:
+        told = ", ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items()))
+        typer.echo(f"Verdicts: {told}.")
     if ended:
         typer.echo(ended, err=True)
     for path in written:

@@ -103,3 +103,36 @@ def test_two_verifications_into_one_file_are_refused(tmp_path):
 def test_a_pattern_that_finds_nothing(tmp_path):
     with pytest.raises(InputsRefused, match=r"Nothing is found under .*xslx"):
         find_inputs([str(tmp_path / "*.xslx")], tmp_path / "out")
+
+
+def test_a_json_on_top_of_what_is_verified_is_refused(tmp_path):
+    book = make_train(tmp_path / "a.xlsx")
+    before = book.read_bytes()
+    status, said = told("verify", book, "--json", book)
+    assert status == 2
+    assert "is an input itself" in said
+    assert book.read_bytes() == before
+
+
+def test_a_summary_replaces_a_summary_and_nothing_else(tmp_path):
+    mine = make_train(tmp_path / "mine.xlsx")
+    before = mine.read_bytes()
+    book = make_train(tmp_path / "in" / "a.xlsx")
+    words = ("batch", book, "--out", tmp_path / "out", "--jobs", 1)
+    status, said = told(*words, "--summary", mine)
+    assert status == 2
+    assert "no summary of a batch" in said
+    assert mine.read_bytes() == before
+    for _ in range(2):
+        done = torsionbook(*words, "--summary", "all.xlsx", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    assert "Verdicts: 1 fail." in done.stdout
+
+
+def test_errors_of_an_input_as_json_are_no_case(tmp_path):
+    (tmp_path / "a.json").write_text('{"format": 1, "poles": 4}', encoding="utf-8")
+    told("recalc", tmp_path / "a.json", "--json", tmp_path / "errors.json")
+    status, said = told("recalc", tmp_path / "errors.json")
+    assert status == 1
+    assert "1 error" in said
+    assert "this is a result JSON, which holds no inputs" in said
