@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 #: Sends Ctrl-C to itself when a function is called, as a user does who grows impatient then.
 SCRIPT = """
 import importlib, os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # tests run in the background ignore it
 module, name = sys.argv[1].rsplit(".", 1)
 owner = importlib.import_module(module)
 real = getattr(owner, name)
