@@ -71,7 +71,9 @@ def read_case_json(source: str | Path | Mapping[str, Any]) -> CaseInput:
     return reading.result()
 
 
-def typed_value(value: Any, spec: Field, place: Place, findings: Findings) -> Entry | None:
+def typed_value(
+    value: Any, spec: Field, place: Place, findings: Findings, unit: str | None = None
+) -> Entry | None:
     """A single value by the rule of the case JSON: a number is in SI, a text carries its unit.
 
     Parameters
@@ -84,6 +86,9 @@ def typed_value(value: Any, spec: Field, place: Place, findings: Findings) -> En
         Table, row, column. [names]
     findings : Findings
         Takes a value that cannot be read. [problems]
+    unit : str, optional
+        Of a cell of a table that is no JSON: the unit in which a number stands there, for sentences.
+        [unit]
 
     Returns
     -------
@@ -92,6 +97,7 @@ def typed_value(value: Any, spec: Field, place: Place, findings: Findings) -> En
     """
     reading = _Reading()
     reading.findings = findings
+    reading.unit = unit
     return reading._entry(value, spec, place)
 
 
@@ -137,6 +143,7 @@ class _Reading:
         self.readable = True
         self.repeated = 0
         self.unknown = 0
+        self.unit: str | None = None
 
     def load(self, path: Path) -> Any:
         """The content of a file; None, with a problem noted, if it is no JSON."""
@@ -191,6 +198,12 @@ class _Reading:
         """Scalars and tables of a case object."""
         if not isinstance(content, Mapping):
             self._no_case("the file holds no object. A case is one object in braces.")
+            return
+        if _RESULT_KEYS <= content.keys() and "stations" not in content:
+            self._no_case(
+                "this is a result JSON, which holds no inputs. Name the workbook or the case JSON that "
+                "it was calculated from."
+            )
             return
         self._read_format(content.get("format"))
         self._note_unknown(content, {"format", *_SCALARS, *_TABLES}, (SCALAR_TABLE, None))
@@ -300,12 +313,22 @@ class _Reading:
         """A string such as ``1800 rpm``."""
         match = _QUANTITY.fullmatch(text.strip()) if len(text) < LONGEST_WORDS else None
         if match is None:
-            self._note(place, text, _wanted(spec), f"{_wanted(spec)} is needed.{_comma(text)}")
+            self._note(
+                place,
+                text,
+                _wanted(spec, self.unit),
+                f"{_wanted(spec, self.unit)} is needed.{_comma(text)}",
+            )
             return None
         number, unit = float(match.group(1)), match.group(2)
         if not spec.has_unit or not unit:
             why = "has no unit" if spec.has_unit else "is to be a plain number"
-            self._note(place, text, _wanted(spec), f"it {why}. Write {_wanted(spec)}.")
+            self._note(
+                place,
+                text,
+                _wanted(spec, self.unit),
+                f"it {why}. Write {_wanted(spec, self.unit)}.",
+            )
             return None
         try:
             scale = parse_unit(unit, spec.dimension)
@@ -333,6 +356,8 @@ class _Reading:
         )
 
 
+#: What every result JSON has, also one that holds errors only.
+_RESULT_KEYS = frozenset({"version", "warnings", "errors"})
 _SCALARS = {spec.key: spec for spec in SCALARS}
 _TABLES = {table.key: table for table in INPUT_TABLES}
 _QUANTITY = re.compile(
@@ -341,8 +366,12 @@ _QUANTITY = re.compile(
 )
 
 
-def _wanted(spec: Field) -> str:
-    """What a value of a field may look like in JSON."""
+def _wanted(spec: Field, unit: str | None) -> str:
+    """What a value of a field may look like in JSON, or in a table whose numbers have a unit."""
+    if unit is not None and not spec.has_unit:
+        return "a number"
+    if unit is not None:
+        return f'a number in {unit or spec.si}, or one with its unit such as "1 {spec.units[0]}"'
     if not spec.has_unit:
         return "a number without quotes"
     return f'a number in {spec.si} without quotes, or one with its unit such as "1 {spec.units[0]}"'

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -131,7 +132,7 @@ def batch(
     if vary is not None:
         if watch or len(inputs) != 1:
             raise typer.BadParameter(
-                f"--vary needs one base case and no --watch; {len(inputs)} files are named."
+                f"--vary needs one base case and no --watch; {_named(inputs)}."
             )
         raise typer.Exit(
             _varied(inputs[0].path, vary, out, _workers(jobs, scheduler), resume, stop, overrides)
@@ -253,7 +254,7 @@ def _varied(
     kept = f" ({done.kept:,} of them by an earlier run)" if done.kept else ""
     left = f", {done.rows - reached:,} not begun" if reached < done.rows else ""
     typer.echo(
-        f"{done.rows:,} rows in {_duration(time.monotonic() - began)}: {counts}{left}{kept}."
+        f"{done.rows:,} row{'' if done.rows == 1 else 's'} in {_duration(time.monotonic() - began)}: {counts}{left}{kept}."
     )
     typer.echo(f"written: {done.result}")
     if stop.asked:
@@ -262,11 +263,17 @@ def _varied(
     return _DONE if done.outcomes.get(DONE, 0) == done.rows else _WRONG_INPUT
 
 
+def _named(inputs: Sequence[Input]) -> str:
+    """How many files were named, and the first of them."""
+    if len(inputs) == 1:
+        return "--watch is asked for"
+    some = ", ".join(one.name for one in inputs[:3])
+    return f"{len(inputs)} files are named ({some}{', ...' if len(inputs) > 3 else ''})"
+
+
 def _check_json_folder(json: Path, vary: Path | None) -> None:
     """What would keep JSON from being written, said before anything is calculated."""
     import os
-
-    from addin.recalc import of_file
 
     if vary is not None:
         raise typer.BadParameter("--json is of a batch of files; results of --vary are Parquet.")
@@ -275,15 +282,27 @@ def _check_json_folder(json: Path, vary: Path | None) -> None:
     try:
         json.mkdir(parents=True, exist_ok=True)
     except OSError as wrong:
-        raise _told(of_file(json, wrong).message) from wrong
+        why = wrong.strerror or wrong
+        raise _told(
+            f"The folder {json} cannot be made ({why}). Name another with --json."
+        ) from wrong
     if not os.access(json, os.W_OK):
         raise _told(f"{json} may not be written. Name another folder with --json.")
 
 
 def _summary_file(summary: Path | None, out: Path) -> Path:
-    book = summary or out / "summary.xlsx"
+    from addin.batch.inputs import SUMMARY
+
+    book = summary or out / SUMMARY
     if book.suffix.lower() != ".xlsx":
         raise typer.BadParameter(f"--summary is '{book}'; it must end in .xlsx.")
+    from addin.batch.summary_file import is_summary
+
+    if book.is_file() and not is_summary(book):
+        raise typer.BadParameter(
+            f"{book} is there already, and it is no summary of a batch. Choose another name for "
+            "--summary."
+        )
     return book
 
 
@@ -334,8 +353,10 @@ def _watched(
     def after(ready: Sequence[Input]) -> None:
         everything.update((one.name, one) for one in ready)
         for record in _rows(work, ready):
-            said = record.results.get("verdict") if record.done else record.sentence
-            typer.echo(f"{record.name}: {record.outcome}: {said}")
+            verdict = f"verdict {record.results.get('verdict')}"
+            typer.echo(
+                f"{record.name}: {record.outcome}: {verdict if record.done else record.sentence}"
+            )
         _summarised(book, _rows(work, list(everything.values())), work.overrides)
 
     typer.echo("Watching; Ctrl-C ends it.")
@@ -371,7 +392,7 @@ def _summarised(
 
     counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
     heading = (
-        f"{len(records)} files: {counts}. torsionbook {product_version()}, "
+        f"{len(records)} file{'' if len(records) == 1 else 's'}: {counts}. torsionbook {product_version()}, "
         f"{dt.datetime.now(dt.UTC):%Y-%m-%d %H:%M} UTC."
     )
     if overrides:
@@ -401,7 +422,12 @@ def _say(
     kept = f" ({work.kept} of them by an earlier batch)" if work.kept else ""
     same = sum(bool(one.same_as) for one in records)
     shared = f" {same} had a case that another file states too, calculated once." if same else ""
-    typer.echo(f"{len(records)} files in {_duration(seconds)}: {counts}{kept}.{shared}")
+    files = "1 file" if len(records) == 1 else f"{len(records)} files"
+    typer.echo(f"{files} in {_duration(seconds)}: {counts}{kept}.{shared}")
+    verdicts = Counter(str(one.results.get("verdict")) for one in records if one.done)
+    if verdicts:
+        told = ", ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items()))
+        typer.echo(f"Verdicts: {told}.")
     if ended:
         typer.echo(ended, err=True)
     for path in written:

@@ -19,14 +19,12 @@ from collections.abc import Iterable
 from pathlib import Path
 from types import TracebackType
 
+from addin.batch.inputs import OWN
 from addin.batch.records import Output, Stamp
 from addin.package.save import flush_folder
 from addin.whole_files import write_whole
 
-__all__ = ["FolderRefused", "OutFolder", "digest_of", "stamp_of"]
-
-#: Folder of the batch inside that of the results.
-OWN = ".torsionbook-batch"
+__all__ = ["OWN", "FolderRefused", "OutFolder", "digest_of", "stamp_of"]
 
 
 class FolderRefused(Exception):
@@ -87,6 +85,8 @@ class OutFolder:
     """
 
     def __init__(self, path: Path) -> None:
+        if path.is_file():
+            raise FolderRefused(f"{path} is a file; --out names a folder.")
         self.path = path.absolute()  # as processes with another working folder see it too
         self._own = self.path / OWN
         try:

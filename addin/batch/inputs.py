@@ -16,6 +16,8 @@ __all__ = ["Input", "InputsRefused", "find_inputs", "json_name", "natural_key", 
 ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")
 #: Ends of the names of files that torsionbook itself writes beside inputs.
 OURS = (".out.xlsx", ".out.xlsm", ".accuracy.xlsx", ".accuracy.xlsm", ".results.json", ".accuracy.json")  # fmt: skip
+#: Folder of a batch inside that of its results, and the usual name of its summary there.
+OWN, SUMMARY = ".torsionbook-batch", "summary.xlsx"
 #: A JSON file is looked into up to this size to see whether it is a case. [bytes]
 _LOOKED_INTO = 4 * 2**20
 _DIGITS = re.compile(r"(\d+)")
@@ -74,19 +76,29 @@ def find_inputs(
     results = out.resolve()
     found: dict[Path, Path] = {}  # file → where its relative path begins
     for pattern in patterns:
-        some = False
+        some = passed_over = False
         for path, root in _expanded(pattern):
             place = path.resolve()
             if place in ours or results in place.parents:
+                passed_over = True
                 continue
             some = True
             found.setdefault(Path(os.path.abspath(path)), root)
         if not some:
-            raise InputsRefused(_nothing(pattern))
+            raise InputsRefused(_in_results(pattern, out) if passed_over else _nothing(pattern))
     return _named(found, json)
 
 
+def _in_results(pattern: str, out: Path) -> str:
+    return (
+        f"Everything under {pattern} lies in {out}, the folder of results, in which nothing is taken for "
+        "an input. Name another folder with --out."
+    )
+
+
 def _nothing(pattern: str) -> str:
+    if not glob.has_magic(pattern) and not Path(pattern).exists():
+        return f"There is no file or folder {pattern}. Check the path."
     if Path(pattern).is_dir():
         return (
             f"The folder {pattern} holds no workbook (.xlsx, .xlsm) and no case JSON besides results. "
@@ -100,13 +112,16 @@ def _expanded(pattern: str) -> Iterator[tuple[Path, Path]]:
     path = Path(pattern)
     if path.is_dir():
         for place, folders, files in os.walk(path):
+            summary = SUMMARY if OWN in folders else None  # of an earlier batch that wrote there
             folders[:] = [one for one in folders if not one.startswith((".", "__pycache__"))]
             for name in files:
                 file = Path(place, name)
-                if _is_input(file):
+                if name != summary and _is_input(file):
                     yield file, path
-    elif path.exists() or not glob.has_magic(pattern):
+    elif path.exists() or (not glob.has_magic(pattern) and path.suffix.lower() in ENDINGS):
         yield path, path.parent
+    elif not glob.has_magic(pattern):
+        return  # no file, and no name of one: most often a folder mistyped
     else:
         root = _fixed_part(path)
         for hit in glob.glob(pattern, recursive=True):

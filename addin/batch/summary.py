@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from addin.batch.records import DONE, Record
+from addin.batch.summary_file import SHEETS
 from addin.whole_files import write_whole
 
 if TYPE_CHECKING:
@@ -247,7 +248,7 @@ _FIRST = 3  # row of the headers, counted from 0
 def _write_files(
     book: Any, styles: _Styles, files: pd.DataFrame, records: Sequence[Record], heading: str
 ) -> None:
-    sheet = book.add_worksheet("Files")
+    sheet = book.add_worksheet(SHEETS[0])
     sheet.write_string(0, 0, "Summary of a batch", styles.title)
     sheet.write_string(1, 0, heading, styles.note)
     for at, column in enumerate(FILE_COLUMNS):
@@ -287,7 +288,7 @@ def _colour(
 def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]]) -> None:
     from addin.layout import text_height
 
-    sheet = book.add_worksheet("Errors")
+    sheet = book.add_worksheet(SHEETS[1])
     many = f"{len(errors):,} error{'' if len(errors) == 1 else 's'}"
     sheet.write_string(0, 0, many if errors else "No errors", styles.title)
     note = "Row counts the rows of the table, blank ones included; Cell is where it stands."

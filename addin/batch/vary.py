@@ -373,13 +373,13 @@ class _Reading:
     def __exit__(self, kind: Any, wrong: BaseException | None, trace: Any) -> None:
         if isinstance(wrong, UnicodeDecodeError):
             raise TableRefused(
-                [f"{self._path} is not UTF-8 text. Save it as CSV UTF-8."]
+                ["it is not UTF-8 text. Give a CSV saved as CSV UTF-8, or a .parquet file."]
             ) from wrong
         if isinstance(wrong, (OSError, csv.Error)):
             why = getattr(wrong, "strerror", None) or wrong
-            raise TableRefused([f"{self._path} cannot be read: {why}."]) from wrong
+            raise TableRefused([f"it cannot be read: {why}."]) from wrong
         if wrong is not None and type(wrong).__module__.startswith("pyarrow"):
-            raise TableRefused([f"{self._path} is no Parquet file that can be read."]) from wrong
+            raise TableRefused(["it is no Parquet file that can be read."]) from wrong
 
 
 # --- in the processes -----------------------------------------------------------------------------
@@ -478,7 +478,7 @@ def _entry(column: Varied, value: Any, findings: Findings) -> Typed | str | None
             value = value.strip()
     elif not column.spec.is_number and not isinstance(value, str):
         value = f"{value:.15g}" if isinstance(value, float) else str(value)
-    entry = typed_value(value, column.spec, column.place, findings)
+    entry = typed_value(value, column.spec, column.place, findings, column.unit)
     if isinstance(entry, Typed) and column.scale is not None and not isinstance(value, str):
         return Typed(entry.number, column.scale, column.unit)
     return entry

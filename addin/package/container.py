@@ -251,7 +251,9 @@ def read_file(path: Path, limit: int = DEFAULT_LIMITS.file_size) -> bytes:
     except FileNotFoundError as problem:
         raise WorkbookRefused("missing", f"{path} does not exist.") from problem
     except IsADirectoryError as problem:
-        raise WorkbookRefused("unreadable", f"{path} is a folder, not a workbook.") from problem
+        raise WorkbookRefused(
+            "unreadable", f"{path} is a folder, not a workbook. Name the workbooks in it."
+        ) from problem
     except PermissionError as problem:
         raise WorkbookRefused(
             "unreadable",

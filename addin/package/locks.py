@@ -31,7 +31,7 @@ def check_not_open(path: Path) -> None:
         who = f" by {owner}" if owner else ""
         raise WorkbookLocked(
             f"{path.name} is open in {program}{who}. Save and close it there and run again. If nobody has it open, "
-            f"the file {lock_file.name} was left behind: delete it, or run with the lock ignored.",
+            f"the file {lock_file.name} was left behind: delete it, or say --ignore-lock.",
             owner=owner,
             lock_file=lock_file.name,
         )

@@ -253,6 +253,11 @@ def _results(found: Differences, name: str) -> Section:
     if left:
         said += (
             f" Shown is what is asked for first; all {len(found.results):,} are listed by "
-            f"torsionbook diff {clean(found.first.source.name)} {name} --xlsx OUT.xlsx."
+            f"torsionbook diff {_quoted(clean(found.first.source.name))} {_quoted(name)} --xlsx OUT.xlsx."
         )
     return Section(title, (Paragraph(said), *blocks))
+
+
+def _quoted(name: str) -> str:
+    """A name as it is typed on a command line."""
+    return f'"{name}"' if " " in name else name

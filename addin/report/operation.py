@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from addin.report.document import Block, Paragraph, Section
+from addin.report.document import Block, Column, Paragraph, Section, Table
 from addin.report.equations import by
-from addin.report.numbers import clean
+from addin.report.numbers import clean, significant
 from addin.report.subject import Subject
-from addin.report.tables import FULL, left_out, result_table
+from addin.report.tables import FULL, left_out, result_table, with_column
 
 __all__ = ["margins", "steady_state"]
 
@@ -138,16 +138,49 @@ def steady_state(subject: Subject) -> Section:
             by("Forced response", "Shear stress", "Allowable vibratory stress"),
         ))),
     )  # fmt: skip
-    judged = {row["element"] for row in rows if row.get("allowable") is not None}
+    return Section(
+        title, (Paragraph(_judged(rows, basis), "lead"), _with_limits(subject, table, chosen))
+    )
+
+
+def _judged(rows: Sequence[Mapping[str, Any]], basis: str) -> str:
+    """By which limits how many elements were judged, and which exceed one."""
     elements = {row["element"] for row in rows}
+    stressed = {row["element"] for row in rows if row.get("allowable") is not None}
+    limited = {row["element"] for row in rows if row.get("torque_limit") is not None}
     failing = sorted({clean(r["element"]) for r in rows if r["verdict"] in ("fail", "unbounded")})
-    said = (
-        f"{len(judged)} of {len(elements)} elements have a stress diameter and a material and are judged; "
-        f"the {basis} stress is compared with UTS/25. "
-        + (f"The limit is exceeded at {', '.join(failing[:8])}{' and others' if len(failing) > 8 else ''}."
-           if failing else ("No judged stress exceeds it." if judged else "So nothing was judged."))
-    )  # fmt: skip
-    return Section(title, (Paragraph(said, "lead"), table))
+    said = [
+        f"{len(stressed)} of {len(elements)} elements have a stress diameter and a material and are "
+        f"judged; the {basis} stress is compared with UTS/25."
+    ]
+    if limited:
+        said.append(
+            f"At {len(limited)} of them the zero-to-peak torque is compared with the maker's vibratory "
+            "limit."
+        )
+    if failing:
+        more = " and others" if len(failing) > 8 else ""
+        said.append(f"The limit is exceeded at {', '.join(failing[:8])}{more}.")
+    elif stressed or limited:
+        said.append("No limit is exceeded.")
+    else:
+        said.append("So nothing was judged.")
+    return " ".join(said)
+
+
+def _with_limits(subject: Subject, table: Table, rows: Sequence[Mapping[str, Any]]) -> Table:
+    """The table with the makers' vibratory limits beside the torques, where there are any."""
+    if all(row.get("torque_limit") is None for row in rows):
+        return table
+    place = ("SteadyState", "Torque")
+    factor = subject.shown.units.factor(*place)
+    cells = [
+        "" if row.get("torque_limit") is None else significant(row["torque_limit"] / factor, 5)
+        for row in rows
+    ]
+    at = [column.header for column in table.columns].index("Torque") + 1
+    column = Column("Vibratory limit", subject.shown.unit(*place), "number")
+    return with_column(table, at, column, cells)
 
 
 def _chosen_steady(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:

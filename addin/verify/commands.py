@@ -64,6 +64,8 @@ def verify(
 
     passed = True
     folder = json is not None and (len(files) > 1 or json.is_dir())
+    if json is not None:
+        _refuse_clashes(files, case, json, folder)
     for file in files:
         found = verify_file(file, case=case, within=Agreement(_WITHIN[within]))
         passed = passed and found.passes
@@ -80,6 +82,24 @@ def verify(
                 passed = False
     if not passed:
         raise typer.Exit(_WRONG_INPUT)
+
+
+def _refuse_clashes(files: list[Path], case: Path | None, json: Path, folder: bool) -> None:
+    """Two files with one JSON, or a JSON on top of a file verified, are refused before any work."""
+    sources = {file.resolve() for file in (*files, *([case] if case else []))}
+    if not folder and json.resolve() in sources:
+        raise typer.BadParameter(f"{json} is an input itself. Choose another name.")
+    seen: dict[str, Path] = {}
+    for file in files if folder else ():
+        target = json / f"{file.stem}.verify.json"
+        other = seen.setdefault(target.name.casefold(), file)
+        if other.resolve() != file.resolve():
+            raise typer.BadParameter(
+                f"{other} and {file} would both be written to {target}. Verify them one by one, or "
+                "into two folders."
+            )
+        if target.resolve() in sources:
+            raise typer.BadParameter(f"{target} is an input itself. Choose another folder.")
 
 
 def _trace(files: list[Path], wanted: str) -> None:

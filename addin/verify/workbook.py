@@ -78,7 +78,7 @@ def verify_workbook(
         return replace(
             about,
             outcome="never calculated",
-            sentence="It was never calculated: no result table holds anything.",
+            sentence="No result table holds anything. torsionbook recalc calculates it.",
         )
     findings += _on_digest(workbook, recorded, inputs)
     run, problems = calculated_again(read, recorded.settings, on_stage)

@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 #: Sends Ctrl-C to itself when a function is called, as a user does who grows impatient then.
 SCRIPT = """
 import importlib, os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # tests run in the background ignore it
 module, name = sys.argv[1].rsplit(".", 1)
 owner = importlib.import_module(module)
 real = getattr(owner, name)
@@ -41,13 +42,21 @@ def folder(tmp_path) -> Path:
     ("when", "words"),
     [
         ("addin.recalc.read_checked", "recalc a.xlsx"),
-        ("addin.calculation.run", "recalc a.xlsx --json a.json"),
+        pytest.param(
+            "addin.calculation.run", "recalc a.xlsx --json a.json", marks=pytest.mark.slow
+        ),
         ("os.replace", "recalc a.xlsx --json a.json"),
-        ("addin.accuracy.study", "accuracy a.xlsx --quick"),
+        pytest.param("addin.accuracy.study", "accuracy a.xlsx --quick", marks=pytest.mark.slow),
         ("engine.accuracy.accuracy_study", "accuracy a.xlsx --quick"),
         ("addin.verify.file.verify_file", "verify a.xlsx --json a.json"),
-        ("addin.diff.compare.compare_files", "diff a.xlsx a.xlsx --xlsx d.xlsx"),
-        ("addin.report.make.report", "report a.xlsx --docx a.docx"),
+        pytest.param(
+            "addin.diff.compare.compare_files",
+            "diff a.xlsx a.xlsx --xlsx d.xlsx",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            "addin.report.make.report", "report a.xlsx --docx a.docx", marks=pytest.mark.slow
+        ),
     ],
 )
 def test_ctrl_c(folder, when, words):

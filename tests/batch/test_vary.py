@@ -324,7 +324,7 @@ def test_words_of_the_command_line(base, tmp_path):
     assert "one base case" in two.stderr
     gone = torsionbook("batch", "base.json", "--vary", "no.csv", "--out", "o", cwd=tmp_path)
     assert gone.returncode == 1
-    assert "no.csv cannot be read" in gone.stderr
+    assert "no.csv: it cannot be read: No such file" in gone.stderr
     some = torsionbook("batch", "base.json", "--vary", "table.csv", "--out", "o", cwd=tmp_path)
     assert some.returncode == 1
     assert "2 rows in" in some.stdout

@@ -170,3 +170,27 @@ def test_conditions_tolerances_and_conclusions(tmp_path):
     tables = docx.Document(str(tmp_path / "a.docx")).tables
     lines = [[c.text for c in row.cells] for t in tables for row in t.rows]
     assert ["K", "5.00"] in lines
+
+
+def test_a_makers_vibratory_limit_stands_beside_the_torque(tmp_path):
+    element = CASE["elements"][0] | {"vibratory_limit": "0.4 kN*m"}
+    case = CASE | {
+        "elements": [element],
+        "excitations": [{"name": "E", "frequency": 60.0, "station": "A", "torque": 500.0}],
+        "damping_ratio": 0.01,
+    }
+    (tmp_path / "case.json").write_text(json.dumps(case), encoding="utf-8")
+    assert report(tmp_path / "case.json", docx=tmp_path / "a.docx").problems == ()
+    text = docx_text(tmp_path / "a.docx")
+    assert (
+        "At 1 of them the zero-to-peak torque is compared with the maker's vibratory limit" in text
+    )
+    tables = docx.Document(str(tmp_path / "a.docx")).tables
+    rows = next(
+        [[c.text for c in row.cells] for row in t.rows]
+        for t in tables
+        if any(c.text.startswith("Vibratory limit") for c in t.rows[0].cells)
+        and any("Excitation" in c.text for c in t.rows[0].cells)
+    )
+    at = next(k for k, head in enumerate(rows[0]) if head.startswith("Vibratory limit"))
+    assert float(rows[1][at].replace(",", "")) in (400.0, 0.4)

@@ -1,0 +1,35 @@
+"""Whether a workbook is a summary that a batch wrote: none other is ever replaced by one."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from pathlib import Path
+
+__all__ = ["SHEETS", "is_summary"]
+
+#: Sheets of a summary, and it has no others.
+SHEETS = ("Files", "Errors")
+#: More than the list of sheets of a summary ever takes. [bytes]
+_MOST = 100_000
+
+
+def is_summary(path: Path) -> bool:
+    """Look at the sheets of a workbook.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+
+    Returns
+    -------
+    bool
+        False also where it is no workbook. [flag]
+    """
+    try:
+        with zipfile.ZipFile(path) as package, package.open("xl/workbook.xml") as part:
+            text = part.read(_MOST).decode("utf-8", "replace")
+    except (OSError, KeyError, zipfile.BadZipFile, NotImplementedError, RuntimeError):
+        return False
+    return tuple(re.findall(r'<sheet name="([^"]*)"', text)) == SHEETS

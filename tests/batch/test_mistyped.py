@@ -1,0 +1,138 @@
+"""What people mistype, and what they are told."""
+
+from __future__ import annotations
+
+import pytest
+from batch_helpers import make_train, torsionbook
+from typer.testing import CliRunner
+
+from addin.batch.folder import OWN
+from addin.batch.inputs import InputsRefused, find_inputs
+from addin.cli import app
+
+RUN = CliRunner()
+
+
+def told(*words: object) -> tuple[int, str]:
+    """Exit status and everything said, in one line."""
+    done = RUN.invoke(app, [str(word) for word in words], env={"COLUMNS": "200"})
+    return done.exit_code, " ".join(done.output.replace("│", " ").split())
+
+
+def test_a_folder_that_is_not_there(tmp_path):
+    status, said = told("batch", tmp_path / "nowhere", "--out", tmp_path / "out")
+    assert status == 1
+    assert said == f"There is no file or folder {tmp_path / 'nowhere'}. Check the path."
+    assert not (tmp_path / "out").exists()
+
+
+def test_results_into_the_folder_of_the_inputs(tmp_path):
+    make_train(tmp_path / "in" / "a.xlsx")
+    for what in (tmp_path / "in", tmp_path / "in" / "a.xlsx"):
+        status, said = told("batch", what, "--out", tmp_path / "in")
+        assert status == 1
+        assert f"lies in {tmp_path / 'in'}, the folder of results" in said
+        assert "--out" in said
+
+
+def test_a_file_where_a_folder_is_meant(tmp_path):
+    book = make_train(tmp_path / "a.xlsx")
+    status, said = told("batch", book, "--out", make_train(tmp_path / "b.xlsx"))
+    assert status == 1
+    assert said == f"{tmp_path / 'b.xlsx'} is a file; --out names a folder."
+    status, said = told("verify", tmp_path)
+    assert status == 1
+    assert "is a folder, not a workbook. Name the workbooks in it." in said
+
+
+def test_the_summary_of_an_earlier_batch_is_no_input(tmp_path):
+    make_train(tmp_path / "in" / "a.xlsx")
+    make_train(tmp_path / "in" / "summary.xlsx")  # the engineer's own
+    assert len(find_inputs([str(tmp_path / "in")], tmp_path / "out")) == 2
+    (tmp_path / "in" / OWN).mkdir()
+    found = find_inputs([str(tmp_path / "in")], tmp_path / "out")
+    assert [one.name for one in found] == ["a.xlsx"]
+    named = find_inputs([str(tmp_path / "in" / "summary.xlsx")], tmp_path / "out")
+    assert [one.name for one in named] == ["summary.xlsx"]
+
+
+def test_one_file_is_no_files_and_odd_names_are_kept(tmp_path):
+    make_train(tmp_path / "Züge – neu" / "-Zug 1 (Müller).xlsx")
+    done = torsionbook("batch", "Züge – neu", "--out", "Ergebnis", "--jobs", 1, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("1 file in ")
+    assert (tmp_path / "Ergebnis" / "-Zug 1 (Müller).xlsx").is_file()
+
+
+def test_a_table_that_is_none_and_a_decimal_comma(tmp_path):
+    book = make_train(tmp_path / "a.xlsx")
+    table = tmp_path / "t.csv"
+    words = ("batch", book, "--vary", table, "--out", tmp_path / "out", "--jobs", 1)
+    status, said = told(*words)
+    assert status == 1
+    assert said == f"{table}: it cannot be read: No such file or directory."
+    table.write_bytes(b"%PDF-1.7\n\xff\xfe\xfa")
+    assert "not UTF-8 text. Give a CSV saved as CSV UTF-8" in told(*words)[1]
+    table.write_text("Name;DampingRatio [%]\na;1,5\n", encoding="utf-8")
+    done = torsionbook(*words, cwd=tmp_path)
+    assert done.returncode == 1
+    assert (
+        "found '1,5'; a number in %, or one with its unit such as \"1 %\" is needed. Write the "
+        in (done.stderr)
+    )
+
+
+def test_vary_names_the_files_it_found(tmp_path):
+    for name in "abcd":
+        make_train(tmp_path / "in" / f"{name}.xlsx")
+    (tmp_path / "t.csv").write_text("DampingRatio\n0.01\n")
+    words = ("batch", tmp_path / "in", "--vary", tmp_path / "t.csv", "--out", tmp_path / "out")
+    status, said = told(*words)
+    assert status == 2
+    assert "4 files are named (a.xlsx, b.xlsx, c.xlsx, ...)" in said
+
+
+def test_two_verifications_into_one_file_are_refused(tmp_path):
+    files = [make_train(tmp_path / name / "train.xlsx") for name in ("rev0", "rev1")]
+    status, said = told("verify", *files, "--json", tmp_path / "j")
+    assert status == 2
+    assert "would both be written to" in said
+    assert not (tmp_path / "j").exists()
+
+
+def test_a_pattern_that_finds_nothing(tmp_path):
+    with pytest.raises(InputsRefused, match=r"Nothing is found under .*xslx"):
+        find_inputs([str(tmp_path / "*.xslx")], tmp_path / "out")
+
+
+def test_a_json_on_top_of_what_is_verified_is_refused(tmp_path):
+    book = make_train(tmp_path / "a.xlsx")
+    before = book.read_bytes()
+    status, said = told("verify", book, "--json", book)
+    assert status == 2
+    assert "is an input itself" in said
+    assert book.read_bytes() == before
+
+
+def test_a_summary_replaces_a_summary_and_nothing_else(tmp_path):
+    mine = make_train(tmp_path / "mine.xlsx")
+    before = mine.read_bytes()
+    book = make_train(tmp_path / "in" / "a.xlsx")
+    words = ("batch", book, "--out", tmp_path / "out", "--jobs", 1)
+    status, said = told(*words, "--summary", mine)
+    assert status == 2
+    assert "no summary of a batch" in said
+    assert mine.read_bytes() == before
+    for _ in range(2):
+        done = torsionbook(*words, "--summary", "all.xlsx", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    assert "Verdicts: 1 fail." in done.stdout
+
+
+def test_errors_of_an_input_as_json_are_no_case(tmp_path):
+    (tmp_path / "a.json").write_text('{"format": 1, "poles": 4}', encoding="utf-8")
+    told("recalc", tmp_path / "a.json", "--json", tmp_path / "errors.json")
+    status, said = told("recalc", tmp_path / "errors.json")
+    assert status == 1
+    assert "1 error" in said
+    assert "this is a result JSON, which holds no inputs" in said
