@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from addin.package import Workbook, open_workbook
-from addin.package.references import cell_name
 from addin.recalc import recalculate
 from addin.template_files import template_path
 
@@ -43,17 +42,3 @@ def edited(train: Path, tmp_path: Path) -> Callable[[Callable[[Workbook], None]]
         return tmp_path / "edited.xlsx"
 
     return save
-
-
-def cell_of(workbook: Workbook, table: str, row: int, column: str) -> tuple[str, str]:
-    """Sheet and cell of a table's data row, counted from 1."""
-    found = workbook.table(table)
-    at = found.ref.left + found.column_index(column)
-    return found.sheet, cell_name(found.data.top + row - 1, at)
-
-
-def unit_cell_of(workbook: Workbook, table: str, column: str) -> tuple[str, str]:
-    """Sheet and cell of a column's unit."""
-    found = workbook.table(table)
-    at = found.ref.left + found.column_index(column)
-    return found.sheet, cell_name(found.ref.top - 1, at)

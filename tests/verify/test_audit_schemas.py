@@ -9,7 +9,7 @@ from pathlib import Path
 import jsonschema
 import openpyxl
 import pytest
-from conftest import cell_of
+from cells_of_tables import cell_of
 from typer.testing import CliRunner
 
 from addin.cli import app

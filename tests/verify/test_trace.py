@@ -6,7 +6,7 @@ import re
 import shutil
 
 import pytest
-from conftest import cell_of
+from cells_of_tables import cell_of
 from typer.testing import CliRunner
 
 from addin.cli import app

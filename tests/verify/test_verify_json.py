@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from conftest import cell_of
+from cells_of_tables import cell_of
 from typer.testing import CliRunner
 
 from addin.cli import app

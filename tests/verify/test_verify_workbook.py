@@ -9,7 +9,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from conftest import cell_of, unit_cell_of
+from cells_of_tables import cell_of, unit_cell_of
 
 from addin.accuracy import study
 from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
