@@ -176,6 +176,8 @@ def separation_margins(
     for mode, f in enumerate(modes.elastic_frequency.tolist(), start=1):
         for x in known if twists[mode - 1] else ():
             f_exc = nearest_frequency(x, f, speeds)
+            if f_exc != f:  # 2 × 1800 rpm is 1 × 60 Hz: rounding must not choose the nearer of them
+                f_exc = float(f"{f_exc:.14g}")
             margin = abs(f - f_exc) / f_exc
             speed = None
             if x.order is not None:

@@ -23,6 +23,8 @@ DAMPING_RATIO = (0.001, 0.10)
 LARGEST_BACKLASH, LARGEST_ANGULAR_BACKLASH, LOWEST_VOLTAGE, LOWEST_TRIP = 0.01, 0.05, 0.3, 0.05
 #: A curve should reach this share of synchronous speed where EndSpeed is blank.
 CURVE_REACH = 0.97
+#: A motor whose average torque stays below this share of the rated one starts nothing. [1]
+LEAST_TORQUE = 0.05
 
 
 def implausible(case: CaseData) -> tuple[str, ...]:
@@ -144,6 +146,7 @@ def _curves(case: CaseData) -> Iterator[str]:
                 f"{table} of '{station}' {' and '.join(held)}; beyond that it is held constant. "
                 "Check the unit of its speeds, or add points."
             )
+    yield from _weak_motors(case)
     driven = {p.station for p in case.load_torque}
     if case.motor_torque and not driven:
         yield "There is no LoadTorque: the start runs without load."
@@ -151,4 +154,26 @@ def _curves(case: CaseData) -> Iterator[str]:
         if s.running_load and driven and s.station not in driven:
             yield (
                 f"'{s.station}' has a Running load but no LoadTorque curve: it starts without load."
+            )
+
+
+def _weak_motors(case: CaseData) -> Iterator[str]:
+    """Torques typed in pu below a % are a hundred times too small, and nothing else shows it."""
+    rated = case.ratings.rated_torque
+    if not rated:
+        return
+    for name, points in (
+        ("MotorTorque", case.motor_torque),
+        ("LoadTorque", case.load_torque),
+    ):
+        referred = {s.station: s.speed_ratio or 1.0 for s in case.stations}
+        key = "average" if name == "MotorTorque" else "torque"
+        most = max(
+            (abs(getattr(p, key) or 0.0) * referred.get(p.station, 1.0) for p in points),
+            default=0.0,
+        )
+        if 0.0 < most < LEAST_TORQUE * rated:
+            yield (
+                f"No torque of {name} is above {100 * most / rated:.3g} % of RatedTorque. Check its "
+                "unit: 0.6 in % is not 0.6 pu."
             )

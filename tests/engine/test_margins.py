@@ -32,6 +32,7 @@ from engine.margins import (
     separation_margins,
 )
 from engine.modal import modes_of
+from engine.run import at_speed
 from engine.train import build_train
 
 RPM = math.pi / 30.0
@@ -427,3 +428,12 @@ def test_the_interference_diagram_of_a_case_without_speeds():
     assert d.speed.shape == d.slip_frequency.shape == (0,)
     assert d.order_frequency.shape == (2, 0)
     assert d.crossing_percent == (None,)
+
+
+def test_two_names_of_one_frequency_have_one_margin():
+    """1 × line and 2 × motor speed of a four-pole motor are both 60 Hz, whatever rounding says."""
+    rows = at_speed(sample_case("modified")).margins.rows
+    for mode in {row.mode for row in rows}:
+        of = {row.excitation: row for row in rows if row.mode == mode}
+        assert of["1× line"].margin == of["2× motor speed"].margin
+        assert of["1× line"].excitation_frequency == of["2× motor speed"].excitation_frequency

@@ -96,3 +96,16 @@ def test_clearance_voltage_and_trip_in_a_wrong_unit_are_noted():
     usual = MeshRow("Mesh", pitch_radius_drive=0.2, backlash=4e-4)
     case = CaseData(line_frequency=60.0, poles=4, meshes=(usual,), voltage=0.8, trip_speed=90.0)
     assert not [n for n in implausible(case) if "unusual" in n or "Trip" in n or "voltage" in n]
+
+
+@pytest.mark.parametrize(
+    ("table", "column"), [("motor_torque", "average"), ("load_torque", "torque")]
+)
+def test_torques_a_hundred_times_too_small_are_told(table, column):
+    case = CaseData(**vars(sample_case("proposed")))
+    points = tuple(
+        replace(p, **{column: 0.01 * (getattr(p, column) or 0.0)}) for p in getattr(case, table)
+    )
+    said = [n for n in implausible(replace(case, **{table: points})) if "is not 0.6 pu" in n]
+    assert len(said) == 1
+    assert f"{table.title().replace('_', '')} is above" in said[0]
