@@ -10,6 +10,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -18,6 +19,8 @@ __all__ = ["LAST_WORDS", "Process"]
 
 #: How long a process that is told to end may take. [s]
 LAST_WORDS = 2.0
+#: How often a process whose program seems gone looks whether it is. [s]
+LOOK = 0.2
 
 
 class Process:
@@ -90,6 +93,9 @@ def _end_with_parent() -> None:
 
     def watch() -> None:
         wait([parent.sentinel])
+        # The sentinel is a pipe, whose other end code of others in the program may close by mistake.
+        while os.name == "posix" and os.getppid() == parent.pid:
+            time.sleep(LOOK)
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
