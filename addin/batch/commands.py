@@ -339,10 +339,12 @@ def _opened(out: Path, workers: Any, stop: Stop, **settings: Any) -> Iterator[Ba
 
     with (
         _progress() as listener,
-        OutFolder(out) as folder,
+        OutFolder(out, settings.get("json")) as folder,
         Batch(folder, workers, stop=stop, listener=listener, **settings) as work,
         stop.listening(lambda sentence: typer.echo(sentence, err=True)),
     ):
+        for sentence in work.refused:
+            typer.echo(sentence, err=True)
         yield work
 
 
