@@ -229,7 +229,9 @@ class Batch:
             return False
         if record.source != str(one.path) or not _unchanged(one.path, record.stamp):
             return False
-        if not record.outputs if record.done else self._old_results(one.name):
+        if record.done and not record.outputs:  # they are where nobody looks now
+            return False
+        if not record.done and self._old_results(one.name):
             return False
         return self.folder.holds(record.outputs)
 
