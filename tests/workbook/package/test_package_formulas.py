@@ -435,6 +435,28 @@ def test_charts_show_what_the_cells_hold(train: Path) -> None:
     assert "<c:v>Frequency</c:v>" in chart
 
 
+def test_labels_from_cells_follow_their_table(train: Path) -> None:
+    """Excel's "value from cells": the range and the words kept beside it."""
+    c15 = b"http://schemas.microsoft.com/office/drawing/2012/chart"
+    labels = (
+        b'<c:extLst><c:ext uri="{02D57815-91ED-43cb-92C2-25804820EDAC}" xmlns:c15="%s">'
+        b"<c15:datalabelsRange><c15:f>Frequencies!$C$6:$C$8</c15:f><c15:dlblRangeCache>"
+        b'<c:ptCount val="3"/><c:pt idx="0"><c:v>OLD</c:v></c:pt></c15:dlblRangeCache>'
+        b"</c15:datalabelsRange></c:ext></c:extLst></c:ser>" % c15
+    )
+    with_parts(train, {}, {"xl/charts/chart1.xml": lambda one: one.replace(b"</c:ser>", labels, 1)})
+    book = open_workbook(train)
+    book.write_table("Modes", [[i, 10.5 * i, 1.0, 2.0] for i in range(1, 5)])
+    out = book.save(train.with_name("out.xlsx")).path
+    chart = parts_of(out)["xl/charts/chart1.xml"].decode()
+    points = "".join(f'<c:pt idx="{i}"><c:v>{10.5 * (i + 1):g}</c:v></c:pt>' for i in range(4))
+    assert "OLD" not in chart
+    assert (
+        "<c15:f>Frequencies!$C$6:$C$9</c15:f><c15:dlblRangeCache>"
+        f'<c:ptCount val="4"/>{points}</c15:dlblRangeCache>'
+    ) in chart
+
+
 def test_untouched_charts_stay_byte_identical(train: Path) -> None:
     book = open_workbook(train)
     book.write_block("Start-up", "A5:B14", [[1.0, 2.0], [3.0, None], [4.0, "text"]])
