@@ -134,7 +134,9 @@ def of_file(source: Path, wrong: Exception) -> CellProblem:
         With a sentence and no cell.
     """
     sentence = str(wrong)
-    if isinstance(wrong, FileNotFoundError):
+    if isinstance(wrong, FileNotFoundError) and _is_elsewhere(wrong, source):
+        sentence = f"{wrong.filename} cannot be made there. Name another folder for the results."
+    elif isinstance(wrong, FileNotFoundError):
         sentence = f"there is no file {wrong.filename or source}."
     elif isinstance(wrong, IsADirectoryError):
         sentence = f"{source} is a folder; name the workbooks in it."
@@ -148,6 +150,11 @@ def of_file(source: Path, wrong: Exception) -> CellProblem:
     return CellProblem(
         "", "", None, "", printable(str(source)), "a file that can be used", sentence
     )
+
+
+def _is_elsewhere(wrong: FileNotFoundError, source: Path) -> bool:
+    """Whether it is not the file itself that is missing, but a place to write to."""
+    return isinstance(wrong.filename, str) and Path(wrong.filename).absolute() != source.absolute()
 
 
 def recalculate(

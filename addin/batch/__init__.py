@@ -14,7 +14,7 @@ module                  responsibility
 ``cluster``             the same on an existing Dask cluster
 ``conductor``           a batch from its inputs to its summary
 ``summary``             the records as workbook and CSV
-``summary_file``        whether a workbook is such a summary
+``summary_file``        whether a file is such a summary
 ``watch``               recalculation when a file is saved
 ``vary``                one case, many values: a programme from a table, streamed to Parquet
 ``commands``            ``torsionbook batch``

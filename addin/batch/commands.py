@@ -108,14 +108,14 @@ def batch(
     """
     from addin.batch.conductor import Stop, Stopped
     from addin.batch.folder import FolderRefused
-    from addin.batch.inputs import InputsRefused, find_inputs
+    from addin.batch.inputs import InputsRefused, check_places, find_inputs
 
     if send not in _SEND:
         raise typer.BadParameter(f"--send is '{send}'; it must be {', '.join(_SEND)}.")
     from addin.cli import _overrides
 
     overrides = _overrides(method, tolerance)
-    book = _summary_file(summary, out)
+    book = _summary_file(summary, out, written=vary is None)
 
     def find() -> list[Input]:
         try:
@@ -125,7 +125,25 @@ def batch(
                 return []
             raise _told(str(wrong)) from wrong
 
+    def find_later() -> list[Input]:
+        """What is there while it is watched; nothing while a new file is in the way of results."""
+        found = find()
+        try:
+            check_places(found, out, json, book)
+        except InputsRefused as wrong:
+            if str(wrong) not in told:
+                told.add(str(wrong))
+                typer.echo(str(wrong), err=True)
+            return []
+        return found
+
+    told: set[str] = set()
     inputs = find()
+    if vary is None:
+        try:
+            check_places(inputs, out, json, book)
+        except InputsRefused as wrong:
+            raise typer.BadParameter(str(wrong)) from wrong
     if json is not None:
         _check_json_folder(json, vary)
     stop = Stop()
@@ -155,7 +173,7 @@ def batch(
             written = _summarised(book, records, overrides)
             if watch and not ended:
                 _say(work, records, ended, began, written)
-                _watched(work, find, inputs, book, stop)
+                _watched(work, find_later, inputs, book, stop)
                 raise typer.Exit(_DONE)
     except (FolderRefused, Stopped) as wrong:
         raise _told(str(wrong)) from wrong
@@ -219,6 +237,11 @@ def _varied(
         import pyarrow  # noqa: F401  (said in time)
     except ImportError:
         raise _told("Results of --vary are Parquet: pip install 'torsionbook[parquet]'") from None
+    if table.resolve() == (out / "results.parquet").resolve():
+        raise typer.BadParameter(
+            f"Results would be written to {table}, which is the table itself. Name another folder with "
+            "--out."
+        )
     began = time.monotonic()
     try:
         with (
@@ -290,19 +313,21 @@ def _check_json_folder(json: Path, vary: Path | None) -> None:
         raise _told(f"{json} may not be written. Name another folder with --json.")
 
 
-def _summary_file(summary: Path | None, out: Path) -> Path:
+def _summary_file(summary: Path | None, out: Path, *, written: bool) -> Path:
+    """Where the summary belongs; what is there already and is none is not replaced."""
     from addin.batch.inputs import SUMMARY
 
     book = summary or out / SUMMARY
     if book.suffix.lower() != ".xlsx":
         raise typer.BadParameter(f"--summary is '{book}'; it must end in .xlsx.")
-    from addin.batch.summary_file import is_summary
+    from addin.batch.summary_file import is_summary, is_summary_csv
 
-    if book.is_file() and not is_summary(book):
-        raise typer.BadParameter(
-            f"{book} is there already, and it is no summary of a batch. Choose another name for "
-            "--summary."
-        )
+    for place, is_ours in ((book, is_summary), (book.with_suffix(".csv"), is_summary_csv)):
+        if written and place.exists() and not is_ours(place):
+            raise typer.BadParameter(
+                f"{place} is there already, and it is no summary of a batch. Choose another name for "
+                "--summary."
+            )
     return book
 
 
@@ -314,10 +339,12 @@ def _opened(out: Path, workers: Any, stop: Stop, **settings: Any) -> Iterator[Ba
 
     with (
         _progress() as listener,
-        OutFolder(out) as folder,
+        OutFolder(out, settings.get("json")) as folder,
         Batch(folder, workers, stop=stop, listener=listener, **settings) as work,
         stop.listening(lambda sentence: typer.echo(sentence, err=True)),
     ):
+        for sentence in work.refused:
+            typer.echo(sentence, err=True)
         yield work
 
 

@@ -19,12 +19,13 @@ from typing import Any
 
 from addin.batch.folder import OutFolder, digest_of, stamp_of
 from addin.batch.inputs import Input, json_name, result_name
-from addin.batch.journal import Journal, read_journal
+from addin.batch.journal import Journal
 from addin.batch.pool import Crashed, Task, Workers
 from addin.batch.records import (
     CHANGED,
     CRASHED,
     DISK_FULL,
+    OUTDATED,
     Output,
     Record,
     Stamp,
@@ -169,6 +170,8 @@ class Batch:
     records: dict[str, Record] = field(default_factory=dict)
     #: Files that needed no work, as an earlier batch did them. [count]
     kept: int = 0
+    #: Why records of an earlier batch are not believed. [sentences]
+    refused: tuple[str, ...] = ()
 
     def __enter__(self) -> Batch:
         from addin.version import product_version
@@ -177,8 +180,9 @@ class Batch:
         self._numbers = 0
         self._retried: set[str] = set()
         self._sent: dict[str, Stamp] = {}
+        self._earlier, self.refused = self.folder.records(self.json)
         if self.resume:
-            self.records = read_journal(self.folder.journal)
+            self.records = dict(self._earlier)
         try:
             self._journal = Journal(self.folder.journal, keep=self.resume)
         except OSError as wrong:
@@ -224,6 +228,10 @@ class Batch:
         if self.json and self._json_of(one.name) not in {output.name for output in record.outputs}:
             return False
         if record.source != str(one.path) or not _unchanged(one.path, record.stamp):
+            return False
+        if record.done and not record.outputs:  # they are where nobody looks now
+            return False
+        if not record.done and self._old_results(one.name):
             return False
         return self.folder.holds(record.outputs)
 
@@ -356,6 +364,8 @@ class Batch:
         record = replace(record, version=record.version or self._version, settings=self.overrides)
         if self.json is not None and not record.done:
             record = self._with_errors(record)
+        if not record.done:
+            record = self._with_old_results_told(record)
         self._write(record)
         try:
             self.folder.put(record.outputs)
@@ -363,8 +373,11 @@ class Batch:
             record = replace(
                 self._not_written(record, wrong), version=self._version, settings=self.overrides
             )
+            record = self._with_old_results_told(record)
             self._write(record)
         self.records[record.name] = record
+        if record.done:
+            self._earlier[record.name] = record
         if record.outcome == DISK_FULL and not self.stop.reason:
             self.stop.reason = "The disk is full. Free some space, then run again with --resume."
         return record
@@ -388,6 +401,37 @@ class Batch:
         except OSError:  # such as a full disk, which the record says already
             return record
         return replace(record, outputs=(output,))
+
+    def _old_results(self, name: str) -> list[str]:
+        """Results of an earlier calculation of a file that are in place, by their names."""
+        earlier = self._earlier.get(name)
+        known = earlier.outputs if earlier is not None and earlier.done else ()
+        names = {result_name(name): None, **{one.name: None for one in known}}
+        names.pop(self._json_of(name), None)  # it has the errors now
+        return [one for one in names if self.folder.place(one).is_file()]
+
+    def _with_old_results_told(self, record: Record) -> Record:
+        """A file without results, whose earlier ones must not be taken for those of what it holds now.
+
+        They are renamed, never deleted, as somebody may have written into them. Where the reason passes
+        by itself they stay under their names, and the record says what they are.
+        """
+        said = []
+        for name in self._old_results(record.name):
+            if record.outcome not in OUTDATED:
+                said.append(f"{name} is still the result of an earlier calculation.")
+                continue
+            try:
+                aside = self.folder.set_aside(name)
+                said.append(
+                    f"{name} was the result of an earlier calculation; it is now called {aside.name}."
+                )
+            except OSError as wrong:
+                said.append(
+                    f"{name} is the result of an earlier calculation and not of this input; it could not "
+                    f"be renamed ({wrong.strerror or wrong}). Do not use it."
+                )
+        return replace(record, sentence=" ".join([record.sentence, *said]).strip())
 
     def _write(self, record: Record) -> None:
         try:

@@ -16,11 +16,12 @@ import platform
 import shutil
 import uuid
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
 from addin.batch.inputs import OWN
-from addin.batch.records import Output, Stamp
+from addin.batch.records import Output, Record, Stamp
 from addin.package.save import flush_folder
 from addin.whole_files import write_whole
 
@@ -77,6 +78,8 @@ class OutFolder:
     ----------
     path : Path
         The folder; it is made if need be. [path]
+    json : Path, optional
+        Another folder in which results may be put in place, too. [path]
 
     Raises
     ------
@@ -84,7 +87,7 @@ class OutFolder:
         If it cannot be written, or another batch holds it.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, json: Path | None = None) -> None:
         if path.is_file():
             raise FolderRefused(f"{path} is a file; --out names a folder.")
         self.path = path.absolute()  # as processes with another working folder see it too
@@ -92,7 +95,7 @@ class OutFolder:
         try:
             self._own.mkdir(parents=True, exist_ok=True)
             self._lock = _Lock(self._own / "lock", path)
-            self._clear()
+            self._clear(json)
             self.staging = self._own / f"staging-{uuid.uuid4().hex[:8]}"
             self.staging.mkdir(mode=0o700)
         except OSError as wrong:
@@ -118,13 +121,73 @@ class OutFolder:
         shutil.rmtree(self.staging, ignore_errors=True)
         self._lock.release()
 
-    def _clear(self) -> None:
-        """Keep recorded results of an ended batch that are still to be put in place; drop the rest."""
+    def records(self, json: Path | None = None) -> tuple[dict[str, Record], tuple[str, ...]]:
+        """What the journal says, as far as it may be believed.
+
+        A journal that somebody made up shall not move a file of his choice to a place of his choice: staged
+        results lie in a staging folder, and belong in this folder or in that of the JSON.
+
+        Parameters
+        ----------
+        json : Path, optional
+            The folder of results as JSON. [path]
+
+        Returns
+        -------
+        records : dict of str to Record
+            By the file's name in its batch. Outputs in folders that are not asked for now are left out.
+        refused : tuple of str
+            A sentence for each record that is not believed.
+        """
         from addin.batch.journal import read_journal
 
+        believed, refused = {}, []
+        for name, record in read_journal(self.journal).items():
+            outputs = record.outputs
+            if all(self._is_staged(one.staged) and self._is_place(one.name) for one in outputs):
+                kept = tuple(one for one in outputs if self._is_asked_for(one.name, json))
+                believed[name] = replace(record, outputs=kept)
+            else:
+                refused.append(
+                    f"The record of {name} in {self.journal} names files outside the folders of the batch; "
+                    "it is not used, and its results are made again. Such a record is not written by "
+                    "torsionbook: find out who changed it."
+                )
+        return believed, tuple(refused)
+
+    def _is_staged(self, staged: object) -> bool:
+        """Whether something lies in a staging folder, not somewhere else by ``..`` or a link."""
+        if not isinstance(staged, str) or "\0" in staged:
+            return False
+        if not staged:
+            return True
+        try:
+            own, place = self._own.resolve(), (self.path / staged).resolve()
+        except (OSError, RuntimeError):  # links in circles
+            return False
+        inside = place.relative_to(own).parts if place.is_relative_to(own) else ()
+        return len(inside) > 1 and inside[0].startswith("staging-")
+
+    def _is_place(self, name: object) -> bool:
+        """Whether a result may be called so: below this folder, or a full path."""
+        if not isinstance(name, str) or "\0" in name:
+            return False
+        if Path(name).is_absolute():
+            return True
+        place = self.path / name
+        return _is_below(place, self.path) and not place.is_relative_to(self._own)
+
+    def _is_asked_for(self, name: str, json: Path | None) -> bool:
+        """Whether a result belongs in this folder or in that of the JSON."""
+        if not Path(name).is_absolute():
+            return True
+        return json is not None and _is_below(Path(name), json.absolute())
+
+    def _clear(self, json: Path | None) -> None:
+        """Keep recorded results of an ended batch that are still to be put in place; drop the rest."""
         left = [one for one in self._own.iterdir() if one.name.startswith("staging-")]
         if left:
-            for record in read_journal(self.journal).values():
+            for record in self.records(json)[0].values():
                 with contextlib.suppress(OSError):  # not in place: it will be made again
                     self.put(record.outputs)
         for folder in left:
@@ -168,6 +231,33 @@ class OutFolder:
         for folder in folders:
             flush_folder(folder)
 
+    def set_aside(self, name: str) -> Path:
+        """Give a result that is no longer true a name under which nobody takes it for one.
+
+        Parameters
+        ----------
+        name : str
+            The result, as in `Output`. [path]
+
+        Returns
+        -------
+        Path
+            Its new place: the name with ``.old``, numbered where that is taken.
+
+        Raises
+        ------
+        OSError
+            If it cannot be renamed.
+        """
+        place = self.place(name)
+        aside, number = place.with_name(f"{place.name}.old"), 1
+        while os.path.lexists(aside):
+            number += 1
+            aside = place.with_name(f"{place.name}.old{number}")
+        os.rename(place, aside)
+        flush_folder(place.parent)
+        return aside
+
     def holds(self, outputs: Iterable[Output]) -> bool:
         """Whether recorded results are in place and are those that were written.
 
@@ -182,12 +272,19 @@ class OutFolder:
         """
         try:
             return all(
-                self.place(one.name).stat().st_size == one.size
+                self.place(one.name).is_file()  # not a device, which has no end
+                and self.place(one.name).stat().st_size == one.size
                 and digest_of(self.place(one.name)) == one.sha256
                 for one in outputs
             )
         except OSError:
             return False
+
+
+def _is_below(place: Path, folder: Path) -> bool:
+    """Whether a path lies in a folder by its words; links on the way are the owner's affair."""
+    inside = place.relative_to(folder).parts if place.is_relative_to(folder) else ()
+    return bool(inside) and ".." not in inside
 
 
 def _move(staged: Path, target: Path) -> None:

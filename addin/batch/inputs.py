@@ -6,11 +6,21 @@ import glob
 import json
 import os
 import re
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["Input", "InputsRefused", "find_inputs", "json_name", "natural_key", "result_name"]
+__all__ = [
+    "Input",
+    "InputsRefused",
+    "check_places",
+    "find_inputs",
+    "json_name",
+    "natural_key",
+    "result_name",
+    "results_of",
+]
 
 #: Endings that are looked for in folders; .xls and .xlsb are refused with the reason, not passed over.
 ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")
@@ -18,6 +28,8 @@ ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")
 OURS = (".out.xlsx", ".out.xlsm", ".accuracy.xlsx", ".accuracy.xlsm", ".results.json", ".accuracy.json")  # fmt: skip
 #: Folder of a batch inside that of its results, and the usual name of its summary there.
 OWN, SUMMARY = ".torsionbook-batch", "summary.xlsx"
+#: Kinds of files that a history may be kept in.
+_HISTORIES = ("csv", "parquet")
 #: A JSON file is looked into up to this size to see whether it is a case. [bytes]
 _LOOKED_INTO = 4 * 2**20
 _DIGITS = re.compile(r"(\d+)")
@@ -195,6 +207,90 @@ def _clash(names: dict[Path, str], json: bool) -> tuple[Path, Path, str] | None:
             if other != path:
                 return other, path, result
     return None
+
+
+def results_of(name: str) -> tuple[str, ...]:
+    """Names that results of a file may have in the folder of results.
+
+    Parameters
+    ----------
+    name : str
+        The file, relative. [path]
+
+    Returns
+    -------
+    tuple of str
+        Its results, and histories beside them. [paths]
+    """
+    result = result_name(name)
+    stem = result[: -len(Path(result).suffix)] if Path(result).suffix else result
+    return result, *(f"{stem}.history.{kind}" for kind in _HISTORIES)
+
+
+def check_places(
+    inputs: Sequence[Input], out: Path, json: Path | None = None, summary: Path | None = None
+) -> None:
+    """Refuse results that would land on an input or on the summary, before any work.
+
+    Parameters
+    ----------
+    inputs : sequence of Input
+        What is to be calculated.
+    out : Path
+        The folder of results. [path]
+    json : Path, optional
+        The folder of results as JSON. [path]
+    summary : Path, optional
+        The workbook of the summary; its CSV stands beside it. [path]
+
+    Raises
+    ------
+    InputsRefused
+        If two files would have the same place; the sentence says what to do.
+    """
+    sources: dict[str, list[Path]] = defaultdict(list)
+    for one in inputs:
+        for place in {one.path, one.path.resolve()}:
+            sources[_key(place)].append(one.path)
+    ours = {_key(place): place for place in _with_csv(summary)}
+    for one in inputs:
+        places = [(out / name, "--out") for name in results_of(one.name)]
+        if json is not None:
+            places.append((json / json_name(one.name), "--json"))
+        for place, option in places:
+            key = _key(place)
+            if any(_is_same(place, source) for source in sources.get(key, ())):
+                raise InputsRefused(
+                    f"Results of {one.path} would be written to {place}, which is an input itself. "
+                    f"Name another folder with {option}."
+                )
+            if key in ours:
+                raise InputsRefused(
+                    f"Results of {one.path} and the summary of the batch would both be written to "
+                    f"{place}. Name another place for the summary with --summary."
+                )
+
+
+def _with_csv(summary: Path | None) -> tuple[Path, ...]:
+    return () if summary is None else (summary, summary.with_suffix(".csv"))
+
+
+def _key(place: Path) -> str:
+    """A place by its name in its real folder, capitals aside: not every disk tells them apart."""
+    return str(place.parent.resolve() / place.name).casefold()
+
+
+def _is_same(place: Path, source: Path) -> bool:
+    """Whether two places that differ in capitals at most are one on this disk."""
+    if place.parent.resolve() / place.name in (
+        source.parent.resolve() / source.name,
+        source.resolve(),
+    ):
+        return True
+    try:
+        return place.samefile(source)
+    except OSError:
+        return False
 
 
 def result_name(name: str) -> str:

@@ -16,6 +16,7 @@ __all__ = [
     "LOCKED",
     "MISSING",
     "NO_ACCESS",
+    "OUTDATED",
     "UNREADABLE",
     "WRONG_INPUT",
     "Output",
@@ -38,6 +39,9 @@ FAULT = "fault"
 
 #: Outcomes that follow from the file alone: the same file gives them again.
 SETTLED = frozenset({DONE, WRONG_INPUT, UNREADABLE})
+
+#: Outcomes after which results of an earlier calculation are not true any more, or may not be.
+OUTDATED = frozenset({WRONG_INPUT, UNREADABLE, CRASHED, FAULT})
 
 _FULL = (errno.ENOSPC, errno.EDQUOT) if hasattr(errno, "EDQUOT") else (errno.ENOSPC,)
 _FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)

@@ -1,4 +1,4 @@
-"""Whether a workbook is a summary that a batch wrote: none other is ever replaced by one."""
+"""Whether a file is a summary that a batch wrote: none other is ever replaced by one."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import re
 import zipfile
 from pathlib import Path
 
-__all__ = ["SHEETS", "is_summary"]
+__all__ = ["SHEETS", "is_summary", "is_summary_csv"]
 
 #: Sheets of a summary, and it has no others.
 SHEETS = ("Files", "Errors")
 #: More than the list of sheets of a summary ever takes. [bytes]
 _MOST = 100_000
+#: How the CSV of a summary begins, also where a spreadsheet program saved it with other separators.
+_CSV_BEGINS = re.compile(rb'(?:\xef\xbb\xbf)?"?File"?[,;\t]"?Outcome"?[,;\t]"?Verdict"?[,;\t]')
 
 
 def is_summary(path: Path) -> bool:
@@ -33,3 +35,23 @@ def is_summary(path: Path) -> bool:
     except (OSError, KeyError, zipfile.BadZipFile, NotImplementedError, RuntimeError):
         return False
     return tuple(re.findall(r'<sheet name="([^"]*)"', text)) == SHEETS
+
+
+def is_summary_csv(path: Path) -> bool:
+    """Look at the headers of a CSV.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+
+    Returns
+    -------
+    bool
+        False also where it cannot be read. [flag]
+    """
+    try:
+        with open(path, "rb") as file:
+            return _CSV_BEGINS.match(file.read(100)) is not None
+    except OSError:
+        return False

@@ -29,6 +29,11 @@ _CACHES = {
 }
 _MULTI_LEVEL = f"{{{CHART}}}multiLvlStrRef"
 _NUMBERS = f"{{{CHART}}}numRef"
+# Labels whose words stand in cells ("value from cells"), which Excel 2013 and later keep in an extension.
+_C15 = "http://schemas.microsoft.com/office/drawing/2012/chart"
+_LABELS, _LABELS_F, _LABELS_CACHE = (
+    f"{{{_C15}}}{tag}" for tag in ("datalabelsRange", "f", "dlblRangeCache")
+)
 # Where points go that are still text: a point with an index that no chart has.
 _PLACE = re.compile(rb"<[^<>]*pt idx=\"points-([0-9]{1,7})\"/>")
 # Some whole columns; programs draw far fewer points.
@@ -112,9 +117,14 @@ class ChartPart:
         """
         count = 0
         known = {} if known is None else known
-        for reference in self._root.iter(*_CACHES):
-            cache = reference.find(_CACHES[reference.tag])
-            areas = resolve(reference.findtext(_F) or "") if cache is not None else None
+        for reference in self._root.iter(*_CACHES, _LABELS):
+            text, cache_tag = (
+                (_LABELS_F, _LABELS_CACHE)
+                if reference.tag == _LABELS
+                else (_F, _CACHES[reference.tag])
+            )
+            cache = reference.find(cache_tag)
+            areas = resolve(reference.findtext(text) or "") if cache is not None else None
             if areas is None or not any(touched(*area) for area in areas):
                 continue
             self._fill(reference.tag, cache, areas, shown, known)
@@ -168,7 +178,9 @@ class ChartPart:
     ) -> None:
         for old in cache.findall(_PT_COUNT) + cache.findall(_PT) + cache.findall(_LEVEL):
             cache.remove(old)
-        prefix = f"{cache.prefix}:" if cache.prefix else ""
+        # The points are of the chart's own namespace, in an extension too.
+        short = next((one for one, uri in cache.nsmap.items() if uri == CHART), None)
+        prefix = f"{short}:" if short else ""
         self._points_left -= sum(rect.height * rect.width for _, rect in areas)
         place = (kind, prefix, tuple(areas))
         if self._points_left < 0:
@@ -188,7 +200,7 @@ class ChartPart:
     def _by_rows(self) -> dict[tuple[str, int, int], dict[Element, None]]:
         """Range texts by the sheet, first and last row of their areas, as every resized table asks for some."""
         index: dict[tuple[str, int, int], dict[Element, None]] = defaultdict(dict)
-        for formula in self._root.iter(_F):
+        for formula in self._root.iter(_F, _LABELS_F):
             for place in _rows_of_areas(formula.text or ""):
                 index[place][formula] = None
         return index

@@ -37,6 +37,8 @@ READS_ANYTHING = frozenset(
 )
 # Functions whose value depends on the moment; their cached value is as good as any until somebody recalculates.
 CHANGES_BY_ITSELF = frozenset(["NOW", "TODAY", "RAND", "RANDBETWEEN", "RANDARRAY"])
+# Functions that may pass over hidden rows.
+LOOKS_AT_HIDDEN_ROWS = frozenset(["SUBTOTAL", "AGGREGATE"])
 
 
 @dataclass(frozen=True)

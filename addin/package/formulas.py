@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from .calculator_copy import calculator_copy, reads_other_workbook
 from .dependents import ChangedCells, DependencyGraph, FormulaCell, ReferenceResolver, spill_rect
-from .formula_text import CHANGES_BY_ITSELF, parse_formula
+from .formula_text import CHANGES_BY_ITSELF, LOOKS_AT_HIDDEN_ROWS, parse_formula
 from .references import Rect, cell_name
 from .sheet_part import SheetPart
 from .values import MAX_FORMULA, Constant, ErrorValue
@@ -101,11 +101,53 @@ def refresh_formula_caches(workbook: Workbook) -> CacheReport:
         workbook.sheet_names, workbook.structure.names, workbook.tables.values()
     )
     graph = DependencyGraph(others, resolver.reads)
-    affected = [others[index] for index in sorted(graph.downstream_of_cells(workbook.changed))]
+    reached = graph.downstream_of_cells(workbook.changed)
+    reached |= graph.downstream_of_formulas(_over_shown_rows(workbook, others, resolver.reads))
+    affected = [others[index] for index in sorted(reached)]
     affected += _never_calculated(workbook, others, affected)
     if not affected:
         return CacheReport("not needed", formulas=len(others))
     return _Refresh(workbook, everything, affected, len(others), resolver.reads).run()
+
+
+def _over_shown_rows(
+    workbook: Workbook,
+    cells: Sequence[FormulaCell],
+    reads: Callable[[FormulaCell], list[tuple[str, Rect]] | None],
+) -> list[int]:
+    """Formulas that passed over rows which were hidden then, by their index."""
+    if not workbook.shown_rows:
+        return []
+    return [
+        index
+        for index in _looking_at_hidden_rows(workbook, cells)
+        if any(workbook.shown_rows.touch(*area) for area in reads(cells[index]) or ())
+    ]
+
+
+def _looking_at_hidden_rows(workbook: Workbook, cells: Sequence[FormulaCell]) -> dict[int, bool]:
+    """Formulas that may pass over hidden rows, by their index, and whether they do through a name."""
+    names = _names_looking_at_hidden_rows(workbook)
+    found = {}
+    for index, cell in enumerate(cells):
+        parsed = parse_formula(cell.text)
+        by_name = any(one.name.casefold() in names for one in parsed.names)
+        if by_name or not LOOKS_AT_HIDDEN_ROWS.isdisjoint(parsed.functions):
+            found[index] = by_name
+    return found
+
+
+def _names_looking_at_hidden_rows(workbook: Workbook) -> set[str]:
+    """Names for formulas that may pass over hidden rows, also through other names."""
+    parsed = [(one.name.casefold(), parse_formula(one.text)) for one in workbook.structure.names]
+    found = {name for name, one in parsed if not LOOKS_AT_HIDDEN_ROWS.isdisjoint(one.functions)}
+    while more := {
+        name
+        for name, one in parsed
+        if name not in found and any(inner.name.casefold() in found for inner in one.names)
+    }:
+        found |= more
+    return found
 
 
 def _never_calculated(
@@ -228,6 +270,10 @@ class _Refresh:
         circles = DependencyGraph(self.everything, self.reads).in_circles()
         left_out = {self.everything[index].text for index in circles}
         left_out |= {cell.text for cell in self.everything if _is_beyond_programs(cell.text)}
+        left_out |= {cell.text for cell in self._over_hidden_rows()}
+        left_out |= {
+            cell.text for cell in self.everything if "LAMBDA" in parse_formula(cell.text).functions
+        }
         left_out |= {
             cell.text for cell, area in zip(self.everything, areas, strict=True) if area is None
         }
@@ -236,6 +282,22 @@ class _Refresh:
             again = _recalculate(self.workbook, self.everything, with_formulas, known, left_out)
             recalculated, reason = again[0], again[1] or reason
         return recalculated, reason
+
+    def _over_hidden_rows(self) -> Iterator[FormulaCell]:
+        """Formulas that pass over rows which are hidden, which the calculator cannot."""
+        known: dict[tuple[str, Rect], bool] = {}
+        for index, by_name in _looking_at_hidden_rows(self.workbook, self.everything).items():
+            cell = self.everything[index]
+            if by_name:  # it refuses those names altogether
+                yield cell
+                continue
+            for sheet, rect in self.reads(cell) or ():
+                if (sheet, rect) not in known:
+                    part = self.workbook.sheet_part(sheet)
+                    known[sheet, rect] = bool(part.hidden_rows(rect.top, rect.bottom))
+                if known[sheet, rect]:
+                    yield cell
+                    break
 
     def _report(self, method: str, reason: str, disagreements: tuple[str, ...] = ()) -> CacheReport:
         return CacheReport(

@@ -380,11 +380,21 @@ class SheetPart:
                 new.set(_XML_SPACE, "preserve")
         self._touch()
 
-    def show_rows(self, top: int, bottom: int) -> None:
-        """Make hidden rows visible."""
+    def show_rows(self, top: int, bottom: int) -> list[int]:
+        """Make hidden rows visible, and say which they were."""
+        hidden = self.hidden_rows(top, bottom)
         for number in self._rows_between(top, bottom):
             if self._rows[number].attrib.pop("hidden", None) is not None:
                 self._touch()
+        return hidden
+
+    def hidden_rows(self, top: int, bottom: int) -> list[int]:
+        """Rows that are not shown, in order."""
+        return [
+            number
+            for number in self._rows_between(top, bottom)
+            if self._rows[number].get("hidden", "0") not in ("0", "false")
+        ]
 
     def set_row_height(self, row: int, height: float) -> None:
         """Give a row of the sheet a height [point]; a row without cells keeps the usual one."""

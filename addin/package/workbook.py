@@ -20,6 +20,7 @@ from .errors import CellRefused, Obstacle, ObstaclesFound, WorkbookMismatch, Wor
 from .formulas import CacheReport, refresh_formula_caches
 from .locks import check_not_open
 from .references import (
+    MAX_COLUMN,
     Rect,
     cell_name,
     parse_cell,
@@ -105,6 +106,7 @@ class Workbook:
         self._table_roots: dict[str, Element] = {}
         self._changed_tables: dict[str, bytes] = {}
         self._changed = ChangedCells()
+        self._shown_rows = ChangedCells()
         self._written: dict[str, list[Written]] = {}
         self._given_formulas: dict[str, set[tuple[int, int]]] = {}
         self._cache_report: CacheReport | None = None
@@ -437,8 +439,7 @@ class Workbook:
             return 0
         known: dict[tuple[str, str, tuple[Area, ...]], bytes] = {}
         return sum(
-            chart.refresh(self._areas, self._changed.touch, self._shown, known)
-            for chart in self._charts
+            chart.refresh(self._areas, self._is_new, self._shown, known) for chart in self._charts
         )
 
     def refresh_formula_caches(self) -> CacheReport:
@@ -532,6 +533,11 @@ class Workbook:
         return self._changed
 
     @property
+    def shown_rows(self) -> ChangedCells:
+        """Rows that were hidden, and are not any more."""
+        return self._shown_rows
+
+    @property
     def written(self) -> Mapping[str, Sequence[Written]]:
         """Rectangles written so far, by sheet, in the order they were written."""
         return self._written
@@ -591,7 +597,8 @@ class Workbook:
         root = self._table_roots[table.part]
         before = etree.tostring(root)
         if apply_table(root, table, formulas):
-            self._sheet(table.sheet).show_rows(table.data.top, table.data.bottom)
+            for row in self._sheet(table.sheet).show_rows(table.data.top, table.data.bottom):
+                self._shown_rows.add(table.sheet, Rect(row, 1, row, MAX_COLUMN))
             self.notes.append(
                 f"The filter of table {table.name} was cleared, as it was set for the old rows."
             )
@@ -666,6 +673,10 @@ class Workbook:
                 return None
             areas.append(area)
         return areas or None
+
+    def _is_new(self, sheet: str, rect: Rect) -> bool:
+        """Whether a chart draws otherwise there: it leaves out hidden rows."""
+        return self._changed.touch(sheet, rect) or self._shown_rows.touch(sheet, rect)
 
     def _shown(self, sheet: str, rect: Rect) -> list[Constant]:
         return self._sheet(sheet).constants(rect)

@@ -193,6 +193,18 @@ def test_wrong_usage_exits_with_two(words, tmp_path):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="no place here that cannot be made")
+def test_a_folder_that_cannot_be_made_is_no_missing_file():
+    with pytest.raises(FileNotFoundError) as wrong:
+        Path("/proc/nowhere/results").mkdir(parents=True)
+    sentence = recalc.of_file(Path("train.xlsx"), wrong.value).message
+    assert sentence == ("/proc/nowhere cannot be made there. Name another folder for the results.")
+    with pytest.raises(FileNotFoundError) as wrong:
+        open("train that is not there.xlsx")
+    sentence = recalc.of_file(Path("train that is not there.xlsx"), wrong.value).message
+    assert sentence == "there is no file train that is not there.xlsx."
+
+
 def test_new_refuses_to_replace_a_file(tmp_path):
     (tmp_path / "x.xlsx").write_text("mine")
     done = torsionbook("new", "x.xlsx", cwd=tmp_path)

@@ -287,9 +287,55 @@ def test_a_result_that_is_open_in_excel_is_named_and_the_old_one_stays(few, tmp_
     records = run(few, out, resume=True)
     assert records["train 8.xlsx"].outcome == "locked"
     assert "Eve" in records["train 8.xlsx"].sentence
+    assert "train 8.xlsx is still the result of an earlier calculation." in records["train 8.xlsx"].sentence  # fmt: skip
     assert (out / "train 8.xlsx").read_bytes() == old
     (out / "~$train 8.xlsx").unlink()
     assert run(few, out, resume=True)["train 8.xlsx"].done
+
+
+@pytest.mark.parametrize("bad", ["wrong input", "unreadable"])
+@pytest.mark.parametrize("resume", [False, True])
+def test_an_earlier_result_never_stands_for_an_input_that_has_none_now(few, tmp_path, bad, resume):
+    out, place = tmp_path / "out", tmp_path / "out" / "train 8.xlsx"
+    run(few, out, json=out / "json")
+    first = place.read_bytes()
+    good = (few / "train 8.xlsx").read_bytes()
+    for number in ("", "2"):
+        if bad == "unreadable":
+            (few / "train 8.xlsx").write_bytes(b"PK nothing")
+        else:
+            spoil(few / "train 8.xlsx")
+        record = run(few, out, resume=resume)["train 8.xlsx"]
+        assert record.outcome == bad
+        assert f"it is now called train 8.xlsx.old{number}." in record.sentence
+        assert not place.exists()
+        assert (out / f"train 8.xlsx.old{number}").is_file()
+        again = run(few, out, resume=True)["train 8.xlsx"]  # nothing more to be done
+        assert again == record
+        (few / "train 8.xlsx").write_bytes(good)
+        assert run(few, out, resume=resume)["train 8.xlsx"].done
+    assert (out / "train 8.xlsx.old").read_bytes() == first
+    assert (out / "twin.xlsx").is_file()
+    assert (out / "json" / "train 8.results.json.old").is_file()
+
+
+def test_an_earlier_result_that_cannot_be_renamed_is_told_and_tried_again(
+    few, tmp_path, monkeypatch
+):
+    out = tmp_path / "out"
+    run(few, out)
+    spoil(few / "twin.xlsx")
+
+    def refused(*words):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr("addin.batch.folder.os.rename", refused)
+    record = run(few, out, resume=True)["twin.xlsx"]
+    assert "could not be renamed (Permission denied). Do not use it." in record.sentence
+    monkeypatch.undo()
+    record = run(few, out, resume=True)["twin.xlsx"]
+    assert "it is now called twin.xlsx.old." in record.sentence
+    assert not (out / "twin.xlsx").exists()
 
 
 def test_a_full_disk_ends_the_batch_cleanly(few, tmp_path, monkeypatch):

@@ -165,3 +165,67 @@ def _wrapped(outer: Exception, inner: Exception) -> Exception:
 )
 def test_causes_have_names(cause, outcome):
     assert outcome_of(cause) == outcome
+
+
+def made_up(folder: OutFolder, *outputs: Output) -> None:
+    """A journal that somebody wrote, its check sums right, of a batch that was killed."""
+    with Journal(folder.journal, keep=False) as journal:
+        journal.write(record("a", outputs=outputs))
+
+
+def ended(folder: OutFolder) -> None:
+    """As when the process is killed: nothing is tidied."""
+    folder._lock.release()
+
+
+@pytest.mark.parametrize("name", ["a.xlsx", "../stolen.xlsx", "sub/../../stolen.xlsx", "FULL"])
+@pytest.mark.parametrize(
+    "taken", ["STAGED", "../secret.xlsx", "s/../../secret.xlsx", "FULL", "LINK"]
+)
+def test_a_made_up_journal_moves_nothing_from_or_to_elsewhere(tmp_path, name, taken):
+    secret, stolen = tmp_path / "secret.xlsx", tmp_path / "stolen.xlsx"
+    secret.write_text("secret")
+    folder = OutFolder(tmp_path / "out")
+    there = staged(folder, "a.xlsx", "made up")
+    link = folder.staging / "link"
+    link.symlink_to(secret)
+    of_staged = {
+        "STAGED": there.staged,
+        "FULL": str(secret),
+        "LINK": link.relative_to(folder.path).as_posix(),
+    }
+    harmless = (name, taken) == ("a.xlsx", "STAGED")
+    name = str(stolen) if name == "FULL" else name
+    made_up(folder, Output(name, 6, digest_of(secret), of_staged.get(taken, taken)))
+    ended(folder)
+    with OutFolder(tmp_path / "out", tmp_path / "json") as again:
+        believed, refused = again.records(tmp_path / "json")
+    assert secret.read_text() == "secret"
+    assert not stolen.exists()
+    assert (tmp_path / "out" / "a.xlsx").exists() == harmless
+    outputs = [one for record in believed.values() for one in record.outputs]
+    assert bool(outputs) == harmless or taken == "LINK"  # the link is cleared away by now
+    if not believed:
+        assert "names files outside the folders of the batch" in refused[0]
+
+
+@pytest.mark.parametrize("name", [f"{OWN}/journal.jsonl", ".", "", 7, None, "a\0b"])
+def test_odd_names_in_a_journal_are_not_believed(tmp_path, name):
+    with OutFolder(tmp_path / "out") as folder:
+        made_up(folder, Output(name, 0, ""))
+        assert folder.records()[0] == {}
+        made_up(folder, Output("a", 0, "", name))
+        assert (folder.records()[0] == {}) == (name != "")
+
+
+def test_json_elsewhere_is_believed_where_it_is_asked_for_only(tmp_path):
+    there = tmp_path / "x" / ".." / "j"  # as the command line may name it
+    with OutFolder(tmp_path / "out") as folder:
+        made_up(folder, Output("a", 1, ""), Output(str(there / "a.results.json"), 1, ""))
+        names = [[o.name for o in folder.records(j)[0]["a"].outputs] for j in (there, None)]
+    assert names == [["a", str(there / "a.results.json")], ["a"]]
+
+
+def test_a_device_is_no_result(tmp_path):
+    with OutFolder(tmp_path / "out") as folder:
+        assert not folder.holds([Output("/dev/zero", 0, "")])

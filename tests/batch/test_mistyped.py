@@ -7,7 +7,9 @@ from batch_helpers import make_train, torsionbook
 from typer.testing import CliRunner
 
 from addin.batch.folder import OWN
-from addin.batch.inputs import InputsRefused, find_inputs
+from addin.batch.inputs import Input, InputsRefused, check_places, find_inputs
+from addin.batch.summary import write_summary
+from addin.batch.summary_file import is_summary, is_summary_csv
 from addin.cli import app
 
 RUN = CliRunner()
@@ -136,3 +138,97 @@ def test_errors_of_an_input_as_json_are_no_case(tmp_path):
     assert status == 1
     assert "1 error" in said
     assert "this is a result JSON, which holds no inputs" in said
+
+
+def refused(*words: object) -> str:
+    """What is said where nothing is begun: wrong usage, and no folder of results is made."""
+    status, said = told("batch", *words)
+    assert status == 2, said
+    return said
+
+
+def test_a_json_on_top_of_an_input_is_refused(tmp_path):
+    book = make_train(tmp_path / "t" / "a.xlsx")
+    case = tmp_path / "t" / "a.results.json"
+    case.write_text('{"format": 1}', encoding="utf-8")
+    said = refused(book, case, "--out", tmp_path / "o", "--json", tmp_path / "t")
+    assert f"would be written to {case}, which is an input itself" in said
+    assert "with --json" in said
+    assert case.read_text(encoding="utf-8") == '{"format": 1}'
+    assert not (tmp_path / "o").exists()
+
+
+def test_results_through_a_link_onto_the_inputs_are_refused(tmp_path):
+    book = make_train(tmp_path / "in" / "sub" / "a.xlsx")
+    (tmp_path / "o").mkdir()
+    try:
+        (tmp_path / "o" / "sub").symlink_to(tmp_path / "in" / "sub")
+    except OSError:
+        pytest.skip("links cannot be made here")
+    before = book.read_bytes()
+    said = refused(tmp_path / "in", "--out", tmp_path / "o", "--jobs", 1)
+    assert "which is an input itself" in said
+    assert "with --out" in said
+    assert book.read_bytes() == before
+
+
+def test_capitals_count_only_where_the_disk_tells_them_apart(tmp_path):
+    first, other = make_train(tmp_path / "a.xlsx"), tmp_path / "A.results.json"
+    other.write_text('{"format": 1}', encoding="utf-8")
+    inputs = [Input(first, "a.xlsx"), Input(other, "A.results.json")]
+    if (tmp_path / "a.results.json").exists():
+        with pytest.raises(InputsRefused, match="an input itself"):
+            check_places(inputs, tmp_path / "o", tmp_path)
+    else:
+        check_places(inputs, tmp_path / "o", tmp_path)
+        (tmp_path / "a.results.json").hardlink_to(other)  # as on a disk that does not
+        with pytest.raises(InputsRefused, match="an input itself"):
+            check_places(inputs, tmp_path / "o", tmp_path)
+
+
+def test_an_input_called_summary_and_the_summary_are_told_apart(tmp_path):
+    make_train(tmp_path / "in" / "summary.xlsx")
+    out = tmp_path / "o"
+    said = refused(tmp_path / "in", "--out", out)
+    assert f"would both be written to {out / 'summary.xlsx'}" in said
+    assert "Name another place for the summary with --summary." in said
+    assert not out.exists()
+    words = ("batch", "in", "--out", "o", "--summary", "all.xlsx", "--jobs", 1)
+    done = torsionbook(*words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert is_summary(tmp_path / "all.xlsx")
+    assert not is_summary(out / "summary.xlsx")
+
+
+def test_a_summary_on_any_result_is_refused(tmp_path):
+    make_train(tmp_path / "in" / "sub" / "A.xlsx")
+    out = tmp_path / "o"
+    for place in (out / "sub" / "A.xlsx", out / "sub" / "a.XLSX", out / "sub" / "A.history.xlsx"):
+        said = refused(tmp_path / "in", "--out", out, "--summary", place)
+        assert "and the summary of the batch would both be written to" in said
+    assert not out.exists()
+
+
+def test_a_csv_of_somebody_else_is_not_replaced_by_that_of_the_summary(tmp_path):
+    book = make_train(tmp_path / "in" / "a.xlsx")
+    mine = tmp_path / "mine.csv"
+    mine.write_text("Name;DampingRatio\na;0,01\n", encoding="utf-8")
+    words = (book, "--out", tmp_path / "o", "--jobs", 1, "--summary", tmp_path / "mine.xlsx")
+    assert f"{mine} is there already, and it is no summary of a batch." in refused(*words)
+    assert mine.read_text(encoding="utf-8") == "Name;DampingRatio\na;0,01\n"
+    assert not (tmp_path / "mine.xlsx").exists()
+    mine.unlink()
+    write_summary(tmp_path / "mine.xlsx", [], "nothing")
+    assert is_summary_csv(mine)
+    mine.write_bytes(mine.read_bytes().replace(b",", b";"))  # as a spreadsheet program saves it
+    assert is_summary_csv(mine)
+
+
+def test_a_programme_onto_its_own_table_is_refused(tmp_path):
+    pytest.importorskip("pyarrow")
+    book, table = make_train(tmp_path / "a.xlsx"), tmp_path / "o" / "results.parquet"
+    table.parent.mkdir()
+    table.write_bytes(b"mine")
+    said = refused(book, "--vary", table, "--out", tmp_path / "o")
+    assert "which is the table itself" in said
+    assert table.read_bytes() == b"mine"

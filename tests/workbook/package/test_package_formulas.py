@@ -435,6 +435,28 @@ def test_charts_show_what_the_cells_hold(train: Path) -> None:
     assert "<c:v>Frequency</c:v>" in chart
 
 
+def test_labels_from_cells_follow_their_table(train: Path) -> None:
+    """Excel's "value from cells": the range and the words kept beside it."""
+    c15 = b"http://schemas.microsoft.com/office/drawing/2012/chart"
+    labels = (
+        b'<c:extLst><c:ext uri="{02D57815-91ED-43cb-92C2-25804820EDAC}" xmlns:c15="%s">'
+        b"<c15:datalabelsRange><c15:f>Frequencies!$C$6:$C$8</c15:f><c15:dlblRangeCache>"
+        b'<c:ptCount val="3"/><c:pt idx="0"><c:v>OLD</c:v></c:pt></c15:dlblRangeCache>'
+        b"</c15:datalabelsRange></c:ext></c:extLst></c:ser>" % c15
+    )
+    with_parts(train, {}, {"xl/charts/chart1.xml": lambda one: one.replace(b"</c:ser>", labels, 1)})
+    book = open_workbook(train)
+    book.write_table("Modes", [[i, 10.5 * i, 1.0, 2.0] for i in range(1, 5)])
+    out = book.save(train.with_name("out.xlsx")).path
+    chart = parts_of(out)["xl/charts/chart1.xml"].decode()
+    points = "".join(f'<c:pt idx="{i}"><c:v>{10.5 * (i + 1):g}</c:v></c:pt>' for i in range(4))
+    assert "OLD" not in chart
+    assert (
+        "<c15:f>Frequencies!$C$6:$C$9</c15:f><c15:dlblRangeCache>"
+        f'<c:ptCount val="4"/>{points}</c15:dlblRangeCache>'
+    ) in chart
+
+
 def test_untouched_charts_stay_byte_identical(train: Path) -> None:
     book = open_workbook(train)
     book.write_block("Start-up", "A5:B14", [[1.0, 2.0], [3.0, None], [4.0, "text"]])
@@ -562,6 +584,7 @@ def test_tables_that_no_formula_reads_do_not_limit_the_recalculation(
         b'<c r="B1"><f>In!A1+%s1%s</f>' % (b"(" * 300, b")" * 300),
         b'<c r="B1"><f>In!A1%s</f>' % (b"+1" * 4_200),
         b'<c r="B1"><f>SUM(Wide_0[</f>',
+        b'<c r="B1"><f>_xlfn.LAMBDA(_xlpm.x,_xlpm.x+In!A1)(1)</f>',
         b'<c r="B1"><f t="shared" ref="B1:C1" si="7">OFFSET(INDIRECT("Wide_3"),0,0)</f>',
     ],
 )
@@ -835,3 +858,66 @@ def test_tables_whose_number_is_not_stated_do_not_stop_the_recalculation(tmp_pat
     values, report = refreshed(path, {"B2": 40.0})
     assert (report.method, values["B3"]) == ("recalculated", 51)
     assert b"<tableParts>" in parts_of(path.with_name("out.xlsx"))[sheet]
+
+
+FILTER = b'<filterColumn colId="0"><filters><filter val="1"/></filters></filterColumn></autoFilter>'
+
+
+def filtered_workbook(path: Path, also_hidden: int | None = None) -> Path:
+    """A filtered table in A1:B6 that shows its first row, ones beside it in D, formulas over those."""
+    book = xlsxwriter.Workbook(str(path))
+    data, sheet = book.add_worksheet("Data"), book.add_worksheet("Out")
+    data.add_table("A1:B6", {"name": "Ours", "columns": [{"header": "A"}, {"header": "B"}]})
+    for row in range(1, 11):
+        if row < 6:
+            data.write_row(row, 0, [float(row), 0.0])
+        data.write_number(row, 3, 1.0)
+    for row in [*range(2, 6), *([also_hidden] if also_hidden else [])]:
+        data.set_row(row, None, None, {"hidden": True})
+    book.define_name("Shown", "=SUBTOTAL(109,Data!$D$2:$D$6)")
+    for number, (text, value) in enumerate(
+        {
+            "SUBTOTAL(109,Data!$D$2:$D$6)": 1,
+            "AGGREGATE(9,5,Data!$D$2:$D$6)": 1,
+            "A1*10": 10,
+            "SUM(Data!$D$2:$D$6)": 5,
+            "SUBTOTAL(109,Data!$D$7:$D$11)": 4 if also_hidden else 5,
+            "Shown+1": 2,
+            "SUM(Ours[A])": 15,
+        }.items()
+    ):
+        sheet.write_formula(number, 0, f"={text}", None, value)
+    book.close()
+    return with_parts(
+        path, {}, {"xl/tables/table1.xml": lambda one: one.replace(b"/>", b">" + FILTER, 1)}
+    )
+
+
+@pytest.mark.parametrize("also_hidden", [None, 8])
+def test_what_passed_over_rows_that_are_shown_now_is_renewed(
+    tmp_path: Path, also_hidden: int | None
+) -> None:
+    """Rows hidden by somebody else stay so: what passes over them is left to the spreadsheet program."""
+    path = filtered_workbook(tmp_path / "t.xlsx", also_hidden)
+    book = open_workbook(path)
+    book.write_table("Ours", [[10.0 * row, 0.0] for row in range(1, 6)])
+    report = book.save(tmp_path / "out.xlsx")
+    assert any("filter of table Ours was cleared" in note for note in report.notes)
+    assert report.caches.method == "recalculated"
+    sheet = openpyxl.load_workbook(report.path, data_only=True)["Out"]
+    found = [sheet.cell(row, 1).value for row in range(1, 8)]
+    assert found[:5] == [5, 5, 50, 5, 4 if also_hidden else 5]
+    assert found[5] is None  # names for such formulas are beyond the calculator
+    assert found[6] == 150
+
+
+def test_what_hangs_on_changes_and_passes_over_hidden_rows_costs_itself_alone(
+    tmp_path: Path,
+) -> None:
+    path = filtered_workbook(tmp_path / "t.xlsx", 8)
+    book = open_workbook(path)
+    book.set_cell("Data", "D10", 3.0)
+    book.set_cell("Data", "A2", 2.0)
+    report = book.save(tmp_path / "out.xlsx")
+    sheet = openpyxl.load_workbook(report.path, data_only=True)["Out"]
+    assert [sheet.cell(row, 1).value for row in (1, 3, 5, 7)] == [1, 10, None, 16]
