@@ -11,7 +11,10 @@ if TYPE_CHECKING:
 
     from engine.results import Results
 
-__all__ = ["MODES", "Headline", "headline"]
+__all__ = ["MODES", "NOT_JUDGED", "Headline", "headline", "told_verdict"]
+
+#: The verdict of a check that could not be made.
+NOT_JUDGED = "not judged"
 
 #: First elastic modes that are shown. [count]
 MODES = 3
@@ -60,6 +63,8 @@ class Headline:
         How the start ended, or ``calculated``. [word]
     verdict : str
         The overall verdict. [word]
+    not_judged : int
+        Checks without a verdict. [count]
     """
 
     tag: str | None
@@ -81,6 +86,27 @@ class Headline:
     starts_where: str | None
     outcome: str
     verdict: str
+    not_judged: int
+
+
+def told_verdict(verdict: str, not_judged: int) -> str:
+    """An overall verdict in words, as sheet Summary says it.
+
+    Parameters
+    ----------
+    verdict : str
+        The overall verdict. [word]
+    not_judged : int
+        Checks without a verdict. [count]
+
+    Returns
+    -------
+    str
+        Such as ``pass, 1 not judged``. [words]
+    """
+    if not not_judged or verdict == NOT_JUDGED:
+        return verdict
+    return f"{verdict}, {not_judged} {NOT_JUDGED}"
 
 
 def headline(results: Results, peaks: Iterable[Mapping[str, Any]]) -> Headline:
@@ -128,6 +154,7 @@ def headline(results: Results, peaks: Iterable[Mapping[str, Any]]) -> Headline:
         starts_where=None if starts is None else starts.governing,
         outcome=results.outcome,
         verdict=results.verdicts[0].verdict,
+        not_judged=sum(one.verdict == NOT_JUDGED for one in results.verdicts[1:]),
     )
 
 

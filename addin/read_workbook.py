@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 
 from addin.cells import (
@@ -32,7 +33,7 @@ from addin.fields import (
     TableSpec,
     input_table,
 )
-from addin.package import Table, Workbook, open_workbook
+from addin.package import DefinedName, Table, Workbook, open_workbook
 from addin.package.references import Rect, cell_name, parse_cell, whole_number
 from addin.package.xml_part import main
 from addin.problems import CellProblem, nearest, placed
@@ -56,6 +57,23 @@ __all__ = ["Locations", "WorkbookInput", "read_workbook"]
 
 #: Names this product has beyond the contract; a workbook without them reads as blank there.
 _OPTIONAL = frozenset({"RainflowResidue", "Gear type", "ContactLaw"})
+
+
+#: What a defined name of cells stands for: a sheet, in quotes where need be, and cells.
+_TO_CELLS = re.compile(
+    r"(?:'((?:[^'\[\]]|'')+)'|([^'!\[\]#]+))!\$?[A-Z]{1,3}\$?\d+(?::\$?[A-Z]{1,3}\$?\d+)?"
+)
+#: Names that are listed of a sheet that is not there. [count]
+_LISTED = 12
+
+
+@lru_cache(maxsize=1)
+def _own_names() -> frozenset[str]:
+    """Names of the product itself, which stand for something else; without capitals."""
+    from addin.template_files import template_path
+
+    names = set(open_workbook(template_path("blank_us.xlsx"), read_only=True).defined_names)
+    return frozenset(name.casefold() for name in names | {one.name for one in SCALARS})
 
 
 @dataclass
@@ -242,6 +260,7 @@ class _Reading:
         self.findings = Findings()
         self.locations = Locations()
         self.warnings: list[str] = []
+        self.lost: dict[str, list[str]] = {}  # sheet that is not there → names that lead to it
         self.names = {name.casefold(): one for name, one in workbook.defined_names.items()}
         self.tables = {name.casefold(): one for name, one in workbook.tables.items()}
 
@@ -250,6 +269,7 @@ class _Reading:
         version = self._version()
         for spec in SCALARS:
             self._read_scalar(spec)
+        self._note_lost_sheets()
         for table in INPUT_TABLES:
             self._read_table(table)
         data = to_case_data(self.typed, self.findings)
@@ -287,7 +307,10 @@ class _Reading:
         place = (SCALAR_TABLE, None, spec.name)
         name = self.names.get(spec.name.casefold())
         if name is None or name.sheet is None or name.rect is None:
-            if spec.name not in _OPTIONAL:
+            lost = "" if name is None else self._lost_sheet(name)
+            if lost:
+                self.lost.setdefault(lost, []).append(spec.name)
+            elif spec.name not in _OPTIONAL:
                 self._note_missing_name(spec, broken=name is not None)
             return
         sheet, top, left = name.sheet, name.rect.top, name.rect.left
@@ -312,9 +335,42 @@ class _Reading:
         found = self._scale(unit, spec, place)
         return None if found is None else self._typed(number, *found, cell, place)
 
+    def _lost_sheet(self, name: DefinedName) -> str:
+        """The sheet that a name leads to, where the workbook has none of it; else empty."""
+        match = _TO_CELLS.fullmatch(name.text.strip())
+        if match is None:
+            return ""
+        sheet = (match.group(1) or match.group(2)).replace("''", "'")
+        there = {one.casefold() for one in self.workbook.sheet_names}
+        return "" if sheet.casefold() in there else sheet
+
+    def _note_lost_sheets(self) -> None:
+        """One problem for all names that lead to a sheet that is not there."""
+        for sheet, names in self.lost.items():
+            rest = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+            listed = ", ".join(names[:_LISTED]) + rest
+            what = (
+                f"the defined name refers to sheet {sheet}, which"
+                if len(names) == 1
+                else f"{len(names)} defined names refer to sheet {sheet} ({listed}), which"
+            )
+            self.findings.add(
+                (SCALAR_TABLE, None, names[0]),
+                sheet,
+                "a sheet of the workbook",
+                f"{what} the workbook no longer has. If the sheet was renamed by another program, "
+                f"give it the name {sheet} back; if it was deleted, start from a new template.",
+            )
+            for name in names[1:]:
+                self.findings.silence((SCALAR_TABLE, None, name))
+
     def _note_missing_name(self, spec: Field, broken: bool) -> None:
-        known = {one.name.casefold() for one in SCALARS}
-        others = [n for n in self.workbook.defined_names if n.casefold() not in known]
+        own = _own_names()
+        others = [
+            n
+            for n in self.workbook.defined_names
+            if n.casefold() not in own and not n.casefold().startswith("run_")
+        ]
         meant = nearest(spec.name, others, 0.75)
         if broken:
             what = "the defined name leads to no cell any more (its row or sheet was deleted)"

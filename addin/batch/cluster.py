@@ -51,6 +51,8 @@ class Cluster(Workers):
         If it cannot be reached, has no workers, or they have another version of torsionbook.
     """
 
+    here = False
+
     def __init__(self, address: str, patience: float = PATIENCE) -> None:
         try:
             from distributed import Client

@@ -29,6 +29,8 @@ _SEND = ("auto", "files", "bytes")
 _LISTED = 20
 #: How often a batch that nobody watches says how far it is. [s]
 _SAYS = 30.0
+#: When it says so first; from then on it waits twice as long each time, up to that. [s]
+_FIRST = 5.0
 
 
 def batch(
@@ -75,6 +77,9 @@ def batch(
             "results go to results.parquet in --out."
         ),
     ] = None,
+    csv: Annotated[
+        bool, typer.Option("--csv", help="With --vary: write results.csv too, for Excel.")
+    ] = False,
     scheduler: Annotated[
         str | None,
         typer.Option(
@@ -153,8 +158,12 @@ def batch(
                 f"--vary needs one base case and no --watch; {_named(inputs)}."
             )
         raise typer.Exit(
-            _varied(inputs[0].path, vary, out, _workers(jobs, scheduler), resume, stop, overrides)
+            _varied(
+                inputs[0].path, vary, out, _workers(jobs, scheduler), resume, stop, overrides, csv
+            )
         )
+    if csv:
+        raise typer.BadParameter("--csv is of --vary; a batch of files has its summary.csv.")
     settings = {
         "resume": resume,
         "ignore_lock": ignore_lock,
@@ -178,7 +187,7 @@ def batch(
     except (FolderRefused, Stopped) as wrong:
         raise _told(str(wrong)) from wrong
     _say(work, records, ended, began, written)
-    raise typer.Exit(_status(records, stop, strict, bool(written)))
+    raise typer.Exit(_status(records, ended, stop, strict, bool(written)))
 
 
 def _workers(jobs: int | None, scheduler: str | None) -> Workers:
@@ -226,6 +235,7 @@ def _varied(
     resume: bool,
     stop: Stop,
     overrides: Mapping[str, Any],
+    as_csv: bool,
 ) -> int:
     """A programme of cases; its exit status."""
     from addin.batch.conductor import Abandoned, Stopped
@@ -258,6 +268,7 @@ def _varied(
                 stop=stop,
                 listener=listener,
                 overrides=overrides,
+                as_csv=as_csv,
             )
     except TableRefused as wrong:
         for sentence in wrong.sentences:
@@ -279,8 +290,9 @@ def _varied(
     typer.echo(
         f"{done.rows:,} row{'' if done.rows == 1 else 's'} in {_duration(time.monotonic() - began)}: {counts}{left}{kept}."
     )
-    typer.echo(f"written: {done.result}")
-    if stop.asked:
+    for file in filter(None, (done.result, done.csv)):
+        typer.echo(f"written: {file}")
+    if stop.asked and reached < done.rows:
         typer.echo(f"Interrupted. {_AGAIN}", err=True)
         return INTERRUPTED
     return _DONE if done.outcomes.get(DONE, 0) == done.rows else _WRONG_INPUT
@@ -360,7 +372,9 @@ def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
         stop.reason = stop.reason or str(wrong)
     if stop.reason:
         return stop.reason
-    return f"Interrupted. {_AGAIN}" if stop.asked else ""
+    # Where every file has its outcome, nothing was interrupted.
+    left = any(one.name not in work.records for one in inputs)
+    return f"Interrupted. {_AGAIN}" if stop.asked and left else ""
 
 
 def _watched(
@@ -380,7 +394,7 @@ def _watched(
     def after(ready: Sequence[Input]) -> None:
         everything.update((one.name, one) for one in ready)
         for record in _rows(work, ready):
-            verdict = f"verdict {record.results.get('verdict')}"
+            verdict = f"verdict {record.verdict}"
             typer.echo(
                 f"{record.name}: {record.outcome}: {verdict if record.done else record.sentence}"
             )
@@ -451,9 +465,9 @@ def _say(
     shared = f" {same} had a case that another file states too, calculated once." if same else ""
     files = "1 file" if len(records) == 1 else f"{len(records)} files"
     typer.echo(f"{files} in {_duration(seconds)}: {counts}{kept}.{shared}")
-    verdicts = Counter(str(one.results.get("verdict")) for one in records if one.done)
+    verdicts = Counter(one.verdict for one in records if one.done)
     if verdicts:
-        told = ", ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items()))
+        told = "; ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items()))
         typer.echo(f"Verdicts: {told}.")
     if ended:
         typer.echo(ended, err=True)
@@ -467,8 +481,10 @@ def _duration(seconds: float) -> str:
     return f"{seconds // 3600:.0f} h {seconds % 3600 // 60:02.0f} min" if seconds >= 3600 else f"{seconds // 60:.0f} min {seconds % 60:02.0f} s"  # fmt: skip
 
 
-def _status(records: Sequence[Record], stop: Stop, strict: bool, summarised: bool) -> int:
-    if stop.asked:
+def _status(
+    records: Sequence[Record], ended: str, stop: Stop, strict: bool, summarised: bool
+) -> int:
+    if stop.asked and ended:
         return INTERRUPTED
     if stop.reason or not summarised or any(not one.done for one in records):
         return _WRONG_INPUT
@@ -506,6 +522,9 @@ def _progress() -> Iterator[Listener]:
     with Progress(*columns, console=Console(stderr=True)) as shown:
 
         class Bar(Listener):
+            def note(self, sentence: str) -> None:
+                shown.console.print(sentence)
+
             def begin(self, stage: str, total: int) -> None:
                 self.bad = 0
                 self.task = shown.add_task(f"{stage:<11}", total=total, rate="", bad="")
@@ -528,17 +547,23 @@ def _lines() -> Listener:
         def begin(self, stage: str, total: int) -> None:
             self.stage, self.total, self.count = stage, total, 0
             self.began = self.said = time.monotonic()
+            self.wait = _FIRST
+
+        def note(self, sentence: str) -> None:
+            typer.echo(sentence, err=True)
 
         def advance(self, record: Record | None) -> None:
             self.count += 1
             now = time.monotonic()
-            if now - self.said < _SAYS:
+            # The last file is told where others were, so that the count does not stand still.
+            last = self.count == self.total and self.wait > _FIRST
+            if now - self.said < self.wait and not last:
                 return
-            self.said = now
+            self.said, self.wait = now, min(2.0 * self.wait, _SAYS)
             rate = self.count / (now - self.began)
             left = _duration((self.total - self.count) / rate)
             typer.echo(
-                f"{self.stage}: {self.count:,} of {self.total:,}, {rate:.1f}/s, {left} left",
+                f"{time.strftime('%H:%M:%S')} {self.stage}: {self.count:,} of {self.total:,}, {rate:.1f}/s, {left} left",
                 err=True,
             )
 

@@ -34,6 +34,7 @@ from addin.batch.records import (
 )
 from addin.batch.work import Calculated, Examine, Work, calculate, examine
 from addin.problems import CellProblem
+from addin.recalc import COMPILING
 
 __all__ = ["Abandoned", "Batch", "Listener", "Stop", "Stopped", "cores"]
 
@@ -128,6 +129,15 @@ class Listener:
             What became of it; None where it has only been read.
         """
 
+    def note(self, sentence: str) -> None:
+        """Something the user should know now, such as a rare long wait.
+
+        Parameters
+        ----------
+        sentence : str
+            To be shown. [sentence]
+        """
+
 
 @dataclass
 class Batch:
@@ -178,6 +188,7 @@ class Batch:
 
         self._version = product_version()
         self._numbers = 0
+        self._told = False  # that the first calculation compiles
         self._retried: set[str] = set()
         self._sent: dict[str, Stamp] = {}
         self._earlier, self.refused = self.folder.records(self.json)
@@ -249,6 +260,9 @@ class Batch:
             elif answer.record is not None:
                 self._settle(answer.record)
             else:
+                if answer.compiles and not self._told and self.workers.here:
+                    self._told = True
+                    self.listener.note(f"{COMPILING} …")
                 groups.setdefault(answer.case_sha256, []).append(task.tag)
             self.listener.advance(None)
         order = {one.name: i for i, one in enumerate(todo)}

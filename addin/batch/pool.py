@@ -90,6 +90,9 @@ class Workers:
         """
         raise NotImplementedError
 
+    #: Whether they are on this machine. [flag]
+    here = True
+
     @property
     def threads(self) -> int:
         """Tasks that are done at a time. [count]"""

@@ -146,6 +146,16 @@ class Record:
         return self.outcome == DONE
 
     @property
+    def verdict(self) -> str:
+        """The overall verdict, and how many checks have none; empty unless done. [words]"""
+        from addin.headline import told_verdict
+
+        results = self.results
+        if not results:
+            return ""
+        return told_verdict(str(results.get("verdict")), int(results.get("not_judged", 0)))
+
+    @property
     def settled(self) -> bool:
         """Whether the same file would give the same outcome."""
         return self.outcome in SETTLED

@@ -85,7 +85,7 @@ def _starts(record: Record) -> Any:
 FILE_COLUMNS: tuple[Column, ...] = (
     Column("File", lambda r: r.name, 30),
     Column("Outcome", lambda r: r.outcome, 12),
-    Column("Verdict", _of("verdict"), 24),
+    Column("Verdict", lambda r: r.verdict or None, 34),
     Column("Tag", _of("tag"), 16),
     Column("Title", _of("title"), 26),
     *(Column(f"Mode {n} [Hz]", _mode(n), 9, "0.000") for n in (1, 2, 3)),
@@ -114,16 +114,16 @@ FILE_COLUMNS: tuple[Column, ...] = (
 
 #: The sheet of errors.
 ERROR_COLUMNS: tuple[tuple[str, str, int], ...] = (
-    ("File", "file", 34),
-    ("Outcome", "outcome", 13),
-    ("Sheet", "sheet", 12),
-    ("Table", "table", 16),
+    ("File", "file", 22),
+    ("Outcome", "outcome", 12),
+    ("Sheet", "sheet", 10),
+    ("Table", "table", 15),
     ("Row", "row", 6),
-    ("Column", "column", 18),
-    ("Cell", "cell", 14),
-    ("Found", "found", 24),
-    ("Allowed", "allowed", 34),
-    ("What is wrong, and what to do", "message", 84),
+    ("Column", "column", 16),
+    ("Cell", "cell", 10),
+    ("Found", "found", 18),
+    ("Allowed", "allowed", 20),
+    ("What is wrong, and what to do", "message", 48),
 )
 
 
@@ -242,6 +242,12 @@ class _Styles:
 
 #: Most a row can be. [points]
 _HIGHEST = 400.0
+#: Columns that begin a new page, after the first page.
+_PAGES = (
+    "Mode 1 [Hz]",
+    "Largest stress in a start, nominal, peak-to-peak [MPa]",
+    "What happened",
+)
 _FIRST = 3  # row of the headers, counted from 0
 
 
@@ -264,10 +270,12 @@ def _write_files(
     sheet.freeze_panes(_FIRST + 1, 1)
     _colour(sheet, styles, last, "Outcome", {DONE: styles.good}, styles.bad)
     _colour(sheet, styles, last, "Verdict", {"pass": styles.good, "fail": styles.bad}, None)
-    # Two pages side by side: what was found, and where it comes from.
-    sheet.set_paper(8)  # A3
-    sheet.set_print_scale(50)
-    sheet.set_v_pagebreaks([_headers().index("Errors [count]")])
+    # Four pages side by side in letters that can be read. Digests and times stay on the screen.
+    sheet.set_paper(9)  # A4
+    sheet.set_print_scale(74)
+    sheet.set_v_pagebreaks([_headers().index(first) for first in _PAGES])
+    sheet.print_area(0, 0, last, _headers().index("Warnings"))
+    sheet.print_across()
     sheet.repeat_columns(0)
     _page(sheet, "Files")
 
@@ -279,7 +287,7 @@ def _colour(
     at = _headers().index(header)
     place = (_FIRST + 1, at, last, at)
     for word, style in words.items():
-        rule = {"type": "cell", "criteria": "==", "value": f'"{word}"', "format": style}
+        rule = {"type": "text", "criteria": "begins with", "value": word, "format": style}
         sheet.conditional_format(*place, {**rule, "stop_if_true": True})
     if other is not None:
         sheet.conditional_format(*place, {"type": "no_blanks", "format": other})

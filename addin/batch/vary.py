@@ -11,6 +11,7 @@ memory. Each chunk is a file of its own until the end; a chunk that is there is 
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import csv
 import json
@@ -19,7 +20,7 @@ import pickle
 import re
 import shutil
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -29,9 +30,11 @@ from addin.batch.conductor import Listener, Stop, Stopped
 from addin.batch.folder import OWN, OutFolder, digest_of
 from addin.batch.pool import Crashed, Task, Workers
 from addin.batch.records import CRASHED, DONE, FAULT, WRONG_INPUT
+from addin.batch.work import compiles
 from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
 from addin.problems import nearest, shortened
-from addin.typed_case import Findings, Place, Typed, TypedCase
+from addin.recalc import COMPILING
+from addin.typed_case import Findings, Place, Typed, TypedCase, to_case_data
 from addin.units import UnitError, UnitScale, parse_unit
 
 if TYPE_CHECKING:
@@ -55,6 +58,7 @@ RESULT_COLUMNS: tuple[tuple[str, str], ...] = (
     ("outcome", "string"),
     ("reason", "string"),
     ("verdict", "string"),
+    ("checks_not_judged", "int64"),
     ("start", "string"),
     ("mode_1_Hz", "double"),
     ("mode_2_Hz", "double"),
@@ -124,12 +128,15 @@ class Chunk:
         Row number, name and values of each row. [as read]
     overrides : mapping
         Fields of the case that the command line sets. [SI]
+    comma : bool
+        The comma is the decimal sign of the table. [flag]
     """
 
     base: bytes
     columns: tuple[Varied, ...]
     rows: tuple[tuple[int, str | None, tuple[Any, ...]], ...]
     overrides: Mapping[str, Any] = field(default_factory=dict)
+    comma: bool = False
 
 
 @dataclass
@@ -142,6 +149,12 @@ class Programme:
         The Parquet file. [path]
     rows : int
         Rows of the table. [count]
+    csv : Path or None
+        The same as CSV, where it is asked for. [path]
+    form : CsvForm
+        How that is written.
+    comma : bool
+        Its decimal sign is the comma. [flag]
     outcomes : dict of str to int
         Rows by outcome; those not reached are missing. [count]
     kept : int
@@ -152,6 +165,9 @@ class Programme:
 
     result: Path
     rows: int = 0
+    csv: Path | None = None
+    form: CsvForm = field(default_factory=lambda: CsvForm())
+    comma: bool = False
     outcomes: dict[str, int] = field(default_factory=dict)
     kept: int = 0
     reasons: list[str] = field(default_factory=list)
@@ -280,6 +296,35 @@ def _row(table: TableSpec, word: str, base: TypedCase) -> int:
     )
 
 
+#: Marks at the begin of a file in UTF-16, Excel's "Unicode text".
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+#: A number with a decimal comma; the second cannot be a comma between thousands either.
+_COMMA = re.compile(r"\s*[+-]?[\d.]*,\d+(?:[eE][+-]?\d+)?(?:\s.*)?", re.ASCII | re.DOTALL)
+_SURE_COMMA = re.compile(
+    r"\s*[+-]?[\d.]*,(?!\d{3}(?:\s|$))\d+(?:[eE][+-]?\d+)?(?:\s.*)?|\s*[+-]?0,\d+(?:\s.*)?",
+    re.ASCII | re.DOTALL,
+)
+
+
+@dataclass(frozen=True)
+class CsvForm:
+    """How a CSV is written.
+
+    Parameters
+    ----------
+    encoding : str
+        UTF-8, or UTF-16 where the file begins with its mark. [name]
+    separator : str
+        Comma, semicolon or tab. [character]
+    states : bool
+        Its first line is Excel's ``sep=;``. [flag]
+    """
+
+    encoding: str = "utf-8-sig"
+    separator: str = ","
+    states: bool = False
+
+
 @dataclass(frozen=True)
 class Table:
     """A table that is read as a stream.
@@ -319,7 +364,7 @@ class Table:
         with self._reading():
             if self._is_parquet:
                 return int(self._parquet().metadata.num_rows)
-            return sum(1 for row in self._csv() if row) - 1
+            return max(sum(1 for row in self._csv() if row) - 1, 0)
 
     def rows(self) -> Iterator[list[Any]]:
         """Its rows, one at a time.
@@ -351,14 +396,57 @@ class Table:
 
         return ParquetFile(self.path)
 
+    def form(self) -> CsvForm:
+        """Encoding and separator of a CSV, by its begin.
+
+        Returns
+        -------
+        CsvForm
+
+        Raises
+        ------
+        TableRefused
+            If it cannot be read.
+        """
+        if self._is_parquet:
+            return CsvForm()
+        with self._reading():
+            with open(self.path, "rb") as file:
+                encoding = "utf-16" if file.read(2) in _UTF_16 else "utf-8-sig"
+            with open(self.path, encoding=encoding, newline="") as text:
+                first = text.readline().rstrip("\r\n")
+        stated = re.fullmatch(r'"?sep=(.)"?', first, re.IGNORECASE)
+        if stated:
+            return CsvForm(encoding, stated.group(1), states=True)
+        return CsvForm(encoding, max((",", ";", "\t"), key=first.count))
+
+    def has_decimal_commas(self, columns: Sequence[Varied | None]) -> bool:
+        """Whether the comma is the decimal sign: a table has one, never both.
+
+        Parameters
+        ----------
+        columns : sequence of (Varied or None)
+            What its columns name.
+
+        Returns
+        -------
+        bool
+            By the first number with a comma; False where commas are the separator. [flag]
+        """
+        separator = self.form().separator
+        if self._is_parquet or separator == ",":
+            return False
+        # Excel writes semicolons where the comma is the decimal sign, tabs anywhere.
+        comma = _COMMA if separator == ";" else _SURE_COMMA
+        numbers = [i for i, one in enumerate(columns) if one is not None and one.spec.is_number]
+        return any(comma.fullmatch(row[i]) for row in self.rows() for i in numbers if i < len(row))
+
     def _csv(self) -> Iterator[list[str]]:
-        with open(self.path, encoding="utf-8-sig", newline="") as file:
-            first = file.readline()
-            file.seek(0)
-            # Excel writes semicolons where the comma is the decimal sign.
-            yield from csv.reader(
-                file, delimiter=";" if first.count(";") > first.count(",") else ","
-            )
+        form = self.form()
+        with open(self.path, encoding=form.encoding, newline="") as file:
+            if form.states:
+                file.readline()
+            yield from csv.reader(file, delimiter=form.separator)
 
 
 class _Reading:
@@ -414,14 +502,14 @@ def _calculated(
     known: dict[str, dict[str, Any]],
 ) -> dict[str, Any]:
     """One row; `known` holds the cases of this chunk."""
-    from addin.typed_case import all_problems, to_case_data
+    from addin.typed_case import all_problems
     from engine.case import Case, case_digest
     from engine.errors import CaseError, ModelError
 
     columns = task.columns
     findings = Findings()
     typed = TypedCase(dict(base.scalars), {name: list(rows) for name, rows in base.tables.items()})
-    inputs = _put(columns, values, typed, findings)
+    inputs = _put(task, values, typed, findings)
     if len(values) != len(columns):
         reason = f"the row has {len(values)} values, the table {len(columns)} columns."
         return inputs | {"outcome": WRONG_INPUT, "reason": reason}
@@ -447,11 +535,13 @@ def _calculated(
 
 
 def _put(
-    columns: Sequence[Varied], values: Sequence[Any], typed: TypedCase, findings: Findings
+    task: Chunk, values: Sequence[Any], typed: TypedCase, findings: Findings
 ) -> dict[str, Any]:
     """Put the values of a row into a case; what was put, for the result."""
     inputs: dict[str, Any] = {}
-    for column, value in zip(columns, values, strict=False):
+    for column, value in zip(task.columns, values, strict=False):
+        if task.comma and isinstance(value, str) and column.spec.is_number:
+            value = _with_point(column, value, findings)
         entry = _entry(column, value, findings)
         inputs[column.header] = _shown(column, entry)
         if entry is None:
@@ -463,6 +553,26 @@ def _put(
             rows = typed.tables[table]
             rows[row - 1] = {**rows[row - 1], name: entry}
     return inputs
+
+
+_SIGNED = re.compile(r"\s*[+-]?[\d.,]+", re.ASCII)
+
+
+def _with_point(column: Varied, value: str, findings: Findings) -> str:
+    """A number whose decimal sign is the comma; blank where it has points as well, which is noted."""
+    number = _SIGNED.match(value)
+    if number is None:
+        return value
+    if "." in number.group():
+        findings.add(
+            column.place,
+            shortened(value),
+            "a number with a decimal comma and no points",
+            f"found '{shortened(value)}'; the decimal sign of this table is the comma. Write the "
+            "number without points between thousands.",
+        )
+        return ""
+    return number.group().replace(",", ".") + value[number.end() :]
 
 
 def _entry(column: Varied, value: Any, findings: Findings) -> Typed | str | None:
@@ -520,6 +630,7 @@ def _answers(case: Any) -> dict[str, Any]:
     return {
         "outcome": DONE,
         "verdict": found.verdict,
+        "checks_not_judged": found.not_judged,
         "start": found.outcome,
         **modes,
         "worst_margin": found.margin,
@@ -551,6 +662,7 @@ def run_programme(
     stop: Stop,
     listener: Listener,
     overrides: Mapping[str, Any] | None = None,
+    as_csv: bool = False,
 ) -> Programme:
     """Calculate every row of a table.
 
@@ -572,6 +684,8 @@ def run_programme(
         Told all the time.
     overrides : mapping, optional
         Fields of the case that the command line sets, whatever base and table say. [SI]
+    as_csv : bool
+        Write ``results.csv`` too, with the separator and the decimal sign of the table. [flag]
 
     Returns
     -------
@@ -590,12 +704,19 @@ def run_programme(
     columns, names = read_columns(read.headers(), typed)
     varied = tuple(one for one in columns if one is not None)
     total = read.count()
+    comma = read.has_decimal_commas(columns)
     parts = _Parts(folder, _schema(varied))
     settings = dict(overrides or {})
     parts.begin(_fingerprint(base, table) | {"settings": settings}, resume)
     programme = Programme(folder.place("results.parquet"), total)
+    if as_csv:
+        programme.csv = folder.place("results.csv")
+        programme.form = read.form()
+        programme.comma = comma
     listener.begin("calculating", total)
-    chunk = Chunk(pickle.dumps(typed), varied, (), settings)
+    if total and workers.here and compiles(to_case_data(typed, Findings())):
+        listener.note(f"{COMPILING} …")
+    chunk = Chunk(pickle.dumps(typed), varied, (), settings, comma)
     work = _Work(chunk, names, parts, programme, listener)
     chunks = enumerate(_chunked(read.rows()))
     tasks = (one for number, rows in chunks for one in work.tasks(number, rows))
@@ -764,12 +885,41 @@ class _Parts:
         counts: dict[str, int] = {}
         new = self._place / "joined"
         parts = iter(sorted(self._place.glob("*.parquet")))
-        with pq.ParquetWriter(new, self._schema, compression="zstd") as writer:
+        with (
+            pq.ParquetWriter(new, self._schema, compression="zstd") as writer,
+            _csv_writer(self._place / "csv", programme, self._schema.names) as write,
+        ):
             while some := list(islice(parts, _GROUPED)):
                 table = pa.concat_tables([pq.read_table(part) for part in some])
                 writer.write_table(table)
+                write(table)
                 for one in table["outcome"].value_counts():
                     outcome = one["values"].as_py()
                     counts[outcome] = counts.get(outcome, 0) + one["counts"].as_py()
         os.replace(new, programme.result)
+        if programme.csv is not None:
+            os.replace(self._place / "csv", programme.csv)
         return counts
+
+
+@contextlib.contextmanager
+def _csv_writer(
+    place: Path, programme: Programme, headers: Sequence[str]
+) -> Iterator[Callable[[pa.Table], None]]:
+    """What writes the rows of a result as CSV; nothing where none is asked for."""
+    from addin.batch.summary import guarded
+
+    if programme.csv is None:
+        yield lambda table: None
+        return
+
+    def shown(value: Any) -> Any:
+        if isinstance(value, str):
+            return guarded(value)
+        return repr(value).replace(".", ",") if programme.comma and type(value) is float else value
+
+    # With a byte order mark, without which Excel would not read it as UTF-8.
+    with open(place, "w", encoding="utf-8-sig", newline="") as file:
+        writer = csv.writer(file, delimiter=programme.form.separator)
+        writer.writerow(map(shown, headers))
+        yield lambda table: writer.writerows(map(shown, row.values()) for row in table.to_pylist())

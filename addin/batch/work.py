@@ -26,10 +26,12 @@ from addin.batch.records import (
     failed,
     outcome_of,
 )
+from addin.problems import printable
 
 if TYPE_CHECKING:
     from addin.recalc import Recalculated, Unreadable
     from addin.typed_case import CaseInput
+    from engine.case import CaseData
     from engine.results import Results
 
 __all__ = [
@@ -38,6 +40,7 @@ __all__ = [
     "Examined",
     "Work",
     "calculate",
+    "compiles",
     "examine",
     "is_locked",
     "refused",
@@ -76,11 +79,14 @@ class Examined:
         Digest of its case; empty if it cannot be calculated. [hexadecimal]
     record : Record or None
         Why it cannot be calculated; None if it can.
+    compiles : bool
+        The numerical routines are not on this machine yet, so its calculation takes longer. [flag]
     """
 
     name: str
     case_sha256: str
     record: Record | None
+    compiles: bool = False
 
 
 @dataclass(frozen=True)
@@ -185,7 +191,29 @@ def examine(task: Examine) -> Examined:
         return Examined(task.name, "", refused(task, wrong))
     if read.problems:
         return Examined(task.name, "", _wrong(task, read, stamp, time.perf_counter() - began))
-    return Examined(task.name, case_digest(read.data), None)  # type: ignore[union-attr]
+    data = read.data  # type: ignore[union-attr]
+    return Examined(task.name, case_digest(data), None, compiles(data))
+
+
+def compiles(data: CaseData) -> bool:
+    """Whether a calculation has to compile the numerical routines first, once on a machine.
+
+    Parameters
+    ----------
+    data : CaseData
+        Its inputs. [SI]
+
+    Returns
+    -------
+    bool
+        False without a start, which needs none. [flag]
+    """
+    if not data.motor_torque:
+        return False
+    from engine.stepping.compiling import is_compiled
+    from engine.stepping.kernels import advance_start
+
+    return not is_compiled(advance_start)
 
 
 def calculate(task: Work) -> Calculated:
@@ -354,6 +382,12 @@ def _wrong(
 ) -> Record:
     """The record of an input with errors."""
     cause = getattr(read, "cause", None)
+    problems = read.problems
+    if cause is not None:  # by its name in the batch, not by its place on this machine
+        problems = tuple(
+            replace(one, found=task.name) if str(one.found) == printable(str(task.source)) else one
+            for one in problems
+        )
     return Record(
         task.name,
         task.source,
@@ -361,7 +395,7 @@ def _wrong(
         _sentence(read.problems),
         stamp=stamp,
         warnings=tuple(read.warnings),
-        errors=tuple(one.as_json() | {"cell": one.cell} for one in read.problems),
+        errors=tuple(one.as_json() | {"cell": one.cell} for one in problems),
         seconds=seconds,
     )
 

@@ -78,7 +78,9 @@ def change_in_words(change: Change) -> str:
     Returns
     -------
     str
-        ``+5.2 %``, points where the quantity is a percentage itself; empty where nothing can be said.
+        ``+5.2 %`` where both are positive; points where the quantity is a percentage itself; else
+        the difference in its unit, as −60 % of a negative number could be either way. Empty where
+        nothing can be said.
     """
     difference, relative = change.difference, change.relative
     if difference is None:
@@ -87,8 +89,11 @@ def change_in_words(change: Change) -> str:
         )
     if change.unit == "%":
         return f"{change.shown(difference):+.3g} points"
-    if relative is None:
-        return f"{change.shown(difference):+.4g}"
+    positive = _size(change.before) > 0.0 and _size(change.after) > 0.0
+    if relative is None or not positive:
+        shown = float(change.shown(difference) or 0.0)
+        number = f"{shown:+,.4g}" if not 1e4 <= abs(shown) < 1e6 else f"{shown:+,.0f}"
+        return f"{number} {change.unit if change.unit != '1' else ''}".rstrip()
     return f"{100.0 * relative:+.3g} %" if abs(relative) < 10.0 else f"× {1.0 + relative:.3g}"
 
 

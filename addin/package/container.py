@@ -252,7 +252,9 @@ def read_file(path: Path, limit: int = DEFAULT_LIMITS.file_size) -> bytes:
         raise WorkbookRefused("missing", f"{path} does not exist.") from problem
     except IsADirectoryError as problem:
         raise WorkbookRefused(
-            "unreadable", f"{path} is a folder, not a workbook. Name the workbooks in it."
+            "unreadable",
+            f"{path} is a folder, not a workbook. Name the workbooks in it, such as {path / '*.xlsx'}; "
+            f"torsionbook batch {path} --out results calculates them all.",
         ) from problem
     except PermissionError as problem:
         raise WorkbookRefused(

@@ -148,10 +148,16 @@ def _table(caption: str, found: Iterable[Change], with_table: bool = False) -> T
                 unit,
                 _value(one, one.before),
                 _value(one, one.after),
-                _minus(change_in_words(one)) or ("–" if one.kind == "changed" else one.kind),
+                _by_how_much(one) or ("–" if one.kind == "changed" else one.kind),
             )
         )
     return Table(caption, columns, tuple(rows))
+
+
+def _by_how_much(one: Change) -> str:
+    """The change as printed."""
+    number, _, unit = change_in_words(one).partition(" ")
+    return _minus(f"{number} {pretty_unit(unit) if unit == one.unit else unit}".rstrip())
 
 
 def _words(text: str) -> str:

@@ -643,3 +643,46 @@ def test_an_open_workbook_is_read_as_it_stands(workbook, tmp_path):
 
     opened = open_workbook(workbook.save(tmp_path / "small.xlsx"))
     assert read_workbook(opened).data == read_workbook(tmp_path / "small.xlsx").data
+
+
+def with_other_names(path, change):
+    """The same workbook, the text of its list of sheets and names changed."""
+    with zipfile.ZipFile(path) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    parts["xl/workbook.xml"] = change(parts["xl/workbook.xml"].decode()).encode()
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, data in parts.items():
+            archive.writestr(name, data)
+    return path
+
+
+def test_a_name_of_the_product_is_never_taken_for_a_missing_one(workbook, tmp_path):
+    """`run_Outcome`, `ElementNames`, ... stand for something else."""
+    workbook.without.add("LineFrequency")
+    path = workbook.save(tmp_path / "small.xlsx")
+    names = '<definedName name="run_LineFrequency">Case!$Z$1</definedName></definedNames>'
+    with_other_names(path, lambda book: book.replace("</definedNames>", names))
+    problem = only_problem(read_workbook(path), "LineFrequency")
+    assert "no such defined name" in problem.message
+    assert "looks like it" not in problem.message
+
+
+def test_names_that_lead_to_a_sheet_that_was_renamed_are_one_problem(workbook, tmp_path):
+    path = workbook.save(tmp_path / "small.xlsx")
+    with_other_names(path, lambda book: book.replace('<sheet name="Case"', '<sheet name="Fall"'))
+    found = read_workbook(path)
+    about = [p for p in found.problems if p.table == "Case"]
+    assert len(about) == 1
+    assert "refer to sheet Case" in about[0].message
+    assert "Poles" in about[0].message
+    assert "renamed by another program" in about[0].message
+
+
+def test_one_name_that_leads_to_a_sheet_that_is_gone(workbook, tmp_path):
+    def other(book):
+        start = book.index(">", book.index('name="Poles"')) + 1
+        return book[:start] + "'My case'!$B$4" + book[book.index("<", start) :]
+
+    path = with_other_names(workbook.save(tmp_path / "small.xlsx"), other)
+    problem = only_problem(read_workbook(path), "Poles")
+    assert "refers to sheet My case, which the workbook no longer has" in problem.message

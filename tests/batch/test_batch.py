@@ -17,7 +17,7 @@ import pytest
 from batch_helpers import Here, command, environment, make_train, spoil, torsionbook
 
 from addin.batch import work
-from addin.batch.conductor import Batch, Stop, Stopped
+from addin.batch.conductor import Batch, Listener, Stop, Stopped
 from addin.batch.folder import OWN, FolderRefused, OutFolder
 from addin.batch.inputs import find_inputs
 from addin.batch.pool import Crashed
@@ -563,3 +563,92 @@ def test_strict_exits_with_one_where_a_verdict_fails(tmp_path):
     assert torsionbook(*words, cwd=tmp_path).returncode == 0
     assert torsionbook(*words, "--strict", "--resume", cwd=tmp_path).returncode == 1
     assert (tmp_path / "s" / "all.csv").is_file()
+
+
+# --- what is told ---------------------------------------------------------------------------------
+
+
+def test_the_verdict_says_what_was_not_judged(tmp_path):
+    """In the cell, in the CSV and in the closing line, as sheet Summary says it."""
+    make_train(tmp_path / "in" / "a.xlsx", example="modified")
+    done = recalculate(tmp_path / "in" / "a.xlsx", destination=tmp_path / "a.out.xlsx")
+    assert done.calculation is not None
+    checks = done.calculation.results.verdicts
+    left = [one for one in checks if one.check != "Overall" and one.verdict == "not judged"]
+    said = torsionbook("batch", "in", "--out", "out", "--jobs", 1, cwd=tmp_path)
+    cell = pd.read_csv(tmp_path / "out" / "summary.csv", encoding="utf-8-sig")["Verdict"][0]
+    assert cell == f"{checks[0].verdict}, {len(left)} not judged"
+    assert f"Verdicts: 1 {cell}." in said.stdout
+
+
+def test_an_unreadable_file_is_told_by_its_name_in_the_batch(tmp_path):
+    (tmp_path / "in" / "deep").mkdir(parents=True)
+    (tmp_path / "in" / "deep" / "a.xlsx").write_bytes(b"no workbook")
+    torsionbook("batch", "in", "--out", "out", "--jobs", 1, cwd=tmp_path)
+    errors = pd.read_excel(tmp_path / "out" / "summary.xlsx", sheet_name="Errors", header=3)
+    assert list(errors["Found"]) == ["deep/a.xlsx"]
+    assert str(tmp_path) not in errors.to_csv()
+
+
+@pytest.mark.parametrize("last", [False, True])
+def test_ctrl_c_while_the_last_file_runs_interrupts_nothing(few, tmp_path, last):
+    from addin.batch import commands
+
+    stop, seen = Stop(), []
+
+    class Asked(Here):
+        def answers(self, stopped):
+            for one in super().answers(stopped):
+                if one[0].do.__name__ == "calculate":
+                    seen.append(one)
+                    stop.asked += len(seen) == (3 if last else 1)
+                yield one
+
+    inputs = find_inputs([str(few)], tmp_path / "out")
+    with OutFolder(tmp_path / "out") as folder, Batch(folder, Asked(), stop=stop) as batch:
+        ended = commands._processed(batch, inputs, stop)
+        records = commands._rows(batch, inputs)
+    assert stop.asked == 1
+    assert bool(ended) is not last
+    assert commands._status(records, ended, stop, False, True) == (0 if last else 130)
+
+
+def test_that_the_first_calculation_compiles_is_said_once(few, tmp_path, monkeypatch):
+    said = []
+
+    class Told(Listener):
+        def note(self, sentence):
+            said.append(sentence)
+
+    monkeypatch.setattr("engine.stepping.compiling.is_compiled", lambda function: False)
+    assert len(run(few, tmp_path / "out", listener=Told())) == 3
+    assert len(said) == 1
+    assert said[0].startswith("compiling the numerical routines")
+
+
+def test_lines_of_a_log_say_when_and_end_with_all(monkeypatch, capsys):
+    from addin.batch import commands
+
+    now = [0.0]
+    monkeypatch.setattr(commands.time, "monotonic", lambda: now[0])
+    lines = commands._lines()
+    lines.begin("calculating", 9)
+    for _ in range(9):
+        now[0] += 4.0
+        lines.advance(None)
+    said = capsys.readouterr().err.splitlines()
+    assert [line.split(": ")[1].split(",")[0] for line in said] == [
+        "2 of 9",
+        "5 of 9",
+        "9 of 9",
+    ]
+    assert all(line[2] == ":" and line[5] == ":" for line in said)  # the time of day
+
+
+def test_the_summary_prints_on_pages_that_can_be_read(few, tmp_path):
+    torsionbook("batch", "trains", "--out", "out", "--jobs", 1, cwd=tmp_path)
+    sheet = openpyxl.load_workbook(tmp_path / "out" / "summary.xlsx")["Files"]
+    assert sheet.page_setup.scale >= 70
+    assert sheet.print_title_cols == "$A:$A"
+    assert sheet.print_title_rows == "$4:$4"
+    assert len(sheet.col_breaks.brk) == 3

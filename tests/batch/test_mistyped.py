@@ -44,7 +44,8 @@ def test_a_file_where_a_folder_is_meant(tmp_path):
     assert said == f"{tmp_path / 'b.xlsx'} is a file; --out names a folder."
     status, said = told("verify", tmp_path)
     assert status == 1
-    assert "is a folder, not a workbook. Name the workbooks in it." in said
+    assert "is a folder, not a workbook. Name the workbooks in it, such as " in said
+    assert "*.xlsx; torsionbook batch " in said
 
 
 def test_the_summary_of_an_earlier_batch_is_no_input(tmp_path):

@@ -329,3 +329,86 @@ def test_words_of_the_command_line(base, tmp_path):
     assert some.returncode == 1
     assert "2 rows in" in some.stdout
     assert "row 2: DampingRatio: found -1" in some.stderr
+
+
+# --- tables of Excel ------------------------------------------------------------------------------
+
+STIFFNESS = "Elements[Shaft].Stiffness [kN*m/rad]"
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        (f"Name;{STIFFNESS};DampingRatio\r\nä;2000,5;0,03\r\nb;1,5E+03;\r\n", "utf-8-sig"),
+        (f"sep=;\r\nName;{STIFFNESS}\r\nä;2000,5\r\nb;1500\r\n", "utf-8"),
+        (f'"sep=\t"\r\nName\t{STIFFNESS}\r\nä\t2000,5\r\nb\t1500,0\r\n', "utf-16"),
+        (f"Name\t{STIFFNESS}\r\nä\t2000,5\r\nb\t1500\r\n", "utf-16"),
+        (f"Name\t{STIFFNESS}\r\nä\t2000.5\r\nb\t1500\r\n", "utf-16"),
+        (f"sep=,\r\nName,{STIFFNESS}\r\nä,2000.5\r\nb,1500\r\n", "utf-8"),
+        (f"Name;{STIFFNESS}\r\nä;2,0005 MN*m/rad\r\nb;1500\r\n", "utf-8"),
+    ],
+)
+def test_what_excel_writes_is_read(base, tmp_path, text, encoding):
+    (tmp_path / "table.csv").write_bytes(text.encode(encoding))
+    done, rows = run(base, tmp_path / "table.csv", tmp_path / "out")
+    assert done.outcomes == {"done": 2}, done.reasons
+    assert list(rows["name"]) == ["ä", "b"]
+    exact = [frequency(2.0005e6), frequency(1.5e6)]
+    assert list(rows["mode_1_Hz"]) == pytest.approx(exact, rel=1e-12)
+
+
+@pytest.mark.parametrize("number", ["1.234,5", "1.234", "1.234.000", "1.234,5 kN*m/rad"])
+def test_a_table_with_decimal_commas_has_no_points(base, tmp_path, number):
+    table = csv(tmp_path, f"{STIFFNESS};DampingRatio", "1000,5;", f"{number};", "1000;")
+    done, rows = run(base, table, tmp_path / "out")
+    assert list(rows["outcome"]) == ["done", "wrong input", "done"]
+    assert f"found '{number}'; the decimal sign of this table is the comma" in rows["reason"][1]
+
+
+def test_a_comma_that_may_stand_between_thousands_is_refused(base, tmp_path):
+    """Tabs say nothing of the decimal sign: 1,234 is 1234 to one Excel and 1.234 to another."""
+    table = csv(tmp_path, f"{STIFFNESS}\tDampingRatio", "1,234\t", "1500.5\t0.02")
+    _, rows = run(base, table, tmp_path / "out")
+    assert list(rows["outcome"]) == ["wrong input", "done"]
+    assert "decimal sign as a point" in rows["reason"][0]
+
+
+@pytest.mark.parametrize(
+    ("lines", "separator", "decimal"),
+    [
+        (("Name;DampingRatio;Tag", "=x;0,025;a", "b;0,03;"), ";", ","),
+        (("Name,DampingRatio,Tag", "=x,0.025,a", "b,0.03,"), ",", "."),
+    ],
+)
+def test_results_for_excel_have_the_form_of_the_table(base, tmp_path, lines, separator, decimal):
+    csv(tmp_path, *lines)
+    words = ("batch", "base.json", "--vary", "table.csv", "--csv", "--out", "out", "--jobs", "1")
+    said = torsionbook(*words, cwd=tmp_path)
+    assert said.returncode == 0, said.stderr
+    assert "results.csv" in said.stdout
+    written = (tmp_path / "out" / "results.csv").read_bytes()
+    assert written.startswith(b"\xef\xbb\xbf")
+    shown = pd.read_csv(
+        tmp_path / "out" / "results.csv", sep=separator, decimal=decimal, encoding="utf-8-sig"
+    )
+    whole = pd.read_parquet(tmp_path / "out" / "results.parquet")
+    assert list(shown) == list(whole)
+    assert list(shown["name"]) == ["'=x", "b"]
+    for column in ("DampingRatio", "mode_1_Hz", "seconds"):
+        assert list(shown[column]) == list(whole[column])
+
+
+def test_ctrl_c_after_the_last_row_interrupts_nothing(base, tmp_path, monkeypatch, capsys):
+    from addin.batch import commands
+
+    table, stop = csv(tmp_path, "DampingRatio", "0.01", "0.02"), Stop()
+
+    class Last(Here):
+        def answers(self, stopped):
+            for one in super().answers(stopped):
+                stop.asked = 1
+                yield one
+
+    status = commands._varied(base, table, tmp_path / "out", Last(), False, stop, {}, False)
+    assert status == 0
+    assert "Interrupted" not in capsys.readouterr().err

@@ -271,3 +271,21 @@ def test_the_workbook_opens_elsewhere(folder, tmp_path, soffice):
     a, b = folder / "proposed.xlsx", folder / "modified.xlsx"
     RUN.invoke(app, ["diff", str(a), str(b), "--xlsx", str(book)])
     assert len(soffice.pages(book, dpi=40)) >= 3
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        (-38633.0, -15463.0, "+23,170 N*m"),  # less negative: +60 % would read as more
+        (-2.0, 3.0, "+5 N*m"),
+        (0.0, 3.0, "+3 N*m"),
+        (3.0, 0.0, "-3 N*m"),
+        (2.0, 3.0, "+50 %"),
+    ],
+)
+def test_per_cent_only_of_what_is_positive(before, after, said):
+    from addin.diff.changes import Change
+    from addin.diff.told import change_in_words
+
+    one = Change("changed", "StartupPeaks", "Mesh", "Minimum torque", before, after, "N*m")
+    assert change_in_words(one) == said

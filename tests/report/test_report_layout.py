@@ -97,3 +97,32 @@ def test_a_train_of_any_length_is_drawn_on_pages(stations, pictures):
     drawn = Pictures(Charts.of(chart_blocks(case, units)), vectors=False).train()
     assert len(drawn) == pictures
     assert all(abs(figure.width - WIDTH) < 1e-6 and figure.height < 170.0 for figure in drawn)
+
+
+@pytest.mark.parametrize("above", range(30, 62, 2))
+def test_a_broken_table_leaves_three_rows_and_its_note_is_never_alone(tmp_path, above):
+    """However full the page is: caption with rows, rows with rows, the note with the last rows."""
+    import json
+
+    import typst
+    from report_files import pdf_text
+
+    from addin.report.pdf import TEMPLATE, _table
+
+    rows = tuple((f"row{k:02}", "1.5") for k in range(30))
+    block = _table(
+        Table("Caption", (Column("Name"), Column("Number", "", "number")), rows, "Note.")
+    )
+    block |= {"type": "table", "together": False, "number": 1}
+    start = TEMPLATE.read_text(encoding="utf-8").split("// --- cover")[0]
+    lines = f"#for k in range({above}) {{ par(str(k)) }}\n#show-table(data.table)\n"
+    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "head": "", "foot": "",
+            "short_title": "", "table": block}  # fmt: skip
+    made = typst.compile((start + lines).encode(), sys_inputs={"data": json.dumps(data)})
+    (tmp_path / "t.pdf").write_bytes(made)
+    pages = pdf_text(tmp_path / "t.pdf").split("\f")
+    for page in pages:
+        count = page.count("row")
+        assert count == 0 or count >= 3
+        assert "Caption" not in page or count
+        assert "Note." not in page or count
