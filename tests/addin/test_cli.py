@@ -257,6 +257,7 @@ def test_two_runs_with_a_fixed_date_are_byte_identical_but_for_the_times_spent(e
     assert results[0] == results[1]
 
 
+@pytest.mark.slow
 def test_the_first_compilation_says_what_it_is_doing(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kernels"))
     (tmp_path / "train.xlsx").write_bytes(template_path("example_modified.xlsx").read_bytes())

@@ -108,6 +108,7 @@ def test_each_failure_is_told_with_its_reason(whole):
     )
 
 
+@pytest.mark.slow
 def test_results_are_those_of_recalc(whole, tmp_path):
     folder, _ = whole
     for name in ("train 9.xlsx", "train 8.xlsx", "twin.xlsx"):
@@ -239,6 +240,7 @@ def test_a_twin_whose_first_failed_is_calculated_by_itself(few, tmp_path, monkey
 # --- resume ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_resume_redoes_what_changed_and_nothing_else(trains, tmp_path, counted):
     out = tmp_path / "out"
     run(trains, out)

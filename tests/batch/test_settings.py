@@ -66,6 +66,7 @@ def test_settings_reach_every_file_and_are_written_where_verify_looks(few, tmp_p
         assert record.settings == NEWMARK
 
 
+@pytest.mark.slow
 def test_resume_with_other_settings_reuses_nothing(few, tmp_path, counted):
     out = tmp_path / "out"
     run(few, out)
@@ -83,6 +84,7 @@ def test_resume_with_other_settings_reuses_nothing(few, tmp_path, counted):
         assert said.get("Setting of the command line: method") == settings.get("method")
 
 
+@pytest.mark.slow
 def test_json_is_that_of_recalc(few, tmp_path):
     words = ("--method", "newmark", "--tolerance", "1%")
     done = torsionbook(

@@ -96,6 +96,7 @@ def value(path: Path, name: str) -> object:
     return book[sheet][cell].value
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C is sent otherwise there")
 def test_saved_files_are_calculated_again_new_ones_too_until_ctrl_c(tmp_path):
     source, out = tmp_path / "in", tmp_path / "out"

@@ -80,6 +80,7 @@ def through_browser(calls):
     return found
 
 
+@pytest.mark.slow
 def test_every_function_shows_the_same_bits_through_every_front(
     expected,  # noqa: F811
     calculated,  # noqa: F811

@@ -136,6 +136,7 @@ def call_of(path):
     return MODELS.add(read_workbook(path)).handle
 
 
+@pytest.mark.slow
 def test_it_follows_a_unit_and_a_table_that_grows(calc, shipped, tmp_path):
     """A shaft of known geometry at the end of a longer train: k = G π (D⁴ − d⁴) / 32 L."""
     rows = {}
@@ -174,6 +175,7 @@ def test_it_follows_a_unit_and_a_table_that_grows(calc, shipped, tmp_path):
     assert line[6] is None
 
 
+@pytest.mark.slow
 def test_wrong_inputs_are_said_and_the_train_is_shown_without_them(calc, shipped, tmp_path):
     def change(book):
         below(book, "MotorTorque", "Average", 2).value = "high"

@@ -60,6 +60,7 @@ def differences(book: OpenBook, path: Path):
                 yield sheet.title, place, a, b
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["example_proposed", "example_backlash"])
 def test_every_cell_ends_as_in_the_recalculated_file(tmp_path, kept, name):
     book = open_book(tmp_path, name)

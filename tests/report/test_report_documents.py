@@ -161,6 +161,7 @@ def test_a_case_file_is_shown_in_the_units_it_is_typed_in(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_two_runs_give_the_same_bytes(proposed, tmp_path):
     source = ROOT / "templates" / "example_proposed.xlsx"
     done = torsionbook("report", source, "--pdf", "again.pdf", "--docx", "again.docx", cwd=tmp_path)

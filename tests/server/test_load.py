@@ -3,6 +3,7 @@
 from benchmarks.server_load import CALLS, beside_a_start, together
 
 
+@pytest.mark.slow
 def test_a_thousand_calls_beside_a_long_start_are_all_answered(served):
     found = beside_a_start(served)
     # It was cancelled after the last answer, so no short call has waited for it.
@@ -11,6 +12,7 @@ def test_a_thousand_calls_beside_a_long_start_are_all_answered(served):
         assert found[when]["right"] == CALLS
 
 
+@pytest.mark.slow
 def test_a_thousand_cells_cost_less_than_a_tenth_of_a_request_each(served):
     found = together(served, rounds=3)
     assert found["together"] < 0.1 * min(found["each"], found["browser"])

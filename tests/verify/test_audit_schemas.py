@@ -46,6 +46,7 @@ def test_verify_of_a_good_workbook_and_of_its_results(train, calculated):
     assert verified(results, "--case", str(calculated / "case.xlsx"))["outcome"] == "follows"
 
 
+@pytest.mark.slow
 def test_verify_of_edits_of_every_sort(edited):
     def edit(workbook):
         workbook.set_cell(*cell_of(workbook, "StartupPeaks", 1, "Maximum torque"), 12345.0)

@@ -8,6 +8,7 @@ import zipfile
 from pathlib import Path
 
 import openpyxl
+import pytest
 from made_up_run import made_up_run
 
 from addin.package import open_workbook
@@ -98,6 +99,7 @@ def test_charts_without_our_titles_stay_as_they_are(tmp_path: Path) -> None:
         assert titles_of(after[name]) == titles_of(chart), name
 
 
+@pytest.mark.slow
 def test_a_workbook_saved_by_libreoffice_names_what_it_draws(soffice, tmp_path: Path) -> None:
     first = write_results(SOURCE, tmp_path / "first.xlsx", made_up_run(), STAMP).path
     workbook = open_workbook(soffice.convert(first, "xlsx"))

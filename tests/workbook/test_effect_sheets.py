@@ -89,6 +89,7 @@ def labels_of(path: Path) -> dict[str, str]:
     return {row["Key"]: row["Text"] for row in rows_of(path, "ChartLabels")}
 
 
+@pytest.mark.slow
 def test_the_blow_is_drawn_closely_with_the_forces_of_the_same_moment(written: Path) -> None:
     run = made_up_run()
     time, torque = run.histories["Mesh"]
@@ -113,6 +114,7 @@ def test_the_blow_is_drawn_closely_with_the_forces_of_the_same_moment(written: P
     assert labels["Force axis"] == "Force [lbf]"
 
 
+@pytest.mark.slow
 def test_load_angle_and_slip_are_drawn_from_field_application_on(written: Path) -> None:
     rows = [row for row in rows_of(written, "ChartPullIn") if row["Angle time"] is not None]
     assert 7.0 < rows[0]["Angle time"] < 7.93
@@ -125,6 +127,7 @@ def test_load_angle_and_slip_are_drawn_from_field_application_on(written: Path) 
     assert "pulls into step" in labels["Pull-in title"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "key", "words"),
     [
@@ -141,6 +144,7 @@ def test_a_chart_without_lines_says_why(
     assert words in labels_of(tmp_path / "out.xlsx")[key]
 
 
+@pytest.mark.slow
 def test_a_trip_is_marked_where_the_speed_is_highest(tmp_path: Path) -> None:
     run = made_up_run()
     time, speed = run.speed_time
@@ -174,6 +178,7 @@ def test_no_number_format_drops_the_sign_of_a_torque() -> None:
         assert number_format(column, "torque").startswith("[<1000]")
 
 
+@pytest.mark.slow
 def test_reversals_beyond_their_room_are_named_and_cut(tmp_path: Path) -> None:
     run = made_up_run()
     many = [dict(run.tables["TorqueReversals"][0], element=f"mesh {k}") for k in range(20)]
@@ -239,6 +244,7 @@ def accuracy_chart(path: Path) -> str:
     return chart
 
 
+@pytest.mark.slow
 def test_the_chart_says_that_there_is_no_study_yet(tmp_path: Path) -> None:
     run = made_up_run()
     plain = [{"method": "start", "setting": "", "error_peak": 1e-3, "time": 0.004}]
@@ -263,6 +269,7 @@ def test_a_study_without_rows_says_that_there_was_nothing_to_study(
     assert "nothing to study" in labels_of(target)["Accuracy title"]
 
 
+@pytest.mark.slow
 def test_the_slip_frequency_of_the_pulsation_is_headed_as_twice_the_slip(written: Path) -> None:
     mesh = rows_of(written, "TorqueReversals")[0]
     (of_run,) = [r for r in made_up_run().tables["TorqueReversals"] if r["element"] == "Mesh"]
@@ -277,6 +284,7 @@ def different_parts(one: Path, other: Path) -> set[str]:
         return {name for name in a.namelist() if a.read(name) != b.read(name)}
 
 
+@pytest.mark.slow
 def test_a_recalculation_after_a_study_leaves_nothing_of_it(written: Path, tmp_path: Path) -> None:
     target = tmp_path / "study.xlsx"
     write_study(open_workbook(written, read_only=True), target, STUDY, WORDS, STAMP, 58400.0)

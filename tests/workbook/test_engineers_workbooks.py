@@ -96,6 +96,7 @@ def changed(before: Path, after: Path) -> set[str]:
 # --- (a) everything else stays --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_corpus_holds_what_it_should(returned):
     """What would be lost first: if the builder stops making it, these tests prove nothing."""
     names = set(parts_of(returned[0]))
@@ -440,6 +441,7 @@ def test_without_a_calculator_nothing_old_is_left(returned, tmp_path, monkeypatc
     assert (values["of its own"], values["today"]) == (6, 40000)
 
 
+@pytest.mark.slow
 @ONE_KIND
 def test_a_spreadsheet_program_agrees_with_every_value_there_is(returned, soffice, tmp_path):
     """Every cached value of the workbook equals LibreOffice's own; blank is no value."""

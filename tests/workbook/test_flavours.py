@@ -63,6 +63,7 @@ def in_the_contracts_names(text: str) -> str:
     return CALLED.sub(lambda found: f"{found[1]}(", text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [one.name for one in WITH_FUNCTIONS])
 def test_every_flavour_holds_the_same_formulas(books: dict[str, Path], name: str) -> None:
     mine, others = formulas(books[name]), formulas(books["calc"])

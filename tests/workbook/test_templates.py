@@ -246,6 +246,7 @@ def test_examples_say_where_their_numbers_come_from(design: str) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["blank_si.xlsx", "example_proposed.xlsx"])
 def test_a_spreadsheet_program_agrees_with_every_cached_value(soffice, name: str) -> None:
     from workbook_checks import assert_caches_agree
@@ -253,6 +254,7 @@ def test_a_spreadsheet_program_agrees_with_every_cached_value(soffice, name: str
     assert_caches_agree(template_path(name), soffice)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["blank_us.xlsx", "blank_si.xlsx", "example_modified.xlsx"])
 def test_every_page_has_ink(soffice, name: str) -> None:
     from workbook_checks import assert_pages_have_ink

@@ -164,6 +164,7 @@ def test_charts_follow_their_data(written: Path) -> None:
         raise AssertionError("no history chart found")
 
 
+@pytest.mark.slow
 def test_chart_data_are_never_longer_than_their_limit(written: Path) -> None:
     for table in CHART_TABLES:
         assert len(rows_of(written, table.name)) <= HISTORY_POINTS
@@ -225,5 +226,6 @@ def test_a_spreadsheet_program_agrees_with_every_live_formula(soffice, written: 
     assert assert_caches_agree(written, soffice) > 200
 
 
+@pytest.mark.slow
 def test_every_page_of_the_results_has_ink(soffice, written: Path) -> None:
     assert_pages_have_ink(written, soffice, at_least=15)
