@@ -47,7 +47,7 @@ class Finding:
     ----------
     kind : str
         ``different``, ``edited``, ``row missing``, ``row added``, ``not shown``, ``old value``,
-        ``chart``, ``digest``, ``never calculated``, ``settings``. [word]
+        ``chart``, ``digest``, ``never calculated``, ``settings``, ``table missing``. [word]
     sheet, cell : str
         Where; of a JSON file the table's key and the path. [names]
     table, row, column : str

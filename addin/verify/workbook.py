@@ -26,6 +26,7 @@ from addin.verify.findings import (
 )
 from addin.verify.formulas import old_values, typed_over
 from addin.verify.recorded import Recorded, of_workbook
+from addin.verify.shape import missing_tables
 from addin.verify.tables import Expected, Stands, compare_tables
 from addin.version import product_version
 from addin.write_workbook import (
@@ -86,6 +87,7 @@ def verify_workbook(
         return not_calculated(about, problems, findings)
     counts, more = _compared(workbook, run, about)
     findings += more
+    findings += missing_tables(workbook)
     findings += typed_over(workbook)
     return concluded(about, counts, findings)
 
