@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterator
 
-from addin.fields import RESULT_TABLES, WORKBOOK_TABLES, TableSpec
+from addin.fields import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, TableSpec
 from addin.layout import workbook_columns
-from addin.package import Workbook
+from addin.package import Table, Workbook
 from addin.package.references import Rect, cell_name
+from addin.problems import shortened
 from addin.verify.findings import Finding
 
-__all__ = ["missing_tables"]
+__all__ = ["missing_tables", "odd_columns", "plain"]
 
 #: Headers side by side by which the cells of a table are known again that is a table no more.
 _TELLING = 3
@@ -47,6 +49,63 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
         yield Finding("table missing", *(at or ("", "")), said, spec.name)
 
 
+def odd_columns(workbook: Workbook) -> Iterator[Finding]:
+    """Headers that show other words than the columns are called, and columns nobody compared.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+
+    Yields
+    ------
+    Finding
+        One a header cell or column. A column of the engineer's own is a note.
+    """
+    for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES):
+        table = workbook.tables.get(spec.name)
+        if table is None:
+            continue
+        if table.header_row is None:
+            said = "the table shows no headers, so that nobody can tell its columns apart"
+            yield Finding("edited", table.sheet, "", said, spec.name)
+            continue
+        for k, name in enumerate(table.columns):
+            cell = cell_name(table.header_row, table.ref.left + k)
+            shown = workbook.shown_value(table.sheet, cell)
+            if plain(shown) != plain(name):
+                said = f"the header shows '{shortened(str(shown), 60)}', the column is '{name}'"
+                yield Finding(
+                    "edited", table.sheet, cell, said, spec.name, "", name, str(shown), name
+                )
+        if spec not in INPUT_TABLES:
+            yield from _unknown_columns(workbook, table, spec)
+
+
+def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Iterator[Finding]:
+    """Columns that are none of ours; with one of ours missing, nobody can say which is which."""
+    ours = {field.name.casefold(): field.name for field in workbook_columns(spec)}
+    missing = [name for key, name in ours.items() if key not in map(str.casefold, table.columns)]
+    part = workbook.sheet_part(table.sheet)
+    for k, name in enumerate(table.columns):
+        if name.casefold() in ours:
+            continue
+        column = table.ref.left + k
+        held = (part.constant(row, column) for row in range(table.data.top, table.data.bottom + 1))
+        if all(value in (None, "") for value in held):
+            continue
+        alike = next((one for one in missing if plain(one) == plain(name)), None)
+        said = f"the column '{name}' is none of ours and is not judged"
+        if missing:
+            lost = f"'{alike}'" if alike else " and ".join(f"'{one}'" for one in missing)
+            said = f"{said}, while {lost} is missing: give it its name back"
+        yield Finding(
+            "edited" if missing else "not shown", table.sheet,
+            cell_name(table.ref.top, column), said, spec.name, "", name, name, alike,
+            fails=bool(missing),
+        )  # fmt: skip
+
+
 def _as_cells(workbook: Workbook, spec: TableSpec) -> tuple[str, str] | None:
     """Sheet and cell where the headers of a table that is none any more begin."""
     wanted = [plain(field.name) for field in workbook_columns(spec)[:_TELLING]]
@@ -77,4 +136,7 @@ def plain(text: object) -> str:
     str
         Words in small letters.
     """
-    return " ".join(text.split()).casefold() if isinstance(text, str) else ""
+    if not isinstance(text, str):
+        return ""
+    shown = "".join(c for c in text if unicodedata.category(c) != "Cf")
+    return " ".join(shown.split()).casefold()
