@@ -12,6 +12,7 @@ from addin.layout import workbook_columns
 from addin.package import Formula, ObstaclesFound, PackageError, Table, TableData, Workbook
 from addin.package.references import Rect, cell_name
 from addin.package.xml_part import main, parse_part
+from addin.problems import shortened
 from addin.read_workbook import WorkbookInput, read_workbook
 from addin.template_styles import number_format
 from addin.verify.again import calculated_again
@@ -210,6 +211,7 @@ def _compared(
         rows = [dict(zip(columns, row, strict=True)) for row in data.rows]
         stands = Stands(table.sheet, list(_rows(workbook, table, columns)))
         pairs.append((Expected(spec.name, rows, columns), stands))
+        findings += _without_digits(spec.name, stands)
     units, _ = read_shown_units(workbook, run.case.ratings.rated_torque)
     same_version = about.made_by == about.this
     known, same_inputs = _is_known(about), about.recorded == about.inputs
@@ -261,6 +263,24 @@ def _rows(
             held[column] = Standing(shows, cell_name(row, at), formula, code)
         if any(one.value not in (None, "") or one.formula for one in held.values()):
             yield held
+
+
+def _without_digits(table: str, stands: Stands) -> Iterator[Finding]:
+    """A note for each column whose numbers are shown as fixed words, whatever they are."""
+    told = set()
+    for row in stands.rows:
+        for column, one in row.items():
+            if column in told or not isinstance(one.value, float) or not one.value:
+                continue
+            if not one.number_format or shown_step(one.value, one.number_format):
+                continue
+            told.add(column)
+            yield Finding(
+                "not shown", stands.sheet, one.place,
+                f"the number format {shortened(one.number_format, 60)} shows no digit of "
+                f"{one.value:.9g}",
+                table, "", column, fails=False,
+            )  # fmt: skip
 
 
 def _own_formats(table: str) -> dict[str, str]:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import openpyxl
 import pytest
 from cells_of_tables import cell_of
 from tampered_package import Package
@@ -205,3 +206,35 @@ def test_a_coarser_number_format_allows_no_more(tampered):
     found = tampered(edit)
     assert ("Starts", cell) in {(f.sheet, f.cell) for f in failing(found)}
     assert found.total(Agreement.DIFFERENT) == 1
+
+
+def test_a_workbook_saved_by_openpyxl_still_follows(train, tmp_path):
+    openpyxl.load_workbook(train).save(tmp_path / "saved.xlsx")
+    found = verify_file(tmp_path / "saved.xlsx")
+    assert found.passes
+    assert not found.findings
+
+
+def test_a_number_format_without_digits_is_a_note(tampered):
+    """The header's style is kept; the format that the damage is shown in becomes fixed words."""
+    place = header_cell("Damage")
+    cell = f"{place[0]}{int(place[1:]) + 1}"
+
+    def edit(package):
+        sheet = package.parts[package.part_of_sheet("Starts")].decode()
+        style = int(re.search(rf'<c r="{cell}" s="(\d+)"', sheet)[1])
+        formats = package.parts["xl/styles.xml"].decode()
+        cells = re.search(r"<cellXfs.*?</cellXfs>", formats, re.S)[0]
+        number = re.findall(r'<xf [^>]*numFmtId="(\d+)"', cells)[style]
+        package.change(
+            "xl/styles.xml",
+            lambda text: re.sub(
+                rf'(<numFmt numFmtId="{number}" formatCode=")[^"]*', r"\1&quot;none&quot;", text
+            ),
+        )
+
+    found = tampered(edit)
+    assert found.passes
+    assert ("AllowableStarts", "Damage") in {
+        (f.table, f.column) for f in found.findings if f.kind == "not shown"
+    }
