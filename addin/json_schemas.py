@@ -225,6 +225,8 @@ _FINDINGS = (
     "digest",
     "never calculated",
     "settings",
+    "table missing",
+    "not judged",
 )
 #: Every shipped schema by name.
 SCHEMAS = {

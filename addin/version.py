@@ -2,7 +2,11 @@
 
 from importlib import metadata
 
-__all__ = ["product_version"]
+__all__ = ["RELEASED", "product_version"]
+
+
+#: Versions with which anybody may have calculated; a new release is entered here.
+RELEASED = ("0.1.0",)
 
 
 def product_version() -> str:

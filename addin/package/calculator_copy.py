@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from .references import Rect, absolute_range, quoted_sheet
 from .tables import Table
+from .workbook_part import SIGNATURES
 from .xml_part import Element, main, parse_part, serialise
 
 if TYPE_CHECKING:
@@ -78,7 +79,10 @@ def calculator_copy(
     unread = [] if read is None else _unread_tables(workbook, with_formulas, read)
     rich, parts_without_rich = _without_rich_data(workbook)
     parts |= parts_without_rich
-    dropped = {table.part for table in unread} | rich
+    # The calculator takes no signed package; what is signed is the file, not this copy.
+    signed = {name for name in workbook.container.names if name.lower().startswith(SIGNATURES)}
+    parts |= workbook.structure.without_relationships("", signed)[1]
+    dropped = {table.part for table in unread} | rich | signed
     kept = [table for table in workbook.tables.values() if table.part not in dropped]
     for table in kept:
         data = parts.get(table.part) or workbook.container.read(table.part)

@@ -29,6 +29,10 @@ _NO_TAGS = re.compile(rb"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>", re.DOTALL)
 _FULL_CALC = re.compile(rb"""\s*fullCalcOnLoad\s*=\s*(?:"[^"]*"|'[^']*')""")
 
 
+#: Folder of digital signatures in a package.
+SIGNATURES = "_xmlsignatures/"
+
+
 @dataclass(frozen=True)
 class Relationship:
     """A relationship inside the package: its id, the last word of its type, and the part it leads to."""
@@ -155,7 +159,7 @@ class WorkbookPart:
 
     def is_signed(self) -> bool:
         """Whether the package carries a digital signature, which any edit would break."""
-        return any(name.lower().startswith("_xmlsignatures/") for name in self._container.names)
+        return any(name.lower().startswith(SIGNATURES) for name in self._container.names)
 
     def with_full_calculation(self) -> bytes:
         """The workbook part asking for a full calculation when it is opened."""

@@ -14,6 +14,7 @@ module          responsibility
 ``recorded``    what a file says of its own making: digest, software, settings
 ``again``       the calculation made again
 ``workbook``    a workbook
+``shape``       whether its tables are tables still, under their headers
 ``formulas``    its live formulas: typed over, or showing an old value
 ``charts``      what its charts draw
 ``json_file``   a result JSON beside its case

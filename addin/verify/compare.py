@@ -59,9 +59,7 @@ def agreement(found: Standing, expected: Value, allowed: float | None = None) ->
     value = found.value
     if _is_number(value) and _is_number(expected):
         return _numbers(float(value), float(expected), found.number_format, allowed)  # type: ignore[arg-type]
-    if (value or None) == (expected or None) and isinstance(value, bool) == isinstance(
-        expected, bool
-    ):
+    if _is_same(value, expected):
         return Agreement.BITS
     if isinstance(value, str) and isinstance(expected, str):
         return _words(value, expected, allowed)
@@ -85,7 +83,14 @@ def is_rounding(found: Value, expected: Value, scale: float = 0.0) -> bool:
     if _is_number(found) and _is_number(expected):
         smallest = max(ROUNDING * scale, 1e-300)
         return math.isclose(found, expected, rel_tol=ROUNDING, abs_tol=smallest)  # type: ignore[arg-type]
-    return (found or None) == (expected or None)
+    return _is_same(found, expected)
+
+
+def _is_same(one: Value, other: Value) -> bool:
+    """Whether two values are one; a blank is nothing or a text without letters, never a zero."""
+    if one in (None, "") or other in (None, ""):
+        return one in (None, "") and other in (None, "")
+    return one == other and isinstance(one, bool) == isinstance(other, bool)
 
 
 def _is_number(value: object) -> bool:

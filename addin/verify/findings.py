@@ -47,7 +47,8 @@ class Finding:
     ----------
     kind : str
         ``different``, ``edited``, ``row missing``, ``row added``, ``not shown``, ``old value``,
-        ``chart``, ``digest``, ``never calculated``, ``settings``. [word]
+        ``chart``, ``digest``, ``never calculated``, ``settings``, ``table missing``,
+        ``not judged``. [word]
     sheet, cell : str
         Where; of a JSON file the table's key and the path. [names]
     table, row, column : str
@@ -107,7 +108,7 @@ class Verification:
         The file. [path]
     outcome : str
         ``follows``, ``does not follow``, ``never calculated`` or ``not verified`` (its inputs
-        cannot be calculated, or it cannot be read). [words]
+        cannot be calculated, it cannot be read, or its own formulas cannot be judged). [words]
     sentence : str
         The outcome in words. [sentence]
     made_by, this : str
@@ -178,9 +179,16 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
         Complete.
     """
     ordered = sorted(findings, key=lambda finding: not finding.fails)
-    wrong = sum(finding.fails for finding in ordered)
+    wrong = sum(finding.fails and finding.kind != "not judged" for finding in ordered)
+    unjudged = any(finding.kind == "not judged" for finding in ordered)
     results = sum(sum(one.of) for one in counts)
-    if wrong == 0:
+    if wrong == 0 and unjudged:
+        outcome = "not verified"
+        sentence = (
+            f"All {results:,} results in tables follow from the inputs, but formulas that show verdicts "
+            "or key numbers could not be judged."
+        )
+    elif wrong == 0:
         outcome, sentence = "follows", f"All {results:,} results follow from the inputs."
     else:
         outcome = "does not follow"

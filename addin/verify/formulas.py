@@ -3,48 +3,116 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
 
-from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
+from addin.fields import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES
 from addin.layout import CHECK_FORMULAS
-from addin.package import ErrorValue, Formula, Table, Workbook
-from addin.package.references import Rect, cell_name
+from addin.package import ErrorValue, Formula, PackageError, Table, Workbook
+from addin.package.references import Rect, cell_name, parse_cell
 from addin.problems import shortened
-from addin.template_sheets import CYCLE_FACTS, FACT_LINES, KEY_NUMBERS, OVERALL, TITLE_BLOCK
+from addin.template_sheets import (
+    BLANK_TEXT,
+    CYCLE_FACTS,
+    FACT_LINES,
+    KEY_NUMBERS,
+    OVERALL,
+    SHEETS,
+    TITLE_BLOCK,
+)
 from addin.verify.compare import Standing, agreement
 from addin.verify.findings import Agreement, Finding
+from addin.verify.shape import plain
 
-__all__ = ["old_values", "typed_over"]
+__all__ = [
+    "OwnFormula",
+    "old_values",
+    "own_formulas",
+    "reads_nothing",
+    "restore",
+    "summary_sheet",
+    "typed_over",
+    "unjudged",
+]
 
+#: Where labels are looked for.
+_LABELS = Rect(1, 1, 1000, 60)
 _QUOTED = re.compile(r'("(?:[^"]|"")*")')
 
 
-def typed_over(workbook: Workbook) -> Iterator[Finding]:
-    """Live formulas of ours that were typed over or rewritten.
+@dataclass(frozen=True)
+class OwnFormula:
+    """A live formula of ours where it belongs.
+
+    Parameters
+    ----------
+    sheet : str
+        Its sheet. [name]
+    row, column : int
+        Its cell. [index]
+    formula : str
+        What this version writes there. [text]
+    what : str
+        What it says. [words]
+    table, header : str
+        Result table and live column; empty elsewhere. [names]
+    """
+
+    sheet: str
+    row: int
+    column: int
+    formula: str
+    what: str
+    table: str = ""
+    header: str = ""
+
+    @property
+    def cell(self) -> str:
+        """Its cell. [A1]"""
+        return cell_name(self.row, self.column)
+
+    def stands(self, workbook: Workbook) -> bool:
+        """Whether it is there, or shares the formula of another cell."""
+        part = workbook.sheet_part(self.sheet)
+        value = part.value(self.row, self.column)
+        if isinstance(value, Formula):
+            return _bare(value.text) == _bare(self.formula)
+        return (self.row, self.column) in part.formulas
+
+
+def own_formulas(workbook: Workbook) -> list[OwnFormula]:
+    """Live formulas of ours in the cells where they belong, whatever stands there.
 
     Parameters
     ----------
     workbook : Workbook
         As it stands.
 
-    Yields
-    ------
-    Finding
-        Constants in place of formulas fail; rewritten formulas are notes.
+    Returns
+    -------
+    list of OwnFormula
+        Check columns, the overall verdict, what stands beside its label, the lines of words.
     """
+    found: list[OwnFormula] = []
     for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
         table = workbook.tables.get(spec.name)
         for field in spec.extra_columns if table is not None else ():
             assert table is not None
-            if field.name in table.columns:
-                yield from _of_column(workbook, table, spec.columns[0].name, field.name)
-    yield from _of_overall(workbook)
-    yield from _of_labels(workbook)
+            if field.name.casefold() in {name.casefold() for name in table.columns}:
+                found += _of_column(workbook, table, spec.columns[0].name, field.name)
+    name = workbook.defined_names.get("OverallVerdict")
+    if name is not None and name.sheet is not None and name.rect is not None:
+        found.append(
+            OwnFormula(name.sheet, name.rect.top, name.rect.left, OVERALL, "overall verdict")
+        )
+    for sheet, formulas in _labelled(workbook):
+        found += _beside_labels(workbook, sheet, formulas)
+    return [*found, *_lines(workbook)]
 
 
-def _of_column(workbook: Workbook, table: Table, first: str, column: str) -> Iterator[Finding]:
+def _of_column(workbook: Workbook, table: Table, first: str, column: str) -> Iterator[OwnFormula]:
     """The live column of a result table: a formula in every row that holds a result."""
-    wanted = _bare(CHECK_FORMULAS[table.name, column])
     at = table.ref.left + table.column_index(column)
     named = [
         table.ref.left + k for k, c in enumerate(table.columns) if c.casefold() == first.casefold()
@@ -52,81 +120,249 @@ def _of_column(workbook: Workbook, table: Table, first: str, column: str) -> Ite
     for row in range(table.data.top, table.data.bottom + 1):
         if named and workbook.shown_value(table.sheet, cell_name(row, named[0])) is None:
             continue
-        yield from _judged(
-            workbook, table.sheet, row, at, wanted, f"live column {column}", table.name, column
-        )
+        yield OwnFormula(
+            table.sheet, row, at, CHECK_FORMULAS[table.name, column], f"live column {column}",
+            table.name, column,
+        )  # fmt: skip
 
 
-def _of_overall(workbook: Workbook) -> Iterator[Finding]:
-    """The verdict of the whole on the opening sheet."""
-    name = workbook.defined_names.get("OverallVerdict")
-    if name is not None and name.sheet is not None and name.rect is not None:
-        yield from _judged(
-            workbook, name.sheet, name.rect.top, name.rect.left, _bare(OVERALL), "overall verdict"
-        )
+def summary_sheet(workbook: Workbook) -> str | None:
+    """The sheet with the key numbers, told by their labels and not by a name that may lead astray.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+
+    Returns
+    -------
+    str or None
+        The sheet with most of their labels. [name]
+    """
+    wanted = {plain(one[0]) for one in KEY_NUMBERS}
+    first = [table.sheet for name, table in workbook.tables.items() if name == "Verdicts"]
+    counts: dict[str, int] = {}
+    for sheet in (*first, *workbook.sheet_names):
+        if sheet not in counts and workbook.sheet_bytes(sheet):
+            counts[sheet] = sum(label in wanted for _, _, label in _words_of(workbook, sheet))
+            if counts[sheet] * 2 >= len(wanted):
+                return sheet
+    best = max(counts, key=lambda sheet: counts[sheet], default=None)
+    return best if best is not None and counts[best] else next(iter(first), None)
 
 
-def _of_labels(workbook: Workbook) -> Iterator[Finding]:
-    """Key numbers, facts of the governing shaft and the stamp: the formula right of its label."""
-    summary = workbook.defined_names.get("OverallVerdict")
-    starts = workbook.tables.get("StartCycles")
+def _words_of(workbook: Workbook, sheet: str) -> Iterator[tuple[int, int, str]]:
+    """Cells of a sheet with words that no formula gives, plainly written."""
+    part = workbook.sheet_part(sheet)
+    for row, column in part.filled_cells(_LABELS):
+        if (row, column) not in part.formulas:
+            value = part.constant(row, column)
+            if isinstance(value, str) and value:
+                yield row, column, plain(value)
+
+
+def _labelled(workbook: Workbook) -> Iterator[tuple[str, dict[str, str]]]:
+    """Sheets with formulas beside labels: label → formula."""
+    summary, starts = summary_sheet(workbook), workbook.tables.get("StartCycles")
     block = {
-        label: f'=IF({name}="","",{name})'
+        label: BLANK_TEXT.format(name)
         for _, _, _, label, name in TITLE_BLOCK
         if name.startswith("run_")
     }
-    wanted = [
-        (summary.sheet if summary else None, block | {k[0]: k[1] for k in KEY_NUMBERS}),
-        (starts.sheet if starts else None, {fact[0]: fact[1] for fact in CYCLE_FACTS}),
-    ]
-    for sheet, formulas in wanted:
+    if summary is not None:
+        yield summary, block | {one[0]: one[1] for one in KEY_NUMBERS}
+    if starts is not None:
+        yield starts.sheet, {fact[0]: fact[1] for fact in CYCLE_FACTS}
+
+
+def _beside_labels(
+    workbook: Workbook, sheet: str, formulas: Mapping[str, str]
+) -> Iterator[OwnFormula]:
+    """Key numbers, facts of the governing shaft and the stamp: the formula right of its label."""
+    labels = {plain(label): label for label in formulas}
+    where = {one[0]: one[3] for one in KEY_NUMBERS if one[3]}
+    part = workbook.sheet_part(sheet)
+    for row, column, words in list(_words_of(workbook, sheet)):
+        label = labels.get(words)
+        beside = next(part.filled_cells(Rect(row, column + 1, row, column + 4)), None)
+        if label is None or beside is None:
+            continue
+        yield OwnFormula(sheet, *beside, formulas[label], label)
+        if label in where:
+            after = OwnFormula(sheet, row, column + 3, where[label], f"{label}, where")
+            held = part.value(row, column + 3)
+            if isinstance(held, Formula) or held not in (None, ""):
+                yield after
+
+
+def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
+    """The lines of words above the tables, unless they were moved as they are."""
+    for shipped, first, _, formula, _, _ in FACT_LINES:
+        sheet = _present_sheet(workbook, shipped)
         if sheet is None:
             continue
+        places = [
+            at for at, text in _placed_texts(workbook, sheet) if _bare(text) == _bare(formula)
+        ]
+        if places:
+            yield OwnFormula(sheet, *places[0], formula, "line of words")
+        elif workbook.value(sheet, first) not in (None, ""):
+            yield OwnFormula(sheet, *parse_cell(first), formula, "line of words")
+
+
+def _present_sheet(workbook: Workbook, shipped: str) -> str | None:
+    """A sheet under the name it was shipped with, or under the one it has now, told by its tables."""
+    if shipped in workbook.sheet_names:
+        return shipped
+    tables = next(sheet.tables for sheet in SHEETS if sheet.name == shipped)
+    return next((workbook.tables[name].sheet for name in tables if name in workbook.tables), None)
+
+
+def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
+    """Live formulas of ours that were typed over or rewritten, and labels and names led astray.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    same_version : bool
+        Whether this version wrote the file; another one may have had other labels. [flag]
+
+    Yields
+    ------
+    Finding
+        Constants in place of formulas, and formulas that read nothing, fail; other formulas are
+        notes here, their values are judged with those of all formulas.
+    """
+    for own in own_formulas(workbook):
+        if not own.stands(workbook):
+            yield _replaced(workbook, own)
+    for sheet, formulas in _labelled(workbook):
+        standing = {words for _, _, words in _words_of(workbook, sheet)}
+        for label in formulas:
+            if plain(label) not in standing:
+                yield Finding(
+                    "edited", sheet, "",
+                    f"the label '{label}' is missing, so that nothing tells which number is meant",
+                    expected=label, fails=same_version,
+                )  # fmt: skip
+    yield from _verdict_astray(workbook)
+
+
+#: What the overall verdict may say.
+_VERDICT = re.compile(
+    r"(PASS|FAIL|NOT JUDGED): (all )?\d+ (of \d+ )?checks.*|ACCEPTED \(margin by .*|NOT CALCULATED"
+)
+
+
+def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
+    """The name of the overall verdict on another sheet, and verdicts that no formula gives."""
+    name, summary = workbook.defined_names.get("OverallVerdict"), summary_sheet(workbook)
+    if name is None or name.sheet is None or name.rect is None:
+        yield Finding("edited", summary or "", "", "the name OverallVerdict leads to no cell")
+    elif summary is not None:
+        at = cell_name(name.rect.top, name.rect.left)
+        titles = {plain(label) for _, _, _, label, _ in TITLE_BLOCK}
+        columns = {c for _, c, words in _words_of(workbook, summary) if words in titles}
+        if name.sheet != summary or (columns and name.rect.left not in columns):
+            yield Finding(
+                "edited", name.sheet, at,
+                "the name OverallVerdict leads here, not to the verdict below the title block of "
+                f"sheet {summary}",
+            )  # fmt: skip
+    specs = {spec.name for spec in (*RESULT_TABLES, *WORKBOOK_TABLES, *INPUT_TABLES)}
+    ours = {table.sheet for table in workbook.tables.values() if table.name in specs}
+    for sheet in workbook.sheet_names:
+        if sheet not in ours:
+            continue
         part = workbook.sheet_part(sheet)
-        everything = Rect(1, 1, 1000, 60)
-        for row, column in list(part.filled_cells(everything)):
-            label = part.constant(row, column)
-            if (
-                not isinstance(label, str)
-                or label not in formulas
-                or (row, column) in part.formulas
+        for row, column in part.filled_cells(_LABELS):
+            shown, held = part.constant(row, column), part.value(row, column)
+            if not isinstance(shown, str) or not _VERDICT.fullmatch(shown.strip()):
+                continue
+            if (row, column) in part.formulas and not (
+                isinstance(held, Formula) and reads_nothing(workbook, held.text)
             ):
                 continue
-            beside = next(part.filled_cells(Rect(row, column + 1, row, column + 4)), None)
-            if beside is not None:
-                yield from _judged(workbook, sheet, *beside, _bare(formulas[label]), label)
-    for sheet, first, _, formula, _, _ in FACT_LINES:
-        if sheet in workbook.sheet_names and isinstance(workbook.shown_value(sheet, first), str):
-            texts = {_bare(f) for f in _texts(workbook, sheet)}
-            value = workbook.value(sheet, first)
-            if _bare(formula) not in texts and not isinstance(value, Formula):
-                yield _over(sheet, first, value, "line of words")
+            if any(t.sheet == sheet and t.ref.has(row, column) for t in workbook.tables.values()):
+                continue
+            if name and (name.sheet, name.rect) == (sheet, Rect(row, column, row, column)):
+                continue  # told as a formula typed over
+            yield Finding(
+                "edited", sheet, cell_name(row, column),
+                f"'{shortened(shown, 60)}' stands here as a verdict, and no formula gives it",
+                found=shown,
+            )  # fmt: skip
 
 
-def _texts(workbook: Workbook, sheet: str) -> Iterator[str]:
+def _replaced(workbook: Workbook, own: OwnFormula) -> Finding:
+    """What is said of a cell that does not hold the formula it should."""
+    value = workbook.sheet_part(own.sheet).value(own.row, own.column)
+    if not isinstance(value, Formula):
+        return _over(own.sheet, own.cell, value, own.what, own.table, own.header)
+    said = f"{own.what}: the formula is ={shortened(value.text, 90)}, not the one of this version"
+    nothing = reads_nothing(workbook, value.text)
+    return Finding(
+        "edited", own.sheet, own.cell, f"{said}; it reads no cell" if nothing else said,
+        own.table, "", own.header, value.text, _bare(own.formula), fails=nothing,
+    )  # fmt: skip
+
+
+_WORD = re.compile(r"[A-Za-z_\\][\w.\\]*")
+
+
+def reads_nothing(workbook: Workbook, formula: str) -> bool:
+    """Whether a formula reads neither a cell nor a table nor a name.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        Where it stands.
+    formula : str
+        Its text.
+
+    Returns
+    -------
+    bool
+    """
+    bare = _QUOTED.sub("", formula)
+    names = {name.casefold() for name in workbook.defined_names}
+    words = {word.casefold() for word in _WORD.findall(bare)}
+    cell = re.search(r"(?<![\w.])\$?[A-Za-z]{1,3}\$?\d{1,7}(?![\w(])", bare)
+    return not (cell or "[" in bare or "!" in bare or ":" in bare or words & names)
+
+
+def restore(fresh: Workbook) -> dict[tuple[str, int, int], OwnFormula]:
+    """Put our formulas back where others stand, so that what they would show is calculated.
+
+    Parameters
+    ----------
+    fresh : Workbook
+        A copy that nobody keeps, with the results written anew.
+
+    Returns
+    -------
+    dict
+        The formulas put back, by sheet, row and column.
+    """
+    restored = {}
+    for own in own_formulas(fresh):
+        if own.table or own.stands(fresh):
+            continue
+        try:
+            fresh.set_cell(own.sheet, own.cell, Formula(own.formula), replace_formula=True)
+        except PackageError:
+            continue
+        restored[own.sheet, own.row, own.column] = own
+    return restored
+
+
+def _placed_texts(workbook: Workbook, sheet: str) -> Iterator[tuple[tuple[int, int], str]]:
     part = workbook.sheet_part(sheet)
     for row, column in part.formulas:
         value = part.value(row, column)
         if isinstance(value, Formula):
-            yield value.text
-
-
-def _judged(
-    workbook: Workbook, sheet: str, row: int, column: int, wanted: str, what: str,
-    table: str = "", header: str = "",
-) -> Iterator[Finding]:  # fmt: skip
-    cell = cell_name(row, column)
-    part = workbook.sheet_part(sheet)
-    value = part.value(row, column)
-    if isinstance(value, Formula):
-        if _bare(value.text) != wanted:
-            yield Finding(
-                "edited", sheet, cell,
-                f"{what}: the formula is ={shortened(value.text, 90)}, not the one of this version",
-                table, "", header, value.text, wanted, fails=False,
-            )  # fmt: skip
-    elif (row, column) not in part.formulas:  # else it shares the formula of another cell
-        yield _over(sheet, cell, value, what, table, header)
+            yield (row, column), value.text
 
 
 def _over(
@@ -145,6 +381,7 @@ def old_values(
     fresh: Workbook,
     left_out: dict[str, list[Rect]],
     formats: Sequence[str],
+    restored: Mapping[tuple[str, int, int], OwnFormula] = MappingProxyType({}),
 ) -> Iterator[Finding]:
     """Formulas of anybody whose value is not the one that follows now.
 
@@ -158,6 +395,8 @@ def old_values(
         Areas by sheet in which rows do not stand in the same place.
     formats : sequence of str
         Number format of each style. [codes]
+    restored : mapping
+        Formulas of ours put back in ``fresh`` where others stand, by sheet, row and column.
 
     Yields
     ------
@@ -171,18 +410,48 @@ def old_values(
         for row, column in old.formulas:
             if any(area.has(row, column) for area in left_out.get(sheet, ())):
                 continue
+            own = restored.get((sheet, row, column))
             shows, follows = old.constant(row, column), new.constant(row, column)
+            if shows is None and own is not None and follows not in (None, ""):
+                said = f"{own.what}: the formula in place of ours shows nothing to be judged"
+                yield Finding("edited", sheet, own.cell, said, expected=_plain(follows))
             if shows is None or follows is None:
                 continue
             style = int(old.style(row, column) or 0)
             standing_here = Standing(shows, number_format=formats[style] if formats else "")
             if agreement(standing_here, follows) <= Agreement.DIGITS:
                 continue
+            kind, what = ("edited", f"{own.what}: the formula in place of ours") if own else (
+                "old value", "the formula"
+            )  # fmt: skip
             yield Finding(
-                "old value", sheet, cell_name(row, column),
-                f"the formula shows {_shown(shows)}, {_shown(follows)} follows",
+                kind, sheet, cell_name(row, column),
+                f"{what} shows {_shown(shows)}, {_shown(follows)} follows",
                 found=_plain(shows), expected=_plain(follows),
             )  # fmt: skip
+
+
+def unjudged(standing: Workbook, fresh: Workbook | None) -> list[OwnFormula]:
+    """Formulas of ours that show a value of which nobody here can say whether it follows.
+
+    Parameters
+    ----------
+    standing : Workbook
+        As it stands.
+    fresh : Workbook or None
+        With the results written anew and the values of its formulas renewed; None where that failed.
+
+    Returns
+    -------
+    list of OwnFormula
+        Those without a value to compare with.
+    """
+    return [
+        own
+        for own in own_formulas(standing)
+        if standing.shown_value(own.sheet, own.cell) not in (None, "")
+        and (fresh is None or fresh.shown_value(own.sheet, own.cell) is None)
+    ]
 
 
 def _plain(value: object) -> object:

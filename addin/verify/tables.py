@@ -122,6 +122,7 @@ def compare_tables(
     within: Agreement,
     same_version: bool,
     same_inputs: bool,
+    known_version: bool = True,
     unit_of: Callable[[str, str], str] = lambda table, column: "",
 ) -> tuple[list[Counts], list[Finding]]:
     """Compare all tables, and tell what was edited from what merely differs.
@@ -136,6 +137,9 @@ def compare_tables(
         What is accepted.
     same_version, same_inputs : bool
         Whether this version made the file, and from these inputs. [flags]
+    known_version : bool
+        Whether a version made the file that there ever was; else its words are held to those of
+        this one, to the letter. [flag]
     unit_of : callable
         Unit shown above a column, by table and header. [unit]
 
@@ -150,6 +154,7 @@ def compare_tables(
     findings: list[Finding] = []
     compared: list[Compared] = []
     numbers = {True: 0, False: 0}
+    same_words = same_version or not known_version
     sizes: dict[tuple[str, str], int] = {}
     for expected, stands in pairs:
         one = Counts(expected.name, stands.sheet)
@@ -162,10 +167,10 @@ def compare_tables(
         scales = {column: _scale(expected.rows, column) for column in expected.columns}
         for pair in _paired(expected, stands):
             if pair[0] is None or pair[1] is None:
-                findings += _one_sided(expected, stands, pair, same_version)
+                findings += _one_sided(expected, stands, pair, same_words)
                 continue
             row, there = expected.rows[pair[0]], stands.rows[pair[1]]
-            for cell in _compare_row(expected, stands, row, there, allowances, one):
+            for cell in _compare_row(expected, stands, row, there, allowances, one, known_version):
                 compared.append(replace(cell, scale=scales[cell.column]))
         numbers[expected.name in _OF_THE_START] += sum(one.of)
     reproduced = {
@@ -181,7 +186,7 @@ def compare_tables(
         if (cell.table, cell.column) in columns:
             continue
         sure = bool(same_version and same_inputs and reproduced[cell.table in _OF_THE_START])
-        finding = _finding(cell, within, sure, same_version)
+        finding = _finding(cell, within, sure, same_words)
         if finding is not None:
             findings.append(finding)
     return counts, findings
@@ -219,9 +224,9 @@ def _name(expected: Expected, row: Mapping[str, Any]) -> str:
 
 
 def _one_sided(
-    expected: Expected, stands: Stands, pair: tuple[int | None, int | None], same_version: bool
+    expected: Expected, stands: Stands, pair: tuple[int | None, int | None], same_words: bool
 ) -> Iterable[Finding]:
-    fails = same_version or expected.name not in _WORDED
+    fails = same_words or expected.name not in _WORDED
     if pair[0] is not None:
         name = _name(expected, expected.rows[pair[0]])
         if expected.name == "Audit" and is_own_of_each_run(name):
@@ -251,6 +256,7 @@ def _compare_row(
     there: Mapping[str, Standing],
     allowances: Allowances,
     counts: Counts,
+    known_version: bool,
 ) -> Iterable[Compared]:
     """Cells of one row that are not equal to the bit; all are counted."""
     name = _name(expected, row)
@@ -265,6 +271,8 @@ def _compare_row(
             continue
         wanted = row.get(column)
         allowed = allowances.of_value(expected.name, column, row)
+        if isinstance(wanted, str) and not known_version:
+            allowed = None
         how = agreement(found, wanted, allowed)
         if found.formula:
             how = Agreement.DIFFERENT
@@ -274,7 +282,7 @@ def _compare_row(
             yield Compared(expected.name, stands.sheet, name, column, found, wanted, how)
 
 
-def _finding(cell: Compared, within: Agreement, sure: bool, same_version: bool) -> Finding | None:
+def _finding(cell: Compared, within: Agreement, sure: bool, same_words: bool) -> Finding | None:
     """What is said of a result that is not as it would be written; None if nothing."""
     found, wanted = cell.found.value, cell.expected
     if cell.found.formula:
@@ -296,7 +304,7 @@ def _finding(cell: Compared, within: Agreement, sure: bool, same_version: bool) 
         fails = cell.agreement > within
         kind, said = "different", f"{_shown(found)} stands here, {_shown(wanted)} follows"
         worded = cell.table in _WORDED or cell.column in _WORDED_COLUMNS
-        if fails and worded and not same_version and not cell.is_number:
+        if fails and worded and not same_words and not cell.is_number:
             fails, said = False, f"{said}, in the words of this version"
         elif not fails:
             return None

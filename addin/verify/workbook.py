@@ -8,14 +8,17 @@ from typing import Any
 
 from addin.calculation import Calculation
 from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
+from addin.layout import workbook_columns
 from addin.package import Formula, ObstaclesFound, PackageError, Table, TableData, Workbook
 from addin.package.references import Rect, cell_name
 from addin.package.xml_part import main, parse_part
+from addin.problems import shortened
 from addin.read_workbook import WorkbookInput, read_workbook
+from addin.template_styles import number_format
 from addin.verify.again import calculated_again
 from addin.verify.allowances import Allowances
 from addin.verify.charts import compare_charts, drawn_elements
-from addin.verify.compare import Standing, agreement
+from addin.verify.compare import Standing, agreement, shown_step
 from addin.verify.findings import (
     Agreement,
     Counts,
@@ -24,10 +27,11 @@ from addin.verify.findings import (
     concluded,
     not_calculated,
 )
-from addin.verify.formulas import old_values, typed_over
+from addin.verify.formulas import old_values, restore, typed_over, unjudged
 from addin.verify.recorded import Recorded, of_workbook
+from addin.verify.shape import missing_tables, odd_columns
 from addin.verify.tables import Expected, Stands, compare_tables
-from addin.version import product_version
+from addin.version import RELEASED, product_version
 from addin.write_workbook import (
     NO_STUDY,
     RunStamp,
@@ -86,7 +90,9 @@ def verify_workbook(
         return not_calculated(about, problems, findings)
     counts, more = _compared(workbook, run, about)
     findings += more
-    findings += typed_over(workbook)
+    findings += missing_tables(workbook)
+    findings += odd_columns(workbook)
+    findings += typed_over(workbook, about.made_by == about.this or not _is_known(about))
     return concluded(about, counts, findings)
 
 
@@ -177,6 +183,11 @@ def _holds_results(workbook: Workbook) -> bool:
     return False
 
 
+def _is_known(about: Verification) -> bool:
+    """Whether the version that the file names is one that there ever was."""
+    return about.made_by in {about.this, *(f"torsionbook {version}" for version in RELEASED)}
+
+
 # --- comparing ------------------------------------------------------------------------------------
 
 
@@ -200,20 +211,28 @@ def _compared(
         rows = [dict(zip(columns, row, strict=True)) for row in data.rows]
         stands = Stands(table.sheet, list(_rows(workbook, table, columns)))
         pairs.append((Expected(spec.name, rows, columns), stands))
+        findings += _without_digits(spec.name, stands)
     units, _ = read_shown_units(workbook, run.case.ratings.rated_torque)
     same_version = about.made_by == about.this
-    same_inputs = about.recorded == about.inputs
+    known, same_inputs = _is_known(about), about.recorded == about.inputs
+    if not known:
+        said = (
+            f"the file says that '{about.made_by}' made it, a version that this one does not know: its "
+            "words must be those of this version"
+        )
+        findings.append(Finding("different", "", "", said, "Audit", "Software", fails=False))
     counts, more = compare_tables(
         pairs,
         Allowances(run.results),
         within=about.within,
         same_version=same_version,
         same_inputs=same_inputs,
+        known_version=known,
         unit_of=units.name,
     )
     findings += more
     findings += _facts_compared(workbook, by_name.get("RunFacts"), study, counts, about)
-    for one, finding in compare_charts(workbook, written, same_version):
+    for one, finding in compare_charts(workbook, written, same_version or not known):
         counts.append(one)
         findings += [finding] if finding else []
     findings += _formulas_compared(workbook, fresh, written, pairs)
@@ -226,7 +245,7 @@ def _rows(
     """Rows of a table in which something stands in one of the columns."""
     known = {name.casefold(): table.ref.left + k for k, name in enumerate(table.columns)}
     part = workbook.sheet_part(table.sheet)
-    formats = _formats(workbook)
+    formats, ours = _formats(workbook), _own_formats(table.name)
     for row in range(table.data.top, table.data.bottom + 1):
         held = {}
         for column in columns:
@@ -238,9 +257,37 @@ def _rows(
             shows = value.cached if isinstance(value, Formula) else value
             style = int(part.style(row, at) or 0) if isinstance(shows, float) else 0
             code = formats[style] if style < len(formats) else ""
+            shipped = ours.get(column, "")
+            if code and shipped and isinstance(shows, float):
+                code = min(code, shipped, key=lambda one: shown_step(shows, one))
             held[column] = Standing(shows, cell_name(row, at), formula, code)
         if any(one.value not in (None, "") or one.formula for one in held.values()):
             yield held
+
+
+def _without_digits(table: str, stands: Stands) -> Iterator[Finding]:
+    """A note for each column whose numbers are shown as fixed words, whatever they are."""
+    told = set()
+    for row in stands.rows:
+        for column, one in row.items():
+            if column in told or not isinstance(one.value, float) or not one.value:
+                continue
+            if not one.number_format or shown_step(one.value, one.number_format):
+                continue
+            told.add(column)
+            yield Finding(
+                "not shown", stands.sheet, one.place,
+                f"the number format {shortened(one.number_format, 60)} shows no digit of "
+                f"{one.value:.9g}",
+                table, "", column, fails=False,
+            )  # fmt: skip
+
+
+def _own_formats(table: str) -> dict[str, str]:
+    """Number formats of a result table as shipped: a coarser one in the file allows nothing more."""
+    spec = next((one for one in _RESULTS if one.name == table), None)
+    columns = workbook_columns(spec) if spec is not None else ()
+    return {one.name: number_format(one.name, one.dimension) for one in columns if one.is_number}
 
 
 def _facts_compared(
@@ -268,7 +315,9 @@ def _facts_compared(
             one.of[how] += 1
         if how > Agreement.DIGITS:
             said = f"{name}: '{stands}' stands here, '{follows}' follows"
-            fails = about.made_by == about.this or not isinstance(follows, str)
+            fails = (
+                not isinstance(follows, str) or about.made_by == about.this or not _is_known(about)
+            )
             findings.append(
                 Finding(
                     "different", sheet, cell, said, "RunFacts", str(name), "Value", stands,
@@ -315,19 +364,35 @@ def _formulas_compared(
         table = workbook.tables[expected.name]
         if len(expected.rows) != len(stands.rows):
             left_out.setdefault(table.sheet, []).append(table.data)
+    reason, restored = "", {}
     try:
         fresh.write_tables(list(_with_own_values(workbook, written)))
+        restored = restore(fresh)
         report = fresh.refresh_formula_caches()
     except ObstaclesFound as blocked:
-        sentence = "formulas were not judged: " + " ".join(map(str, blocked.obstacles[:3]))
-        return [Finding("not shown", "", "", sentence, fails=False)]
+        reason = " ".join(map(str, blocked.obstacles[:3]))
     except PackageError as wrong:
-        return [Finding("not shown", "", "", f"formulas were not judged: {wrong}", fails=False)]
-    findings = list(old_values(workbook, fresh, left_out, _formats(workbook)))
+        reason = str(wrong)
+    if reason:
+        noted = Finding("not shown", "", "", f"formulas were not judged: {reason}", fails=False)
+        return [noted, *_of_unjudged(workbook, None, reason)]
+    findings = list(old_values(workbook, fresh, left_out, _formats(workbook), restored))
     if report.removed:
         sentence = f"{report.removed} formulas were not judged. {report.reason}"
         findings.append(Finding("not shown", "", "", sentence, fails=False))
-    return findings
+    return [*findings, *(_of_unjudged(workbook, fresh, report.reason) if report.removed else ())]
+
+
+def _of_unjudged(workbook: Workbook, fresh: Workbook | None, reason: str) -> Iterator[Finding]:
+    """Live formulas of ours that cannot be judged: the workbook is not verified by its tables alone."""
+    left = unjudged(workbook, fresh)
+    if left:
+        first = left[0]
+        count = "1 live formula" if len(left) == 1 else f"{len(left):,} live formulas"
+        yield Finding(
+            "not judged", first.sheet, first.cell,
+            f"{count} of ours, from here on, could not be judged. {reason}",
+        )  # fmt: skip
 
 
 def _with_own_values(workbook: Workbook, written: list[TableData]) -> Iterator[TableData]:

@@ -33,6 +33,11 @@ def test_the_last_digit_shown(value, code, step):
     [
         (1.0, 1.0, "", None, Agreement.BITS),
         (None, "", "", None, Agreement.BITS),
+        (0.0, None, "", None, Agreement.DIFFERENT),
+        (None, 0.0, "0.00", 1.0, Agreement.DIFFERENT),
+        ("", 0, "", None, Agreement.DIFFERENT),
+        (False, None, "", None, Agreement.DIFFERENT),
+        (0.0, 0.0, "", None, Agreement.BITS),
         ("pass", "pass", "", None, Agreement.BITS),
         (1.0 + 1e-15, 1.0, "", None, Agreement.DIGITS),
         (1.234, 1.2375, "0.00", None, Agreement.DIGITS),
@@ -60,3 +65,10 @@ def test_rounding_is_what_no_hand_does():
     assert not is_rounding(3.00001, 3.0)
     assert is_rounding(None, "")
     assert not is_rounding("3", 3.0)
+
+
+def test_a_blank_is_no_zero_and_no_rounding_of_one():
+    assert is_rounding(None, "")
+    assert not is_rounding(0.0, None)
+    assert not is_rounding(None, 0.0)
+    assert not is_rounding("", 0.0)

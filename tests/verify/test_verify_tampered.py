@@ -1,0 +1,240 @@
+"""Edits that hide a result, a formula or what it is called: none leaves a clean outcome."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import openpyxl
+import pytest
+from cells_of_tables import cell_of
+from tampered_package import Package
+
+from addin.package import Formula, open_workbook
+from addin.package.references import cell_name
+from addin.template_files import template_path
+from addin.verify.file import verify_file
+from addin.verify.findings import Agreement, Finding, Verification
+
+
+@pytest.fixture
+def tampered(train: Path, tmp_path: Path) -> Callable[[Callable[[Package], None]], Verification]:
+    """What is said of the workbook after an edit of its package."""
+
+    def verified(edit: Callable[[Package], None]) -> Verification:
+        package = Package(train)
+        edit(package)
+        return verify_file(package.store(tmp_path / "tampered.xlsx"))
+
+    return verified
+
+
+def failing(found: Verification) -> list[Finding]:
+    return [finding for finding in found.findings if finding.fails]
+
+
+@pytest.mark.parametrize("table", ["AllowableStarts", "StartCycles"])
+def test_a_result_table_that_became_a_range_is_missed(tampered, table):
+    found = tampered(lambda package: package.table_to_range(table))
+    assert not found.passes
+    [missing] = [f for f in failing(found) if f.kind == "table missing"]
+    assert (missing.sheet, missing.table) == ("Starts", table)
+
+
+def test_a_zero_in_place_of_a_blank_is_seen_and_a_blank_in_place_of_a_zero(train, tmp_path):
+    workbook = open_workbook(train)
+    table = workbook.table("NaturalFrequencies")
+    cells = {"blank": [], "zero": []}
+    for row in range(1, table.data.height + 1):
+        for column in ("Frequency", "Percent speed"):
+            place = cell_of(workbook, "NaturalFrequencies", row, column)
+            held = workbook.shown_value(*place)
+            if held is None or held == 0.0:
+                cells["blank" if held is None else "zero"].append(place)
+    assert cells["blank"]
+    assert cells["zero"]
+    workbook.set_cell(*cells["blank"][0], 0.0)
+    workbook.set_cell(*cells["zero"][0], None)
+    workbook.save(tmp_path / "edited.xlsx")
+    named = {(f.sheet, f.cell) for f in failing(verify_file(tmp_path / "edited.xlsx"))}
+    assert {cells["blank"][0], cells["zero"][0]} <= named
+
+
+def test_a_header_that_stops_the_calculator_leaves_the_workbook_unverified(tampered):
+    """Blanks in a header are seen by nobody, but its formulas cannot be judged then."""
+
+    def edit(package):
+        package.put_text("Starts", header_cell("Paper count"), "Paper  count")
+
+    found = tampered(edit)
+    assert found.outcome == "not verified"
+    assert not found.passes
+    assert [f.kind for f in failing(found)] == ["not judged"]
+
+
+def test_swapped_headers_are_seen(tampered):
+    def edit(package):
+        package.put_text("Starts", header_cell("Damage"), "Paper count")
+        package.put_text("Starts", header_cell("Paper count"), "Damage")
+
+    found = tampered(edit)
+    assert found.outcome == "does not follow"
+    told = {(f.cell, f.found, f.expected) for f in failing(found) if f.kind == "edited"}
+    assert told == {
+        (header_cell("Damage"), "Paper count", "Damage"),
+        (header_cell("Paper count"), "Damage", "Paper count"),
+    }
+
+
+@pytest.mark.parametrize("name", ["Paper count ", "Count with margin"])
+def test_a_renamed_column_is_missed(tampered, name):
+    def edit(package):
+        package.put_text("Starts", header_cell("Paper count"), name)
+        package.change(
+            package.part_of_table("AllowableStarts"),
+            lambda text: text.replace('name="Paper count"', f'name="{name}"'),
+        )
+
+    found = tampered(edit)
+    assert found.outcome == "does not follow"
+    assert header_cell("Paper count") in {f.cell for f in failing(found) if f.kind == "edited"}
+
+
+def header_cell(column: str) -> str:
+    """Header cell of a column of `AllowableStarts`, as shipped."""
+    workbook = open_workbook(template_path("example_proposed.xlsx"), read_only=True)
+    table = workbook.table("AllowableStarts")
+    return cell_name(table.ref.top, table.ref.left + table.column_index(column))
+
+
+@pytest.mark.parametrize(
+    ("sheet", "cell", "formula", "shows"),
+    [
+        ("Summary", "B9", '"PASS: all 5 checks"', "PASS: all 5 checks"),
+        ("Starts", "B4", '"Nothing to judge here"', "Nothing to judge here"),
+        ("Start-up", "B4", '"In order, "&amp;run_Outcome', "In order"),
+        ("Summary", "E35", '"another shaft"&amp;Tag', "another shaft"),
+    ],
+)
+def test_another_formula_in_place_of_ours_is_judged_by_what_it_shows(
+    tampered, sheet, cell, formula, shows
+):
+    found = tampered(
+        lambda package: package.change_cell(sheet, cell, f"<f>{formula}</f><v>{shows}</v>", "str")
+    )
+    assert found.outcome == "does not follow"
+    assert (sheet, cell, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
+
+
+def test_a_formula_of_ours_written_otherwise_with_the_same_value_is_a_note(edited):
+    def edit(workbook):
+        held = workbook.value("Summary", "C34")
+        workbook.set_cell(
+            "Summary", "C34", Formula(f"({held.text})*1", held.cached), replace_formula=True
+        )
+
+    found = verify_file(edited(edit))
+    assert found.passes
+    assert [(f.kind, f.cell) for f in found.findings] == [("edited", "C34")]
+
+
+def test_a_verdict_typed_where_the_name_leads_no_more_is_seen(tampered):
+    def edit(package):
+        package.change(
+            "xl/workbook.xml",
+            lambda text: re.sub(r'(name="OverallVerdict"[^>]*>)[^<]*', r"\1Lists!$Z$50", text),
+        )
+        package.put_text("Summary", "B9", "PASS: all 5 checks")
+
+    places = {(f.sheet, f.cell) for f in failing(tampered(edit)) if f.kind == "edited"}
+    assert {("Lists", "Z50"), ("Summary", "B9")} <= places
+
+
+def test_a_label_with_a_blank_more_still_tells_its_number_and_another_label_is_missed(tampered):
+    def edit(package):
+        package.put_text("Summary", "B34", "Largest nominal stress, p-p ")
+        package.change_cell("Summary", "C34", "<v>7</v>")
+        package.put_text("Summary", "B35", "Starts, whole")
+
+    said = failing(tampered(edit))
+    assert ("Summary", "C34") in {(f.sheet, f.cell) for f in said}
+    assert any("'Least allowable starts, whole' is missing" in f.sentence for f in said)
+
+
+def test_a_version_that_never_was_loosens_nothing_in_words(edited):
+    def edit(workbook):
+        named = {"Software": "torsionbook 0.0.9"}
+        table = workbook.table("Audit")
+        for row in range(1, table.data.height + 1):
+            item = workbook.shown_value(*cell_of(workbook, "Audit", row, "Item"))
+            if item in named:
+                workbook.set_cell(*cell_of(workbook, "Audit", row, "Value"), named[item])
+        workbook.set_name("run_Software", "torsionbook 0.0.9")
+        workbook.set_cell(*cell_of(workbook, "Verdicts", 2, "Where"), "all margins satisfied")
+
+    found = verify_file(edited(edit))
+    assert [(f.table, f.column) for f in failing(found)] == [("Verdicts", "Where")]
+    assert any("does not know" in f.sentence for f in found.findings)
+
+
+def test_a_coarser_number_format_allows_no_more(tampered):
+    """'0' shows 0 of any damage; the format the column is shipped with shows what it is."""
+    place = header_cell("Damage")
+    cell = f"{place[0]}{int(place[1:]) + 1}"
+
+    def edit(package):
+        package.change(
+            "xl/styles.xml",
+            lambda text: re.sub(
+                r"(<cellXfs count=\")(\d+)(\".*?)(</cellXfs>)",
+                lambda m: (
+                    f'{m[1]}{int(m[2]) + 1}{m[3]}<xf numFmtId="1" applyNumberFormat="1"/>{m[4]}'
+                ),
+                text,
+                flags=re.S,
+            ),
+        )
+        package.change_cell("Starts", cell, "<v>0.0001</v>")
+        styles = package.parts["xl/styles.xml"].decode()
+        last = int(re.search(r'<cellXfs count="(\d+)"', styles)[1]) - 1
+        package.change(
+            package.part_of_sheet("Starts"),
+            lambda text: re.sub(rf'<c r="{cell}" s="\d+"', f'<c r="{cell}" s="{last}"', text),
+        )
+
+    found = tampered(edit)
+    assert ("Starts", cell) in {(f.sheet, f.cell) for f in failing(found)}
+    assert found.total(Agreement.DIFFERENT) == 1
+
+
+def test_a_workbook_saved_by_openpyxl_still_follows(train, tmp_path):
+    openpyxl.load_workbook(train).save(tmp_path / "saved.xlsx")
+    found = verify_file(tmp_path / "saved.xlsx")
+    assert found.passes
+    assert not found.findings
+
+
+def test_a_number_format_without_digits_is_a_note(tampered):
+    """The header's style is kept; the format that the damage is shown in becomes fixed words."""
+    place = header_cell("Damage")
+    cell = f"{place[0]}{int(place[1:]) + 1}"
+
+    def edit(package):
+        sheet = package.parts[package.part_of_sheet("Starts")].decode()
+        style = int(re.search(rf'<c r="{cell}" s="(\d+)"', sheet)[1])
+        formats = package.parts["xl/styles.xml"].decode()
+        cells = re.search(r"<cellXfs.*?</cellXfs>", formats, re.S)[0]
+        number = re.findall(r'<xf [^>]*numFmtId="(\d+)"', cells)[style]
+        package.change(
+            "xl/styles.xml",
+            lambda text: re.sub(
+                rf'(<numFmt numFmtId="{number}" formatCode=")[^"]*', r"\1&quot;none&quot;", text
+            ),
+        )
+
+    found = tampered(edit)
+    assert found.passes
+    assert ("AllowableStarts", "Damage") in {
+        (f.table, f.column) for f in found.findings if f.kind == "not shown"
+    }
