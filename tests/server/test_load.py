@@ -1,5 +1,7 @@
 """Many calls while a long start runs: nothing is lost, and one request for many cells is cheap."""
 
+import pytest
+
 from benchmarks.server_load import CALLS, beside_a_start, together
 
 
