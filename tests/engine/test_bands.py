@@ -22,7 +22,9 @@ TURN = 2.0 * math.pi
 def test_bands_of_the_papers_excitations_by_hand() -> None:
     """1800 rpm, 20 %: 1× is 30 Hz, forbidden from 24 to 36 Hz; 1× line from 48 to 72 Hz."""
     case = geared()
-    bands = {b.excitation: b for b in forbidden_bands(case, excitations_of(case, prepared(case)[0]))}
+    bands = {
+        b.excitation: b for b in forbidden_bands(case, excitations_of(case, prepared(case)[0]))
+    }
     assert (bands["1× motor speed"].from_, bands["1× motor speed"].to) == pytest.approx((24, 36))
     assert (bands["1× line"].from_, bands["1× line"].to) == pytest.approx((48, 72))
     pinion = bands["2× Pinion speed"]
