@@ -30,6 +30,8 @@ from engine.effects import CHOICES, CONTACT_LAWS, EFFECTS
 __all__ = [
     "DIMENSIONS",
     "Dimension",
+    "EVERY_INPUT",
+    "EVERY_TABLE",
     "Field",
     "INPUT_TABLES",
     "RESULT_TABLES",
@@ -902,6 +904,17 @@ def result_table(name: str) -> TableSpec:
     return _RESULTS[name]
 
 
+#: Every table that a workbook may have.
+EVERY_TABLE: tuple[TableSpec, ...] = (
+    *INPUT_TABLES,
+    *RESULT_TABLES,
+    *WORKBOOK_TABLES,
+    *STUDY_INPUT_TABLES,
+    *STUDY_RESULT_TABLES,
+)
+#: Those that the engineer fills in.
+EVERY_INPUT: tuple[TableSpec, ...] = (*INPUT_TABLES, *STUDY_INPUT_TABLES)
+
 _SCALARS = {field.name: field for field in SCALARS}
-_INPUTS = {table.name: table for table in (*INPUT_TABLES, *STUDY_INPUT_TABLES)}
+_INPUTS = {table.name: table for table in EVERY_INPUT}
 _RESULTS = {table.name: table for table in (*RESULT_TABLES, *STUDY_RESULT_TABLES)}

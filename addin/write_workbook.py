@@ -294,7 +294,7 @@ def read_shown_units(
         A sentence for each unit that cannot be used.
     """
     names: dict[tuple[str, str], str] = {}
-    for spec in (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES):
+    for spec in fields.EVERY_TABLE:
         table = workbook.tables.get(spec.name)
         if table is None or not table.header_row or table.header_row < 2:
             continue
