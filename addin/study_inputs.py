@@ -32,7 +32,7 @@ _DIMENSIONS = {
 _RELATIVE = UnitScale(1.0)
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
 #: Most values of one row; a range has fewer by its own check. [count]
-_MOST_VALUES = 1000
+_MOST_VALUES = 200
 
 
 @dataclass(frozen=True)
@@ -53,6 +53,8 @@ class StudiesRead:
         Places of which nothing more is to be said. [places]
     locate : callable
         A problem with its cell and the number as typed.
+    typed : TypedCase
+        Every entry of the study tables. [as typed]
     """
 
     inputs: StudyInputs
@@ -61,6 +63,7 @@ class StudiesRead:
     warnings: tuple[str, ...]
     bad: frozenset[Place]
     locate: Callable[[Problem], CellProblem]
+    typed: TypedCase
 
     def told(
         self, tables: Collection[str], found: Collection[Problem] = ()
@@ -133,6 +136,7 @@ def studies_read(
         warnings,
         findings.bad_cells,
         locate,
+        typed,
     )
 
 

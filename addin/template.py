@@ -11,6 +11,7 @@ import argparse
 import datetime as dt
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +40,7 @@ from .live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
 from .results_page import TRACE_HEADERS, trace_groups, trace_rows
 from .shown_units import shown_units
 from .study_charts import STUDY_CHARTS
+from .study_examples import STUDY_ROWS
 from .study_sheets import (
     STUDIES,
     STUDY_CAPTIONS,
@@ -177,6 +179,8 @@ def _build(
     studies: bool,
 ) -> None:
     filled = EXAMPLES[example] if isinstance(example, str) else example or Example({}, {}, {})
+    if studies and isinstance(example, str):
+        filled = replace(filled, tables={**filled.tables, **STUDY_ROWS})
     blocks = _chart_rows(filled, system)
     with xlsxwriter.Workbook(
         path, {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
@@ -530,7 +534,8 @@ class _Builder:
                 page.write_blank(row, column, None, self.style("input_more"))
             return
         if field.has_unit:
-            page.write_string(row, left + 2, self._unit(field), self.style("input_unit"))
+            unit = self.example.scalar_units.get(field.name, self._unit(field))
+            page.write_string(row, left + 2, unit, self.style("input_unit"))
             page.data_validation(row, left + 2, row, left + 2, _unit_list(field))
         else:
             page.write_blank(row, left + 2, None, self.style("no_unit"))
