@@ -82,7 +82,7 @@ def test_study_rows_do_not_change_the_case_and_spoil_no_plain_run(tmp_path: Path
     ("row", "says"),
     [
         ({"values": "0.5; 1,2"}, "'1,2' is not a number"),
-        ({"values": "0.5", "unit": "lbf*ft"}, "of torsional stiffness"),
+        ({"values": "0.5", "unit": "kg"}, "of torsional stiffness"),
         ({"quantity": "stifness", "values": "1"}, "Did you mean 'stiffness'?"),
         ({"values": " ".join(["1"] * 201)}, "found 201 values"),
     ],
