@@ -20,6 +20,7 @@ from addin.diff.commands import diff
 from addin.excel.commands import excel
 from addin.report.commands import report
 from addin.server.commands import serve
+from addin.studies.tuning_command import tune
 from addin.terminal import Refused, list_problems, progress, refuse_clashes
 from addin.verify.commands import verify
 
@@ -60,6 +61,7 @@ app.command()(report)
 app.command()(verify)
 app.command()(diff)
 app.command()(batch)
+app.command()(tune)
 
 Files = Annotated[
     list[Path],

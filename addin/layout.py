@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 
 from addin.fields import Field, TableSpec
+from addin.tuning_fields import LINES, MAP_ROWS
 from engine.effects import EFFECTS
 
 __all__ = [
@@ -33,6 +34,14 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("TorqueReversals", "Note"): 48.0,
     ("Effects", "Why"): 96.0,
     ("Plans", "Reason"): 96.0,
+    ("TuningResults", "Combination"): 44.0,
+    ("TuningResults", "Reason"): 88.0,
+    ("TuningResults", "Broken"): 30.0,
+    ("TuningCrossings", "Combination"): 44.0,
+    ("TuningCrossings", "Note"): 60.0,
+    ("TuningAxes", "First variable"): 26.0,
+    ("TuningAxes", "Second variable"): 16.0,
+    **{("TuningAxes", f"Line {k}"): 13.0 for k in range(1, LINES + 1)},
 }
 
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
@@ -47,6 +56,7 @@ ROOMS: Mapping[str, int] = {
     "TorqueReversals": 8,
     "BearingForces": 13,
     "Effects": len(EFFECTS),
+    **dict.fromkeys(("TuningStarts", "TuningMargins", "TuningModes"), MAP_ROWS),
 }
 
 #: Width of the text column of sheet `Notes`. [characters]

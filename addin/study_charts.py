@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from addin.chart_parts import Places
+from addin.tuning_charts import TUNING_CHARTS
 
 __all__ = ["STUDY_CHARTS"]
 
 #: Name of a chart → what draws it.
-STUDY_CHARTS: Mapping[str, Callable[[Any, Places, int], Any]] = {}
+STUDY_CHARTS: Mapping[str, Callable[[Any, Places, int], Any]] = {**TUNING_CHARTS}

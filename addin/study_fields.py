@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from addin.field_kinds import TableSpec, choice, integer, number, table, text, traced
 from addin.study_traces import STUDY_TRACES
+from addin.tuning_fields import TUNING_RESULT_TABLES
 from engine.substitution import SCATTERED, TUNED
 
 __all__ = ["STUDY_INPUT_TABLES", "STUDY_RESULT_TABLES"]
@@ -129,4 +130,4 @@ STUDY_INPUT_TABLES: tuple[TableSpec, ...] = (
 )
 
 #: Result tables of the studies: rows come from the engine, keys and units are those of the JSON.
-STUDY_RESULT_TABLES: tuple[TableSpec, ...] = traced((), STUDY_TRACES)
+STUDY_RESULT_TABLES: tuple[TableSpec, ...] = traced(TUNING_RESULT_TABLES, STUDY_TRACES)

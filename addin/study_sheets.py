@@ -6,15 +6,26 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from addin.template_sheets import Sheet
+from addin.tuning_sheets import (
+    TUNING_CAPTIONS,
+    TUNING_INTROS,
+    TUNING_SCALES,
+    TUNING_SHEETS,
+    TUNING_VERDICTS,
+    StudyScale,
+)
 
 __all__ = [
+    "COLOUR_SCALE",
     "STUDIES",
     "STUDY_CAPTIONS",
     "STUDY_FACTS",
     "STUDY_INTROS",
+    "STUDY_SCALES",
     "STUDY_SHORT_CAPTIONS",
     "STUDY_VERDICTS",
     "StudyOnSheet",
+    "StudyScale",
     "study_lines",
     "with_studies",
 ]
@@ -51,7 +62,7 @@ class StudyOnSheet:
 
 
 #: Every study, in the order of its sheets.
-STUDIES: tuple[StudyOnSheet, ...] = ()
+STUDIES: tuple[StudyOnSheet, ...] = (StudyOnSheet("tuning", "Tuning results", "J", "tune"),)
 
 #: Rows of table `StudyFacts`: what was found in words, and which inputs it belongs to.
 STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
@@ -100,7 +111,7 @@ _INPUT_SHEETS: tuple[Sheet, ...] = (
     ),
 )  # fmt: skip
 
-_RESULT_SHEETS: tuple[Sheet, ...] = ()
+_RESULT_SHEETS: tuple[Sheet, ...] = (*TUNING_SHEETS,)
 
 #: Caption above each table.
 STUDY_CAPTIONS: Mapping[str, str] = {
@@ -110,6 +121,7 @@ STUDY_CAPTIONS: Mapping[str, str] = {
     "StartConditions": "Start conditions",
     "MeasuredFrequencies": "Measured frequencies",
     "MeasuredPeaks": "Measured peaks (optional)",
+    **TUNING_CAPTIONS,
 }
 
 #: Tables with another table close to their right: the caption stands alone.
@@ -124,10 +136,24 @@ STUDY_INTROS: Mapping[str, str] = {
     "Duty": "Kinds of starts and how often each happens, for torsionbook starts FILE: start matrix and "
     "damage ledger.",
     "Measured": "What was measured on the train, for torsionbook calibrate FILE.",
+    **TUNING_INTROS,
 }
 
 #: Result tables and the column that is coloured as a verdict.
-STUDY_VERDICTS: tuple[tuple[str, str], ...] = ()
+STUDY_VERDICTS: tuple[tuple[str, str], ...] = (*TUNING_VERDICTS,)
+
+#: Maps that are coloured.
+STUDY_SCALES: tuple[StudyScale, ...] = (*TUNING_SCALES,)
+
+#: From the least to the most of a map, by rank: starts differ by powers of ten.
+COLOUR_SCALE: Mapping[str, str | float] = {
+    "type": "3_color_scale",
+    "min_color": "#F4B6A6",
+    "mid_color": "#FBE9B7",
+    "max_color": "#A9D6B2",
+    "mid_type": "percentile",
+    "mid_value": 50.0,
+}
 
 
 def study_lines(study: StudyOnSheet) -> tuple[tuple[str, str, float], ...]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from addin.traces import Trace
+from addin.tuning_fields import TUNING_TRACES
 
 __all__ = ["STUDY_TRACES"]
 
 #: (result table, column) → its trace.
-STUDY_TRACES: Mapping[tuple[str, str], Trace] = {}
+STUDY_TRACES: Mapping[tuple[str, str], Trace] = {**TUNING_TRACES}

@@ -42,12 +42,15 @@ from .shown_units import shown_units
 from .study_charts import STUDY_CHARTS
 from .study_examples import STUDY_ROWS
 from .study_sheets import (
+    COLOUR_SCALE,
     STUDIES,
     STUDY_CAPTIONS,
     STUDY_FACTS,
     STUDY_INTROS,
+    STUDY_SCALES,
     STUDY_SHORT_CAPTIONS,
     STUDY_VERDICTS,
+    StudyScale,
     study_lines,
     with_studies,
 )
@@ -289,6 +292,8 @@ class _Builder:
         """Column widths, banner, strip, freezing and print set-up of a sheet."""
         page = self.sheets[sheet.name]
         page.hide_gridlines(2)
+        if sheet.hidden:
+            page.hide()
         page.set_tab_color(TAB_COLOURS[sheet.kind])
         for columns, width in sheet.widths.items():
             page.set_column(columns if ":" in columns else f"{columns}:{columns}", width)
@@ -710,6 +715,27 @@ class _Builder:
             place = self.places[table]
             at = place.columns[column]
             self._colours(place.sheet, place.first, at, place.last, at)
+        for scale in STUDY_SCALES:
+            self._scale(scale)
+
+    def _scale(self, scale: StudyScale) -> None:
+        """Colours of a map: by size, or against the limit in the same row."""
+        place = self.places[scale.table]
+        left, right = place.columns[scale.first], place.columns[scale.last]
+        area = (place.first, left, place.last, right)
+        page = self.sheets[place.sheet]
+        if not scale.limit:
+            self._colours(place.sheet, *area)
+            good = {"type": "cell", "criteria": "==", "value": '"unlimited"'}
+            page.conditional_format(*area, good | {"format": self.style("cf_pass")})
+            page.conditional_format(*area, dict(COLOUR_SCALE))
+            return
+        cell = xl_rowcol_to_cell(place.first, left)
+        limit = xl_rowcol_to_cell(place.first, place.columns[scale.limit], col_abs=True)
+        for sign, style in (("<", "cf_fail"), (">=", "cf_pass")):
+            rule = f"=AND(ISNUMBER({cell}),{cell}{sign}{limit})"
+            options = {"type": "formula", "criteria": rule, "format": self.style(style)}
+            page.conditional_format(*area, options)
 
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""

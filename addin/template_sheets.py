@@ -102,6 +102,8 @@ class Sheet:
         Rows repeated on every page; a chart must begin below them. [count]
     one_page : bool
         Whether all of it is fitted to one page.
+    hidden : bool
+        Whether it holds nothing but numbers behind charts. [flag]
     """
 
     name: str
@@ -113,6 +115,7 @@ class Sheet:
     freeze: str = "A4"
     header_rows: int = 3
     one_page: bool = False
+    hidden: bool = False
 
 
 #: Row of the cell above each history chart; the chart begins one row below.

@@ -87,7 +87,6 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartAccuracy",
 }
 #: Columns in which no number means that there is no limit.
-_ALLOWED = "AllowableStarts"
 _STARTS = frozenset({"Allowable starts", "Paper count", "Cycles to failure"})
 #: Flags that are shown as on or off; all others as yes or nothing.
 _SWITCHES = frozenset({"On"})
@@ -438,7 +437,8 @@ def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: Sho
         if field.name not in _STARTS:
             return None
         # A row that does not say whether its starts are limited is of no whole start.
-        return "not judged" if spec.name == _ALLOWED and "unlimited" not in row else "unlimited"
+        says = "unlimited" in spec.json_only
+        return "not judged" if says and "unlimited" not in row else "unlimited"
     if isinstance(value, bool):
         if field.name in _SWITCHES:
             return "on" if value else "off"
@@ -639,15 +639,21 @@ def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
 def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
     """Row heights of tables with sentences that wrap; rows no longer used get the usual one."""
     by_name = {data.name: data for data in written}
+    heights: dict[str, list[float]] = {}
     for (name, column), width in WRAPPED.items():
         data = by_name.get(name)
         if data is None or data.columns is None or column not in data.columns:
             continue
-        table, at = workbook.table(name), list(data.columns).index(column)
+        at = list(data.columns).index(column)
         spare = ROOMS[name] - len(data.rows) if name in ROOMS else 0
         texts = [str(row[at] or "") for row in data.rows] + [""] * max(spare, 0)
-        for row, text in enumerate(texts, table.data.top):
-            workbook.set_row_height(table.sheet, row, text_height(text, width))
+        needed = [text_height(text, width) for text in texts]
+        known = heights.setdefault(name, needed)
+        heights[name] = [max(pair) for pair in zip(known, needed, strict=True)]
+    for name, needed in heights.items():
+        table = workbook.table(name)
+        for row, height in enumerate(needed, table.data.top):
+            workbook.set_row_height(table.sheet, row, height)
 
 
 def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> TableData:

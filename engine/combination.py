@@ -14,7 +14,7 @@ from engine.crossings import Crossing
 from engine.errors import CaseError, TorsionError
 from engine.excitation import transmitted_torque
 from engine.fatigue import shear_stress
-from engine.margins import FAIL, PASS
+from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS
 from engine.results import Results
 from engine.run import run
 from engine.start_fatigue import is_counted
@@ -113,6 +113,12 @@ class Answers:
     def broken(self) -> tuple[str, ...]:
         """Checks that fail; one that is made of several elements is named for each. [names]"""
         return tuple(c.check for c in self.checks if c.verdict == FAIL)
+
+    @property
+    def verdict(self) -> str:
+        """The worst of the checks: ``fail``, ``accepted by forced response``, ``pass`` or ``not judged``."""
+        found = {c.verdict for c in self.checks}
+        return next((v for v in (FAIL, ACCEPTED, PASS) if v in found), NOT_JUDGED)
 
     @property
     def governing(self) -> Crossing | None:

@@ -16,7 +16,7 @@ from typing import Any
 
 from engine.bands import Band, Window, forbidden_bands, free_windows
 from engine.case import CaseData, case_digest
-from engine.combination import Tried, calculate_combination
+from engine.combination import Answers, Tried, calculate_combination
 from engine.excitation import excitations_of
 from engine.ranking import chosen, is_better, ranked, reason
 from engine.studies import StudyInputs
@@ -259,51 +259,59 @@ def ranked_rows(result: TuningResult) -> list[Row]:
     -------
     list of dict
         Frequencies [Hz], margin and percent speed [1], torques [N m], stresses [Pa], sweep rate
-        [Hz/s]; the crossing is the one that stresses the train most.
+        [Hz/s]; the crossing is the one that stresses the train most. ``unlimited`` is absent where
+        starts were not judged.
     """
     return [_ranked_row(row) for row in result.rows]
 
 
 def _ranked_row(row: Ranked) -> Row:
     a = row.tried.answers
-    told = {
+    told: Row = {
         "rank": row.rank,
         "combination": row.combination,
-        "as_is": "yes" if row.tried.combination.as_is else "",
-        "better": "yes" if row.better else "",
+        "as_is": row.tried.combination.as_is,
+        "better": row.better,
+        "reason": row.reason,
     }
     if a is None:
-        return told | {"outcome": "impossible", "reason": row.reason}
+        return told | {"verdict": "impossible", "outcome": "impossible"}
     c = a.governing
-    percent = None if c is None or c.percent_speed is None else c.percent_speed / 100.0
-    return told | {
+    told |= {
+        "verdict": a.verdict,
         "limits_broken": len(a.broken),
         "broken": ", ".join(dict.fromkeys(a.broken)),
         "allowable_starts": a.starts,
-        "unlimited": a.unlimited,
         "error": a.starts_error,
-        "governing": a.starts_where,
+        "governing_shaft": a.starts_where or None,
         "worst_margin": a.worst_margin,
         "margin_where": a.margin_where,
-        "margin_verdict": a.margin_verdict,
         "mode_1": _at(a.modes, 0),
         "mode_2": _at(a.modes, 1),
         "mode_3": _at(a.modes, 2),
-        "mode_crossed": None if c is None else c.mode,
-        "percent_speed": percent,
-        "sweep_rate": None if c is None else c.sweep_rate,
-        "average_torque": None if c is None else c.average_torque,
-        "pulsating_torque": None if c is None else c.pulsating_torque,
         "peak_to_peak_stress": a.peak_stress,
-        "peak_to_peak_stress_scf": a.peak_stress_scf,
-        "stress_where": a.peak_stress_where,
+        "stress_with_scf": a.peak_stress_scf,
+        "stress_where": a.peak_stress_where or None,
         "peak_torque_over_rated": a.peak_over_rated,
-        "torque_where": a.peak_torque_where,
+        "torque_where": a.peak_torque_where or None,
         "mesh_minimum_torque": a.mesh_minimum_torque,
         "impacts": a.impacts,
         "outcome": a.outcome,
-        "reason": row.reason,
     }
+    if c is not None:
+        told |= {
+            "mode_crossed": c.mode,
+            "percent_speed": None if c.percent_speed is None else c.percent_speed / 100.0,
+            "sweep_rate": c.sweep_rate,
+            "average_torque": c.average_torque,
+            "pulsating_torque": c.pulsating_torque,
+        }
+    return told | _judged(a)
+
+
+def _judged(a: Answers) -> Row:
+    """Whether starts are limited; not said where they were not judged."""
+    return {"unlimited": a.unlimited} if a.unlimited or a.starts is not None else {}
 
 
 def _at(values: tuple[float, ...], index: int) -> float | None:
@@ -406,7 +414,7 @@ def map_rows(result: TuningResult) -> list[Row]:
                 row |= {
                     "limits_broken": len(a.broken),
                     "allowable_starts": a.starts,
-                    "unlimited": a.unlimited,
+                    **_judged(a),
                     "worst_margin": a.worst_margin,
                     **{f"mode_{n}": f for n, f in enumerate(a.modes, start=1)},
                 }

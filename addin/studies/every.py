@@ -21,7 +21,9 @@ def every_study() -> tuple[Study, ...]:
     -------
     tuple of Study
     """
-    return ()
+    from addin.studies.tuning import TUNING
+
+    return (TUNING,)
 
 
 def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:

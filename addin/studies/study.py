@@ -41,7 +41,9 @@ class Found:
     warnings : tuple of str
         What the engineer should know. [sentences]
     details : mapping of str to object
-        More for the JSON alone. [SI]
+        More for the JSON alone, or in place of a table that the sheet shows in part. [SI]
+    charts : mapping of str to sequence of mapping
+        Rows of tables that the workbook alone has: maps, and numbers behind charts. [SI]
     """
 
     result: Any
@@ -50,6 +52,7 @@ class Found:
     digest: str
     warnings: tuple[str, ...] = ()
     details: Mapping[str, Any] = field(default_factory=dict)
+    charts: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -320,7 +323,7 @@ def _write(
     report = write_study_results(
         read.workbook,
         destination,
-        found.tables,
+        {**found.tables, **found.charts},
         facts,
         read.data.ratings.rated_torque,
         ignore_lock=ignore_lock,
