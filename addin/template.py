@@ -95,6 +95,8 @@ _VERDICT_WIDTH = 54.0
 _WIDE = 80.0
 #: Columns C to Q of sheet `Reversals`, merged. [characters]
 _REVERSAL_NOTES_WIDTH = 138.0
+#: Last row of a sheet.
+_LAST_ROW = 1_048_576
 #: Excel shows no longer prompt. [characters]
 _LONGEST_PROMPT = 255
 _NOT_YET = "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
@@ -351,6 +353,8 @@ class _Builder:
         page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
         page.repeat_rows(0, sheet.header_rows - 1)
         page.fit_to_pages(1, 1 if sheet.one_page else 0)
+        if sheet.printed:
+            page.print_area(f"A1:{sheet.printed}{_LAST_ROW}")
 
     # -- functions in cells ------------------------------------------------------------------------
 

@@ -104,6 +104,8 @@ class Sheet:
         Whether all of it is fitted to one page.
     hidden : bool
         Whether it holds nothing but numbers behind charts. [flag]
+    printed : str
+        Last column on paper; empty = all of them. [letters]
     """
 
     name: str
@@ -116,6 +118,7 @@ class Sheet:
     header_rows: int = 3
     one_page: bool = False
     hidden: bool = False
+    printed: str = ""
 
 
 #: Row of the cell above each history chart; the chart begins one row below.

@@ -11,7 +11,6 @@ from addin.tuning_fields import LINES, MAP_MODES
 __all__ = ["TUNING_CHARTS"]
 
 _COLOURS = ("navy", "teal", "gold", "rust", "plum", "grey")
-_X = "Value tried, % of what the case says: the first variable of sheet Tuning map"
 
 
 def _cell(places: Places, table: str, column: str) -> str:
@@ -35,7 +34,7 @@ def _starts(workbook: Any, places: Places, _: int) -> Any:
     for k in range(1, LINES + 1):
         chart.add_series(_series(places, "TuningLines", k))
     title(chart, "Allowable starts, a line each option of the second variable (unlimited left out)")
-    chart.set_x_axis(axis(_X, num_format="General"))
+    chart.set_x_axis(axis(_cell(places, "TuningAxes", "First variable"), num_format="General"))
     chart.set_y_axis(axis("Allowable starts", log_base=10, num_format="#,##0", crossing="min"))
     chart.show_blanks_as("gap")
     legend(chart)
@@ -50,7 +49,7 @@ def _margins(workbook: Any, places: Places, _: int) -> Any:
     required = xy(places, "TuningMargins", "Of as is", "Required", "Required")
     chart.add_series(required | {"line": line("rust", 1.5, "dash")})
     title(chart, "Worst separation margin, a line each option of the second variable")
-    chart.set_x_axis(axis(_X, num_format="General"))
+    chart.set_x_axis(axis(_cell(places, "TuningAxes", "First variable"), num_format="General"))
     chart.set_y_axis(axis("Margin, as in the table", min=0, num_format="General"))
     legend(chart)
     return chart
@@ -60,13 +59,13 @@ def _modes(workbook: Any, places: Places, _: int) -> Any:
     """Modes, and the bands that no mode may lie in."""
     chart = workbook.add_chart({"type": "scatter", "subtype": "straight"})
     hatch = xy(places, "TuningHatch", "Of as is", "Frequency", "Forbidden")
-    chart.add_series(hatch | {"line": line("#E8A598", 0.75)})
+    chart.add_series(hatch | {"line": line("#EFB9AE", 0.5)})
     for k in range(1, MAP_MODES + 1):
         colour = _COLOURS[(k - 1) % len(_COLOURS)]
         mode = xy(places, "TuningModes", "Of as is", f"Mode {k}", f"Mode {k}")
         chart.add_series(mode | {"line": line(colour, 2.0), "marker": dot(colour, size=5)})
     title(chart, "Modes against the first variable, and the forbidden bands of the excitations")
-    chart.set_x_axis(axis(_X, num_format="General"))
+    chart.set_x_axis(axis(_cell(places, "TuningAxes", "First variable"), num_format="General"))
     chart.set_y_axis(axis("Frequency, as in the table", min=0, num_format="General"))
     chart.show_blanks_as("gap")
     legend(chart)

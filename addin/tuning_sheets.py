@@ -47,13 +47,14 @@ TUNING_SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Tuning results",
         "result",
-        {"A": 1.5, "B": 6, "C": 44, "D:E": 7, "F": 13, "G": 8, "H": 12, "I": 9, "J": 88, "K": 30,
+        {"A": 1.5, "B": 6, "C": 44, "D:E": 7, "F": 24, "G": 8, "H": 12, "I": 9, "J": 88, "K": 30,
          "L": 9, "M": 22, "N": 28, "O:Q": 9, "R": 8, "S:V": 10.5, "W:X": 10.5, "Y": 22, "Z": 9,
          "AA": 22, "AB": 11, "AC": 9, "AD": 13},
         "J",
         {"TuningResults": "B7"},
         freeze="D10",
         header_rows=9,
+        printed="J",
     ),
     Sheet(
         "Tuning map",
@@ -70,8 +71,9 @@ TUNING_SHEETS: tuple[Sheet, ...] = (
         (
             ChartAt("tuning-starts", f"L{_STARTS}", 640, 350),
             ChartAt("tuning-margins", f"L{_MARGINS}", 640, 350),
-            ChartAt("tuning-modes", f"L{_MODES}", 640, 420),
+            ChartAt("tuning-modes", f"L{_MODES}", 640, 480),
         ),
+        one_page=True,
     ),
     Sheet(
         "Tuning crossings",

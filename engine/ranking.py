@@ -240,7 +240,7 @@ def _severity(a: Answers, b: Answers | None) -> str:
 def _times(factor: float) -> str:
     if abs(factor - 1.0) < SAME:
         return " (as is)"
-    return f" ({factor:.3g} × as is)"
+    return f" ({float(f'{factor:.3g}'):,.12g} × as is)"
 
 
 def _count(starts: float) -> str:

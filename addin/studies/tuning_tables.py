@@ -18,7 +18,7 @@ __all__ = ["map_tables", "spread_out"]
 Row = dict[str, Any]
 
 #: Strokes across a band. [count]
-_STROKES = 24
+_STROKES = 60
 #: Modes up to this multiple of the highest frequency of a start are drawn. [1]
 _REACH = 1.3
 #: Half the width of the hatching where there is one value only. [1]
@@ -91,7 +91,10 @@ def _axes(
     across: Variable, up: Variable | None, lines: list[int], shown: int, others: Sequence[str]
 ) -> Row:
     """What rows and columns of the maps stand for."""
-    row: Row = {"first_variable": across.title, "second_variable": "none" if up is None else up.title}
+    row: Row = {
+        "first_variable": f"{across.title}, % of as is",
+        "second_variable": "none" if up is None else up.title,
+    }
     if shown < len(across.options):
         row["first_variable"] += f" ({shown} of {len(across.options)} values shown)"
     if up is not None and len(lines) < len(up.options):
@@ -104,7 +107,9 @@ def _axes(
 
 def _starts(options: list[Row], cells: list[list[Tried | None]], *, in_words: bool) -> list[Row]:
     return [
-        option | {f"line_{k}": _cell(t, in_words) for k, t in enumerate(row, 1)}
+        option
+        | {f"line_{k}": _cell(t, in_words) for k, t in enumerate(row, 1)}
+        | {"dimension": "count"}
         for option, row in zip(options, cells, strict=True)
     ]
 
