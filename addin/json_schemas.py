@@ -1,4 +1,4 @@
-"""JSON Schemas of cases and results, made from `addin.fields`.
+"""JSON Schemas of cases, results and studies, made from `addin.fields`.
 
 ``python -m addin.json_schemas`` writes them into ``addin/schemas``; a test compares.
 """
@@ -6,14 +6,29 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from addin.case_json import FORMAT as CASE_FORMAT
-from addin.fields import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
+from addin.fields import (
+    INPUT_TABLES,
+    RESULT_TABLES,
+    SCALARS,
+    Field,
+    TableSpec,
+    result_table,
+)
 from addin.results_json import FORMAT as RESULTS_FORMAT
 
-__all__ = ["SCHEMA_FOLDER", "case_schema", "results_schema", "write_schemas"]
+__all__ = [
+    "SCHEMA_FOLDER",
+    "case_schema",
+    "results_schema",
+    "study_schema",
+    "tuning_schema",
+    "write_schemas",
+]
 
 #: Where the shipped schemas are.
 SCHEMA_FOLDER = Path(__file__).resolve().parent / "schemas"
@@ -69,8 +84,99 @@ def results_schema() -> dict[str, Any]:
     }
 
 
+def study_schema(title: str, tables: Sequence[str], details: Mapping[str, Any]) -> dict[str, Any]:
+    """Schema of the JSON of a study.
+
+    Parameters
+    ----------
+    title : str
+        What it is. [words]
+    tables : sequence of str
+        Its result tables. [names]
+    details : mapping of str to object
+        Schemas of what it has besides, by key.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12.
+    """
+    texts = {"type": "array", "items": {"type": "string"}}
+    digest = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
+    properties: dict[str, Any] = {
+        "format": {"const": RESULTS_FORMAT},
+        "study": {"type": "string"},
+        "case_sha256": digest,
+        "study_sha256": {"description": "Of the rows it was made from."} | digest,
+        "version": {"type": "string"},
+        "sentence": {"description": "What was found, in words.", "type": "string"},
+        "warnings": texts,
+        "errors": {"type": "array", "items": _problem()},
+    }
+    specs = [result_table(name) for name in tables]
+    properties |= {spec.key: _result_table(spec) for spec in specs} | details
+    return {
+        "$schema": _DIALECT,
+        "title": title,
+        "description": "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as 1.",
+        **_object(properties, required=["format", "errors"]),
+    }
+
+
+def tuning_schema() -> dict[str, Any]:
+    """Schema of what ``torsionbook tune --json`` writes.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12.
+    """
+    number, text = {"type": "number"}, {"type": "string"}
+    count = {"type": "integer"}
+    option = _object({"label": text, "value": number})
+    variable = {
+        "name": {"description": "Element, or the station of an inertia.", **text},
+        "quantity": text,
+        "unit": {"description": "Of the values below; backlash is m or rad.", **text},
+        "present": {"description": "What the case says.", **number},
+        "options": {"type": "array", "items": option},
+    }
+    choice = {"rank": count, "values": {"type": "array", "items": {"type": ["number", "null"]}}}
+    window = {"from": number, "to": {"description": "Absent above the highest band.", **number}}
+    cell = {
+        "across": {"description": "Option of the first variable.", **text},
+        "across_value": number,
+        "up": {"description": "Option of the second variable.", **text},
+        "up_value": number,
+        "rank": {"description": "Of the best combination with both.", **count},
+        "limits_broken": count,
+        "allowable_starts": {"description": "Absent where unlimited or not judged.", **number},
+        "unlimited": {"description": "Absent where starts were not judged.", "type": "boolean"},
+        "worst_margin": number,
+    }
+    cells = _object(cell) | {"patternProperties": {"^mode_[1-9][0-9]*$": number}}
+    return study_schema(
+        "torsionbook tuning study",
+        ("TuningResults", "TuningCrossings", "ForbiddenBands"),
+        {
+            "variables": {"type": "array", "items": _object(variable)},
+            "choices": {
+                "description": "Values of the variables of each combination, by rank.",
+                "type": "array",
+                "items": _object(choice),
+            },
+            "free_windows": {
+                "description": "Frequencies that no band forbids. [Hz]",
+                "type": "array",
+                "items": _object(window),
+            },
+            "tuning_map": {"type": "array", "items": cells},
+        },
+    )
+
+
 def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
-    """Write both schemas.
+    """Write all schemas.
 
     Parameters
     ----------
@@ -78,7 +184,8 @@ def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
         Where to; made when it is not there. [path]
     """
     folder.mkdir(exist_ok=True)
-    for name, schema in (("case", case_schema()), ("results", results_schema())):
+    schemas = {"case": case_schema(), "results": results_schema(), "tuning": tuning_schema()}
+    for name, schema in schemas.items():
         text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
         (folder / f"{name}.schema.json").write_text(text, encoding="utf-8", newline="\n")
 

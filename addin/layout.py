@@ -39,9 +39,9 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("TuningResults", "Broken"): 30.0,
     ("TuningCrossings", "Combination"): 44.0,
     ("TuningCrossings", "Note"): 60.0,
-    ("TuningAxes", "First variable"): 26.0,
-    ("TuningAxes", "Second variable"): 16.0,
-    **{("TuningAxes", f"Line {k}"): 13.0 for k in range(1, LINES + 1)},
+    ("TuningAxes", "First variable"): 22.0,
+    ("TuningAxes", "Second variable"): 11.0,
+    **{("TuningAxes", f"Line {k}"): 11.0 for k in range(1, LINES + 1)},
 }
 
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]

@@ -95,8 +95,8 @@ _VERDICT_WIDTH = 54.0
 _WIDE = 80.0
 #: Columns C to Q of sheet `Reversals`, merged. [characters]
 _REVERSAL_NOTES_WIDTH = 138.0
-#: Last row of a sheet.
-_LAST_ROW = 1_048_576
+#: Last row but one of a sheet: a print area of whole columns is none to openpyxl.
+_LAST_ROW = 1_048_575
 #: Excel shows no longer prompt. [characters]
 _LONGEST_PROMPT = 255
 _NOT_YET = "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"

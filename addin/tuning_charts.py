@@ -64,7 +64,7 @@ def _modes(workbook: Any, places: Places, _: int) -> Any:
         colour = _COLOURS[(k - 1) % len(_COLOURS)]
         mode = xy(places, "TuningModes", "Of as is", f"Mode {k}", f"Mode {k}")
         chart.add_series(mode | {"line": line(colour, 2.0), "marker": dot(colour, size=5)})
-    title(chart, "Modes against the first variable, and the forbidden bands of the excitations")
+    title(chart, "Modes of the best combination with each option, and the forbidden bands")
     chart.set_x_axis(axis(_cell(places, "TuningAxes", "First variable"), num_format="General"))
     chart.set_y_axis(axis("Frequency, as in the table", min=0, num_format="General"))
     chart.show_blanks_as("gap")

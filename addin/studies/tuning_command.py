@@ -32,7 +32,8 @@ def tune(
     jobs: JobsOption = None,
     scheduler: SchedulerOption = None,
     top: Annotated[
-        int, typer.Option("--top", min=1, help="How many of the best are listed and saved as cases.")
+        int,
+        typer.Option("--top", min=1, help="How many of the best are listed and saved as cases."),
     ] = 5,
     cases: Annotated[
         Path | None,
