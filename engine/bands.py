@@ -14,12 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from engine.case import CaseData
 from engine.excitation import Excitation, operating_range
 from engine.margins import required_margin
 
-__all__ = ["Band", "Window", "forbidden_bands", "free_windows"]
+__all__ = ["Band", "Window", "forbidden_bands", "free_windows", "rows_of_bands"]
 
 
 @dataclass(frozen=True)
@@ -103,3 +104,33 @@ def free_windows(bands: Sequence[Band]) -> tuple[Window, ...]:
             found.append(Window(reached, band.from_))
         reached = max(reached, band.to)
     return (*found, Window(reached, None))
+
+
+def rows_of_bands(
+    bands: Sequence[Band], too_near: Sequence[tuple[int, str]]
+) -> list[dict[str, Any]]:
+    """Bands as rows of plain values, with the modes inside each.
+
+    Parameters
+    ----------
+    bands : sequence of Band
+        Forbidden bands. [Hz]
+    too_near : sequence of (int, str)
+        Modes that do not keep the margin, each with the excitation. [count, name]
+
+    Returns
+    -------
+    list of dict
+        Keys excitation, from, to, lowest, highest [Hz] and modes_inside.
+    """
+    return [
+        {
+            "excitation": band.excitation,
+            "from": band.from_,
+            "to": band.to,
+            "lowest": band.lowest,
+            "highest": band.highest,
+            "modes_inside": ", ".join(f"mode {m}" for m, x in too_near if x == band.excitation),
+        }
+        for band in bands
+    ]

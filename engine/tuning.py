@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from engine.bands import Band, Window, forbidden_bands, free_windows
+from engine.bands import Band, Window, forbidden_bands, free_windows, rows_of_bands
 from engine.case import CaseData, case_digest
 from engine.combination import Answers, Tried, calculate_combination
 from engine.excitation import excitations_of
@@ -363,23 +363,10 @@ def band_rows(result: TuningResult) -> list[Row]:
     """
     known = [row.tried.answers for row in result.rows if row.tried.answers is not None]
     stands = None if result.as_is is None else result.as_is.tried.answers
-    rows = []
-    for band in result.bands:
-        inside = [] if stands is None else [m for m, x in stands.too_near if x == band.excitation]
-        rows.append(
-            {
-                "excitation": band.excitation,
-                "from": band.from_,
-                "to": band.to,
-                "lowest": band.lowest,
-                "highest": band.highest,
-                "modes_inside": ", ".join(f"mode {m}" for m in inside),
-                "combinations_clear": sum(
-                    all(x != band.excitation for _, x in a.too_near) for a in known
-                ),
-                "combinations": len(known),
-            }
-        )
+    rows = rows_of_bands(result.bands, () if stands is None else stands.too_near)
+    for row in rows:
+        clear = [a for a in known if all(x != row["excitation"] for _, x in a.too_near)]
+        row |= {"combinations_clear": len(clear), "combinations": len(known)}
     return rows
 
 

@@ -80,7 +80,7 @@ def units_of(system: str) -> ShownUnits:
     from addin.shown_units import shown_units
 
     names = {}
-    for table in (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES):
+    for table in (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES, *fields.STUDY_RESULT_TABLES):
         repeated = () if table.repeated is None else (table.repeated,)
         for field in (*table.columns, *repeated, *table.extra_columns):
             if field.has_unit:
@@ -160,11 +160,14 @@ def speed_results(case: Case) -> Mapping[str, Any]:
     mapping
         Tables by name, and modes. [SI]
     """
+    from engine.bands import forbidden_bands, rows_of_bands
     from engine.report import modal_details, speed_tables
     from engine.run import at_speed
 
     found = at_speed(case)
-    return speed_tables(found) | modal_details(found)
+    near = [(row.mode, row.excitation) for row in found.margins.not_kept]
+    bands = rows_of_bands(forbidden_bands(case, found.excitations), near)
+    return speed_tables(found) | {"ForbiddenBands": bands} | modal_details(found)
 
 
 def _run(handle: str) -> tuple[Model, Any]:
@@ -371,6 +374,31 @@ def tv_margins(model: str, units: str | None, headers: bool | None) -> Rows:
     if not rows:
         raise FunctionError("Nothing is judged: the case states no speed and no line.", "#N/A")
     return table_cells(result_table("SeparationMargins"), rows, _system(units, found), headers)
+
+
+#: Columns of `ForbiddenBands` that one case has.
+BAND_COLUMNS = ("Excitation", "From", "To", "Lowest", "Highest", "Modes inside")
+
+
+@registered(
+    "TV_BANDS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    columns=len(BAND_COLUMNS),
+    example="=TV_BANDS(A1)",
+)
+def tv_bands(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Where no mode may lie: the band of frequencies round every excitation, and the modes inside.
+
+    From and To are the required margin solved for the frequency: f_min (1 - m) and f_max (1 + m).
+    """
+    found, tables = _at_speed(model)
+    rows, spec = tables["ForbiddenBands"], result_table("ForbiddenBands")
+    if not rows:
+        raise FunctionError("No bands: the case states no speed and no line.", "#N/A")
+    columns = [spec.column(name) for name in BAND_COLUMNS]
+    return table_cells(spec, rows, _system(units, found), headers, columns)
 
 
 @registered(

@@ -26,6 +26,7 @@ CALLS = {
     "TV_MODE": [("2", [2.0])],
     "TV_ENERGY": [("", []), ("1;0", [1.0, False])],
     "TV_MARGINS": [("", [])],
+    "TV_BANDS": [("", [])],
     "TV_STEADY": [("", [])],
     "TV_SPEED_TIME": [("50", [50.0])],
     "TV_PEAKS": [("", []), (";FALSE()", [None, False])],

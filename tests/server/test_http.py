@@ -45,6 +45,7 @@ CALLS = {
     "TV_MODE": [2],
     "TV_ENERGY": [],
     "TV_MARGINS": ["SI"],
+    "TV_BANDS": ["US"],
     "TV_STEADY": [],
     "TV_SPEED_TIME": [200],
     "TV_PEAKS": [],

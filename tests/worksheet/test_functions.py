@@ -37,8 +37,8 @@ def recalculated(tmp_path_factory):
     return openpyxl.load_workbook(folder / "done.xlsx", data_only=True)
 
 
-def test_every_function_of_the_contract_is_there_and_one_more():
-    assert sorted(FUNCTIONS) == sorted([*CONTRACT, "TV_VERDICTS"])
+def test_every_function_of_the_contract_is_there_and_two_more():
+    assert sorted(FUNCTIONS) == sorted([*CONTRACT, "TV_VERDICTS", "TV_BANDS"])
 
 
 def test_every_function_is_documented_for_a_wizard():
@@ -117,6 +117,19 @@ def test_energy_shares_add_up_and_name_the_largest(handle):
             assert math.fsum(shares.values()) == pytest.approx(1.0, abs=1e-12)
             if kind == "strain":
                 assert max(shares, key=shares.get) == largest[mode - 2]
+
+
+def test_bands_forbid_the_modes_whose_margin_is_not_kept(handle):
+    """Columns Mode, Excitation and Margin of TV_MARGINS against the bands, in the same units."""
+    bands = call("TV_BANDS", [handle, None, False])
+    margins = call("TV_MARGINS", [handle, None, False])
+    assert [row[0] for row in bands if row[0] == "1× motor speed"] == ["1× motor speed"]
+    for name, low, high, lowest, highest, inside in bands:
+        assert low == pytest.approx(0.8 * lowest)
+        assert high == pytest.approx(1.2 * highest)
+        near = [f"mode {m[0]:.0f}" for m in margins if m[1] == name and m[4] < m[5]]
+        assert (inside or "") == ", ".join(near)
+    assert any(row[5] for row in bands)
 
 
 def test_histories_hold_the_peaks_and_the_number_of_rows_asked_for(handle):
