@@ -18,7 +18,7 @@ from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS
 from engine.results import Results
 from engine.run import run
 from engine.start_fatigue import is_counted
-from engine.tuning_inputs import Combination, case_of
+from engine.tuning_options import Combination, case_of
 from engine.validation import GEAR_MESH
 from engine.verdicts import Verdict
 

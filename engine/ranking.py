@@ -23,7 +23,7 @@ from collections.abc import Iterable
 from engine.combination import Answers, Tried
 from engine.crossings import Crossing
 from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS
-from engine.tuning_inputs import Variable
+from engine.tuning_options import Variable
 
 __all__ = ["SAME", "chosen", "is_better", "merit", "ranked", "reason"]
 

@@ -21,8 +21,9 @@ from engine.excitation import excitations_of
 from engine.ranking import chosen, is_better, ranked, reason
 from engine.studies import StudyInputs
 from engine.train import build_train
-from engine.tuning_inputs import TuningPlan, Variable, case_of, plan_tuning
 from engine.tuning_maps import TuningMap, tuning_map
+from engine.tuning_options import Variable, case_of
+from engine.tuning_plan import TuningPlan, plan_tuning
 
 __all__ = [
     "Ranked",

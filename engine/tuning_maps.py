@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from engine.combination import Tried
-from engine.tuning_inputs import TuningPlan, Variable
+from engine.tuning_options import Variable
+from engine.tuning_plan import TuningPlan
 
 __all__ = ["TuningMap", "tuning_map"]
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from engine.combination import Tried
     from engine.errors import Problem
     from engine.studies import StudyInputs
-    from engine.tuning_inputs import Combination
+    from engine.tuning_options import Combination
 
 __all__ = ["SHOWN", "TUNING", "Batch"]
 
@@ -27,7 +27,7 @@ Batch = tuple["Case", tuple["Combination", ...]]
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.tuning_inputs import tuning_problems
+    from engine.tuning_checks import tuning_problems
 
     return tuning_problems(case, inputs)
 
@@ -42,7 +42,7 @@ def _calculate(
     from addin.results_json import table_rows
     from addin.studies.tuning_tables import map_tables
     from engine.tuning import band_rows, crossing_rows, gather, map_rows, ranked_rows
-    from engine.tuning_inputs import plan_tuning
+    from engine.tuning_plan import plan_tuning
 
     plan = plan_tuning(case, inputs)
     every = plan.combinations

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from engine.bands import Band
     from engine.combination import Tried
     from engine.tuning import TuningResult
-    from engine.tuning_inputs import Option, Variable
+    from engine.tuning_options import Option, Variable
 
 __all__ = ["map_tables", "spread_out"]
 

@@ -9,7 +9,7 @@ import pytest
 
 from engine.combination import Answers, Tried
 from engine.ranking import is_better, ranked, reason
-from engine.tuning_inputs import Combination, Option, Variable
+from engine.tuning_options import Combination, Option, Variable
 from engine.verdicts import Verdict
 
 KEPT = Verdict(

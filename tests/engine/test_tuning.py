@@ -24,8 +24,8 @@ from engine.tuning import (
     ranked_rows,
     tune,
 )
-from engine.tuning_inputs import plan_tuning
 from engine.tuning_maps import tuning_map
+from engine.tuning_plan import plan_tuning
 from tests.trains import geared
 
 LOW, HIGH = "Low-speed shaft", "High-speed shaft"

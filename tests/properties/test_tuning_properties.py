@@ -16,7 +16,7 @@ from engine.run import run
 from engine.studies import CatalogueRow, StudyInputs, TuningRow
 from engine.substitution import TUNED, names_with, present
 from engine.tuning import TuningResult, crossing_rows, gather, ranked_rows, tune
-from engine.tuning_inputs import plan_tuning
+from engine.tuning_plan import plan_tuning
 from tests.random_effects import elastic_meshes, with_clearances, with_dampers
 from tests.random_starts import random_start
 from tests.trains import geared

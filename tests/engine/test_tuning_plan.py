@@ -10,13 +10,9 @@ import pytest
 from engine.case import Case, CaseData, MeshRow
 from engine.errors import CaseError
 from engine.studies import CatalogueRow, StudyInputs, TuningRow
-from engine.tuning_inputs import (
-    DEFAULT_STEPS,
-    MAX_COMBINATIONS,
-    case_of,
-    plan_tuning,
-    tuning_problems,
-)
+from engine.tuning_checks import MAX_COMBINATIONS, tuning_problems
+from engine.tuning_options import DEFAULT_STEPS, case_of
+from engine.tuning_plan import plan_tuning
 from tests.sample_case import sample_case
 from tests.trains import geared
 

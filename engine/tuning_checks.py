@@ -1,28 +1,14 @@
-"""What is to be tried: rows of `Tuning` and `Catalogue` checked, and every combination of them.
-
-Each row of `Tuning` is a variable with one option a value, and each element of `Catalogue` a variable
-with one option a coupling on offer. A combination takes one option of each; the case as it stands is
-always among them.
-
-A coupling of the catalogue takes the place of the one in the case: its stiffness, damping and loss
-factor (blank = as in the case), its limits (blank = not judged, as the limits of another coupling say
-nothing of it), and half of its inertia at each end. The stations of the case contain that of the row
-marked ``fitted``, which is taken off; without such a row they contain none.
-"""
+"""Checks of the rows of `Tuning` and `Catalogue`: what is wrong is told all at once, with what to do."""
 
 from __future__ import annotations
 
 import difflib
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import product
 
-import numpy as np
-
-from engine.case import GROUND, CaseData, ElementRow
-from engine.errors import CaseError, Problem
-from engine.studies import CatalogueRow, StudyInputs, TuningRow, study_digest
+from engine.case import GROUND, CaseData
+from engine.errors import Problem
+from engine.studies import CatalogueRow, StudyInputs, TuningRow
 from engine.substitution import (
     BACKLASH,
     DAMPING,
@@ -30,300 +16,25 @@ from engine.substitution import (
     INERTIA,
     STIFFNESS,
     TUNED,
-    Change,
-    changed,
     present,
     why_not,
 )
+from engine.tuning_options import (
+    DEFAULT_STEPS,
+    UNITS,
+    element_of,
+    offered,
+    offers_by_element,
+)
 from engine.validation import GEAR_MESH
 
-__all__ = [
-    "COUPLING",
-    "DEFAULT_STEPS",
-    "MAX_COMBINATIONS",
-    "Combination",
-    "Offer",
-    "Option",
-    "TuningPlan",
-    "Variable",
-    "case_of",
-    "plan_tuning",
-    "tuning_problems",
-]
+__all__ = ["MAX_COMBINATIONS", "tuning_problems"]
 
-#: What a catalogue changes: the coupling as a whole. [word]
-COUPLING = "coupling"
-#: Values of a range where `Steps` is blank. [count]
-DEFAULT_STEPS = 11
 #: Combinations of one study; at some 50 ms each this many take a quarter of an hour. [count]
 MAX_COMBINATIONS = 20_000
-#: SI units of the tuned quantities as they stand in a sentence; backlash is m or rad.
-UNITS = {STIFFNESS: "N m/rad", DAMPING: "N m s/rad", INERTIA: "kg m²", DIAMETER: "m", BACKLASH: ""}
 #: Quantities that may become zero: no damping, no clearance.
 _ZERO_ALLOWED = frozenset({DAMPING, BACKLASH})
-#: Columns of `Catalogue` that hold a limit of the maker.
-_LIMITS = ("rated_torque", "peak_torque_limit", "vibratory_limit")
 _TUNING, _CATALOGUE = "Tuning", "Catalogue"
-
-
-@dataclass(frozen=True)
-class Offer:
-    """A coupling of the catalogue, in the place of the one of an element.
-
-    Parameters
-    ----------
-    row : CatalogueRow
-        What the maker states. [SI]
-    added_inertia : float
-        Its inertia less that of the fitted one; half of it goes to each end. [kg m²]
-    """
-
-    row: CatalogueRow
-    added_inertia: float
-
-
-@dataclass(frozen=True)
-class Option:
-    """One thing that a variable may be.
-
-    Parameters
-    ----------
-    label : str
-        What it is called: a number with its unit, or the maker's designation. [words]
-    value : float
-        What the quantity becomes; of a coupling its stiffness. [SI]
-    change : Change or None
-        The change it makes; None for a coupling of the catalogue. [SI]
-    offer : Offer or None
-        The coupling of the catalogue; None for a number. [SI]
-    """
-
-    label: str
-    value: float
-    change: Change | None = None
-    offer: Offer | None = None
-
-
-@dataclass(frozen=True)
-class Variable:
-    """One thing that may be chosen.
-
-    Parameters
-    ----------
-    name : str
-        Element; of an inertia the station. [name]
-    quantity : str
-        One of `engine.substitution.TUNED`, or `COUPLING`. [word]
-    present : float or None
-        What the case says; of a coupling its stiffness; None where it says nothing. [SI]
-    options : tuple of Option
-        In rising value. [SI]
-    """
-
-    name: str
-    quantity: str
-    present: float | None
-    options: tuple[Option, ...]
-
-    @property
-    def title(self) -> str:
-        """What it is called on axes and in sentences. [words]"""
-        return self.name if self.quantity == COUPLING else f"{self.name} {self.quantity}"
-
-    @property
-    def unit(self) -> str:
-        """SI unit of its values. [unit]"""
-        return UNITS[STIFFNESS if self.quantity == COUPLING else self.quantity]
-
-
-@dataclass(frozen=True)
-class Combination:
-    """One option of each variable.
-
-    Parameters
-    ----------
-    picked : tuple of int
-        Option of each variable of the plan; empty where none of them is the case itself. [indices]
-    options : tuple of Option
-        The same, as they are. [SI]
-    as_is : bool
-        Whether it is the case as it stands. [flag]
-    """
-
-    picked: tuple[int, ...]
-    options: tuple[Option, ...]
-    as_is: bool
-
-
-@dataclass(frozen=True)
-class TuningPlan:
-    """Everything that will be calculated.
-
-    Parameters
-    ----------
-    variables : tuple of Variable
-        Rows of `Tuning`, then elements of `Catalogue`, each in the order of its table. [SI]
-    combinations : tuple of Combination
-        The case as it stands first, the others in the order of the options. [SI]
-    study_digest : str
-        Of the rows. [hex]
-    """
-
-    variables: tuple[Variable, ...]
-    combinations: tuple[Combination, ...]
-    study_digest: str
-
-
-def plan_tuning(case: CaseData, studies: StudyInputs) -> TuningPlan:
-    """Every combination of what may be chosen.
-
-    Parameters
-    ----------
-    case : CaseData
-        A checked case. [SI]
-    studies : StudyInputs
-        Rows of `Tuning` and `Catalogue`. [SI]
-
-    Returns
-    -------
-    TuningPlan
-        With the case as it stands. [SI]
-
-    Raises
-    ------
-    CaseError
-        With every problem of the rows, see `tuning_problems`.
-    """
-    problems = tuning_problems(case, studies)
-    if problems:
-        raise CaseError(problems)
-    variables = (
-        *(_tuned(case, row) for row in studies.tuning),
-        *(_offered(case, name, rows) for name, rows in _by_element(studies.catalogue).items()),
-    )
-    stands = CaseData(**vars(case))
-    same = [[_changed(stands, (o,)) == stands for o in v.options] for v in variables]
-    combinations = []
-    for picked in product(*(range(len(v.options)) for v in variables)):
-        options = tuple(v.options[i] for v, i in zip(variables, picked, strict=True))
-        as_is = all(known[i] for known, i in zip(same, picked, strict=True))
-        combinations.append(Combination(picked, options, as_is))
-    if not any(c.as_is for c in combinations):
-        combinations.append(Combination((), (), True))
-    combinations.sort(key=lambda c: not c.as_is)  # what the others are compared with comes first
-    digest = study_digest(*studies.tuning, *studies.catalogue)
-    return TuningPlan(variables, tuple(combinations), digest)
-
-
-def case_of(case: CaseData, combination: Combination) -> CaseData:
-    """The case of a combination: ready to be calculated or saved.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case as it stands. [SI]
-    combination : Combination
-        What is chosen. [SI]
-
-    Returns
-    -------
-    CaseData
-        The changed case, not yet checked. [SI]
-    """
-    return _changed(case, combination.options)
-
-
-def _changed(case: CaseData, options: Sequence[Option]) -> CaseData:
-    """Numbers first, then couplings, each in the order of names: not in that of the rows."""
-    changes = [o.change for o in options if o.change is not None]
-    offers = [o.offer for o in options if o.offer is not None]
-    case = changed(case, sorted(changes, key=lambda c: (c.quantity, c.name)))
-    for offer in sorted(offers, key=lambda o: str(o.row.element)):
-        case = _with_offer(case, offer)
-    return case
-
-
-def _with_offer(case: CaseData, offer: Offer) -> CaseData:
-    row = offer.row
-    limits = {key: getattr(row, key) for key in _LIMITS}
-    given = {
-        key: getattr(row, key)
-        for key in ("stiffness", "damping", "loss_factor")
-        if getattr(row, key) is not None
-    }
-    old = _element(case, row.element)
-    elements = tuple(replace(e, **given, **limits) if e is old else e for e in case.elements)
-    half = 0.5 * offer.added_inertia
-    stations = case.stations
-    if half:
-        ends = {old.from_, old.to} - {GROUND}
-        stations = tuple(
-            replace(s, inertia=(s.inertia or 0.0) + half) if s.station in ends else s
-            for s in case.stations
-        )
-    return replace(case, elements=elements, stations=stations)
-
-
-def _element(case: CaseData, name: str | None) -> ElementRow:
-    return next(e for e in case.elements if e.element == name)
-
-
-# --- options --------------------------------------------------------------------------------------
-
-
-def _tuned(case: CaseData, row: TuningRow) -> Variable:
-    name, quantity = str(row.element), str(row.quantity)
-    stands = present(case, name, quantity)
-    options = []
-    for number in dict.fromkeys(_numbers(row)):
-        value = number * (stands or 0.0) if row.relative else number
-        label = f"{float(f'{value:.6g}'):,.10g} {UNITS[quantity]}".rstrip()
-        if row.relative:
-            label = f"{number:.6g} × ({label})"
-        options.append(Option(label, value, Change(quantity, name, number, row.relative)))
-    return Variable(name, quantity, stands, _sorted(options))
-
-
-def _numbers(row: TuningRow) -> tuple[float, ...]:
-    """Values of a row; both ends of a range exactly as typed."""
-    if row.values:
-        return row.values
-    assert row.from_ is not None
-    assert row.to is not None
-    if row.from_ == row.to:
-        return (row.from_,)
-    inner = np.linspace(row.from_, row.to, row.steps or DEFAULT_STEPS).tolist()
-    return (row.from_, *inner[1:-1], row.to)
-
-
-def _count(row: TuningRow) -> int:
-    """How many values a row has; those of a range are not made for it, they may be millions."""
-    if row.values:
-        return len(set(row.values))
-    return 1 if row.from_ == row.to else row.steps or DEFAULT_STEPS
-
-
-def _offered(case: CaseData, name: str, rows: Sequence[CatalogueRow]) -> Variable:
-    fitted = next((r.inertia for r in rows if r.fitted == "yes"), None) or 0.0
-    options = [
-        Option(str(r.name), r.stiffness or 0.0, offer=Offer(r, (r.inertia or 0.0) - fitted))
-        for r in rows
-    ]
-    return Variable(name, COUPLING, present(case, name, STIFFNESS), _sorted(options))
-
-
-def _sorted(options: Sequence[Option]) -> tuple[Option, ...]:
-    return tuple(sorted(options, key=lambda o: (o.value, o.label)))
-
-
-def _by_element(rows: Sequence[CatalogueRow]) -> dict[str, list[CatalogueRow]]:
-    found: dict[str, list[CatalogueRow]] = {}
-    for row in rows:
-        found.setdefault(str(row.element), []).append(row)
-    return found
-
-
-# --- checks ---------------------------------------------------------------------------------------
 
 
 def tuning_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]:
@@ -569,14 +280,14 @@ def _too_little_inertia(case: CaseData, studies: StudyInputs) -> Iterator[Proble
             number = min(row.values) if row.values else row.from_ or 0.0
             least[row.element] = number * least[row.element] if row.relative else number
     held = dict(least)
-    offers = _by_element(studies.catalogue)
+    offers = offers_by_element(studies.catalogue)
     taken: dict[str, float] = {}
     for name, rows in offers.items():
-        taken[name] = 0.5 * min(o.offer.added_inertia for o in _offered(case, name, rows).options if o.offer)  # fmt: skip
-        for end in {_element(case, name).from_, _element(case, name).to} - {GROUND}:
+        taken[name] = 0.5 * min(o.offer.added_inertia for o in offered(case, name, rows).options if o.offer)  # fmt: skip
+        for end in {element_of(case, name).from_, element_of(case, name).to} - {GROUND}:
             least[str(end)] += taken[name]
     for name, rows in offers.items():
-        ends = (_element(case, name).from_, _element(case, name).to)
+        ends = (element_of(case, name).from_, element_of(case, name).to)
         short = [str(end) for end in ends if end != GROUND and least[str(end)] <= 0.0]
         fitted = next((r for r in rows if r.fitted == "yes"), None)
         if taken[name] < 0.0 and short and fitted is not None:
@@ -593,7 +304,7 @@ def _too_little_inertia(case: CaseData, studies: StudyInputs) -> Iterator[Proble
 
 def _too_many(studies: StudyInputs) -> Iterator[Problem]:
     counts = [_count(row) for row in studies.tuning]
-    counts += [len(rows) for rows in _by_element(studies.catalogue).values()]
+    counts += [len(rows) for rows in offers_by_element(studies.catalogue).values()]
     total = math.prod(counts)
     if total > MAX_COMBINATIONS:
         shown = " × ".join(str(n) for n in counts)
@@ -605,3 +316,10 @@ def _too_many(studies: StudyInputs) -> Iterator[Problem]:
             "calculated. Give fewer Values or Steps, or try the quantities one after the other: "
             "first those that move the worst mode.",
         )
+
+
+def _count(row: TuningRow) -> int:
+    """How many values a row has; those of a range are not made for it, they may be millions."""
+    if row.values:
+        return len(set(row.values))
+    return 1 if row.from_ == row.to else row.steps or DEFAULT_STEPS
