@@ -114,7 +114,8 @@ def study_schema(title: str, tables: Sequence[str], details: Mapping[str, Any]) 
         "errors": {"type": "array", "items": _problem()},
     }
     specs = [result_table(name) for name in tables]
-    properties |= {spec.key: _result_table(spec) for spec in specs} | details
+    properties |= {spec.key: _result_table(spec) for spec in specs}
+    properties |= details
     return {
         "$schema": _DIALECT,
         "title": title,

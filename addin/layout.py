@@ -37,6 +37,7 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("TuningResults", "Combination"): 44.0,
     ("TuningResults", "Reason"): 88.0,
     ("TuningResults", "Broken"): 30.0,
+    ("TuningResults", "Note"): 60.0,
     ("TuningCrossings", "Combination"): 44.0,
     ("TuningCrossings", "Note"): 60.0,
     ("TuningAxes", "First variable"): 22.0,

@@ -725,21 +725,27 @@ class _Builder:
     def _scale(self, scale: StudyScale) -> None:
         """Colours of a map: by size, or against the limit in the same row."""
         place = self.places[scale.table]
+        judged = self.places[scale.over or scale.table]
         left, right = place.columns[scale.first], place.columns[scale.last]
         area = (place.first, left, place.last, right)
         page = self.sheets[place.sheet]
-        if not scale.limit:
-            self._colours(place.sheet, *area)
-            good = {"type": "cell", "criteria": "==", "value": '"unlimited"'}
-            page.conditional_format(*area, good | {"format": self.style("cf_pass")})
-            page.conditional_format(*area, dict(COLOUR_SCALE))
-            return
-        cell = xl_rowcol_to_cell(place.first, left)
-        limit = xl_rowcol_to_cell(place.first, place.columns[scale.limit], col_abs=True)
-        for sign, style in (("<", "cf_fail"), (">=", "cf_pass")):
+        cell = xl_rowcol_to_cell(judged.first, judged.columns[scale.first])
+        limit = xl_rowcol_to_cell(judged.first, judged.columns[scale.limit], col_abs=True)
+
+        def against(sign: str, style: Any) -> dict[str, Any]:
             rule = f"=AND(ISNUMBER({cell}),{cell}{sign}{limit})"
-            options = {"type": "formula", "criteria": rule, "format": self.style(style)}
-            page.conditional_format(*area, options)
+            return {"type": "formula", "criteria": rule, "format": style}
+
+        if not scale.over:
+            page.conditional_format(*area, against("<", self.style("cf_fail")))
+            page.conditional_format(*area, against(">=", self.style("cf_pass")))
+            return
+        pale = self.workbook.add_format({"italic": True, "font_color": "#8A8A8A"})
+        page.conditional_format(*area, against("<", pale))
+        self._colours(place.sheet, *area)
+        good = {"type": "cell", "criteria": "==", "value": '"unlimited"'}
+        page.conditional_format(*area, good | {"format": self.style("cf_pass")})
+        page.conditional_format(*area, dict(COLOUR_SCALE))
 
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""

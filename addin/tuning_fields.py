@@ -60,6 +60,7 @@ TUNING_RESULT_TABLES: tuple[TableSpec, ...] = (
         number("Mesh minimum torque", "torque", "Least torque of a mesh.", us="lbf*ft"),
         integer("Impacts", "How often teeth meet again; blank without a clearance model."),
         text("Outcome", "How the start ended."),
+        text("Note", "What a reader must know besides, and not of the case as it stands."),
         json_only=("unlimited",),
     ),
     table(
@@ -97,7 +98,7 @@ TUNING_RESULT_TABLES: tuple[TableSpec, ...] = (
         "TuningStarts",
         _MAP,
         1,
-        "Of the best combination in each cell; green many, red few.",
+        "Of the best combination in each cell; green many, red few; grey figures where a margin is not kept.",
         _OPTION,
         _SHARE,
         *(
@@ -209,6 +210,8 @@ _RESULTS: Mapping[str, Trace] = {
     "Mesh minimum torque": _worst("TorqueReversals.Minimum torque", "Least of all meshes, at motor speed"),
     "Impacts": _worst("TorqueReversals.Impacts", "Sum over all teeth"),
     "Outcome": Trace("How the start of this combination ended", _RUN, of_case=_ROWS),
+    "Note": Trace("Warnings of the run of this combination that the case as it stands does not have", _RUN,
+                  of_case=_ROWS),
     "Reason": Trace("Limits, governing crossing, starts and stress in words, against the case as it stands",
                     _RULES, of_row=("TuningResults.Rank",)),
 }  # fmt: skip

@@ -30,12 +30,15 @@ class StudyScale:
         Its first and last coloured column. [names]
     limit : str
         Column with the limit below which a cell is red; empty = from least to most. [name]
+    over : str
+        Table of the same rows and columns whose cells below their limit are marked in this one. [name]
     """
 
     table: str
     first: str
     last: str
     limit: str = ""
+    over: str = ""
 
 
 #: Rows from one caption to that of the next map: caption, units, header, rows, two blank.
@@ -49,7 +52,7 @@ TUNING_SHEETS: tuple[Sheet, ...] = (
         "result",
         {"A": 1.5, "B": 6, "C": 44, "D:E": 7, "F": 24, "G": 8, "H": 12, "I": 9, "J": 88, "K": 30,
          "L": 9, "M": 22, "N": 28, "O:Q": 9, "R": 8, "S:V": 10.5, "W:X": 10.5, "Y": 22, "Z": 9,
-         "AA": 22, "AB": 11, "AC": 9, "AD": 13},
+         "AA": 22, "AB": 11, "AC": 9, "AD": 13, "AE": 60},
         "J",
         {"TuningResults": "B7"},
         freeze="D10",
@@ -118,6 +121,6 @@ TUNING_INTROS: Mapping[str, str] = {
 TUNING_VERDICTS: tuple[tuple[str, str], ...] = (("TuningResults", "Verdict"),)
 
 TUNING_SCALES: tuple[StudyScale, ...] = (
-    StudyScale("TuningStarts", "Line 1", f"Line {LINES}"),
+    StudyScale("TuningStarts", "Line 1", f"Line {LINES}", "Required", "TuningMargins"),
     StudyScale("TuningMargins", "Line 1", f"Line {LINES}", "Required"),
 )

@@ -6,7 +6,7 @@ has a sentence instead of answers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from engine.case import Case, CaseData
@@ -52,6 +52,9 @@ class Answers:
         How the start ended, with its numbers. [sentence]
     crossings : tuple of Crossing
         Where 2 × slip crosses the modes. [SI]
+    governing_mode : int or None
+        Mode whose crossing stresses the train most: by nominal stress, where none is known by torque
+        at motor speed; None where none is crossed. [count]
     peak_stress : float or None
         Nominal peak-to-peak stress of the shaft with the largest stress with SCF. [Pa]
     peak_stress_scf : float or None
@@ -93,6 +96,7 @@ class Answers:
     whole: bool
     sentence: str
     crossings: tuple[Crossing, ...]
+    governing_mode: int | None
     peak_stress: float | None
     peak_stress_scf: float | None
     peak_stress_where: str
@@ -122,13 +126,8 @@ class Answers:
 
     @property
     def governing(self) -> Crossing | None:
-        """The crossing that stresses the train most: by stress, where none is known by torque."""
-        passed = [c for c in self.crossings if c.time is not None]
-        return max(
-            passed,
-            key=lambda c: (c.peak_to_peak_stress or 0.0, c.peak_to_peak_torque or 0.0, -c.mode),
-            default=None,
-        )
+        """The crossing of `governing_mode`. [SI]"""
+        return next((c for c in self.crossings if c.mode == self.governing_mode), None)
 
 
 @dataclass(frozen=True)
@@ -218,6 +217,7 @@ def answers_of(results: Results) -> Answers:
         whole=whole,
         sentence="" if results.start is None else results.start.outcome.sentence,
         crossings=results.crossings,
+        governing_mode=_governing(results.crossings, ratio),
         peak_stress=stress,
         peak_stress_scf=stress_scf,
         peak_stress_where=stressed,
@@ -240,6 +240,17 @@ def _speed_of_elements(case: CaseData) -> Mapping[str | None, float]:
     """Speed of each element over that of the reference shaft; a mesh counts at its From side."""
     speed = {s.station: s.speed_ratio or 1.0 for s in case.stations}
     return {e.element: speed.get(e.from_) or speed.get(e.to) or 1.0 for e in case.elements}
+
+
+def _governing(crossings: Iterable[Crossing], ratio: Mapping[str | None, float]) -> int | None:
+    """Mode of the crossing with the largest stress range, else with the largest torque range."""
+
+    def severity(c: Crossing) -> tuple[float, float, int]:
+        torque = (c.peak_to_peak_torque or 0.0) * ratio.get(c.governing_element, 1.0)
+        return c.peak_to_peak_stress or 0.0, torque, -c.mode
+
+    passed = [c for c in crossings if c.time is not None]
+    return max(passed, key=severity).mode if passed else None
 
 
 def _stress(results: Results) -> tuple[float | None, float | None, str]:

@@ -18,6 +18,7 @@ from engine.bands import Band, Window, forbidden_bands, free_windows, rows_of_ba
 from engine.case import CaseData, case_digest
 from engine.combination import Answers, Tried, calculate_combination
 from engine.excitation import excitations_of
+from engine.margins import required_margin
 from engine.ranking import chosen, is_better, ranked, reason
 from engine.studies import StudyInputs
 from engine.train import build_train
@@ -81,6 +82,8 @@ class TuningResult:
         Every combination that was calculated, the best first. [SI]
     as_is : Ranked or None
         The case as it stands; None where the study was stopped before it. [SI]
+    required_margin : float
+        Required separation margin. [1]
     bands : tuple of Band
         Forbidden bands of every excitation. [Hz]
     windows : tuple of Window
@@ -98,6 +101,7 @@ class TuningResult:
     variables: tuple[Variable, ...]
     rows: tuple[Ranked, ...]
     as_is: Ranked | None
+    required_margin: float
     bands: tuple[Band, ...]
     windows: tuple[Window, ...]
     map: TuningMap
@@ -189,6 +193,7 @@ def gather(case: CaseData, plan: TuningPlan, tried: Iterable[Tried]) -> TuningRe
         plan.variables,
         rows,
         as_is,
+        required_margin(case),
         bands,
         free_windows(bands),
         tuning_map(plan, order),
@@ -263,10 +268,13 @@ def ranked_rows(result: TuningResult) -> list[Row]:
         [Hz/s]; the crossing is the one that stresses the train most. ``unlimited`` is absent where
         starts were not judged.
     """
-    return [_ranked_row(row) for row in result.rows]
+    stands = None if result.as_is is None else result.as_is.tried.answers
+    usual = frozenset(() if stands is None else stands.warnings)
+    return [_ranked_row(row, usual) for row in result.rows]
 
 
-def _ranked_row(row: Ranked) -> Row:
+def _ranked_row(row: Ranked, usual: frozenset[str]) -> Row:
+    """One row; warnings that hold of the case as it stands as well are left out."""
     a = row.tried.answers
     told: Row = {
         "rank": row.rank,
@@ -298,6 +306,7 @@ def _ranked_row(row: Ranked) -> Row:
         "mesh_minimum_torque": a.mesh_minimum_torque,
         "impacts": a.impacts,
         "outcome": a.outcome,
+        "note": " ".join(w for w in a.warnings if w not in usual) or None,
     }
     if c is not None:
         told |= {

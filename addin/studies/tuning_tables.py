@@ -49,7 +49,7 @@ def map_tables(result: TuningResult) -> Mapping[str, Sequence[Row]]:
         option
         | {f"line_{k}": None if t is None or t.answers is None else t.answers.worst_margin
            for k, t in enumerate(row, 1)}
-        | {"required": _required(result)}
+        | {"required": result.required_margin}
         for option, row in zip(options, cells, strict=True)
     ]  # fmt: skip
     modes = [option | _modes(result, t) for option, t in zip(options, best, strict=True)]
@@ -135,12 +135,6 @@ def _best(result: TuningResult, option: int) -> Tried | None:
          if r.tried.combination.picked and r.tried.combination.picked[0] == option),
         None,
     )  # fmt: skip
-
-
-def _required(result: TuningResult) -> float | None:
-    """Required margin, as the bands have it."""
-    band = next((b for b in result.bands if b.highest > 0.0), None)
-    return None if band is None else band.to / band.highest - 1.0
 
 
 def _modes(result: TuningResult, tried: Tried | None) -> Row:

@@ -28,6 +28,7 @@ GOOD = Answers(
     whole=True,
     sentence="97.0% speed reached after 8 s.",
     crossings=(),
+    governing_mode=None,
     peak_stress=2e8,
     peak_stress_scf=6e8,
     peak_stress_where="Shaft",
