@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -177,6 +178,20 @@ def test_the_terminal_lists_the_best_and_the_case_as_it_stands(
         assert (f"{row['rank']:>3}  {row['combination']}\n" in output) == listed
     assert content["sentence"] in output
     assert "written: " in output
+
+
+def test_formulas_of_a_workbook_with_studies_keep_their_values(
+    folder: Path, tmp_path: Path
+) -> None:
+    """Its tables have more columns together than the calculator takes: those nothing reads are left out."""
+    book = tmp_path / "train.xlsx"
+    shutil.copyfile(folder / "train.tune.xlsx", book)
+    done = RUN.invoke(app, ["recalc", str(book), "--in-place"])
+    assert done.exit_code == 0, done.output
+    assert "without a value" not in done.output
+    cells = openpyxl.load_workbook(book, data_only=True)
+    assert str(cells["Summary"]["B9"].value).startswith("FAIL: 1 of")
+    assert str(cells["Tuning results"]["B4"].value).startswith("10 combinations were calculated")
 
 
 def test_ready_cases_give_what_their_row_says(content: dict[str, Any], folder: Path) -> None:
