@@ -10,7 +10,7 @@ from __future__ import annotations
 from addin.field_kinds import TableSpec, choice, integer, number, table, text, traced
 from addin.study_traces import STUDY_TRACES
 from addin.tuning_fields import TUNING_RESULT_TABLES
-from engine.substitution import SCATTERED, TUNED
+from engine.studies import SCATTERED, TUNED
 
 __all__ = ["STUDY_INPUT_TABLES", "STUDY_RESULT_TABLES"]
 

@@ -16,8 +16,16 @@ from addin.typed_case import Bases, Entry, Findings, Place, TypedCase, ratios_of
 from addin.units import UnitError, UnitScale, parse_unit
 from engine.case import CaseData
 from engine.errors import Problem
-from engine.studies import STUDY_TABLES, StudyInputs, TuningRow
-from engine.substitution import BACKLASH, DAMPING, DIAMETER, INERTIA, STIFFNESS
+from engine.studies import (
+    BACKLASH,
+    DAMPING,
+    DIAMETER,
+    INERTIA,
+    STIFFNESS,
+    STUDY_TABLES,
+    StudyInputs,
+    TuningRow,
+)
 
 __all__ = ["StudiesRead", "studies_read"]
 

@@ -12,16 +12,47 @@ import json
 from dataclasses import asdict, dataclass
 
 __all__ = [
+    "AVERAGE_TORQUE",
+    "BACKLASH",
     "CatalogueRow",
+    "DAMPING",
+    "DAMPING_RATIO",
+    "DIAMETER",
+    "INERTIA",
+    "LOAD_TORQUE",
     "MeasuredFrequencyRow",
     "MeasuredPeakRow",
+    "PULSATING_TORQUE",
+    "SCATTERED",
+    "SN_LINE",
+    "STIFFNESS",
     "STUDY_TABLES",
     "ScatterRow",
     "StartConditionRow",
     "StudyInputs",
+    "TUNED",
     "TuningRow",
     "study_digest",
 ]
+
+STIFFNESS, DAMPING, INERTIA, DIAMETER = "stiffness", "damping", "inertia", "diameter"
+BACKLASH, DAMPING_RATIO = "backlash", "damping ratio"
+AVERAGE_TORQUE, PULSATING_TORQUE = "average torque", "pulsating torque"
+LOAD_TORQUE, SN_LINE = "load torque", "S-N line"
+
+#: Quantities that a designer may choose.
+TUNED = (STIFFNESS, DAMPING, INERTIA, DIAMETER, BACKLASH)
+#: Quantities that are not known exactly. `damping ratio` is that of all elastic modes.
+SCATTERED = (
+    STIFFNESS,
+    INERTIA,
+    DAMPING,
+    DAMPING_RATIO,
+    AVERAGE_TORQUE,
+    PULSATING_TORQUE,
+    LOAD_TORQUE,
+    SN_LINE,
+)
 
 
 @dataclass(frozen=True)
@@ -33,7 +64,7 @@ class TuningRow:
     element : str or None
         Element of `Elements`; for an inertia the station of `Stations`. [name]
     quantity : str or None
-        One of `engine.substitution.TUNED`. [word]
+        One of `TUNED`. [word]
     relative : bool
         Whether the numbers below multiply what the case says; else they stand in its place. [flag]
     values : tuple of float
@@ -98,7 +129,7 @@ class ScatterRow:
     name : str or None
         Element, station or material; blank = all that have the quantity. [name]
     quantity : str or None
-        One of `engine.substitution.SCATTERED`. [word]
+        One of `SCATTERED`. [word]
     distribution : str or None
         ``normal`` (default), ``uniform``, ``triangular`` or ``from-to``. [word]
     spread : float or None

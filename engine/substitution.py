@@ -11,6 +11,20 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from engine.case import CaseData, ElementRow, MeshRow
+from engine.studies import (
+    AVERAGE_TORQUE,
+    BACKLASH,
+    DAMPING,
+    DAMPING_RATIO,
+    DIAMETER,
+    INERTIA,
+    LOAD_TORQUE,
+    PULSATING_TORQUE,
+    SCATTERED,
+    SN_LINE,
+    STIFFNESS,
+    TUNED,
+)
 from engine.train import link_of
 from engine.validation import GEAR_MESH
 
@@ -34,24 +48,6 @@ __all__ = [
     "why_not",
 ]
 
-STIFFNESS, DAMPING, INERTIA, DIAMETER = "stiffness", "damping", "inertia", "diameter"
-BACKLASH, DAMPING_RATIO = "backlash", "damping ratio"
-AVERAGE_TORQUE, PULSATING_TORQUE = "average torque", "pulsating torque"
-LOAD_TORQUE, SN_LINE = "load torque", "S-N line"
-
-#: Quantities that a designer may choose.
-TUNED = (STIFFNESS, DAMPING, INERTIA, DIAMETER, BACKLASH)
-#: Quantities that are not known exactly. `damping ratio` is that of all elastic modes.
-SCATTERED = (
-    STIFFNESS,
-    INERTIA,
-    DAMPING,
-    DAMPING_RATIO,
-    AVERAGE_TORQUE,
-    PULSATING_TORQUE,
-    LOAD_TORQUE,
-    SN_LINE,
-)
 #: What kind of name a quantity belongs to.
 _OWNERS = {
     STIFFNESS: "element",
