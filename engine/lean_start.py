@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from engine.case import CaseData
 from engine.effects import StartEffects
-from engine.errors import InternalError
+from engine.errors import InternalError, ModelError
 from engine.excitation import excitations_of
 from engine.fatigue import RESIDUES, count_cycles, counted_history, miner_damage, shear_stress
 from engine.margins import separation_margins
@@ -28,6 +28,7 @@ from engine.run import Model, analyse, calculate_start, planned_start
 from engine.start_fatigue import COUNTED_STARTS, judged_shafts, sn_curve_of
 from engine.startup import (
     NOTABLE_REVERSAL,
+    PreparedStart,
     SingleRun,
     Start,
     StartOutcome,
@@ -41,6 +42,7 @@ __all__ = [
     "LINEAR",
     "NO_START",
     "PLANNED",
+    "Held",
     "NearStart",
     "NearTrain",
     "Recipe",
@@ -61,6 +63,25 @@ LINEAR, PLANNED, NO_START = "linear", "planned", "none"
 WANTED_REACH = 1.5
 #: At least and at most so many elastic modes are wanted.
 FEWEST_MODES, MOST_MODES = 3, 12
+
+
+@dataclass(frozen=True)
+class Held:
+    """What even the length of steps depends on, held fast so that small differences can be taken.
+
+    Parameters
+    ----------
+    windows : tuple of (float, float)
+        Until when which frequencies are followed by finer steps. [s, rad/s]
+    keep : tuple of bool
+        Modes that are integrated. [mask]
+    maximum_time : float
+        Time to simulate. [s]
+    """
+
+    windows: tuple[tuple[float, float], ...]
+    keep: tuple[bool, ...]
+    maximum_time: float
 
 
 @dataclass(frozen=True)
@@ -93,6 +114,8 @@ class Recipe:
         Mode and excitation of each margin that is wanted. [count, name]
     gaps : tuple of str
         Elements with a clearance that the plan does not simulate. [names]
+    held : Held or None, optional
+        What is held fast for small differences; None = each start decides for itself. [mixed]
     """
 
     segments: tuple[tuple[str, int], ...]
@@ -107,6 +130,7 @@ class Recipe:
     n_modes: int
     margins: tuple[tuple[int, str], ...]
     gaps: tuple[str, ...]
+    held: Held | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +165,7 @@ class NearStart:
     damage : ndarray, shape (n_judged,)
         Miner sum of each judged shaft; 0 = none. [1]
     turning : dict of int to (ndarray, ndarray)
-        Turning points of each judged shaft by element index. [s, N m]
+        Turning points of each element by its index. [s, N m]
     reversed : tuple of str
         Elements of `Recipe.gaps` whose torque reverses all the same. [names]
     sensitive : bool, optional
@@ -314,6 +338,8 @@ def near_start(case: CaseData, recipe: Recipe, near: NearTrain) -> NearStart:
         model = _model(case, recipe, recipe.start_lateral)
     if recipe.start == LINEAR:
         prepared = prepared_start(case, model.train, model.modes, model.damping, recipe.effects)
+        if recipe.held is not None:
+            prepared = _held(prepared, recipe.held)
         step = min(recipe.step, prepared.model.largest_step)
         prepared, run = prepared.to_its_end(step)
         return _read(case, recipe, model, prepared.outcome(run), run)
@@ -324,6 +350,21 @@ def near_start(case: CaseData, recipe: Recipe, near: NearTrain) -> NearStart:
     if effects.clearances or effects.pull_in or effects.aborted_start or recipe.start_lateral:
         start = calculate_start(case, model, effects, start)
     return _read(case, recipe, model, start.outcome, start)
+
+
+def _held(prepared: PreparedStart, held: Held) -> PreparedStart:
+    """The same start with its steps held fast."""
+    if tuple(prepared.model.keep.tolist()) != held.keep:
+        raise ModelError(
+            "The modes that matter change within the small change of the input: no difference of "
+            "two starts can be taken."
+        )
+    return replace(
+        prepared,
+        model=replace(prepared.model, windows=held.windows),
+        maximum_time=held.maximum_time,
+        longest=held.maximum_time,
+    )
 
 
 def replanned_start(case: CaseData) -> tuple[Start, Model]:
@@ -392,7 +433,7 @@ def _read(
         maximum,
         minimum,
         np.array([_damage(case, recipe, i, turning[i][1]) for i, _ in judged]),
-        {i: turning[i] for i, _ in judged},
+        turning,
         reversed_,
         isinstance(run, Start) and run.is_sensitive,
     )
