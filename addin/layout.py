@@ -9,6 +9,7 @@ from addin.fields import Field, TableSpec
 from engine.effects import EFFECTS
 
 __all__ = [
+    "CHANGE_NAME",
     "CHECK_FORMULAS",
     "CROSSING_ROWS",
     "ROOMS",
@@ -33,6 +34,7 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("TorqueReversals", "Note"): 48.0,
     ("Effects", "Why"): 96.0,
     ("Plans", "Reason"): 96.0,
+    ("Sensitivities", "Note"): 60.0,
 }
 
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
@@ -47,6 +49,7 @@ ROOMS: Mapping[str, int] = {
     "TorqueReversals": 8,
     "BearingForces": 13,
     "Effects": len(EFFECTS),
+    "ToleranceStarts": 8,
 }
 
 #: Width of the text column of sheet `Notes`. [characters]
@@ -78,6 +81,10 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_AccuracyReference", "What the errors on sheet Accuracy are measured against"),
     ("run_AccuracyInputs", "Which inputs sheet Accuracy belongs to"),
 )
+
+
+#: Defined name of the cell with the change whose shifts of frequency table `FrequencySensitivities` shows.
+CHANGE_NAME = "SensitivityChange"
 
 
 def _row(table: str, column: str) -> str:
@@ -120,6 +127,14 @@ def _check_formulas() -> dict[tuple[str, str], str]:
             f'{_row("StartCycles", "Cycles")}/{_row("StartCycles", "Cycles to failure")},"")'
         ),
         ("AllowableStarts", "Starts check"): f'=IF({counted},1/{damage},"")',
+        **{
+            ("FrequencySensitivities", f"Shift {mode}"): (
+                f"=IFERROR({_row('FrequencySensitivities', f'Mode {mode}')}*N({CHANGE_NAME})*"
+                "INDEX(NaturalFrequencies[Frequency],"
+                f'MATCH({mode},NaturalFrequencies[Mode],0)),"")'
+            )
+            for mode in (1, 2, 3)
+        },
         ("AllowableStarts", "Starts to judge"): (
             f"=IF(AND({counted},N(run_StartsFactor)>0),"
             f'ROUNDDOWN({1 + WHOLE_STARTS!r}/{damage}/run_StartsFactor,0),"")'

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from addin.template_sheets import Sheet
+from addin.layout import ROOMS
+from addin.template_sheets import ChartAt, Sheet
 
 __all__ = [
     "STUDIES",
@@ -51,7 +52,10 @@ class StudyOnSheet:
 
 
 #: Every study, in the order of its sheets.
-STUDIES: tuple[StudyOnSheet, ...] = ()
+STUDIES: tuple[StudyOnSheet, ...] = (
+    StudyOnSheet("tolerances", "Tolerance results", "R", "tolerances"),
+    StudyOnSheet("sensitivities", "Sensitivities", "M", "sensitivities"),
+)
 
 #: Rows of table `StudyFacts`: what was found in words, and which inputs it belongs to.
 STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
@@ -100,7 +104,44 @@ _INPUT_SHEETS: tuple[Sheet, ...] = (
     ),
 )  # fmt: skip
 
-_RESULT_SHEETS: tuple[Sheet, ...] = ()
+#: Row of the first thing below table `ToleranceStarts`.
+_BELOW_STARTS = 9 + ROOMS["ToleranceStarts"] + 2
+
+_RESULT_SHEETS: tuple[Sheet, ...] = (
+    Sheet(
+        "Tolerance results",
+        "result",
+        {"A": 1.5, "B": 34, "C:R": 11},
+        "R",
+        {"ToleranceStarts": "B7", "ToleranceDrivers": f"B{_BELOW_STARTS + 22}"},
+        (
+            ChartAt("tornado", f"B{_BELOW_STARTS}", 716, 420),
+            ChartAt("starts_histogram", f"J{_BELOW_STARTS}", 660, 208),
+            ChartAt("starts_distribution", f"J{_BELOW_STARTS + 10}", 660, 220),
+        ),
+        freeze="A6",
+    ),
+    Sheet(
+        "Tolerance tables",
+        "result",
+        {"A": 1.5, "B": 7, "C:M": 10, "N": 2, "O": 7, "P": 22, "Q:X": 10, "Y": 2, "Z": 24,
+         "AA:AH": 11, "AI": 2, "AJ:AL": 12, "AM": 2, "AN": 20, "AO": 9, "AP": 2, "AQ": 32,
+         "AR:AS": 10},
+        "AS",
+        {"ToleranceFrequencies": "B5", "ToleranceMargins": "O5", "TolerancePeaks": "Z5",
+         "ToleranceDistribution": "AJ5", "ToleranceHistogram": "AN5", "ToleranceTornado": "AQ5"},
+        freeze="A8",
+    ),
+    Sheet(
+        "Sensitivities",
+        "result",
+        {"A": 1.5, "B": 17, "C": 24, "D:K": 9, "L": 28, "M": 60, "N": 2, "O": 17, "P": 24,
+         "Q:AC": 9},
+        "AC",
+        {"Sensitivities": "B7", "FrequencySensitivities": "O7"},
+        freeze="A10",
+    ),
+)  # fmt: skip
 
 #: Caption above each table.
 STUDY_CAPTIONS: Mapping[str, str] = {
@@ -110,10 +151,28 @@ STUDY_CAPTIONS: Mapping[str, str] = {
     "StartConditions": "Start conditions",
     "MeasuredFrequencies": "Measured frequencies",
     "MeasuredPeaks": "Measured peaks (optional)",
+    "ToleranceStarts": "Allowable starts",
+    "ToleranceDrivers": "What drives it",
+    "ToleranceFrequencies": "Frequencies",
+    "ToleranceMargins": "Margins",
+    "TolerancePeaks": "Peaks",
+    "ToleranceDistribution": "Distribution",
+    "ToleranceHistogram": "Histogram",
+    "ToleranceTornado": "Tornado",
+    "Sensitivities": "Sensitivities",
+    "FrequencySensitivities": "Frequencies",
 }
 
 #: Tables with another table close to their right: the caption stands alone.
-STUDY_SHORT_CAPTIONS = frozenset({"Tuning", "MeasuredFrequencies"})
+STUDY_SHORT_CAPTIONS = frozenset(
+    {
+        "Tuning",
+        "MeasuredFrequencies",
+        "ToleranceDistribution",
+        "ToleranceHistogram",
+        "ToleranceTornado",
+    }
+)
 
 #: One sentence below the strip of each sheet.
 STUDY_INTROS: Mapping[str, str] = {
@@ -124,6 +183,12 @@ STUDY_INTROS: Mapping[str, str] = {
     "Duty": "Kinds of starts and how often each happens, for torsionbook starts FILE: start matrix and "
     "damage ledger.",
     "Measured": "What was measured on the train, for torsionbook calibrate FILE.",
+    "Tolerance results": "What the scatter on sheet Tolerances makes of the allowable starts, and what "
+    "drives them. Written by torsionbook tolerances FILE.",
+    "Tolerance tables": "The same of frequencies, margins and peaks, and the data behind the charts of "
+    "sheet Tolerance results.",
+    "Sensitivities": "What a small change of each quantity does. Written by torsionbook sensitivities "
+    "FILE; the shifts of frequency at the right follow the change typed above them.",
 }
 
 #: Result tables and the column that is coloured as a verdict.

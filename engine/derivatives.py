@@ -71,6 +71,7 @@ __all__ = [
     "derivatives",
     "differences",
     "element_rows",
+    "frequency_rows",
     "gather_derivatives",
     "plan_derivatives",
     "tangent_of",
@@ -903,19 +904,18 @@ def derivative_rows(found: Derivatives) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        quantity, of, mode_1…, peak_stress, peak_error, peak_below and peak_above (at − 1 % and + 1 %),
-        the same of allowable_starts, method, note. [1]
+        quantity, of, peak and peak_error by the derivative, peak_below and peak_above as they really
+        are at − 1 % and + 1 %, the same of the starts, method, note. [1]
     """
     return [
         {
             "quantity": r.quantity,
             "of": r.of,
-            **{f"mode_{i}": 0.01 * f for i, f in enumerate(r.frequency, start=1)},
-            "peak_stress": _hundredth(r.peak),
+            "peak": _hundredth(r.peak),
             "peak_error": _hundredth(r.peak_error),
             "peak_below": None if r.peak_ends is None else r.peak_ends[0],
             "peak_above": None if r.peak_ends is None else r.peak_ends[1],
-            "allowable_starts": _hundredth(r.starts),
+            "starts": _hundredth(r.starts),
             "starts_error": _hundredth(r.starts_error),
             "starts_below": None if r.starts_ends is None else r.starts_ends[0],
             "starts_above": None if r.starts_ends is None else r.starts_ends[1],
@@ -923,6 +923,34 @@ def derivative_rows(found: Derivatives) -> list[dict[str, Any]]:
             "note": r.note,
         }
         for r in found.rows
+        if r.peak is not None or r.note
+    ]
+
+
+def frequency_rows(found: Derivatives) -> list[dict[str, Any]]:
+    """Derivatives of the frequencies under their JSON keys, the strongest first.
+
+    Parameters
+    ----------
+    found : Derivatives
+        The study. [1]
+
+    Returns
+    -------
+    list of dict
+        quantity, of, mode_1, mode_2, …: ∂ln f/∂ln of the quantity. [1]
+    """
+    n = len(found.frequencies)
+    rows = sorted(
+        found.energies.rows, key=lambda r: -float(np.max(np.abs(r.value[:n]), initial=0.0))
+    )
+    return [
+        {
+            "quantity": r.quantity,
+            "of": r.name,
+            **{f"mode_{i}": v for i, v in enumerate(r.value[:n].tolist(), start=1)},
+        }
+        for r in rows
     ]
 
 

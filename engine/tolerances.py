@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -48,10 +48,7 @@ __all__ = [
     "PercentileRow",
     "ProbabilityRow",
     "Tolerances",
-    "driver_rows",
     "gather",
-    "percentile_rows",
-    "probability_rows",
     "tolerances",
 ]
 
@@ -680,73 +677,3 @@ def tolerances(
         if on_progress is not None:
             on_progress(unit.first + len(unit.values), plan.n_runs)
     return gather(plan, done)
-
-
-# --- rows of the result tables --------------------------------------------------------------------
-
-
-def percentile_rows(found: Tolerances) -> list[dict[str, Any]]:
-    """Table of percentiles under its JSON keys.
-
-    Parameters
-    ----------
-    found : Tolerances
-        The study. [SI]
-
-    Returns
-    -------
-    list of dict
-        quantity, of, nominal, p10, p10_low, p10_high, p50, …, unlimited_share, samples; an unlimited
-        number is None and its name stands in `unlimited`. [SI]
-    """
-    rows = []
-    for r in found.percentiles:
-        row: dict[str, Any] = {"quantity": r.quantity, "of": r.of, "nominal": r.nominal}
-        for p in PERCENTILES:
-            row |= dict.fromkeys((f"p{100 * p:.0f}{e}" for e in ("", "_low", "_high")), None)
-        for found_at in r.percentiles:
-            key = f"p{100 * found_at.probability:.0f}"
-            row |= {key: found_at.value, f"{key}_low": found_at.low, f"{key}_high": found_at.high}
-        unlimited = [k for k, v in row.items() if isinstance(v, float) and math.isinf(v)]
-        row |= dict.fromkeys(unlimited, None)
-        row |= {"unlimited": unlimited, "unlimited_share": r.unlimited, "samples": r.samples}
-        rows.append(row)
-    return rows
-
-
-def probability_rows(found: Tolerances) -> list[dict[str, Any]]:
-    """Table of probabilities under its JSON keys.
-
-    Parameters
-    ----------
-    found : Tolerances
-        The study. [SI]
-
-    Returns
-    -------
-    list of dict
-        check, of, required, nominal, probability, low, high, samples. [1]
-    """
-    return [_finite(asdict(r)) for r in found.probabilities]
-
-
-def driver_rows(found: Tolerances) -> list[dict[str, Any]]:
-    """Table of drivers under its JSON keys.
-
-    Parameters
-    ----------
-    found : Tolerances
-        The study. [SI]
-
-    Returns
-    -------
-    list of dict
-        factor, deviation, at_low, at_high, rank_coefficient, partial, share. [SI]
-    """
-    return [_finite(asdict(r)) for r in found.drivers]
-
-
-def _finite(row: dict[str, Any]) -> dict[str, Any]:
-    """Unlimited numbers as None, their names under `unlimited`."""
-    unlimited = [k for k, v in row.items() if isinstance(v, float) and math.isinf(v)]
-    return row | dict.fromkeys(unlimited, None) | {"unlimited": unlimited}

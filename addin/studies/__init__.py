@@ -5,6 +5,8 @@ module       responsibility
 ============ =====================================================================================
 study        what a study is, and one input through it: read, check, calculate, write
 spread       units of work over processes or a cluster, with progress and Ctrl-C
+tolerances   what the scatter of the inputs makes of the answers
+sensitivities  what a small change of each input does
 commands     what the commands of the studies have in common
 ============ =====================================================================================
 

@@ -21,7 +21,10 @@ def every_study() -> tuple[Study, ...]:
     -------
     tuple of Study
     """
-    return ()
+    from addin.studies.sensitivities import SENSITIVITIES
+    from addin.studies.tolerances import TOLERANCES
+
+    return (TOLERANCES, SENSITIVITIES)
 
 
 def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:

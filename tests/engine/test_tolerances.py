@@ -22,12 +22,10 @@ from engine.tolerance_sample import (
     plan_tolerances,
     units_of,
 )
+from engine.tolerance_tables import tolerance_details, tolerance_tables
 from engine.tolerances import (
     Tolerances,
-    driver_rows,
     gather,
-    percentile_rows,
-    probability_rows,
     tolerances,
 )
 from tests.sample_case import sample_case
@@ -226,9 +224,9 @@ def test_unlimited_starts_are_told_as_unlimited(case: Case) -> None:
     assert row.unlimited == 1.0
     assert row.nominal == math.inf
     assert never.driven == "peak stress"
-    told = next(r for r in percentile_rows(never) if r["quantity"] == "allowable starts")
-    assert told["p10"] is None
-    assert "p10" in told["unlimited"]
+    (told,) = tolerance_tables(never)["ToleranceStarts"]
+    assert told["p_10"] == told["nominal"] == "unlimited"
+    assert tolerance_tables(never)["ToleranceHistogram"] == [{"starts": "unlimited", "share": 1.0}]
     some = raised(2.3).percentile("allowable starts", "HP compressor shaft")
     assert some is not None
     assert 0.0 < some.unlimited < 1.0
@@ -289,9 +287,15 @@ def test_a_sample_that_reverses_where_the_plan_has_no_gap_is_told(case: Case) ->
 
 
 def test_the_rows_are_plain_json(found: Tolerances) -> None:
-    for rows in (percentile_rows(found), probability_rows(found), driver_rows(found)):
-        assert rows
-        assert json.loads(json.dumps(rows, allow_nan=False)) == rows
+    tables = tolerance_tables(found)
+    for told in (dict(tables), dict(tolerance_details(found))):
+        assert json.loads(json.dumps(told, allow_nan=False)) == told
+    assert all(tables.values())
+    assert sum(r["share"] for r in tables["ToleranceHistogram"]) == pytest.approx(1.0)
+    middle = tables["ToleranceDistribution"][49]
+    row = found.percentile("allowable starts", "HP compressor shaft")
+    assert row is not None
+    assert (middle["probability"], middle["starts"]) == (0.5, row.percentiles[1].value)
 
 
 def test_every_problem_at_once(case: Case) -> None:
