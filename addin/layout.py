@@ -49,7 +49,8 @@ ROOMS: Mapping[str, int] = {
     "TorqueReversals": 8,
     "BearingForces": 13,
     "Effects": len(EFFECTS),
-    "ToleranceStarts": 8,
+    "ToleranceStarts": 4,
+    "ToleranceFrequencies": 12,
 }
 
 #: Width of the text column of sheet `Notes`. [characters]

@@ -26,10 +26,17 @@ def _tornado(workbook: Any, places: Places, _: int) -> Any:
                 "overlap": 100,
             }
         )
-    chart.set_x_axis(
-        axis("", reverse=True, label_position="low", major_gridlines={"visible": False})
+    chart.set_y_axis(
+        axis(
+            "",
+            reverse=True,
+            crossing="max",
+            label_position="low",
+            major_gridlines={"visible": False},
+            major_tick_mark="none",
+        )
     )
-    chart.set_y_axis(axis("Change of the answer, %", num_format="+0;-0;0", crossing="max"))
+    chart.set_x_axis(axis("Change of the answer, %", num_format="+0;-0;0"))
     title(chart, "What drives it: one factor at a time, at its P10 and P90")
     legend(chart)
     return chart

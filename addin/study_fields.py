@@ -107,7 +107,7 @@ _TOLERANCE_RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "ToleranceDistribution",
-        "Tolerance tables",
+        "Tolerance data",
         1,
         "Starts and first frequency by probability.",
         number("Probability", "fraction", "Share of the samples at or below."),
@@ -116,7 +116,7 @@ _TOLERANCE_RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "ToleranceHistogram",
-        "Tolerance tables",
+        "Tolerance data",
         1,
         "Allowable starts of the samples.",
         text("Starts", "Between which numbers of starts."),
@@ -124,7 +124,7 @@ _TOLERANCE_RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "ToleranceTornado",
-        "Tolerance tables",
+        "Tolerance data",
         1,
         "The strongest factors.",
         text("Factor", "What scatters."),
@@ -141,11 +141,13 @@ _SENSITIVITY_RESULTS: tuple[TableSpec, ...] = (
         "What + 1 % of each quantity does to the governing shaft: derivative, and what really happens.",
         text("Quantity", "What is changed."),
         text("Of", "Whose: element, station or material; blank = all modes."),
-        number("Peak", "fraction", "Change of its peak stress for + 1 %, by the derivative."),
+        number(
+            "Peak change", "fraction", "Change of its peak stress for + 1 %, by the derivative."
+        ),
         number("Peak error", "fraction", "Estimated error of that."),
         number("Peak below", "fraction", "Change of its peak stress in a run at - 1 %."),
         number("Peak above", "fraction", "Change of its peak stress in a run at + 1 %."),
-        number("Starts", "fraction", "Change of its starts for + 1 %, by the derivative."),
+        number("Starts change", "fraction", "Change of its starts for + 1 %, by the derivative."),
         number("Starts error", "fraction", "Estimated error of that."),
         number("Starts below", "fraction", "Change of its starts in a run at - 1 %."),
         number("Starts above", "fraction", "Change of its starts in a run at + 1 %."),
@@ -154,7 +156,7 @@ _SENSITIVITY_RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "FrequencySensitivities",
-        "Sensitivities",
+        "Frequency sensitivities",
         1,
         "Relative change of each frequency over that of the quantity: ± ½ × share of the energy.",
         text("Quantity", "stiffness or inertia; bearing stiffness, sideways mass."),

@@ -106,6 +106,8 @@ _INPUT_SHEETS: tuple[Sheet, ...] = (
 
 #: Row of the first thing below table `ToleranceStarts`.
 _BELOW_STARTS = 9 + ROOMS["ToleranceStarts"] + 2
+#: Row of the captions below table `ToleranceFrequencies`.
+_BELOW_FREQUENCIES = 8 + ROOMS["ToleranceFrequencies"] + 2
 
 _RESULT_SHEETS: tuple[Sheet, ...] = (
     Sheet(
@@ -124,21 +126,34 @@ _RESULT_SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Tolerance tables",
         "result",
-        {"A": 1.5, "B": 7, "C:M": 10, "N": 2, "O": 7, "P": 22, "Q:X": 10, "Y": 2, "Z": 24,
-         "AA:AH": 11, "AI": 2, "AJ:AL": 12, "AM": 2, "AN": 20, "AO": 9, "AP": 2, "AQ": 32,
-         "AR:AS": 10},
-        "AS",
-        {"ToleranceFrequencies": "B5", "ToleranceMargins": "O5", "TolerancePeaks": "Z5",
-         "ToleranceDistribution": "AJ5", "ToleranceHistogram": "AN5", "ToleranceTornado": "AQ5"},
+        {"A": 1.5, "B": 7, "C": 22, "D:K": 10, "L": 10, "M": 24, "N:U": 11},
+        "U",
+        {"ToleranceFrequencies": "B5", "ToleranceMargins": f"B{_BELOW_FREQUENCIES}",
+         "TolerancePeaks": f"M{_BELOW_FREQUENCIES}"},
+        freeze="A4",
+    ),
+    Sheet(
+        "Tolerance data",
+        "result",
+        {"A": 1.5, "B:D": 13, "E": 2, "F": 20, "G": 9, "H": 2, "I": 36, "J:K": 11},
+        "K",
+        {"ToleranceDistribution": "B5", "ToleranceHistogram": "F5", "ToleranceTornado": "I5"},
         freeze="A8",
     ),
     Sheet(
         "Sensitivities",
         "result",
-        {"A": 1.5, "B": 17, "C": 24, "D:K": 9, "L": 28, "M": 60, "N": 2, "O": 17, "P": 24,
-         "Q:AC": 9},
-        "AC",
-        {"Sensitivities": "B7", "FrequencySensitivities": "O7"},
+        {"A": 1.5, "B": 17, "C": 24, "D:K": 9, "L": 28, "M": 60},
+        "M",
+        {"Sensitivities": "B7"},
+        freeze="A10",
+    ),
+    Sheet(
+        "Frequency sensitivities",
+        "result",
+        {"A": 1.5, "B": 22, "C": 24, "D:P": 9},
+        "P",
+        {"FrequencySensitivities": "B7"},
         freeze="A10",
     ),
 )  # fmt: skip
@@ -153,14 +168,14 @@ STUDY_CAPTIONS: Mapping[str, str] = {
     "MeasuredPeaks": "Measured peaks (optional)",
     "ToleranceStarts": "Allowable starts",
     "ToleranceDrivers": "What drives it",
-    "ToleranceFrequencies": "Frequencies",
+    "ToleranceFrequencies": "Natural frequencies",
     "ToleranceMargins": "Margins",
     "TolerancePeaks": "Peaks",
     "ToleranceDistribution": "Distribution",
     "ToleranceHistogram": "Histogram",
     "ToleranceTornado": "Tornado",
     "Sensitivities": "Sensitivities",
-    "FrequencySensitivities": "Frequencies",
+    "FrequencySensitivities": "Frequency sensitivities",
 }
 
 #: Tables with another table close to their right: the caption stands alone.
@@ -170,6 +185,7 @@ STUDY_SHORT_CAPTIONS = frozenset(
         "MeasuredFrequencies",
         "ToleranceDistribution",
         "ToleranceHistogram",
+        "ToleranceMargins",
         "ToleranceTornado",
     }
 )
@@ -185,10 +201,13 @@ STUDY_INTROS: Mapping[str, str] = {
     "Measured": "What was measured on the train, for torsionbook calibrate FILE.",
     "Tolerance results": "What the scatter on sheet Tolerances makes of the allowable starts, and what "
     "drives them. Written by torsionbook tolerances FILE.",
-    "Tolerance tables": "The same of frequencies, margins and peaks, and the data behind the charts of "
-    "sheet Tolerance results.",
+    "Tolerance tables": "The same of frequencies, margins and peaks: P10, P50 and P90 of the samples, and "
+    "the probability that each margin is kept.",
+    "Tolerance data": "What the charts of sheet Tolerance results show.",
     "Sensitivities": "What a small change of each quantity does. Written by torsionbook sensitivities "
-    "FILE; the shifts of frequency at the right follow the change typed above them.",
+    "FILE.",
+    "Frequency sensitivities": "How each frequency follows each stiffness and inertia; the green shifts "
+    "follow the change typed below. Written by torsionbook sensitivities FILE.",
 }
 
 #: Result tables and the column that is coloured as a verdict.

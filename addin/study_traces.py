@@ -138,13 +138,13 @@ def _sensitivity_traces() -> dict[tuple[str, str], Trace]:
         ("Peak", "StartupPeaks.Maximum torque"),
         ("Starts", "AllowableStarts.Allowable starts"),
     ):
-        found[table, answer] = Trace(
+        found[table, f"{answer} change"] = Trace(
             "1 % × ∂ln/∂ln, from differences at ± 0.02 % and ± 0.01 % (Richardson)",
             _TANGENT,
             (plain,),
         )
         found[table, f"{answer} error"] = Trace(
-            "Difference of the two differences", _TANGENT, (f"{table}.{answer}",)
+            "Difference of the two differences", _TANGENT, (f"{table}.{answer} change",)
         )
         for end, change in (("below", "− 1 %"), ("above", "+ 1 %")):
             found[table, f"{answer} {end}"] = Trace(

@@ -904,18 +904,18 @@ def derivative_rows(found: Derivatives) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        quantity, of, peak and peak_error by the derivative, peak_below and peak_above as they really
+        quantity, of, peak_change and peak_error by the derivative, peak_below and peak_above as they really
         are at − 1 % and + 1 %, the same of the starts, method, note. [1]
     """
     return [
         {
             "quantity": r.quantity,
             "of": r.of,
-            "peak": _hundredth(r.peak),
+            "peak_change": _hundredth(r.peak),
             "peak_error": _hundredth(r.peak_error),
             "peak_below": None if r.peak_ends is None else r.peak_ends[0],
             "peak_above": None if r.peak_ends is None else r.peak_ends[1],
-            "starts": _hundredth(r.starts),
+            "starts_change": _hundredth(r.starts),
             "starts_error": _hundredth(r.starts_error),
             "starts_below": None if r.starts_ends is None else r.starts_ends[0],
             "starts_above": None if r.starts_ends is None else r.starts_ends[1],
