@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from addin.case_json import FORMAT as CASE_FORMAT
 from addin.fields import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
 from addin.results_json import FORMAT as RESULTS_FORMAT
 
-__all__ = ["SCHEMA_FOLDER", "case_schema", "results_schema", "write_schemas"]
+if TYPE_CHECKING:
+    from addin.studies.study import Study
+
+__all__ = ["SCHEMA_FOLDER", "case_schema", "results_schema", "study_schema", "write_schemas"]
 
 #: Where the shipped schemas are.
 SCHEMA_FOLDER = Path(__file__).resolve().parent / "schemas"
@@ -69,16 +72,61 @@ def results_schema() -> dict[str, Any]:
     }
 
 
+def study_schema(study: Study) -> dict[str, Any]:
+    """Schema of what a study writes as JSON.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12; details that no result table holds are not described.
+    """
+    from addin.fields import result_table
+
+    digest = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
+    text = {"type": "string"}
+    properties: dict[str, Any] = {
+        "format": {"const": RESULTS_FORMAT},
+        "study": {"const": study.key},
+        "case_sha256": digest,
+        "study_sha256": digest,
+        "version": text,
+        "sentence": {"description": "What was found, in words.", **text},
+        "warnings": {"type": "array", "items": text},
+        "errors": {"type": "array", "items": _problem()},
+    }
+    required = list(properties)
+    for name in study.results:
+        table = result_table(name)
+        properties[table.key] = _result_table(table)
+        required.append(table.key)
+    return {
+        "$schema": _DIALECT,
+        "title": f"torsionbook {study.command}",
+        "description": "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as 1.",
+        **_object(properties, required=required),
+        "additionalProperties": True,
+    }
+
+
 def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
-    """Write both schemas.
+    """Write the schemas of cases, results and every study.
 
     Parameters
     ----------
     folder : Path
         Where to; made when it is not there. [path]
     """
+    from addin.studies.every import every_study
+
     folder.mkdir(exist_ok=True)
-    for name, schema in (("case", case_schema()), ("results", results_schema())):
+    made = {"case": case_schema(), "results": results_schema()}
+    made |= {study.command: study_schema(study) for study in every_study()}
+    for name, schema in made.items():
         text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
         (folder / f"{name}.schema.json").write_text(text, encoding="utf-8", newline="\n")
 
