@@ -328,7 +328,7 @@ def plan_derivatives(case: CaseData, *, nominal: Results | None = None) -> Deriv
     recipe = recipe_of(case, nominal)
     if recipe.start == LINEAR:
         assert nominal.start is not None
-        prepared = _prepared(case, recipe)
+        prepared, _ = _prepared(case, recipe).to_its_end(nominal.start.step)
         held = Held(
             prepared.model.windows, tuple(prepared.model.keep.tolist()), prepared.maximum_time
         )

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from engine.case import CaseData
 from engine.effects import StartEffects
 from engine.errors import InternalError, ModelError
-from engine.excitation import excitations_of
+from engine.excitation import excitations_of, operating_range
 from engine.fatigue import RESIDUES, count_cycles, counted_history, miner_damage, shear_stress
-from engine.margins import separation_margins
+from engine.margins import nearest_frequency
 from engine.modal import modal_damping, modes_of
 from engine.results import Results
 from engine.run import Model, analyse, calculate_start, planned_start
@@ -291,17 +291,14 @@ def near_train(case: CaseData, recipe: Recipe) -> NearTrain:
         With an unchanged case the numbers of the plain run, bit for bit. [SI]
     """
     model = _model(case, recipe, recipe.lateral)
-    known = {
-        (r.mode, r.excitation): r.margin
-        for r in separation_margins(
-            case, model.train, model.modes, excitations_of(case, model.train)
-        ).rows
-    }
-    return NearTrain(
-        model,
-        model.modes.elastic_frequency[: recipe.n_modes],
-        np.array([known[row] for row in recipe.margins]),
-    )
+    excitations = {x.name: x for x in excitations_of(case, model.train)}
+    speeds, elastic = operating_range(case), model.modes.elastic_frequency
+    margins = np.zeros(len(recipe.margins))
+    for i, (mode, name) in enumerate(recipe.margins):
+        frequency = float(elastic[mode - 1])
+        nearest = nearest_frequency(excitations[name], frequency, speeds)
+        margins[i] = abs(frequency - nearest) / nearest
+    return NearTrain(model, elastic[: recipe.n_modes], margins)
 
 
 def _model(case: CaseData, recipe: Recipe, lateral: bool) -> Model:

@@ -13,13 +13,20 @@ from typer.testing import CliRunner
 
 from addin.case_json import case_to_json
 from addin.cli import app
-from addin.json_schemas import study_schema
+from addin.json_schemas import SCHEMA_FOLDER, study_schema
 from addin.recalc import Unreadable, read_checked
 from addin.studies.every import every_study
 from addin.template_files import template_path
 
 RUN = CliRunner()
 SCHEMAS = {study.command: study_schema(study) for study in every_study()}
+
+
+@pytest.mark.parametrize("command", ["tolerances", "sensitivities"])
+def test_the_shipped_schemas_are_those_of_the_studies(command: str) -> None:
+    text = (SCHEMA_FOLDER / f"{command}.schema.json").read_text(encoding="utf-8")
+    assert json.loads(text) == SCHEMAS[command], "run: python -m addin.json_schemas"
+    jsonschema.Draft202012Validator.check_schema(SCHEMAS[command])
 
 
 def _run(*arguments: str) -> Any:
