@@ -17,6 +17,7 @@ from engine.case import CaseData
 from engine.errors import CaseError, ModelError, Problem
 from engine.lean_start import (
     NO_START,
+    PLANNED,
     NearStart,
     Recipe,
     near_start,
@@ -49,7 +50,7 @@ Mask = NDArray[np.bool_]
 
 #: Most samples.
 MOST_SAMPLES = 1_000_000
-#: Samples of one unit of work.
+#: Samples of one unit of work, of starts without events; one with events takes a second and more.
 UNIT_SIZE = 50
 
 
@@ -304,7 +305,7 @@ def _one_at_a_time(factors: Sequence[Factor]) -> Floats:
     return np.concatenate([low, high])
 
 
-def units_of(plan: TolerancePlan, size: int = UNIT_SIZE) -> tuple[Unit, ...]:
+def units_of(plan: TolerancePlan, size: int | None = None) -> tuple[Unit, ...]:
     """The work in pieces that can be done anywhere, in any order.
 
     Parameters
@@ -312,13 +313,15 @@ def units_of(plan: TolerancePlan, size: int = UNIT_SIZE) -> tuple[Unit, ...]:
     plan : TolerancePlan
         The plan. [mixed]
     size : int, optional
-        Samples of a piece. [count]
+        Samples of a piece; default some that take about a second together. [count]
 
     Returns
     -------
     tuple of Unit
         Pieces. [mixed]
     """
+    if size is None:
+        size = 1 if plan.recipe.start == PLANNED else UNIT_SIZE
     return tuple(
         Unit(
             plan.case,
