@@ -127,7 +127,7 @@ def _plain_range(workbook: Workbook, text: str) -> str | None:
 
 
 def _unread_tables(workbook: Workbook, read: Collection[tuple[str, Rect]]) -> list[Table]:
-    """Tables that no formula reads and no defined name mentions, its own column formulas included."""
+    """Tables that no formula reads, those of their own columns included, and no defined name mentions."""
     names = [name.text.casefold() for name in workbook.structure.names]
     return [
         table
