@@ -20,6 +20,7 @@ from addin.diff.commands import diff
 from addin.excel.commands import excel
 from addin.report.commands import report
 from addin.server.commands import serve
+from addin.studies.tolerance_commands import sensitivities, tolerances
 from addin.studies.tuning_command import tune
 from addin.terminal import Refused, list_problems, progress, refuse_clashes
 from addin.verify.commands import verify
@@ -62,6 +63,8 @@ app.command()(verify)
 app.command()(diff)
 app.command()(batch)
 app.command()(tune)
+app.command()(tolerances)
+app.command()(sensitivities)
 
 Files = Annotated[
     list[Path],

@@ -6,27 +6,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from addin.case_json import FORMAT as CASE_FORMAT
-from addin.fields import (
-    INPUT_TABLES,
-    RESULT_TABLES,
-    SCALARS,
-    Field,
-    TableSpec,
-    result_table,
-)
+from addin.fields import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
 from addin.results_json import FORMAT as RESULTS_FORMAT
 
 __all__ = [
     "SCHEMA_FOLDER",
     "case_schema",
+    "closed_object",
+    "problem_schema",
+    "result_table_schema",
     "results_schema",
-    "study_schema",
-    "tuning_schema",
     "write_schemas",
 ]
 
@@ -53,7 +46,7 @@ def case_schema() -> dict[str, Any]:
         "$schema": _DIALECT,
         "title": "torsionbook case",
         "description": "Numbers in SI; a string carries its unit; absent means blank.",
-        **_object(properties, required=["format"]),
+        **closed_object(properties, required=["format"]),
     }
 
 
@@ -72,126 +65,52 @@ def results_schema() -> dict[str, Any]:
         "version": {"type": "string"},
         "outcome": {"type": "string"},
         "warnings": texts,
-        "errors": {"type": "array", "items": _problem()},
+        "errors": {"type": "array", "items": problem_schema()},
         "startup": _startup(),
     }
-    properties |= {table.key: _result_table(table) for table in RESULT_TABLES} | _details()
+    properties |= {table.key: result_table_schema(table) for table in RESULT_TABLES} | _details()
     return {
         "$schema": _DIALECT,
         "title": "torsionbook results",
         "description": "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as 1.",
-        **_object(properties, required=["format", "errors"]),
+        **closed_object(properties, required=["format", "errors"]),
     }
-
-
-def study_schema(title: str, tables: Sequence[str], details: Mapping[str, Any]) -> dict[str, Any]:
-    """Schema of the JSON of a study.
-
-    Parameters
-    ----------
-    title : str
-        What it is. [words]
-    tables : sequence of str
-        Its result tables. [names]
-    details : mapping of str to object
-        Schemas of what it has besides, by key.
-
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12.
-    """
-    texts = {"type": "array", "items": {"type": "string"}}
-    digest = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
-    properties: dict[str, Any] = {
-        "format": {"const": RESULTS_FORMAT},
-        "study": {"type": "string"},
-        "case_sha256": digest,
-        "study_sha256": {"description": "Of the rows it was made from."} | digest,
-        "version": {"type": "string"},
-        "sentence": {"description": "What was found, in words.", "type": "string"},
-        "warnings": texts,
-        "errors": {"type": "array", "items": _problem()},
-    }
-    specs = [result_table(name) for name in tables]
-    properties |= {spec.key: _result_table(spec) for spec in specs}
-    properties |= details
-    return {
-        "$schema": _DIALECT,
-        "title": title,
-        "description": "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as 1.",
-        **_object(properties, required=["format", "errors"]),
-    }
-
-
-def tuning_schema() -> dict[str, Any]:
-    """Schema of what ``torsionbook tune --json`` writes.
-
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12.
-    """
-    number, text = {"type": "number"}, {"type": "string"}
-    count = {"type": "integer"}
-    option = _object({"label": text, "value": number})
-    variable = {
-        "name": {"description": "Element, or the station of an inertia.", **text},
-        "quantity": text,
-        "unit": {"description": "Of the values below; backlash is m or rad.", **text},
-        "present": {"description": "What the case says.", **number},
-        "options": {"type": "array", "items": option},
-    }
-    choice = {"rank": count, "values": {"type": "array", "items": {"type": ["number", "null"]}}}
-    window = {"from": number, "to": {"description": "Absent above the highest band.", **number}}
-    cell = {
-        "across": {"description": "Option of the first variable.", **text},
-        "across_value": number,
-        "up": {"description": "Option of the second variable.", **text},
-        "up_value": number,
-        "rank": {"description": "Of the best combination with both.", **count},
-        "limits_broken": count,
-        "allowable_starts": {"description": "Absent where unlimited or not judged.", **number},
-        "unlimited": {"description": "Absent where starts were not judged.", "type": "boolean"},
-        "worst_margin": number,
-    }
-    cells = _object(cell) | {"patternProperties": {"^mode_[1-9][0-9]*$": number}}
-    return study_schema(
-        "torsionbook tuning study",
-        ("TuningResults", "TuningCrossings", "ForbiddenBands"),
-        {
-            "variables": {"type": "array", "items": _object(variable)},
-            "choices": {
-                "description": "Values of the variables of each combination, by rank.",
-                "type": "array",
-                "items": _object(choice),
-            },
-            "free_windows": {
-                "description": "Frequencies that no band forbids. [Hz]",
-                "type": "array",
-                "items": _object(window),
-            },
-            "tuning_map": {"type": "array", "items": cells},
-        },
-    )
 
 
 def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
-    """Write all schemas.
+    """Write the schemas of cases, results and every study.
 
     Parameters
     ----------
     folder : Path
         Where to; made when it is not there. [path]
     """
+    from addin.studies.every import every_study
+    from addin.study_schemas import study_schema
+
     folder.mkdir(exist_ok=True)
-    schemas = {"case": case_schema(), "results": results_schema(), "tuning": tuning_schema()}
+    schemas = {"case": case_schema(), "results": results_schema()}
+    schemas |= {study.key: study_schema(study) for study in every_study()}
     for name, schema in schemas.items():
         text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
         (folder / f"{name}.schema.json").write_text(text, encoding="utf-8", newline="\n")
 
 
-def _object(properties: dict[str, Any], required: list[str] | None = None) -> dict[str, Any]:
+def closed_object(properties: dict[str, Any], required: list[str] | None = None) -> dict[str, Any]:
+    """Schema of an object that has these keys and no others.
+
+    Parameters
+    ----------
+    properties : dict
+        Schemas by key.
+    required : list of str, optional
+        Keys that are always there. [names]
+
+    Returns
+    -------
+    dict
+        The schema.
+    """
     content: dict[str, Any] = {"type": "object", "properties": properties}
     if required:
         content["required"] = required
@@ -216,7 +135,7 @@ def _input(spec: Field) -> dict[str, Any]:
 
 
 def _input_table(table: TableSpec) -> dict[str, Any]:
-    row = _object({column.key: _input(column) for column in table.columns})
+    row = closed_object({column.key: _input(column) for column in table.columns})
     return {"description": table.help, "type": "array", "items": row}
 
 
@@ -228,8 +147,20 @@ def _result(spec: Field) -> dict[str, Any]:
     return _described({"type": spec.kind if spec.is_number else words}, spec)
 
 
-def _result_table(table: TableSpec) -> dict[str, Any]:
-    row = _object({column.key: _result(column) for column in table.columns})
+def result_table_schema(table: TableSpec) -> dict[str, Any]:
+    """Schema of the rows of a result table.
+
+    Parameters
+    ----------
+    table : TableSpec
+        The table.
+
+    Returns
+    -------
+    dict
+        The schema.
+    """
+    row = closed_object({column.key: _result(column) for column in table.columns})
     for key in table.json_only:
         row["properties"][key] = _JSON_ONLY[key]
     if "unlimited" in table.json_only:
@@ -282,13 +213,13 @@ def _startup() -> dict[str, Any]:
         "force": {"description": "Largest radial force of its bearings. [N]", **number},
         "time": {"description": "When. [s]", **number},
     }
-    return _object(
+    return closed_object(
         {
             "outcome": {"description": "How the start ended.", "enum": outcomes},
             "time": {"description": "When it ended. [s]", "type": "number"},
             "end_speed": {"description": "Speed at the end. [rad/s]", "type": "number"},
-            "pull_in": _object(pull_in),
-            "bearing_forces": {"type": "array", "items": _object(force)},
+            "pull_in": closed_object(pull_in),
+            "bearing_forces": {"type": "array", "items": closed_object(force)},
         }
     )
 
@@ -297,8 +228,8 @@ def _details() -> dict[str, Any]:
     """Energy shares, nodes and damped eigenvalues."""
     number = {"type": "number"}
     shares = {"type": "object", "additionalProperties": number}
-    node = _object({"element": {"type": "string"}, "position": number})
-    mode = _object(
+    node = closed_object({"element": {"type": "string"}, "position": number})
+    mode = closed_object(
         {
             "mode": {"description": "Elastic mode, counted from 1.", "type": "integer"},
             "frequency": {"description": "Natural frequency. [Hz]", "type": "number"},
@@ -319,8 +250,8 @@ def _details() -> dict[str, Any]:
             },
         }
     )
-    value = _object({"real": number, "imaginary": number})
-    plan = _object({"number": {"type": "integer"}, "reason": {"type": "string"}})
+    value = closed_object({"real": number, "imaginary": number})
+    plan = closed_object({"number": {"type": "integer"}, "reason": {"type": "string"}})
     sensitivity = {
         "spread": {"description": "Largest change of a peak under 1e-9 of the input. [1]"} | number,
         "sensitive": {"description": "Whether it exceeds the tolerance.", "type": "boolean"},
@@ -332,8 +263,8 @@ def _details() -> dict[str, Any]:
             "type": "array",
             "items": plan,
         },
-        "sensitivity": _object(sensitivity),
-        "accuracy": _object({"sentence": text, "reference": text}),
+        "sensitivity": closed_object(sensitivity),
+        "accuracy": closed_object({"sentence": text, "reference": text}),
         "modes": {"description": "Elastic modes in detail.", "type": "array", "items": mode},
         "damped_eigenvalues": {
             "description": "Where dampers couple the modes. [1/s]",
@@ -343,11 +274,18 @@ def _details() -> dict[str, Any]:
     }
 
 
-def _problem() -> dict[str, Any]:
+def problem_schema() -> dict[str, Any]:
+    """Schema of something wrong with an input.
+
+    Returns
+    -------
+    dict
+        The schema.
+    """
     properties: dict[str, Any] = {key: {"type": "string"} for key in _PROBLEM_KEYS}
     properties["row"] = {"type": ["integer", "null"]}
     properties["found"] = {"type": ["string", "number", "boolean", "null"]}
-    return _object(properties, required=list(_PROBLEM_KEYS))
+    return closed_object(properties, required=list(_PROBLEM_KEYS))
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from addin.tuning_fields import LINES, MAP_ROWS
 from engine.effects import EFFECTS
 
 __all__ = [
+    "CHANGE_NAME",
     "CHECK_FORMULAS",
     "CROSSING_ROWS",
     "ROOMS",
@@ -43,6 +44,7 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("TuningAxes", "First variable"): 22.0,
     ("TuningAxes", "Second variable"): 11.0,
     **{("TuningAxes", f"Line {k}"): 11.0 for k in range(1, LINES + 1)},
+    ("Sensitivities", "Note"): 60.0,
 }
 
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
@@ -58,6 +60,8 @@ ROOMS: Mapping[str, int] = {
     "BearingForces": 13,
     "Effects": len(EFFECTS),
     **dict.fromkeys(("TuningStarts", "TuningMargins", "TuningModes"), MAP_ROWS),
+    "ToleranceStarts": 4,
+    "ToleranceFrequencies": 12,
 }
 
 #: Width of the text column of sheet `Notes`. [characters]
@@ -89,6 +93,10 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_AccuracyReference", "What the errors on sheet Accuracy are measured against"),
     ("run_AccuracyInputs", "Which inputs sheet Accuracy belongs to"),
 )
+
+
+#: Defined name of the cell with the change whose shifts of frequency table `FrequencySensitivities` shows.
+CHANGE_NAME = "SensitivityChange"
 
 
 def _row(table: str, column: str) -> str:
@@ -131,6 +139,14 @@ def _check_formulas() -> dict[tuple[str, str], str]:
             f'{_row("StartCycles", "Cycles")}/{_row("StartCycles", "Cycles to failure")},"")'
         ),
         ("AllowableStarts", "Starts check"): f'=IF({counted},1/{damage},"")',
+        **{
+            ("FrequencySensitivities", f"Shift {mode}"): (
+                f"=IFERROR({_row('FrequencySensitivities', f'Mode {mode}')}*N({CHANGE_NAME})*"
+                "INDEX(NaturalFrequencies[Frequency],"
+                f'MATCH({mode},NaturalFrequencies[Mode],0)),"")'
+            )
+            for mode in (1, 2, 3)
+        },
         ("AllowableStarts", "Starts to judge"): (
             f"=IF(AND({counted},N(run_StartsFactor)>0),"
             f'ROUNDDOWN({1 + WHOLE_STARTS!r}/{damage}/run_StartsFactor,0),"")'

@@ -42,4 +42,16 @@ STUDY_ROWS: Mapping[str, Sequence[Mapping[str, Value]]] = {
             "Rated torque": 6.5e5,
         },
     ),
-}
+    "Scatter": (
+        {"Quantity": "stiffness", "Distribution": "normal", "Spread": 5.0},
+        {"Quantity": "inertia", "Distribution": "normal", "Spread": 2.0},
+        {"Quantity": "damping ratio", "Distribution": "uniform", "Spread": 30.0},
+        {"Quantity": "average torque", "Distribution": "normal", "Spread": 5.0},
+        {"Quantity": "pulsating torque", "Distribution": "triangular", "Spread": 10.0},
+        {
+            "Quantity": "load torque", "Distribution": "normal", "Spread": 5.0,
+            "Together": "together",
+        },
+        {"Quantity": "S-N line", "Distribution": "from-to", "From": 90.0, "To": 110.0},
+    ),
+}  # fmt: skip

@@ -27,6 +27,7 @@ from .examples import EXAMPLES, Example, example_case, example_torque, provenanc
 from .fields import Field, TableSpec
 from .flavours import FLAVOURS, Flavour
 from .layout import (
+    CHANGE_NAME,
     CHECK_FORMULAS,
     NOTES_WIDTH,
     RUN_FACTS,
@@ -715,6 +716,7 @@ class _Builder:
                 shown = study.not_yet if row == 3 else ""
                 page.write_formula(row, 1, formula, self.style(style), shown)
                 page.set_row(row, height)
+        self._change_cell()
         for table, column in STUDY_VERDICTS:
             place = self.places[table]
             at = place.columns[column]
@@ -746,6 +748,15 @@ class _Builder:
         good = {"type": "cell", "criteria": "==", "value": '"unlimited"'}
         page.conditional_format(*area, good | {"format": self.style("cf_pass")})
         page.conditional_format(*area, dict(COLOUR_SCALE))
+
+    def _change_cell(self) -> None:
+        """The change whose shifts of frequency sheet Sensitivities shows: the engineer's to type."""
+        place = self.places["FrequencySensitivities"]
+        page, left = self.sheets[place.sheet], place.columns["Quantity"]
+        page.write_string(4, left, "Change of the quantity", self.style("note"))
+        page.write_number(4, left + 1, 0.01, self.style("input", "0.0%"))
+        cell = xl_rowcol_to_cell(4, left + 1, True, True)
+        self.workbook.define_name(CHANGE_NAME, f"='{place.sheet}'!{cell}")
 
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""

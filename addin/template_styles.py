@@ -296,6 +296,22 @@ _COLUMN_FORMATS: Mapping[str, str] = {
     "Margin check": "0.00",
     "Required": "0.0",
     "Share": "0.0",
+    **dict.fromkeys(
+        (
+            "At P10",
+            "At P90",
+            "Change at P10",
+            "Change at P90",
+            "Peak change",
+            "Peak below",
+            "Peak above",
+            "Starts change",
+            "Starts below",
+            "Starts above",
+        ),
+        "+0.00;-0.00;0.00",
+    ),
+    **dict.fromkeys(("Shift 1", "Shift 2", "Shift 3"), "+0.000;-0.000;0.000"),
     "Recontact speed": "[>=0.01]0.000;[>0]0.00000;0",
     "Recontact speed angular": "[>=0.01]0.000;[>0]0.00000;0",
 }

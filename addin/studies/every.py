@@ -21,9 +21,11 @@ def every_study() -> tuple[Study, ...]:
     -------
     tuple of Study
     """
+    from addin.studies.sensitivities import SENSITIVITIES
+    from addin.studies.tolerances import TOLERANCES
     from addin.studies.tuning import TUNING
 
-    return (TUNING,)
+    return (TUNING, TOLERANCES, SENSITIVITIES)
 
 
 def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:

@@ -68,11 +68,13 @@ class Study:
     inputs : tuple of str
         Study tables that it reads. [names]
     results : tuple of str
-        Result tables that it writes. [names]
+        Result tables that it writes, in workbook and JSON. [names]
     check : callable
         Case, inputs and settings → every problem of its rows.
     calculate : callable
         Case, inputs, settings, `Spread` and what is told the stage → `Found`.
+    charts : tuple of str
+        Tables that the workbook alone has: maps, and numbers behind charts. [names]
     """
 
     key: str
@@ -83,6 +85,7 @@ class Study:
     calculate: Callable[
         [Case, StudyInputs, Mapping[str, Any], Spread, Callable[[str], None]], Found
     ]
+    charts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -287,7 +290,8 @@ def _missing_sheets(read: CaseInput, study: Study) -> list[CellProblem]:
 
     assert isinstance(read, WorkbookInput)
     known = {name.casefold() for name in read.workbook.tables}
-    absent = [name for name in (*study.inputs, *study.results) if name.casefold() not in known]
+    needed = (*study.inputs, *study.results, *study.charts)
+    absent = [name for name in needed if name.casefold() not in known]
     if not absent:
         return []
     first = absent[0]

@@ -140,10 +140,8 @@ TUNING = Study(
     "tuning",
     "tune",
     ("Tuning", "Catalogue"),
-    (
-        "TuningResults", "TuningCrossings", "ForbiddenBands", "TuningAxes", "TuningStarts",
-        "TuningMargins", "TuningModes", "TuningLines", "TuningHatch",
-    ),
+    ("TuningResults", "TuningCrossings", "ForbiddenBands"),
     _check,
     _calculate,
-)  # fmt: skip
+    ("TuningAxes", "TuningStarts", "TuningMargins", "TuningModes", "TuningLines", "TuningHatch"),
+)

@@ -15,10 +15,11 @@ from typer.testing import CliRunner, Result
 
 from addin.case_json import case_to_json
 from addin.cli import app
-from addin.json_schemas import SCHEMA_FOLDER, tuning_schema
+from addin.json_schemas import SCHEMA_FOLDER
 from addin.recalc import Unreadable, read_checked
 from addin.studies.tuning import TUNING
 from addin.studies.tuning_tables import map_tables, spread_out
+from addin.study_schemas import study_schema
 from addin.tuning_fields import LINES, MAP_ROWS
 from engine.case import CaseData
 from engine.studies import StudyInputs, TuningRow
@@ -80,7 +81,7 @@ def table(path: Path, name: str) -> list[dict[str, Any]]:
 
 def test_the_json_keeps_to_its_shipped_schema(content: dict[str, Any]) -> None:
     schema = json.loads((SCHEMA_FOLDER / "tuning.schema.json").read_text(encoding="utf-8"))
-    assert schema == tuning_schema(), "run: python -m addin.json_schemas"
+    assert schema == study_schema(TUNING), "run: python -m addin.json_schemas"
     jsonschema.Draft202012Validator(schema).validate(content)
     assert content["study"] == "tuning"
     assert len(content["tuning_results"]) == len(content["choices"]) == 3 * 3 + 1
@@ -308,4 +309,4 @@ def test_hatching_stays_in_its_bands_and_one_value_has_some_width() -> None:
 def test_every_table_of_the_study_is_written() -> None:
     found = _study(TuningRow(HIGH, "stiffness", values=(1.0,)), motor_torque=(), load_torque=())
     written = {"TuningResults", "TuningCrossings", "ForbiddenBands", *map_tables(found)}
-    assert written == set(TUNING.results)
+    assert written == {*TUNING.results, *TUNING.charts}
