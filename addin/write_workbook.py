@@ -64,6 +64,7 @@ __all__ = [
     "tables_to_write",
     "write_results",
     "write_study",
+    "write_study_results",
 ]
 
 #: Column whose unit shows a judged number of a dimension in `Verdicts`.
@@ -274,6 +275,57 @@ def write_study(
     return workbook.save(destination, in_place=destination is None)
 
 
+def write_study_results(
+    workbook: Workbook,
+    destination: Path | None,
+    tables: Mapping[str, Sequence[Mapping[str, Any]]],
+    facts: Mapping[str, str],
+    rated_torque: float | None,
+    *,
+    ignore_lock: bool = False,
+) -> SaveReport:
+    """Write the results of a study into its sheets, and nothing else.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The workbook the inputs were read from.
+    destination : Path or None
+        The new workbook; None replaces the source, which stays as ``.bak``.
+    tables : mapping of str to sequence of mapping
+        Rows of its result tables, by name. [SI]
+    facts : mapping of str to str
+        Defined names and their words, see `study_sheets.STUDY_FACTS`. [text]
+    rated_torque : float or None
+        Base of pu. [N m]
+    ignore_lock : bool
+        Write although a lock file says somebody has the workbook open. [flag]
+
+    Returns
+    -------
+    SaveReport
+        What was written, and sentences the user should read.
+
+    Raises
+    ------
+    PackageError
+        When the workbook cannot be saved; nothing has been written then.
+    """
+    workbook.allow_saving(ignore_lock=ignore_lock)
+    units, problems = read_shown_units(workbook, rated_torque)
+    workbook.notes += problems
+    wanted = [
+        _result_block(fields.result_table(name), rows, units) for name, rows in tables.items()
+    ]
+    present = _present(workbook, wanted)
+    workbook.write_tables(present)
+    _fit_rows(workbook, present)
+    for name, text in facts.items():
+        if name in workbook.defined_names:
+            workbook.set_name(name, text)
+    return workbook.save(destination, in_place=destination is None)
+
+
 def read_shown_units(
     workbook: Workbook, rated_torque: float | None
 ) -> tuple[ShownUnits, list[str]]:
@@ -294,7 +346,7 @@ def read_shown_units(
         A sentence for each unit that cannot be used.
     """
     names: dict[tuple[str, str], str] = {}
-    for spec in (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES):
+    for spec in fields.EVERY_TABLE:
         table = workbook.tables.get(spec.name)
         if table is None or not table.header_row or table.header_row < 2:
             continue

@@ -1,0 +1,13 @@
+"""Charts on the study sheets; they refer to the columns of the result tables there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from addin.chart_parts import Places
+
+__all__ = ["STUDY_CHARTS"]
+
+#: Name of a chart → what draws it.
+STUDY_CHARTS: Mapping[str, Callable[[Any, Places, int], Any]] = {}
