@@ -20,6 +20,8 @@ from addin.diff.commands import diff
 from addin.excel.commands import excel
 from addin.report.commands import report
 from addin.server.commands import serve
+from addin.studies.calibration_command import calibrate
+from addin.studies.starts_command import starts
 from addin.terminal import Refused, list_problems, progress, refuse_clashes
 from addin.verify.commands import verify
 
@@ -60,6 +62,8 @@ app.command()(report)
 app.command()(verify)
 app.command()(diff)
 app.command()(batch)
+app.command()(starts)
+app.command()(calibrate)
 
 Files = Annotated[
     list[Path],

@@ -33,6 +33,13 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("TorqueReversals", "Note"): 48.0,
     ("Effects", "Why"): 96.0,
     ("Plans", "Reason"): 96.0,
+    ("StartMatrix", "Note"): 56.0,
+    ("DamageLedger", "Reason"): 60.0,
+    ("RemainingStarts", "Reason"): 60.0,
+    ("FrequencyFit", "Note"): 62.0,
+    ("PeakFit", "Note"): 62.0,
+    ("CalibratedFrequencies", "Why"): 62.0,
+    ("CalibratedParameters", "Note"): 62.0,
 }
 
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
@@ -47,6 +54,12 @@ ROOMS: Mapping[str, int] = {
     "TorqueReversals": 8,
     "BearingForces": 13,
     "Effects": len(EFFECTS),
+    "StartsByVoltage": 14,
+    "DamageLedger": 8,
+    "FrequencyFit": 10,
+    "PeakFit": 5,
+    "CalibratedFrequencies": 12,
+    "CalibratedMargins": 12,
 }
 
 #: Width of the text column of sheet `Notes`. [characters]

@@ -7,7 +7,9 @@ here enters the digest of the case.
 
 from __future__ import annotations
 
+from addin.calibration_fields import CALIBRATION_RESULT_TABLES
 from addin.field_kinds import TableSpec, choice, integer, number, table, text, traced
+from addin.starts_fields import STARTS_RESULT_TABLES
 from addin.study_traces import STUDY_TRACES
 from engine.substitution import SCATTERED, TUNED
 
@@ -129,4 +131,6 @@ STUDY_INPUT_TABLES: tuple[TableSpec, ...] = (
 )
 
 #: Result tables of the studies: rows come from the engine, keys and units are those of the JSON.
-STUDY_RESULT_TABLES: tuple[TableSpec, ...] = traced((), STUDY_TRACES)
+STUDY_RESULT_TABLES: tuple[TableSpec, ...] = traced(
+    (*STARTS_RESULT_TABLES, *CALIBRATION_RESULT_TABLES), STUDY_TRACES
+)

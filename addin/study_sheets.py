@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from addin.template_sheets import Sheet
+from addin.layout import ROOMS
+from addin.template_sheets import ChartAt, Sheet
 
 __all__ = [
     "STUDIES",
@@ -34,12 +35,18 @@ class StudyOnSheet:
         Last column of its lines of words. [letters]
     command : str
         What calculates it. [command]
+    height : float
+        Of the line that says what was found. [points]
+    also : tuple of (str, str)
+        Further sheets of its results with the last columns of their lines. [names, letters]
     """
 
     key: str
     sheet: str
     last: str
     command: str
+    height: float = 42.0
+    also: tuple[tuple[str, str], ...] = ()
 
     @property
     def not_yet(self) -> str:
@@ -51,7 +58,10 @@ class StudyOnSheet:
 
 
 #: Every study, in the order of its sheets.
-STUDIES: tuple[StudyOnSheet, ...] = ()
+STUDIES: tuple[StudyOnSheet, ...] = (
+    StudyOnSheet("starts", "Start matrix", "R", "starts", 56.0, (("Damage ledger", "L"),)),
+    StudyOnSheet("calibration", "Calibration", "P", "calibrate", 96.0),
+)
 
 #: Rows of table `StudyFacts`: what was found in words, and which inputs it belongs to.
 STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
@@ -100,7 +110,61 @@ _INPUT_SHEETS: tuple[Sheet, ...] = (
     ),
 )  # fmt: skip
 
-_RESULT_SHEETS: tuple[Sheet, ...] = ()
+
+def _below(row: int, table: str) -> int:
+    """First row below the room of a table whose caption is in a row."""
+    return row + 3 + ROOMS[table] + 1
+
+
+_CHART_ROWS = 17
+_LEDGER_BELOW = _below(7, "DamageLedger")
+_PEAKS_AT = _below(7, "FrequencyFit")
+_FITS_AT = _below(_PEAKS_AT, "PeakFit")
+_MODES_AT = _FITS_AT + _CHART_ROWS
+_MARGINS_AT = _below(_MODES_AT, "CalibratedFrequencies")
+_PARAMETERS_AT = _below(_MARGINS_AT, "CalibratedMargins")
+
+_RESULT_SHEETS: tuple[Sheet, ...] = (
+    Sheet(
+        "Start matrix",
+        "result",
+        {"A": 1.5, "B": 30, "C:E": 9.5, "F": 10, "G": 26, "H:J": 9.5, "K:L": 21, "M:Q": 11.5,
+         "R": 56},
+        "R",
+        {"StartsByVoltage": "M7", "StartMatrix": f"B{8 + _CHART_ROWS}"},
+        (
+            ChartAt("starts-voltage", "B7", 500, 330),
+            ChartAt("stress-voltage", "G7", 690, 330),
+        ),
+        freeze="",
+    ),
+    Sheet(
+        "Damage ledger",
+        "result",
+        {"A": 1.5, "B": 24, "C": 34, "D:J": 11.5, "K": 12, "L": 60},
+        "L",
+        {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER_BELOW}"},
+        freeze="",
+    ),
+    Sheet(
+        "Calibration",
+        "result",
+        {"A": 1.5, "B": 24, "C": 22, "D:L": 11.5, "M": 62, "N": 13, "O:P": 10},
+        "P",
+        {
+            "FrequencyFit": "B7",
+            "PeakFit": f"B{_PEAKS_AT}",
+            "CalibratedFrequencies": f"B{_MODES_AT}",
+            "CalibratedMargins": f"B{_MARGINS_AT}",
+            "CalibratedParameters": f"B{_PARAMETERS_AT}",
+        },
+        (
+            ChartAt("fit", f"B{_FITS_AT}", 560, 320),
+            ChartAt("change", f"H{_FITS_AT}", 800, 320),
+        ),
+        freeze="",
+    ),
+)  # fmt: skip
 
 #: Caption above each table.
 STUDY_CAPTIONS: Mapping[str, str] = {
@@ -110,10 +174,19 @@ STUDY_CAPTIONS: Mapping[str, str] = {
     "StartConditions": "Start conditions",
     "MeasuredFrequencies": "Measured frequencies",
     "MeasuredPeaks": "Measured peaks (optional)",
+    "StartsByVoltage": "By voltage",
+    "StartMatrix": "Start matrix",
+    "DamageLedger": "Damage ledger",
+    "RemainingStarts": "Remaining starts",
+    "FrequencyFit": "Measured frequencies",
+    "PeakFit": "Measured peak torques",
+    "CalibratedFrequencies": "Modes",
+    "CalibratedMargins": "Least separation margins",
+    "CalibratedParameters": "Uncertain quantities",
 }
 
 #: Tables with another table close to their right: the caption stands alone.
-STUDY_SHORT_CAPTIONS = frozenset({"Tuning", "MeasuredFrequencies"})
+STUDY_SHORT_CAPTIONS = frozenset({"Tuning", "MeasuredFrequencies", "StartsByVoltage"})
 
 #: One sentence below the strip of each sheet.
 STUDY_INTROS: Mapping[str, str] = {
@@ -124,10 +197,20 @@ STUDY_INTROS: Mapping[str, str] = {
     "Duty": "Kinds of starts and how often each happens, for torsionbook starts FILE: start matrix and "
     "damage ledger.",
     "Measured": "What was measured on the train, for torsionbook calibrate FILE.",
+    "Start matrix": "Each kind of start as a run of its own: torsionbook starts FILE. A start that does "
+    "not come to its end is not judged.",
+    "Damage ledger": "What the duty of sheet Duty uses of each judged shaft: Palmgren-Miner, the order "
+    "of starts ignored; a shaft is used up at 1/StartsFactor.",
+    "Calibration": "The least change of the uncertain quantities (sheet Tolerances) that explains what "
+    "was measured: torsionbook calibrate FILE.",
 }
 
 #: Result tables and the column that is coloured as a verdict.
-STUDY_VERDICTS: tuple[tuple[str, str], ...] = ()
+STUDY_VERDICTS: tuple[tuple[str, str], ...] = (
+    ("DamageLedger", "Verdict"),
+    ("CalibratedMargins", "Verdict before"),
+    ("CalibratedMargins", "Verdict"),
+)
 
 
 def study_lines(study: StudyOnSheet) -> tuple[tuple[str, str, float], ...]:
@@ -145,7 +228,7 @@ def study_lines(study: StudyOnSheet) -> tuple[tuple[str, str, float], ...]:
     """
     key = study.key
     return (
-        (f'=IF({key}_Sentence="","{study.not_yet}",{key}_Sentence)', "sentence", 42.0),
+        (f'=IF({key}_Sentence="","{study.not_yet}",{key}_Sentence)', "sentence", study.height),
         (
             f'=IF({key}_SHA256="","",IF(AND(run_SHA256<>"",run_SHA256<>{key}_SHA256),'
             f'"OTHER INPUTS than those of the plain results: run torsionbook {study.command} again. ",'

@@ -700,12 +700,13 @@ class _Builder:
     def _study_lines(self) -> None:
         """On each result sheet of a study what it found, and which inputs it belongs to."""
         for study in STUDIES:
-            page, last = self.sheets[study.sheet], study.last
-            for row, (formula, style, height) in enumerate(study_lines(study), 3):
-                page.merge_range(row, 1, row, _column(last), "", self.style(style))
-                shown = study.not_yet if row == 3 else ""
-                page.write_formula(row, 1, formula, self.style(style), shown)
-                page.set_row(row, height)
+            for sheet, last in ((study.sheet, study.last), *study.also):
+                page = self.sheets[sheet]
+                for row, (formula, style, height) in enumerate(study_lines(study), 3):
+                    page.merge_range(row, 1, row, _column(last), "", self.style(style))
+                    shown = study.not_yet if row == 3 else ""
+                    page.write_formula(row, 1, formula, self.style(style), shown)
+                    page.set_row(row, height)
         for table, column in STUDY_VERDICTS:
             place = self.places[table]
             at = place.columns[column]

@@ -88,7 +88,9 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
 }
 #: Columns in which no number means that there is no limit.
 _ALLOWED = "AllowableStarts"
-_STARTS = frozenset({"Allowable starts", "Paper count", "Cycles to failure"})
+_STARTS = frozenset(
+    {"Allowable starts", "Paper count", "Cycles to failure", "Remaining starts", "Remaining years"}
+)
 #: Flags that are shown as on or off; all others as yes or nothing.
 _SWITCHES = frozenset({"On"})
 #: Words on sheet Accuracy until the study has been run.
@@ -437,8 +439,10 @@ def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: Sho
     if value is None:
         if field.name not in _STARTS:
             return None
-        # A row that does not say whether its starts are limited is of no whole start.
-        return "not judged" if spec.name == _ALLOWED and "unlimited" not in row else "unlimited"
+        # A row that does not say whether its starts are limited is of no whole start; one of a study
+        # says it.
+        unknown = "unlimited" not in row if spec.name == _ALLOWED else row.get("unlimited") is False
+        return "not judged" if unknown else "unlimited"
     if isinstance(value, bool):
         if field.name in _SWITCHES:
             return "on" if value else "off"

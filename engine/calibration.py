@@ -1054,7 +1054,14 @@ def parameter_rows(found: Calibration) -> list[dict[str, Any]]:
     list of dict
         Under their JSON keys. [SI]
     """
-    return [asdict(row) for row in found.parameters]
+    keys = {
+        STIFFNESS: ("stiffness", "calibrated_stiffness"),
+        INERTIA: ("inertia", "calibrated_inertia"),
+    }
+    return [
+        asdict(p) | dict(zip(keys.get(p.quantity, ()), (p.before, p.after), strict=False))
+        for p in found.parameters
+    ]
 
 
 def frequency_rows(found: Calibration) -> list[dict[str, Any]]:
@@ -1070,23 +1077,27 @@ def frequency_rows(found: Calibration) -> list[dict[str, Any]]:
     list of dict
         Under their JSON keys. [Hz, 1]
     """
-    return [asdict(row) for row in found.frequencies]
+    return [asdict(f) | {"change": f.after / f.before - 1.0} for f in found.frequencies]
 
 
-def measurement_rows(found: Calibration) -> list[dict[str, Any]]:
-    """Rows of `Measurements`.
+def measurement_rows(found: Calibration, kind: str) -> list[dict[str, Any]]:
+    """Rows of `FrequencyFit` or `PeakFit`.
 
     Parameters
     ----------
     found : Calibration
         The calibration. [SI]
+    kind : str
+        ``frequency`` or ``peak torque``. [word]
 
     Returns
     -------
     list of dict
-        Under their JSON keys. [Hz, N m, 1]
+        Under their JSON keys. [Hz or N m, 1]
     """
-    return [asdict(row) for row in found.measurements]
+    rows = [asdict(m) for m in found.measurements if m.kind == kind]
+    name = "mode" if kind == "frequency" else "element"
+    return [{name: row.pop("of")} | {k: v for k, v in row.items() if k != "kind"} for row in rows]
 
 
 def margin_rows(found: Calibration) -> list[dict[str, Any]]:
@@ -1119,11 +1130,11 @@ def margin_rows(found: Calibration) -> list[dict[str, Any]]:
             "margin_before": before[f.mode].margin,
             "required_before": before[f.mode].required,
             "verdict_before": before[f.mode].verdict,
-            "frequency_after": after[f.mode].mode_frequency,
-            "excitation_after": after[f.mode].excitation,
-            "margin_after": after[f.mode].margin,
-            "required_after": after[f.mode].required,
-            "verdict_after": after[f.mode].verdict,
+            "frequency": after[f.mode].mode_frequency,
+            "excitation": after[f.mode].excitation,
+            "margin": after[f.mode].margin,
+            "required": after[f.mode].required,
+            "verdict": after[f.mode].verdict,
         }
         for f in found.frequencies
         if f.mode in before and f.mode in after

@@ -88,13 +88,15 @@ class RemainingStarts:
         Row of `Elements`. [name]
     condition : str
         Kind of start. [name]
-    damage : float or None
-        Of one such start; None where it was not calculated. [1]
+    peak_to_peak_stress : float or None
+        Nominal, in one such start; None where it was not calculated. [Pa]
+    damage, damage_low, damage_high : float or None
+        Of one such start, and the ends of its error; None where it was not calculated. [1]
     so_far, per_year : float
         Its duty. [count, 1/year]
     share : float or None
         Of the yearly damage; None where that is not judged or zero. [1]
-    remaining : float or None
+    remaining_starts : float or None
         Left over damage, 0 where nothing is left; None = unlimited or not judged. [count]
     unlimited : bool
         It does not damage, and something is left. [flag]
@@ -106,11 +108,14 @@ class RemainingStarts:
 
     element: str
     condition: str
+    peak_to_peak_stress: float | None
     damage: float | None
+    damage_low: float | None
+    damage_high: float | None
     so_far: float
     per_year: float
     share: float | None
-    remaining: float | None
+    remaining_starts: float | None
     unlimited: bool
     judged: bool
     reason: str
@@ -333,11 +338,14 @@ def _remaining(
     return RemainingStarts(
         element=row.element,
         condition=condition.name,
+        peak_to_peak_stress=None if shaft is None else shaft.peak_to_peak_stress,
         damage=damage,
+        damage_low=None if shaft is None else shaft.damage_low,
+        damage_high=None if shaft is None else shaft.damage_high,
         so_far=condition.so_far,
         per_year=condition.per_year,
         share=share,
-        remaining=years,
+        remaining_starts=years,
         unlimited=judged and years is None,
         judged=judged,
         reason=reason,

@@ -8,7 +8,10 @@ The standard matrix, for a blank `StartConditions`: the voltages that a stiff an
 (`STANDARD_VOLTAGES`), each with the load curve and without, as loads are often started by-passed or
 empty; the damping is that of the case, as only the engineer knows it hot and cold; and at full
 voltage, loaded, starts aborted where the paper's sweep leaves the most behind (just past each
-crossing) and at fixed speeds (`STANDARD_TRIPS`). Rows are taken as they stand: nothing is added to
+crossing) and at fixed speeds (`STANDARD_TRIPS`). What a trip does hangs on its instant: the average
+torque that held the shafts twisted is gone at once, and the ringing it leaves adds to that of the mode
+or takes from it. So each standard trip is tried at `TRIP_INSTANTS` instants of one period, and the
+worst stands in the row. A trip speed that is typed is one instant, and its note says so. Rows are taken as they stand: nothing is added to
 a duty unless it is asked for.
 
 References
@@ -43,6 +46,7 @@ __all__ = [
     "NOT_CALCULATED",
     "STANDARD_TRIPS",
     "STANDARD_VOLTAGES",
+    "TRIP_INSTANTS",
     "ConditionResult",
     "ConditionShaft",
     "MatrixPlan",
@@ -53,9 +57,9 @@ __all__ = [
     "condition_problems",
     "gather_matrix",
     "plan_matrix",
-    "shaft_rows",
     "start_matrix",
     "start_rows",
+    "voltage_rows",
 ]
 
 TABLE = "StartConditions"
@@ -64,6 +68,8 @@ TABLE = "StartConditions"
 STANDARD_VOLTAGES = (0.80, 0.85, 0.90, 0.95, 1.00, 1.05, 1.10)
 #: Speeds of aborted starts over synchronous: early, late, and just before the end. [1]
 STANDARD_TRIPS = (0.50, 0.75, 0.95)
+#: Instants of one period at which a standard trip is tried. [count]
+TRIP_INSTANTS = 8
 #: A fixed trip speed this near to one behind a crossing is that one. [1 of synchronous speed]
 SAME_TRIP = 0.02
 #: An undamped mode, swept through at constant rate ḟ, responds most 0.86/√ḟ after the crossing: the
@@ -98,6 +104,8 @@ class StartCondition:
         Share of LoadTorque. [1]
     trip_speed : float or None
         Where it is aborted, of the reference shaft; None = it is not. [rad/s]
+    trip_span : float
+        The speed gained in the period over which the trip is tried; 0 = this one instant. [rad/s]
     per_year, so_far : float
         Duty. [1/year, count]
     row : int or None
@@ -111,6 +119,7 @@ class StartCondition:
     damping_ratio: float | None = None
     load: float = 1.0
     trip_speed: float | None = None
+    trip_span: float = 0.0
     per_year: float = 0.0
     so_far: float = 0.0
     row: int | None = None
@@ -121,10 +130,22 @@ class StartCondition:
         """Whether such starts have happened or will. [flag]"""
         return self.per_year > 0.0 or self.so_far > 0.0
 
+    @property
+    def instants(self) -> tuple[StartCondition, ...]:
+        """The same with each trip speed that is tried: what is calculated for it. [rad/s]"""
+        if self.trip_speed is None or self.trip_span == 0.0:
+            return (self,)
+        return tuple(
+            replace(
+                self, trip_speed=self.trip_speed + k / TRIP_INSTANTS * self.trip_span, trip_span=0.0
+            )
+            for k in range(TRIP_INSTANTS)
+        )
+
 
 @dataclass(frozen=True)
 class MatrixPlan:
-    """What will be calculated: one full run a condition.
+    """What will be calculated: one full run a unit.
 
     Parameters
     ----------
@@ -139,6 +160,11 @@ class MatrixPlan:
     conditions: tuple[StartCondition, ...]
     standard: bool
     notes: tuple[str, ...] = ()
+
+    @property
+    def units(self) -> tuple[StartCondition, ...]:
+        """Every run: one a condition, of a standard trip one an instant. [rows]"""
+        return tuple(one for c in self.conditions for one in c.instants)
 
 
 @dataclass(frozen=True)
@@ -467,15 +493,18 @@ def _standard(case: CaseData) -> tuple[list[StartCondition], tuple[str, ...]]:
     synchronous = case.ratings.synchronous_speed or 1.0
     found += [
         StartCondition(
-            f"aborted at {100.0 * speed / synchronous:.1f} % speed", trip_speed=speed, why=why
+            f"aborted at {100.0 * speed / synchronous:.1f} % speed",
+            trip_speed=speed,
+            trip_span=span,
+            why=why,
         )
-        for speed, why in trips
+        for speed, span, why in trips
     ]
     return found, (*notes, *left_out)
 
 
-def _trips(case: CaseData) -> tuple[list[tuple[float, str]], list[str]]:
-    """Trip speeds of the standard matrix with their reasons, and what was left out."""
+def _trips(case: CaseData) -> tuple[list[tuple[float, float, str]], list[str]]:
+    """Trip speeds of the standard matrix, the span of each and its reason; what was left out."""
     synchronous, line = case.ratings.synchronous_speed, case.ratings.line_frequency
     if not synchronous:
         return [], []
@@ -485,11 +514,14 @@ def _trips(case: CaseData) -> tuple[list[tuple[float, str]], list[str]]:
     train, modes = model.train, model.modes
     runup = rigid_runup(train, motors_of(full, train), loads_of(full, train), end)
     highest = end if runup.equilibrium is None else runup.equilibrium
-    behind, notes = [], []
+    behind: list[tuple[float, float, str]] = []
+    notes: list[str] = []
+    slowest = 0.0  # lowest frequency that is crossed
     for r in range(modes.n_rigid, modes.n_modes):
         f = float(modes.frequency[r])
         if not line or percent_speed(f, line) is None or not modes.twists[r]:
             continue
+        slowest = slowest or f
         crossing = synchronous * (1.0 - f / (2.0 * line))
         acceleration = max(runup.acceleration_at(crossing), 0.0)
         sweep = 2.0 * line * acceleration / synchronous
@@ -502,13 +534,13 @@ def _trips(case: CaseData) -> tuple[list[tuple[float, str]], list[str]]:
                 f"{highest / synchronous:.1%} speed, before {speed / synchronous:.1%}."
             )
         else:
-            behind.append((speed, f"just past {name}"))
-    fixed = [
-        (share * synchronous, "fixed speed")
-        for share in STANDARD_TRIPS
-        if share * synchronous <= highest
-        and all(abs(share * synchronous - s) > SAME_TRIP * synchronous for s, _ in behind)
-    ]
+            span = max(runup.acceleration_at(speed), 0.0) / f
+            behind.append((speed, min(span, highest - speed), f"just past {name}"))
+    fixed = []
+    for speed in (share * synchronous for share in STANDARD_TRIPS):
+        if speed <= highest and all(abs(speed - s) > SAME_TRIP * synchronous for s, *_ in behind):
+            span = max(runup.acceleration_at(speed), 0.0) / slowest if slowest else 0.0
+            fixed.append((speed, min(span, highest - speed), "fixed speed"))
     return sorted([*behind, *fixed]), notes
 
 
@@ -562,7 +594,7 @@ def calculate_condition(case: CaseData, condition: StartCondition) -> ConditionR
     case : CaseData
         The checked case. [SI]
     condition : StartCondition
-        One of the plan. [SI]
+        One of the units of the plan. [SI]
 
     Returns
     -------
@@ -695,6 +727,8 @@ def _notes(
             yield "How many are allowed is not judged."
     elif name == "tripped":
         yield f"{outcome.sentence} The coast-down is counted."
+        if condition.row is not None:
+            yield "One instant of the trip: another within the same period may do more or less."
     elif condition.trip_speed is not None:
         yield f"It does not come to its trip speed. {outcome.sentence}"
     elif name == "asynchronous":
@@ -746,24 +780,55 @@ def gather_matrix(
     StartMatrix
         In the order of the plan; conditions that are missing say so. [SI]
     """
-    by_name = {r.condition.name: r for r in rows}
-    ordered = tuple(
-        by_name.get(c.name)
-        or ConditionResult(c, NOT_CALCULATED, NOT_CALCULATED, note="Stopped before this start.")
-        for c in plan.conditions
-    )
+    of_name: dict[str, list[ConditionResult]] = {}
+    for row in rows:
+        of_name.setdefault(row.condition.name, []).append(row)
+    ordered = tuple(_joined(c, of_name.get(c.name, [])) for c in plan.conditions)
     shafts = tuple(str(e.element) for _, e in judged_shafts(case))
     return StartMatrix(
         rows=ordered,
         judged_shafts=shafts,
         starts_factor=case.starts_factor or 1.0,
         standard=plan.standard,
-        complete=len(by_name) == len(plan.conditions),
+        complete=len(rows) == len(plan.units),
         sentence=_sentence(ordered, shafts),
         notes=plan.notes,
         case_sha256=case_digest(case),
         study_sha256=study_digest(*studies.start_conditions),
     )
+
+
+def _joined(condition: StartCondition, rows: Sequence[ConditionResult]) -> ConditionResult:
+    """One row of a condition; of a trip that was tried at several instants the worst."""
+    if len(rows) < len(condition.instants):
+        note = "Stopped before this start."
+        return ConditionResult(condition, NOT_CALCULATED, NOT_CALCULATED, note=note)
+    if len(rows) == 1:
+        return rows[0]
+    lost = next((r for r in rows if r.outcome == NOT_CALCULATED), None)
+    if lost is not None:
+        return replace(lost, condition=condition)
+    ranked = sorted(rows, key=lambda r: (_harm(r), -(r.condition.trip_speed or 0.0)))
+    worst, least = ranked[-1], ranked[0]
+    shafts = tuple(
+        max(
+            (r.shafts[k] for r in rows),
+            key=lambda s: (not s.judged, s.damage, s.peak_to_peak_stress),
+        )
+        for k in range(len(worst.shafts))
+    )
+    said = f"Worst of {len(rows)} instants of one period from there."
+    if worst.allowable_starts is not None:
+        best = "unlimited" if least.unlimited else f"{math.floor(least.allowable_starts or 0.0):,}"
+        said = f"{said[:-1]}; the least harmful allows {best} starts."
+    return replace(worst, condition=condition, shafts=shafts, note=f"{said} {worst.note}")
+
+
+def _harm(row: ConditionResult) -> tuple[bool, float, float, float]:
+    """How bad a start is: not judged, then by damage, stress and torque."""
+    damage = max((s.damage for s in row.shafts), default=0.0)
+    open_ = bool(row.shafts) and not row.judged
+    return open_, damage, row.peak_to_peak_stress or 0.0, row.peak_torque or 0.0
 
 
 def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
@@ -834,11 +899,11 @@ def start_matrix(
     """
     plan = plan_matrix(case, studies, with_standard=with_standard)
     rows: list[ConditionResult] = []
-    for condition in plan.conditions:
+    for condition in plan.units:
         if should_stop is not None and should_stop():
             break
         if on_progress is not None:
-            on_progress(len(rows), len(plan.conditions), condition.name)
+            on_progress(len(rows), len(plan.units), condition.name)
         rows.append(calculate_condition(case, condition))
     return gather_matrix(case, studies, plan, rows)
 
@@ -875,7 +940,7 @@ def start_rows(matrix: StartMatrix) -> list[dict[str, object]]:
             "peak_to_peak_stress": r.peak_to_peak_stress,
             "mesh_minimum_torque": r.mesh_minimum_torque,
             "impacts": r.impacts,
-            "damage": max((s.damage for s in r.shafts), default=None),
+            "damage": next((s.damage for s in r.shafts if s.element == r.governing), None),
             "allowable_starts": r.allowable_starts,
             "unlimited": r.unlimited,
             "judged": r.judged,
@@ -885,8 +950,8 @@ def start_rows(matrix: StartMatrix) -> list[dict[str, object]]:
     ]
 
 
-def shaft_rows(matrix: StartMatrix) -> list[dict[str, object]]:
-    """Rows of `StartDamage`, one a kind of start and judged shaft.
+def voltage_rows(matrix: StartMatrix) -> list[dict[str, object]]:
+    """Rows of `StartsByVoltage`: whole starts that differ in voltage and load alone.
 
     Parameters
     ----------
@@ -896,20 +961,15 @@ def shaft_rows(matrix: StartMatrix) -> list[dict[str, object]]:
     Returns
     -------
     list of dict
-        Under their JSON keys. [SI]
+        One a voltage, rising; blank where there is no such start, or no number of them. [SI]
     """
-    return [
-        {
-            "condition": r.condition.name,
-            "element": s.element,
-            "peak_to_peak_stress": s.peak_to_peak_stress,
-            "damage": s.damage,
-            "damage_low": s.damage_low,
-            "damage_high": s.damage_high,
-            "allowable_starts": s.allowable_starts,
-            "unlimited": s.unlimited,
-            "judged": s.judged,
-        }
-        for r in matrix.rows
-        for s in r.shafts
-    ]
+    found: dict[float, dict[str, object]] = {}
+    for r in matrix.rows:
+        c = r.condition
+        word = {1.0: "loaded", 0.0: "unloaded"}.get(c.load)
+        if word is None or c.trip_speed is not None or c.damping_ratio is not None:
+            continue
+        row = found.setdefault(c.voltage, {"voltage": c.voltage})
+        row.setdefault(f"{word}_stress", r.peak_to_peak_stress)
+        row.setdefault(f"{word}_starts", r.allowable_starts)
+    return [found[voltage] for voltage in sorted(found)]

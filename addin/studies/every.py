@@ -21,7 +21,10 @@ def every_study() -> tuple[Study, ...]:
     -------
     tuple of Study
     """
-    return ()
+    from addin.studies.calibration import CALIBRATION
+    from addin.studies.starts import STARTS
+
+    return (STARTS, CALIBRATION)
 
 
 def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:

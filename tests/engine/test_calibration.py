@@ -455,8 +455,8 @@ def test_margins_of_measured_modes_ask_for_ten_percent(case: Case, frequencies: 
     assert found.basis == found.calibrated.margin_basis == "measured"
     assert (found.required_before, found.required_after) == (0.20, 0.10)
     rows = {r["mode"]: r for r in margin_rows(found)}
-    assert (rows[2]["verdict_before"], rows[2]["verdict_after"]) == ("fail", "pass")
-    assert (rows[1]["verdict_before"], rows[1]["verdict_after"]) == ("fail", "fail")
+    assert (rows[2]["verdict_before"], rows[2]["verdict"]) == ("fail", "pass")
+    assert (rows[1]["verdict_before"], rows[1]["verdict"]) == ("fail", "fail")
     assert "mode 2 (53 Hz, margin 11.7%): measured" in found.basis_reason
 
 
@@ -512,8 +512,8 @@ def test_margin_required_overrules_and_wide_margins_need_no_basis(frequencies: n
 
 def test_rows_are_plain_and_finite(case: Case, frequencies: np.ndarray) -> None:
     found = calibrate(case, asked(M(None, float(frequencies[0])), M(None, 200.0)))
-    for rows in (parameter_rows, frequency_rows, measurement_rows, margin_rows):
-        table = rows(found)
+    tables = [rows(found) for rows in (parameter_rows, frequency_rows, margin_rows)]
+    for table in [*tables, measurement_rows(found, "frequency")]:
         assert table
         for row in table:
             for key, value in row.items():

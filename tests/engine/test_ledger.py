@@ -71,7 +71,7 @@ def test_three_kinds_by_hand() -> None:
     assert row.years_high == pytest.approx((0.5 - 0.0495) / 0.0099)
     assert row.verdict == "pass"
     assert row.governing == "weak"
-    assert [r.remaining for r in ledger.remaining] == pytest.approx([2250.0, 900.0, 450.0])
+    assert [r.remaining_starts for r in ledger.remaining] == pytest.approx([2250.0, 900.0, 450.0])
     assert [r.share for r in ledger.remaining] == pytest.approx([0.4, 0.5, 0.1])
     assert "Palmgren-Miner" in ledger.assumption
     assert "0.5" in ledger.assumption
@@ -80,7 +80,7 @@ def test_three_kinds_by_hand() -> None:
 def test_factor_is_the_one_that_divides_allowable_starts() -> None:
     """One kind of start: (1/q)/F − n are left."""
     ledger = damage_ledger(matrix(kind("only", 1e-3, per_year=5, so_far=30), factor=4.0))
-    assert ledger.remaining[0].remaining == pytest.approx(1000.0 / 4.0 - 30.0)
+    assert ledger.remaining[0].remaining_starts == pytest.approx(1000.0 / 4.0 - 30.0)
     assert ledger.rows[0].remaining_years == pytest.approx((250.0 - 30.0) / 5.0)
 
 
@@ -89,7 +89,7 @@ def test_used_up_is_zero_left_and_a_fail() -> None:
     row = ledger.rows[0]
     assert (row.verdict, row.remaining_years, row.years_low) == ("fail", 0.0, 0.0)
     assert row.left == pytest.approx(-0.2)
-    assert [r.remaining for r in ledger.remaining] == [0.0, 0.0]
+    assert [r.remaining_starts for r in ledger.remaining] == [0.0, 0.0]
     assert not any(r.unlimited for r in ledger.remaining)
     assert not row.unlimited
     assert ledger.verdict == "fail"
@@ -104,7 +104,7 @@ def test_a_duty_that_is_not_judged_leaves_no_number() -> None:
     assert (row.used, row.yearly, row.remaining_years, row.unlimited) == (None, None, None, False)
     assert "'stalls' has a duty" in row.reason
     assert "stalled at 91.0 % speed" in row.reason
-    assert [(r.judged, r.remaining, r.unlimited) for r in ledger.remaining] == [
+    assert [(r.judged, r.remaining_starts, r.unlimited) for r in ledger.remaining] == [
         (False, None, False)
     ] * 2
 
@@ -133,7 +133,7 @@ def test_no_damage_is_unlimited_and_no_duty_is_nothing() -> None:
     idle = damage_ledger(matrix(kind("a", 1e-3)))
     assert idle.rows[0].verdict == "not judged"
     assert "No duty" in idle.rows[0].reason
-    assert idle.remaining[0].remaining == pytest.approx(1000.0)
+    assert idle.remaining[0].remaining_starts == pytest.approx(1000.0)
     past = damage_ledger(matrix(kind("a", 1e-3, so_far=100)))
     assert (past.rows[0].remaining_years, past.rows[0].unlimited) == (None, False)
     assert "No starts a year" in past.rows[0].reason

@@ -17,6 +17,7 @@ from engine.start_matrix import (
     LATEST_RESPONSE,
     NOT_CALCULATED,
     STANDARD_VOLTAGES,
+    TRIP_INSTANTS,
     ConditionResult,
     StartCondition,
     calculate_condition,
@@ -24,9 +25,9 @@ from engine.start_matrix import (
     condition_problems,
     gather_matrix,
     plan_matrix,
-    shaft_rows,
     start_matrix,
     start_rows,
+    voltage_rows,
 )
 from engine.studies import StartConditionRow, StudyInputs
 from tests.sample_case import sample_case
@@ -240,6 +241,26 @@ def test_the_order_of_rows_changes_no_row(case: Case) -> None:
     assert [of(r) for r in one] == [of(r) for r in other[::-1]]
 
 
+def test_a_standard_trip_is_the_worst_of_its_instants(case: Case) -> None:
+    """What a trip does hangs on the phase of the ringing: eight within one period of the mode."""
+    plan = plan_matrix(case, StudyInputs())
+    condition = next(c for c in plan.conditions if c.why.startswith("just past mode 1"))
+    assert len(condition.instants) == TRIP_INSTANTS
+    f = float(run(case).modes.elastic_frequency[0])
+    rows = [calculate_condition(case, one) for one in condition.instants]
+    starts = [r.allowable_starts or math.inf for r in rows]
+    assert max(starts) > 2.0 * min(starts)
+    alone = replace(plan, conditions=(condition,))
+    (worst,) = gather_matrix(case, StudyInputs(), alone, rows).rows
+    assert worst.allowable_starts == min(starts)
+    assert worst.condition == condition
+    assert worst.note.startswith("Worst of 8 instants of one period")
+    times = [float(r.note.split(" after ")[1].split(" s")[0]) for r in rows]
+    assert times[-1] - times[0] == pytest.approx(7.0 / 8.0 / f, rel=0.1)
+    (gone,) = gather_matrix(case, StudyInputs(), alone, rows[:-1]).rows
+    assert gone.outcome == NOT_CALCULATED
+
+
 def test_stopping_leaves_rows_that_say_so(case: Case) -> None:
     done: list[str] = []
     matrix = start_matrix(
@@ -255,7 +276,7 @@ def test_stopping_leaves_rows_that_say_so(case: Case) -> None:
 
 def test_rows_of_the_tables_are_plain_and_finite(case: Case) -> None:
     matrix = start_matrix(case, asked(StartConditionRow("a"), StartConditionRow("b", voltage=0.5)))
-    for row in [*start_rows(matrix), *shaft_rows(matrix)]:
+    for row in [*start_rows(matrix), *voltage_rows(matrix)]:
         for key, value in row.items():
             assert value is None or isinstance(value, (str, bool, int, float)), key
             assert not isinstance(value, float) or math.isfinite(value), key
@@ -307,3 +328,22 @@ def test_load_of_a_train_without_load_and_a_train_without_motor(case: Case) -> N
     (found,) = condition_problems(still, StudyInputs())
     assert "no rows in table MotorTorque" in found.message
     assert condition_problems(case, StudyInputs()) == ()
+
+
+def test_rows_by_voltage(case: Case) -> None:
+    """Only whole starts with the damping of the case; blank where there is no number."""
+    matrix = start_matrix(
+        case,
+        asked(
+            StartConditionRow("a", voltage=1.1),
+            StartConditionRow("b", voltage=0.5),
+            StartConditionRow("c", voltage=1.1, load=0.0),
+            StartConditionRow("d", voltage=1.1, damping_ratio=0.05),
+            StartConditionRow("e", voltage=0.9, load=0.5),
+        ),
+    )
+    low, high = voltage_rows(matrix)
+    assert (low["voltage"], low["loaded_starts"]) == (0.5, None)
+    assert "unloaded_starts" not in low
+    assert high["loaded_starts"] == matrix.rows[0].allowable_starts
+    assert high["unloaded_stress"] == matrix.rows[2].peak_to_peak_stress
