@@ -1,4 +1,4 @@
-"""JSON Schemas of cases and results, made from `addin.fields`.
+"""JSON Schemas of cases, results and studies, made from `addin.fields`.
 
 ``python -m addin.json_schemas`` writes them into ``addin/schemas``; a test compares.
 """
@@ -6,14 +6,30 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from addin.case_json import FORMAT as CASE_FORMAT
-from addin.fields import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
+from addin.fields import (
+    INPUT_TABLES,
+    RESULT_TABLES,
+    SCALARS,
+    Field,
+    TableSpec,
+    result_table,
+)
 from addin.results_json import FORMAT as RESULTS_FORMAT
 
-__all__ = ["SCHEMA_FOLDER", "case_schema", "results_schema", "write_schemas"]
+__all__ = [
+    "SCHEMA_FOLDER",
+    "calibration_schema",
+    "case_schema",
+    "results_schema",
+    "starts_schema",
+    "study_schema",
+    "write_schemas",
+]
 
 #: Where the shipped schemas are.
 SCHEMA_FOLDER = Path(__file__).resolve().parent / "schemas"
@@ -69,8 +85,98 @@ def results_schema() -> dict[str, Any]:
     }
 
 
+def study_schema(title: str, tables: Sequence[str], details: Mapping[str, Any]) -> dict[str, Any]:
+    """Schema of the JSON of a study.
+
+    Parameters
+    ----------
+    title : str
+        What it is. [words]
+    tables : sequence of str
+        Its result tables. [names]
+    details : mapping of str to object
+        Schemas of what it has besides, by key.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12.
+    """
+    texts = {"type": "array", "items": {"type": "string"}}
+    digest = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
+    properties: dict[str, Any] = {
+        "format": {"const": RESULTS_FORMAT},
+        "study": {"type": "string"},
+        "case_sha256": digest,
+        "study_sha256": {"description": "Of the rows it was made from."} | digest,
+        "version": {"type": "string"},
+        "sentence": {"description": "What was found, in words.", "type": "string"},
+        "warnings": texts,
+        "errors": {"type": "array", "items": _problem()},
+    }
+    specs = [result_table(name) for name in tables]
+    properties |= {spec.key: _result_table(spec) for spec in specs} | dict(details)
+    return {
+        "$schema": _DIALECT,
+        "title": title,
+        "description": "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as 1.",
+        **_object(properties, required=["format", "errors"]),
+    }
+
+
+def starts_schema() -> dict[str, Any]:
+    """Schema of what ``torsionbook starts --json`` writes.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12.
+    """
+    return study_schema(
+        "torsionbook start matrix",
+        ("StartsByVoltage", "StartMatrix", "DamageLedger", "RemainingStarts"),
+        {
+            "standard": {"description": "The standard matrix is in it.", "type": "boolean"},
+            "starts_factor": {"type": "number"},
+            "assumption": {"description": "The rule behind the ledger.", "type": "string"},
+            "verdict": {"description": "The worst of the ledger.", "type": "string"},
+        },
+    )
+
+
+def calibration_schema() -> dict[str, Any]:
+    """Schema of what ``torsionbook calibrate --json`` writes.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12.
+    """
+    number, text, flag = {"type": "number"}, {"type": "string"}, {"type": "boolean"}
+    return study_schema(
+        "torsionbook calibration",
+        (
+            "FrequencyFit",
+            "PeakFit",
+            "CalibratedFrequencies",
+            "CalibratedMargins",
+            "CalibratedParameters",
+        ),
+        {
+            "chi_square": {"description": "Least sum of squares.", **number},
+            "degrees": {"description": "Measurements used.", "type": "integer"},
+            "probability": {"description": "That chance makes it as large.", **number},
+            "explained": {"description": "Everything measured is explained.", **flag},
+            "margin_basis": text,
+            "margin_basis_justified": flag,
+            "margin_basis_reason": text,
+            "starts": {"description": "Calculated for the peak torques.", "type": "integer"},
+        },
+    )
+
+
 def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
-    """Write both schemas.
+    """Write all schemas.
 
     Parameters
     ----------
@@ -78,7 +184,13 @@ def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
         Where to; made when it is not there. [path]
     """
     folder.mkdir(exist_ok=True)
-    for name, schema in (("case", case_schema()), ("results", results_schema())):
+    schemas = {
+        "case": case_schema(),
+        "results": results_schema(),
+        "starts": starts_schema(),
+        "calibration": calibration_schema(),
+    }
+    for name, schema in schemas.items():
         text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
         (folder / f"{name}.schema.json").write_text(text, encoding="utf-8", newline="\n")
 
@@ -124,7 +236,7 @@ def _result_table(table: TableSpec) -> dict[str, Any]:
     row = _object({column.key: _result(column) for column in table.columns})
     for key in table.json_only:
         row["properties"][key] = _JSON_ONLY[key]
-    if "unlimited" in table.json_only:
+    if "unlimited" in table.json_only and "allowable_starts" in row["properties"]:
         row["properties"]["allowable_starts"]["type"] = ["number", "null"]
     if table.repeated is not None:
         row["patternProperties"] = {f"^{table.repeated.key}_[1-9][0-9]*$": _result(table.repeated)}
@@ -137,6 +249,14 @@ _JSON_ONLY: dict[str, dict[str, Any]] = {
         "type": "string",
     },
     "frequency": {"description": "Natural frequency. [Hz]", "type": "number"},
+    "judged": {"description": "Whether there is an answer.", "type": "boolean"},
+    "used_low": {"description": "Used, at the lower end of its error.", "type": "number"},
+    "used_high": {"description": "Used, at the upper end of its error.", "type": "number"},
+    "yearly_low": {"description": "Yearly, at the lower end of its error.", "type": "number"},
+    "yearly_high": {"description": "Yearly, at the upper end of its error.", "type": "number"},
+    "excitation_before": {"description": "The nearest one before.", "type": "string"},
+    "before": {"description": "What the case says. [SI]", "type": "number"},
+    "after": {"description": "What explains the measurements. [SI]", "type": "number"},
     "torque_limit": {"description": "Vibratory limit of the element. [N*m]", "type": "number"},
     "unlimited": {"description": "No damage: any number of starts.", "type": "boolean"},
     "starts_low": {"description": "Fewest allowable starts within the error.", "type": "number"},

@@ -40,7 +40,7 @@ from .live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
 from .results_page import TRACE_HEADERS, trace_groups, trace_rows
 from .shown_units import shown_units
 from .study_charts import STUDY_CHARTS
-from .study_examples import STUDY_ROWS
+from .study_examples import study_rows
 from .study_sheets import (
     STUDIES,
     STUDY_CAPTIONS,
@@ -180,7 +180,7 @@ def _build(
 ) -> None:
     filled = EXAMPLES[example] if isinstance(example, str) else example or Example({}, {}, {})
     if studies and isinstance(example, str):
-        filled = replace(filled, tables={**filled.tables, **STUDY_ROWS})
+        filled = replace(filled, tables={**filled.tables, **study_rows(example)})
     blocks = _chart_rows(filled, system)
     with xlsxwriter.Workbook(
         path, {"default_format_properties": {"font_name": "Arial", "font_size": 10}}

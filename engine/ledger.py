@@ -376,7 +376,7 @@ def _said(rows: Sequence[LedgerRow]) -> Iterator[str]:
         elif row.remaining_years is not None:
             yield (
                 f"{row.element}: {row.used / row.allowed:.1%} of its life is used; the rest lasts "
-                f"{_quantity(row.remaining_years)} years ({_interval(row)}), most of it taken by "
+                f"{_quantity(row.remaining_years)} years{_interval(row)}, most of it taken by "
                 f"'{row.governing}'."
             )
         else:
@@ -388,7 +388,7 @@ def _said(rows: Sequence[LedgerRow]) -> Iterator[str]:
 def _interval(row: LedgerRow) -> str:
     low = _quantity(row.years_low or 0.0)
     high = "unlimited" if row.years_high is None else _quantity(row.years_high)
-    return f"{low} to {high} within the error of the calculation"
+    return "" if low == high else f" ({low} to {high} within the error of the calculation)"
 
 
 def _quantity(number: float) -> str:

@@ -36,7 +36,7 @@ from engine.motor import motors_of
 from engine.results import Results
 from engine.rigid_runup import rigid_runup
 from engine.run import analyse, run
-from engine.start_fatigue import is_counted, judged_shafts
+from engine.start_fatigue import WHOLE_STARTS, is_counted, judged_shafts
 from engine.startup import has_start, settings_of
 from engine.studies import StartConditionRow, StudyInputs, study_digest
 from engine.substitution import DAMPING_RATIO, LOAD_TORQUE, Change, changed
@@ -967,7 +967,8 @@ def voltage_rows(matrix: StartMatrix) -> list[dict[str, object]]:
     for r in matrix.rows:
         c = r.condition
         word = {1.0: "loaded", 0.0: "unloaded"}.get(c.load)
-        if word is None or c.trip_speed is not None or c.damping_ratio is not None:
+        alike = c.trip_speed is None and c.damping_ratio is None
+        if word is None or not alike or r.outcome not in WHOLE_STARTS:
             continue
         row = found.setdefault(c.voltage, {"voltage": c.voltage})
         row.setdefault(f"{word}_stress", r.peak_to_peak_stress)

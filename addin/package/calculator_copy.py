@@ -3,7 +3,8 @@
 formualizer refuses a workbook in which a cell of a calculated column holds a value (people type over such cells), one
 that states too small an extent of a sheet (some programs do), and one whose tables have more than 256 columns together.
 And it reads all cells, where histories take longer than everything else. Hence column formulas and extents are taken out,
-and on sheets without formulas the tables and the last rows that no formula reads.
+and on sheets without formulas the tables and the last rows that no formula reads; where the tables that are left are still
+too wide together, on other sheets too the tables that no formula reads.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from .xml_part import main, parse_part, serialise
 if TYPE_CHECKING:
     from .workbook import Workbook
 
+#: Columns that the tables of the copy may have together. [count]
+_MOST_COLUMNS = 256
 # Attributes hold no bracket: a search that passed over one could be led on to the end of the part each time.
 _ROW = re.compile(rb'<((?:\w+:)?)row\b[^<>]*?\br="([0-9]{1,7})"')
 _DIMENSION = re.compile(rb"<(?:\w+:)?dimension\b[^<>]*/>")
@@ -129,17 +132,20 @@ def _plain_range(workbook: Workbook, text: str) -> str | None:
 def _unread_tables(
     workbook: Workbook, with_formulas: Collection[str], read: Collection[tuple[str, Rect]]
 ) -> list[Table]:
-    """Tables on sheets without formulas that no formula reads and no defined name mentions."""
+    """Tables that no formula reads and no defined name mentions; on sheets with formulas only if they must go."""
     names = [name.text.casefold() for name in workbook.structure.names]
-    return [
+    unread = [
         table
         for table in workbook.tables.values()
-        if table.sheet not in with_formulas
-        and not any(sheet == table.sheet and rect.meets(table.ref) for sheet, rect in read)
+        if not any(sheet == table.sheet and rect.meets(table.ref) for sheet, rect in read)
         and not any(table.name.casefold() in text for text in names)
         # A table of a query leads to further parts.
         and not workbook.structure.relationships(table.part)
     ]
+    apart = [table for table in unread if table.sheet not in with_formulas]
+    gone = {table.part for table in apart}
+    width = sum(len(table.columns) for table in workbook.tables.values() if table.part not in gone)
+    return apart if width <= _MOST_COLUMNS else unread
 
 
 def _without_rows_below(data: bytes, last: int) -> bytes:

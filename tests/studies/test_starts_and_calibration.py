@@ -7,12 +7,14 @@ import math
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import openpyxl
 import pytest
 from typer.testing import CliRunner
 
 from addin.case_json import case_to_json
 from addin.cli import app
+from addin.json_schemas import SCHEMA_FOLDER, calibration_schema, starts_schema
 from addin.read_workbook import read_workbook
 from addin.template_files import template_path
 from engine.run import run
@@ -74,6 +76,15 @@ def read(path: Path) -> dict[str, Any]:
     return dict(json.loads(path.read_text(encoding="utf-8")))
 
 
+@pytest.mark.parametrize("name", ["starts", "calibration"])
+def test_the_json_keeps_its_schema(folder: Path, name: str) -> None:
+    schema = read(SCHEMA_FOLDER / f"{name}.schema.json")
+    jsonschema.Draft202012Validator.check_schema(schema)
+    written = read(folder / f"{'calibrate' if name == 'calibration' else name}.json")
+    jsonschema.validate(written, schema)
+    assert schema == {"starts": starts_schema, "calibration": calibration_schema}[name]()
+
+
 # --- starts ---------------------------------------------------------------------------------------
 
 
@@ -83,8 +94,8 @@ def test_the_start_of_the_case_is_a_row_with_its_own_numbers(folder: Path) -> No
     assert starts is not None
     assert rows["normal start"]["allowable_starts"] == pytest.approx(starts.starts, rel=2e-3)
     assert rows["weak supply"]["allowable_starts"] > rows["normal start"]["allowable_starts"]
-    assert rows["supply lost (50 %)"]["judged"] is False
-    assert "allowable_starts" not in rows["supply lost (50 %)"]
+    assert rows["supply sags to 50 %"]["judged"] is False
+    assert "allowable_starts" not in rows["supply sags to 50 %"]
 
 
 def test_cells_of_the_start_matrix_equal_the_json(folder: Path) -> None:
@@ -121,7 +132,7 @@ def test_the_ledger_adds_up_from_the_cells(folder: Path) -> None:
     assert told["remaining_years"] == pytest.approx(row["Remaining years"])
     normal = next(r for r in duty if r["Condition"] == "normal start")
     assert normal["Remaining starts"] == pytest.approx((1.0 - used) / normal["Damage"])
-    stalled = next(r for r in duty if r["Condition"].startswith("supply lost"))
+    stalled = next(r for r in duty if r["Condition"].startswith("supply sags"))
     assert stalled["Remaining starts"] == "not judged"
 
 
@@ -129,7 +140,7 @@ def test_the_terminal_shows_the_matrix(folder: Path) -> None:
     text = (folder / "starts.txt").read_text(encoding="utf-8")
     line = next(x for x in text.splitlines() if x.startswith("weak supply"))
     assert "reached at 97.0 % speed" in line
-    assert "not judged" in next(x for x in text.splitlines() if x.startswith("supply lost"))
+    assert "not judged" in next(x for x in text.splitlines() if x.startswith("supply sags"))
     assert "years" in text
 
 
