@@ -26,6 +26,7 @@ __all__ = [
     "RemainingStarts",
     "damage_ledger",
     "ledger_rows",
+    "remaining_life",
     "remaining_rows",
 ]
 
@@ -226,7 +227,7 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
         _sum(duty, name, _per_year, damage) for damage in (_nominal, _low, _high)
     )
     left = allowed - used
-    years = _years(left, yearly)
+    years = remaining_life(left, yearly)
     starts_yearly = any(r.condition.per_year > 0.0 for r in duty)
     unlimited = starts_yearly and left > 0.0 and yearly == 0.0
     verdict, reason = _verdict(duty, name, allowed, used, (used_low, used_high), starts_yearly)
@@ -241,8 +242,8 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
         allowed=allowed,
         left=left,
         remaining_years=years,
-        years_low=_years(allowed - used_high, yearly_high),
-        years_high=_years(allowed - used_low, yearly_low),
+        years_low=remaining_life(allowed - used_high, yearly_high),
+        years_high=remaining_life(allowed - used_low, yearly_low),
         unlimited=unlimited,
         governing=_governing(duty, name, yearly > 0.0),
         verdict=verdict,
@@ -262,13 +263,26 @@ def _high(shaft: ConditionShaft) -> float:
     return shaft.damage_high
 
 
-def _years(left: float, yearly: float) -> float | None:
-    """Years until nothing is left; None where nothing more is used."""
+def remaining_life(left: float, taken: float) -> float | None:
+    """How often what is left can be taken: years, or starts of one kind.
+
+    Parameters
+    ----------
+    left : float
+        What is left of 1/StartsFactor. [1]
+    taken : float
+        Damage a year, or of one start. [1]
+
+    Returns
+    -------
+    float or None
+        Left over taken, 0 where nothing is left; None = unlimited, as nothing is taken. [1]
+    """
     if left <= 0.0:
         return 0.0
-    if yearly == 0.0 or math.isinf(left / yearly):
+    if taken == 0.0 or math.isinf(left / taken):
         return None
-    return left / yearly
+    return left / taken
 
 
 def _why_not(result: ConditionResult, name: str) -> str:
@@ -334,7 +348,7 @@ def _remaining(
     share = None
     if row.yearly and damage is not None:
         share = condition.per_year * damage / row.yearly
-    years = _years(left or 0.0, damage or 0.0) if judged else None
+    years = remaining_life(left or 0.0, damage or 0.0) if judged else None
     return RemainingStarts(
         element=row.element,
         condition=condition.name,
