@@ -23,7 +23,7 @@ Mottershead, Finite Element Model Updating (1995), chapters 4 and 8; Kuhn, Nav. 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case import CaseData
+from engine.errors import ModelError
 from engine.modal import Modes, modes_of
 from engine.run import analyse, planned_start
 from engine.scatter import NORMAL, Factor, changes_of
@@ -418,6 +419,14 @@ def maximum_torques(case: CaseData) -> dict[str, float]:
 EachStart = Callable[[Callable[[CaseData], dict[str, float]], Iterable[CaseData]], Iterable[Any]]
 
 
+def _torque(found: Mapping[str, float], element: str) -> float:
+    if element not in found:
+        raise ModelError(
+            f"MeasuredPeaks names '{element}', which has no torque in the start. Name another element."
+        )
+    return found[element]
+
+
 class PeakModel:
     """Peak torques against the unknowns, from whole starts.
 
@@ -478,7 +487,7 @@ class PeakModel:
             raise Stopped
         cases = [self.unknowns.changed(self.case, z) for z in wanted.values()]
         for key, found in zip(wanted, self._each(maximum_torques, cases), strict=True):
-            self._known[key] = np.array([found[r.element] for r in self.readings])
+            self._known[key] = np.array([_torque(found, r.element) for r in self.readings])
             if self._tell is not None:
                 self._tell(self.starts)
         return [self._known[z.tobytes()] for z in points]

@@ -17,7 +17,7 @@ __all__ = ["CALIBRATION"]
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.calibration import calibration_problems
+    from engine.calibration_inputs import calibration_problems
 
     return calibration_problems(case, inputs)
 

@@ -667,7 +667,8 @@ def tv_calibrate(
     have is refused. Sheet Calibration (`torsionbook calibrate`) tells more, and knows inertias,
     modes that are named and peak torques.
     """
-    from engine.calibration import calibrate, calibration_problems, parameter_rows
+    from engine.calibration import calibrate, parameter_rows
+    from engine.calibration_inputs import calibration_problems
     from engine.studies import MeasuredFrequencyRow, ScatterRow, StudyInputs
     from engine.substitution import STIFFNESS
 

@@ -14,13 +14,12 @@ from scipy.stats import chi2
 from engine.calibration import (
     Calibration,
     calibrate,
-    calibration_problems,
     frequency_rows,
     margin_rows,
     measurement_rows,
     parameter_rows,
-    plan_calibration,
 )
+from engine.calibration_inputs import calibration_problems, plan_calibration
 from engine.case import Case, CaseData, ElementRow, StationRow
 from engine.least_change import FrequencyModel, maximum_torques, unknowns_of
 from engine.run import at_speed
