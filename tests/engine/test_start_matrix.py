@@ -19,6 +19,8 @@ from engine.start_matrix import (
     STANDARD_VOLTAGES,
     TRIP_INSTANTS,
     ConditionResult,
+    ConditionShaft,
+    MatrixPlan,
     StartCondition,
     calculate_condition,
     condition_case,
@@ -241,6 +243,45 @@ def test_the_order_of_rows_changes_no_row(case: Case) -> None:
     assert [of(r) for r in one] == [of(r) for r in other[::-1]]
 
 
+def test_of_several_instants_the_worst_stands_in_the_row(case: Case) -> None:
+    """Damage by hand: the third instant is the worst of one shaft, the fifth of the other."""
+    condition = StartCondition("trip", trip_speed=100.0, trip_span=8.0, why="fixed speed")
+    instants = condition.instants
+    assert [c.trip_speed for c in instants] == pytest.approx([100.0 + k for k in range(8)])
+    assert {c.trip_span for c in instants} == {0.0}
+
+    def row(one: StartCondition, a: float, b: float) -> ConditionResult:
+        shafts = tuple(
+            ConditionShaft(n, 1e8, q, q, q, 1.0 / q, False, True, False)
+            for n, q in (("A", a), ("B", b))
+        )
+        return ConditionResult(
+            one, "tripped", "tripped", shafts=shafts, governing="A" if a >= b else "B",
+            allowable_starts=1.0 / max(a, b), judged=True, note="Tripped.",
+        )  # fmt: skip
+
+    damage = (
+        [(1e-4, 1e-5)] * 2 + [(9e-4, 1e-5)] + [(1e-4, 1e-5)] + [(1e-4, 5e-4)] + [(1e-4, 1e-5)] * 3
+    )
+    rows = [row(one, *q) for one, q in zip(instants, damage, strict=True)]
+    plan = MatrixPlan((condition,), standard=True)
+    assert plan.units == instants
+    for some in (rows, rows[::-1]):
+        (found,) = gather_matrix(case, StudyInputs(), plan, some).rows
+        assert found.condition == condition
+        assert found.governing == "A"
+        assert found.allowable_starts == pytest.approx(1.0 / 9e-4)
+        assert [s.damage for s in found.shafts] == [9e-4, 5e-4]
+        assert found.note == (
+            "Worst of 8 instants of one period from there; the least harmful allows 10,000 starts. "
+            "Tripped."
+        )
+    stalled = replace(rows[0], outcome="stalled", judged=False, allowable_starts=None)
+    (found,) = gather_matrix(case, StudyInputs(), plan, [stalled, *rows[1:]]).rows
+    assert not found.judged
+
+
+@pytest.mark.slow
 def test_a_standard_trip_is_the_worst_of_its_instants(case: Case) -> None:
     """What a trip does hangs on the phase of the ringing: eight within one period of the mode."""
     plan = plan_matrix(case, StudyInputs())

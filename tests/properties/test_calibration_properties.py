@@ -89,7 +89,7 @@ def test_a_more_precise_measurement_never_widens_a_posterior(
         assert d.posterior_deviation <= c.posterior_deviation * (1 + 1e-9)
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(TRAINS, st.integers(0, 10**6))
 def test_the_order_of_rows_changes_nothing(case: Case, seed: int) -> None:
     n = measurable(case, 4)
