@@ -612,7 +612,8 @@ def tv_life(damage: Rows, per_year: Rows, so_far: Rows | None, factor: float | N
     from engine.ledger import remaining_life
 
     one, yearly = _column("Damage", damage), _column("Per year", per_year)
-    seen = [0.0] * len(one) if so_far is None else _column("So far", so_far)
+    blank = so_far is None or all(value is None for line in so_far for value in line)
+    seen = [0.0] * len(one) if blank else _column("So far", so_far or [])
     for name, column in (("Per year", yearly), ("So far", seen)):
         if len(column) != len(one):
             raise FunctionError(

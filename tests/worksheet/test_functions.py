@@ -459,6 +459,12 @@ def test_life_of_a_duty_by_hand():
     ((used, a_year, left, years),) = call("TV_LIFE", [damage, yearly, so_far, 2.0])
     assert (used, a_year, left, years) == pytest.approx((0.05, 0.01, 0.45, 45.0))
     assert call("TV_LIFE", [[[0.0]], [[12.0]]])[0][3] == "unlimited"
+    without = call("TV_LIFE", [damage, yearly])
+    assert (
+        without
+        == call("TV_LIFE", [damage, yearly, None])
+        == call("TV_LIFE", [damage, yearly, [[None]]])
+    )
     assert call("TV_LIFE", [[[1e-3]], [[1.0]], [[1500.0]]])[0][2:] == pytest.approx([-0.5, 0.0])
     assert "give as many" in refused("TV_LIFE", damage, [[1.0]]).message
     assert "give 0 or more" in refused("TV_LIFE", [[-1.0]], [[1.0]]).message
