@@ -87,7 +87,6 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartAccuracy",
 }
 #: Columns in which no number means that there is no limit.
-_ALLOWED = "AllowableStarts"
 _STARTS = frozenset(
     {"Allowable starts", "Paper count", "Cycles to failure", "Remaining starts", "Remaining years"}
 )
@@ -439,10 +438,9 @@ def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: Sho
     if value is None:
         if field.name not in _STARTS:
             return None
-        # A row that does not say whether its starts are limited is of no whole start; one of a study
-        # says it.
-        unknown = "unlimited" not in row if spec.name == _ALLOWED else row.get("unlimited") is False
-        return "not judged" if unknown else "unlimited"
+        # A row that does not say whether its starts are limited is of no whole start.
+        says = "unlimited" in spec.json_only
+        return "not judged" if says and "unlimited" not in row else "unlimited"
     if isinstance(value, bool):
         if field.name in _SWITCHES:
             return "on" if value else "off"

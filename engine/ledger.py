@@ -430,7 +430,7 @@ def ledger_rows(ledger: DamageLedger) -> list[dict[str, object]]:
     list of dict
         Under their JSON keys. [1, year]
     """
-    return [asdict(row) for row in ledger.rows]
+    return [_said_or_not(asdict(row), row.remaining_years is not None) for row in ledger.rows]
 
 
 def remaining_rows(ledger: DamageLedger) -> list[dict[str, object]]:
@@ -446,4 +446,11 @@ def remaining_rows(ledger: DamageLedger) -> list[dict[str, object]]:
     list of dict
         Under their JSON keys. [1]
     """
-    return [asdict(row) for row in ledger.remaining]
+    return [_said_or_not(asdict(row), row.judged) for row in ledger.remaining]
+
+
+def _said_or_not(row: dict[str, object], has_answer: bool) -> dict[str, object]:
+    """A row that says whether it is unlimited only where there is an answer."""
+    if not has_answer and not row["unlimited"]:
+        del row["unlimited"]
+    return row

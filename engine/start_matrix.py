@@ -942,10 +942,10 @@ def start_rows(matrix: StartMatrix) -> list[dict[str, object]]:
             "impacts": r.impacts,
             "damage": next((s.damage for s in r.shafts if s.element == r.governing), None),
             "allowable_starts": r.allowable_starts,
-            "unlimited": r.unlimited,
             "judged": r.judged,
             "note": r.note,
         }
+        | ({"unlimited": r.unlimited} if r.judged else {})
         for r in matrix.rows
     ]
 
