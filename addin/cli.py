@@ -20,6 +20,8 @@ from addin.diff.commands import diff
 from addin.excel.commands import excel
 from addin.report.commands import report
 from addin.server.commands import serve
+from addin.studies.calibration_command import calibrate
+from addin.studies.starts_command import starts
 from addin.studies.tolerance_commands import sensitivities, tolerances
 from addin.studies.tuning_command import tune
 from addin.terminal import Refused, list_problems, progress, refuse_clashes
@@ -65,6 +67,8 @@ app.command()(batch)
 app.command()(tune)
 app.command()(tolerances)
 app.command()(sensitivities)
+app.command()(starts)
+app.command()(calibrate)
 
 Files = Annotated[
     list[Path],

@@ -163,7 +163,7 @@ def result_table_schema(table: TableSpec) -> dict[str, Any]:
     row = closed_object({column.key: _result(column) for column in table.columns})
     for key in table.json_only:
         row["properties"][key] = _JSON_ONLY[key]
-    if "unlimited" in table.json_only:
+    if "unlimited" in table.json_only and "allowable_starts" in row["properties"]:
         row["properties"]["allowable_starts"]["type"] = ["number", "null"]
     if table.repeated is not None:
         row["patternProperties"] = {f"^{table.repeated.key}_[1-9][0-9]*$": _result(table.repeated)}
@@ -176,6 +176,14 @@ _JSON_ONLY: dict[str, dict[str, Any]] = {
         "type": "string",
     },
     "frequency": {"description": "Natural frequency. [Hz]", "type": "number"},
+    "judged": {"description": "Whether there is an answer.", "type": "boolean"},
+    "used_low": {"description": "Used, at the lower end of its error.", "type": "number"},
+    "used_high": {"description": "Used, at the upper end of its error.", "type": "number"},
+    "yearly_low": {"description": "Yearly, at the lower end of its error.", "type": "number"},
+    "yearly_high": {"description": "Yearly, at the upper end of its error.", "type": "number"},
+    "excitation_before": {"description": "The nearest one before.", "type": "string"},
+    "before": {"description": "What the case says. [SI]", "type": "number"},
+    "after": {"description": "What explains the measurements. [SI]", "type": "number"},
     "torque_limit": {"description": "Vibratory limit of the element. [N*m]", "type": "number"},
     "unlimited": {"description": "No damage: any number of starts.", "type": "boolean"},
     "starts_low": {"description": "Fewest allowable starts within the error.", "type": "number"},

@@ -45,6 +45,13 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("TuningAxes", "Second variable"): 11.0,
     **{("TuningAxes", f"Line {k}"): 11.0 for k in range(1, LINES + 1)},
     ("Sensitivities", "Note"): 60.0,
+    ("StartMatrix", "Note"): 56.0,
+    ("DamageLedger", "Reason"): 60.0,
+    ("RemainingStarts", "Reason"): 60.0,
+    ("FrequencyFit", "Note"): 62.0,
+    ("PeakFit", "Note"): 62.0,
+    ("CalibratedFrequencies", "Why"): 62.0,
+    ("CalibratedParameters", "Note"): 62.0,
 }
 
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
@@ -62,6 +69,12 @@ ROOMS: Mapping[str, int] = {
     **dict.fromkeys(("TuningStarts", "TuningMargins", "TuningModes"), MAP_ROWS),
     "ToleranceStarts": 4,
     "ToleranceFrequencies": 12,
+    "StartsByVoltage": 14,
+    "DamageLedger": 8,
+    "FrequencyFit": 10,
+    "PeakFit": 5,
+    "CalibratedFrequencies": 12,
+    "CalibratedMargins": 12,
 }
 
 #: Width of the text column of sheet `Notes`. [characters]

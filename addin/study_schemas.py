@@ -154,9 +154,33 @@ def _sensitivities() -> dict[str, Any]:
     }
 
 
+def _starts() -> dict[str, Any]:
+    return {
+        "standard": {"description": "The standard matrix is in it.", **_FLAG},
+        "starts_factor": _NUMBER,
+        "assumption": {"description": "The rule behind the ledger.", **_TEXT},
+        "verdict": {"description": "The worst of the ledger.", **_TEXT},
+    }
+
+
+def _calibration() -> dict[str, Any]:
+    return {
+        "chi_square": {"description": "Least sum of squares.", **_NUMBER},
+        "degrees": {"description": "Measurements used.", **_COUNT},
+        "probability": {"description": "That chance makes it as large.", **_NUMBER},
+        "explained": {"description": "Everything measured is explained.", **_FLAG},
+        "margin_basis": _TEXT,
+        "margin_basis_justified": _FLAG,
+        "margin_basis_reason": _TEXT,
+        "starts": {"description": "Calculated for the peak torques.", **_COUNT},
+    }
+
+
 #: What the JSON of a study has beside its tables, by the key of the study.
 _DETAILS = {
     "tuning": _tuning,
     "tolerances": _tolerances,
     "sensitivities": _sensitivities,
+    "starts": _starts,
+    "calibration": _calibration,
 }

@@ -5,8 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from addin.layout import ROOMS
-from addin.template_sheets import ChartAt, Sheet
+from addin.starts_sheets import (
+    STARTS_CAPTIONS,
+    STARTS_INTROS,
+    STARTS_SHEETS,
+    STARTS_VERDICTS,
+)
+from addin.template_sheets import Sheet
+from addin.tolerance_sheets import (
+    TOLERANCE_CAPTIONS,
+    TOLERANCE_INTROS,
+    TOLERANCE_SHEETS,
+    TOLERANCE_SHORT_CAPTIONS,
+)
 from addin.tuning_sheets import (
     TUNING_CAPTIONS,
     TUNING_INTROS,
@@ -46,12 +57,18 @@ class StudyOnSheet:
         Last column of its lines of words. [letters]
     command : str
         What calculates it. [command]
+    height : float
+        Of the line that says what was found. [points]
+    also : tuple of (str, str)
+        Further sheets of its results with the last columns of their lines. [names, letters]
     """
 
     key: str
     sheet: str
     last: str
     command: str
+    height: float = 42.0
+    also: tuple[tuple[str, str], ...] = ()
 
     @property
     def not_yet(self) -> str:
@@ -67,6 +84,8 @@ STUDIES: tuple[StudyOnSheet, ...] = (
     StudyOnSheet("tuning", "Tuning results", "J", "tune"),
     StudyOnSheet("tolerances", "Tolerance results", "R", "tolerances"),
     StudyOnSheet("sensitivities", "Sensitivities", "M", "sensitivities"),
+    StudyOnSheet("starts", "Start matrix", "R", "starts", 56.0, (("Damage ledger", "L"),)),
+    StudyOnSheet("calibration", "Calibration", "P", "calibrate", 96.0),
 )
 
 #: Rows of table `StudyFacts`: what was found in words, and which inputs it belongs to.
@@ -116,60 +135,10 @@ _INPUT_SHEETS: tuple[Sheet, ...] = (
     ),
 )  # fmt: skip
 
-#: Row of the first thing below table `ToleranceStarts`.
-_BELOW_STARTS = 9 + ROOMS["ToleranceStarts"] + 2
-#: Row of the captions below table `ToleranceFrequencies`.
-_BELOW_FREQUENCIES = 8 + ROOMS["ToleranceFrequencies"] + 2
+_RESULT_SHEETS: tuple[Sheet, ...] = (*TUNING_SHEETS, *TOLERANCE_SHEETS, *STARTS_SHEETS)
 
-_RESULT_SHEETS: tuple[Sheet, ...] = (
-    *TUNING_SHEETS,
-    Sheet(
-        "Tolerance results",
-        "result",
-        {"A": 1.5, "B": 34, "C:R": 11},
-        "R",
-        {"ToleranceStarts": "B7", "ToleranceDrivers": f"B{_BELOW_STARTS + 22}"},
-        (
-            ChartAt("tornado", f"B{_BELOW_STARTS}", 716, 420),
-            ChartAt("starts_histogram", f"J{_BELOW_STARTS}", 660, 208),
-            ChartAt("starts_distribution", f"J{_BELOW_STARTS + 10}", 660, 220),
-        ),
-        freeze="A6",
-    ),
-    Sheet(
-        "Tolerance tables",
-        "result",
-        {"A": 1.5, "B": 7, "C": 22, "D:K": 10, "L": 10, "M": 24, "N:U": 11},
-        "U",
-        {"ToleranceFrequencies": "B5", "ToleranceMargins": f"B{_BELOW_FREQUENCIES}",
-         "TolerancePeaks": f"M{_BELOW_FREQUENCIES}"},
-        freeze="A4",
-    ),
-    Sheet(
-        "Tolerance data",
-        "result",
-        {"A": 1.5, "B:D": 13, "E": 2, "F": 20, "G": 9, "H": 2, "I": 36, "J:K": 11},
-        "K",
-        {"ToleranceDistribution": "B5", "ToleranceHistogram": "F5", "ToleranceTornado": "I5"},
-        freeze="A8",
-    ),
-    Sheet(
-        "Sensitivities",
-        "result",
-        {"A": 1.5, "B": 17, "C": 24, "D:K": 9, "L": 28, "M": 60},
-        "M",
-        {"Sensitivities": "B7"},
-        freeze="A10",
-    ),
-    Sheet(
-        "Frequency sensitivities",
-        "result",
-        {"A": 1.5, "B": 22, "C": 24, "D:P": 9},
-        "P",
-        {"FrequencySensitivities": "B7"},
-        freeze="A10",
-    ),
-)  # fmt: skip
+#: Sheets of studies that stand behind a sheet of the plain run instead.
+_BEHIND: Mapping[str, str] = {"Frequencies": "Frequency sensitivities"}
 
 #: Caption above each table.
 STUDY_CAPTIONS: Mapping[str, str] = {
@@ -180,28 +149,13 @@ STUDY_CAPTIONS: Mapping[str, str] = {
     "MeasuredFrequencies": "Measured frequencies",
     "MeasuredPeaks": "Measured peaks (optional)",
     **TUNING_CAPTIONS,
-    "ToleranceStarts": "Allowable starts",
-    "ToleranceDrivers": "What drives it",
-    "ToleranceFrequencies": "Natural frequencies",
-    "ToleranceMargins": "Margins",
-    "TolerancePeaks": "Peaks",
-    "ToleranceDistribution": "Distribution",
-    "ToleranceHistogram": "Histogram",
-    "ToleranceTornado": "Tornado",
-    "Sensitivities": "Sensitivities",
-    "FrequencySensitivities": "Frequency sensitivities",
+    **TOLERANCE_CAPTIONS,
+    **STARTS_CAPTIONS,
 }
 
 #: Tables with another table close to their right: the caption stands alone.
 STUDY_SHORT_CAPTIONS = frozenset(
-    {
-        "Tuning",
-        "MeasuredFrequencies",
-        "ToleranceDistribution",
-        "ToleranceHistogram",
-        "ToleranceMargins",
-        "ToleranceTornado",
-    }
+    {"Tuning", "MeasuredFrequencies", "StartsByVoltage", *TOLERANCE_SHORT_CAPTIONS}
 )
 
 #: One sentence below the strip of each sheet.
@@ -214,19 +168,12 @@ STUDY_INTROS: Mapping[str, str] = {
     "damage ledger.",
     "Measured": "What was measured on the train, for torsionbook calibrate FILE.",
     **TUNING_INTROS,
-    "Tolerance results": "What the scatter on sheet Tolerances makes of the allowable starts, and what "
-    "drives them. Written by torsionbook tolerances FILE.",
-    "Tolerance tables": "The same of frequencies, margins and peaks: P10, P50 and P90 of the samples, and "
-    "the probability that each margin is kept.",
-    "Tolerance data": "What the charts of sheet Tolerance results show.",
-    "Sensitivities": "What a small change of each quantity does. Written by torsionbook sensitivities "
-    "FILE.",
-    "Frequency sensitivities": "How each frequency follows each stiffness and inertia; the green shifts "
-    "follow the change typed below. Written by torsionbook sensitivities FILE.",
+    **TOLERANCE_INTROS,
+    **STARTS_INTROS,
 }
 
 #: Result tables and the column that is coloured as a verdict.
-STUDY_VERDICTS: tuple[tuple[str, str], ...] = (*TUNING_VERDICTS,)
+STUDY_VERDICTS: tuple[tuple[str, str], ...] = (*TUNING_VERDICTS, *STARTS_VERDICTS)
 
 #: Maps that are coloured.
 STUDY_SCALES: tuple[StudyScale, ...] = (*TUNING_SCALES,)
@@ -257,7 +204,7 @@ def study_lines(study: StudyOnSheet) -> tuple[tuple[str, str, float], ...]:
     """
     key = study.key
     return (
-        (f'=IF({key}_Sentence="","{study.not_yet}",{key}_Sentence)', "sentence", 42.0),
+        (f'=IF({key}_Sentence="","{study.not_yet}",{key}_Sentence)', "sentence", study.height),
         (
             f'=IF({key}_SHA256="","",IF(AND(run_SHA256<>"",run_SHA256<>{key}_SHA256),'
             f'"OTHER INPUTS than those of the plain results: run torsionbook {study.command} again. ",'
@@ -283,10 +230,17 @@ def with_studies(sheets: Sequence[Sheet]) -> list[Sheet]:
     """
     inputs = max(k for k, sheet in enumerate(sheets) if sheet.kind == "input") + 1
     results = max(k for k, sheet in enumerate(sheets) if sheet.name == "Accuracy") + 1
+    beside = {sheet.name: sheet for sheet in _RESULT_SHEETS if sheet.name in _BEHIND.values()}
+    plain = [
+        one
+        for sheet in sheets[inputs:results]
+        for one in (sheet, beside.get(_BEHIND.get(sheet.name, "")))
+        if one is not None
+    ]
     return [
         *sheets[:inputs],
         *_INPUT_SHEETS,
-        *sheets[inputs:results],
-        *_RESULT_SHEETS,
+        *plain,
+        *(sheet for sheet in _RESULT_SHEETS if sheet.name not in beside),
         *sheets[results:],
     ]

@@ -41,7 +41,7 @@ from .live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
 from .results_page import TRACE_HEADERS, trace_groups, trace_rows
 from .shown_units import shown_units
 from .study_charts import STUDY_CHARTS
-from .study_examples import STUDY_ROWS
+from .study_examples import study_rows
 from .study_sheets import (
     COLOUR_SCALE,
     STUDIES,
@@ -186,7 +186,7 @@ def _build(
 ) -> None:
     filled = EXAMPLES[example] if isinstance(example, str) else example or Example({}, {}, {})
     if studies and isinstance(example, str):
-        filled = replace(filled, tables={**filled.tables, **STUDY_ROWS})
+        filled = replace(filled, tables={**filled.tables, **study_rows(example)})
     blocks = _chart_rows(filled, system)
     with xlsxwriter.Workbook(
         path, {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
@@ -710,12 +710,13 @@ class _Builder:
     def _study_lines(self) -> None:
         """On each result sheet of a study what it found, and which inputs it belongs to."""
         for study in STUDIES:
-            page, last = self.sheets[study.sheet], study.last
-            for row, (formula, style, height) in enumerate(study_lines(study), 3):
-                page.merge_range(row, 1, row, _column(last), "", self.style(style))
-                shown = study.not_yet if row == 3 else ""
-                page.write_formula(row, 1, formula, self.style(style), shown)
-                page.set_row(row, height)
+            for sheet, last in ((study.sheet, study.last), *study.also):
+                page = self.sheets[sheet]
+                for row, (formula, style, height) in enumerate(study_lines(study), 3):
+                    page.merge_range(row, 1, row, _column(last), "", self.style(style))
+                    shown = study.not_yet if row == 3 else ""
+                    page.write_formula(row, 1, formula, self.style(style), shown)
+                    page.set_row(row, height)
         self._change_cell()
         for table, column in STUDY_VERDICTS:
             place = self.places[table]

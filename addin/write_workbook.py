@@ -87,7 +87,9 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartAccuracy",
 }
 #: Columns in which no number means that there is no limit.
-_STARTS = frozenset({"Allowable starts", "Paper count", "Cycles to failure"})
+_STARTS = frozenset(
+    {"Allowable starts", "Paper count", "Cycles to failure", "Remaining starts", "Remaining years"}
+)
 #: Flags that are shown as on or off; all others as yes or nothing.
 _SWITCHES = frozenset({"On"})
 #: Words on sheet Accuracy until the study has been run.

@@ -21,11 +21,13 @@ def every_study() -> tuple[Study, ...]:
     -------
     tuple of Study
     """
+    from addin.studies.calibration import CALIBRATION
     from addin.studies.sensitivities import SENSITIVITIES
+    from addin.studies.starts import STARTS
     from addin.studies.tolerances import TOLERANCES
     from addin.studies.tuning import TUNING
 
-    return (TUNING, TOLERANCES, SENSITIVITIES)
+    return (TUNING, TOLERANCES, SENSITIVITIES, STARTS, CALIBRATION)
 
 
 def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:
