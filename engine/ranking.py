@@ -244,4 +244,5 @@ def _times(factor: float) -> str:
 
 
 def _count(starts: float) -> str:
-    return f"{starts:,.0f}" if starts < 1e9 else f"{starts:.3g}"
+    """Whole starts, never rounded up; a count off by rounding alone is the whole one."""
+    return f"{math.floor(starts * (1.0 + 1e-9)):,}" if starts < 1e9 else f"{starts:.3g}"
