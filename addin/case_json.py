@@ -14,9 +14,17 @@ import stat
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from addin.fields import INPUT_TABLES, SCALAR_SHEET, SCALAR_TABLE, SCALARS, Field, input_table
+from addin.fields import (
+    INPUT_TABLES,
+    SCALAR_SHEET,
+    SCALAR_TABLE,
+    SCALARS,
+    STUDY_INPUT_TABLES,
+    Field,
+    input_table,
+)
 from addin.problems import CellProblem, nearest, placed, printable, shortened
 from addin.typed_case import (
     LONGEST_WORDS,
@@ -35,6 +43,9 @@ from addin.typed_case import (
 from addin.units import UnitError, UnitScale, parse_unit
 from engine.case import TABLES, CaseData
 from engine.errors import Problem
+
+if TYPE_CHECKING:
+    from addin.study_inputs import StudiesRead
 
 __all__ = ["FORMAT", "case_to_json", "read_case_json", "typed_value"]
 
@@ -141,6 +152,7 @@ class _Reading:
         self.typed = TypedCase()
         self.findings = Findings()
         self.readable = True
+        self.studies: dict[str, Any] = {}
         self.repeated = 0
         self.unknown = 0
         self.unit: str | None = None
@@ -206,7 +218,8 @@ class _Reading:
             )
             return
         self._read_format(content.get("format"))
-        self._note_unknown(content, {"format", *_SCALARS, *_TABLES}, (SCALAR_TABLE, None))
+        known = {"format", *_SCALARS, *_TABLES, *_STUDIES}
+        self._note_unknown(content, known, (SCALAR_TABLE, None))
         for key, spec in _SCALARS.items():
             entry = self._entry(content.get(key), spec, (SCALAR_TABLE, None, spec.name))
             if entry is not None:
@@ -215,6 +228,7 @@ class _Reading:
             rows = content.get(key)
             if rows is not None:
                 self._read_rows(table.name, rows)
+        self.studies = {k: content[k] for k in _STUDIES if content.get(k) is not None}
 
     def _read_format(self, found: Any) -> None:
         if found != FORMAT or isinstance(found, bool):
@@ -353,6 +367,25 @@ class _Reading:
             problems=tuple(_located(problem, self.typed) for problem in problems),
             warnings=(),
             typed=self.typed,
+            studies=self._studies(),
+        )
+
+    def _studies(self) -> StudiesRead | None:
+        """The keys of the studies, where there are any: read apart, so that they spoil no case."""
+        if not self.studies:
+            return None
+        from addin.study_inputs import studies_read
+
+        apart = _Reading()
+        for key, rows in self.studies.items():
+            apart._read_rows(_STUDIES[key].name, rows)
+        return studies_read(
+            {_STUDIES[key].name for key in self.studies},
+            apart.typed,
+            self.typed,
+            apart.findings,
+            lambda problem: _located(problem, apart.typed),
+            (),
         )
 
 
@@ -360,6 +393,7 @@ class _Reading:
 _RESULT_KEYS = frozenset({"version", "warnings", "errors"})
 _SCALARS = {spec.key: spec for spec in SCALARS}
 _TABLES = {table.key: table for table in INPUT_TABLES}
+_STUDIES = {table.key: table for table in STUDY_INPUT_TABLES}
 _QUANTITY = re.compile(
     r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s+|(?![\d.,]))(.*)",
     re.DOTALL | re.ASCII,

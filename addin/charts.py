@@ -7,12 +7,19 @@ cells of `ChartLabels`; the writer renews those, so that the charts need no macr
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from .chart_data import CROSSINGS, GROUPS, LABELS, LINES, METHODS, SHAPES
+from .chart_data import CROSSINGS, GROUPS, LINES, METHODS, SHAPES
+from .chart_parts import Place, Places
+from .chart_parts import axis as _axis
+from .chart_parts import dot as _dot
+from .chart_parts import font as _font
+from .chart_parts import legend as _legend
+from .chart_parts import line as _line
+from .chart_parts import title as _title
+from .chart_parts import xy as _xy
 from .effect_charts import EVENTS, FORCES
-from .template_styles import FONT, PALETTE, SPEED_GROUPS
+from .template_styles import PALETTE, SPEED_GROUPS
 
 __all__ = ["CHARTS", "Place", "Places", "make_chart"]
 
@@ -21,58 +28,13 @@ _GRID = {"visible": True, "line": {"color": "#E3E3E3", "width": 0.5}}
 _AXIS_LINE = {"color": "#8C8C8C", "width": 0.75}
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where the data rows of a table stand; rows and columns count from 0.
-
-    Parameters
-    ----------
-    sheet : str
-        Sheet. [name]
-    first, last : int
-        First and last data row. [index]
-    columns : mapping of str to int
-        Column of each header. [index]
-    """
-
-    sheet: str
-    first: int
-    last: int
-    columns: Mapping[str, int]
-
-
-class Places:
-    """References into tables, in the form XlsxWriter takes.
-
-    Parameters
-    ----------
-    tables : mapping of str to Place
-        Tables by name.
-    """
-
-    def __init__(self, tables: Mapping[str, Place]) -> None:
-        self._tables = tables
-
-    def column(self, table: str, column: str) -> list[Any]:
-        """All data rows of a column."""
-        place = self._tables[table]
-        at = place.columns[column]
-        return [place.sheet, place.first, at, place.last, at]
-
-    def cell(self, table: str, column: str, row: int) -> list[Any]:
-        """One data row of a column, counted from 0."""
-        place = self._tables[table]
-        at = place.columns[column]
-        return [place.sheet, place.first + row, at, place.first + row, at]
-
-    def label(self, key: str) -> str:
-        """The cell of a word that only a calculation knows, as a formula."""
-        place = self._tables["ChartLabels"]
-        row = place.first + LABELS.index(key) + 1
-        return f"={place.sheet}!$B${row}"
-
-
-def make_chart(workbook: Any, places: Places, name: str, size: tuple[int, int]) -> Any:
+def make_chart(
+    workbook: Any,
+    places: Places,
+    name: str,
+    size: tuple[int, int],
+    kinds: Mapping[str, Callable[[Any, Places, int], Any]] | None = None,
+) -> Any:
     """A chart of the table `CHARTS`.
 
     Parameters
@@ -85,6 +47,8 @@ def make_chart(workbook: Any, places: Places, name: str, size: tuple[int, int]) 
         Key of `CHARTS`; histories are ``history 1``, ``history 2``, ... [name]
     size : tuple of int
         Width and height. [pixel]
+    kinds : mapping of str to callable, optional
+        What draws each kind; default `CHARTS`.
 
     Returns
     -------
@@ -92,62 +56,13 @@ def make_chart(workbook: Any, places: Places, name: str, size: tuple[int, int]) 
         The chart, not yet inserted.
     """
     kind, _, number = name.partition(" ")
-    chart = CHARTS[kind](workbook, places, int(number or 0))
+    chart = (kinds or CHARTS)[kind](workbook, places, int(number or 0))
     chart.set_size({"width": size[0], "height": size[1]})
     chart.set_chartarea({"border": {"color": "#D0D0D0", "width": 0.75}, "fill": {"color": "white"}})
     if kind != "train":
         frame = {"color": "#B0B0B0", "width": 0.5}
         chart.set_plotarea({"fill": {"color": "white"}, "border": frame})
     return chart
-
-
-# --- common parts ---------------------------------------------------------------------------------
-
-
-def _font(size: float, **more: Any) -> dict[str, Any]:
-    return {"name": FONT, "size": size, "bold": False, "color": "#404040", **more}
-
-
-def _title(chart: Any, name: str) -> None:
-    chart.set_title(
-        {"name": name, "name_font": _font(10, bold=True, color=PALETTE["navy"]), "overlay": False}
-    )
-
-
-def _axis(name: str, **more: Any) -> dict[str, Any]:
-    return {
-        "name": name,
-        "name_font": _font(9),
-        "num_font": _font(8),
-        "line": _AXIS_LINE,
-        "major_gridlines": _GRID,
-        "major_tick_mark": "outside",
-        "minor_tick_mark": "none",
-        **more,
-    }
-
-
-def _legend(chart: Any, without: tuple[int, ...] = ()) -> None:
-    chart.set_legend({"position": "bottom", "font": _font(8), "delete_series": list(without)})
-
-
-def _line(colour: str, width: float = 1.75, dash: str = "solid") -> dict[str, Any]:
-    return {"color": PALETTE.get(colour, colour), "width": width, "dash_type": dash}
-
-
-def _dot(colour: str, kind: str = "circle", size: int = 5) -> dict[str, Any]:
-    ink = PALETTE.get(colour, colour)
-    return {"type": kind, "size": size, "fill": {"color": ink}, "border": {"color": "white"}}
-
-
-def _xy(places: Places, table: str, x: str, y: str, name: str, **more: Any) -> dict[str, Any]:
-    return {
-        "name": name,
-        "categories": places.column(table, x),
-        "values": places.column(table, y),
-        "marker": {"type": "none"},
-        **more,
-    }
 
 
 # --- the charts -----------------------------------------------------------------------------------

@@ -8,8 +8,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -21,12 +20,17 @@ from addin.diff.commands import diff
 from addin.excel.commands import excel
 from addin.report.commands import report
 from addin.server.commands import serve
+from addin.studies.calibration_command import calibrate
+from addin.studies.starts_command import starts
+from addin.studies.tolerance_commands import sensitivities, tolerances
+from addin.studies.tuning_command import tune
+from addin.terminal import Refused, list_problems, progress, refuse_clashes
 from addin.verify.commands import verify
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from addin.problems import CellProblem
+    from addin.examples import Example
     from addin.recalc import Recalculated
     from engine.accuracy import AccuracyStudy
 
@@ -60,15 +64,16 @@ app.command()(report)
 app.command()(verify)
 app.command()(diff)
 app.command()(batch)
+app.command()(tune)
+app.command()(tolerances)
+app.command()(sensitivities)
+app.command()(starts)
+app.command()(calibrate)
 
 Files = Annotated[
     list[Path],
     typer.Argument(help="Workbooks (.xlsx, .xlsm) or case JSON files.", show_default=False),
 ]
-
-
-class _Wrong(Exception):
-    """An input or a file that cannot be used; the sentence is all there is to say."""
 
 
 def _version_asked(asked: bool) -> None:
@@ -111,11 +116,27 @@ def new(
             show_default=False,
         ),
     ] = None,
+    studies: Annotated[
+        bool,
+        typer.Option(
+            "--studies",
+            help="With the sheets of the studies: tuning, tolerances, start matrix, calibration.",
+        ),
+    ] = False,
+    source: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="FILE",
+            help="Fill in the inputs of this workbook or case JSON, as they are typed there.",
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> None:
-    """Make a workbook to fill in, or one of the filled examples.
+    """Make a workbook to fill in, one of the filled examples, or one with the inputs of another.
 
-    Examples: `torsionbook new train.xlsx --units si`; `torsionbook new train.xlsm --example proposed`
+    Examples: `torsionbook new train.xlsx --units si`; `torsionbook new train.xlsm --example proposed`;
+    `torsionbook new more.xlsx --from train.xlsx --studies`
     """
     from addin.flavours import FLAVOURS
     from addin.recalc import of_file
@@ -131,18 +152,21 @@ def new(
         more = " (or say --for excel)" if chosen.suffix == ".xlsx" else ""
         raise typer.BadParameter(f"'{file}' must end in {chosen.suffix}{more}.")
     if file.exists() and not force:
-        raise _Wrong(f"{file} is there already. Choose another name, or say --force to replace it.")
+        raise Refused(
+            f"{file} is there already. Choose another name, or say --force to replace it."
+        )
     if not file.parent.is_dir():
-        raise _Wrong(f"The folder {file.parent} does not exist. Make it first.")
+        raise Refused(f"The folder {file.parent} does not exist. Make it first.")
+    filled = example if source is None else _filled(source, units, example)
     from addin.excel.errors import ExcelError
     from addin.new_workbook import make_workbook
 
     try:
-        make_workbook(file, "us" if example else units, example, chosen)
+        make_workbook(file, "us" if example else units, filled, chosen, studies=studies)
     except OSError as wrong:
-        raise _Wrong(of_file(file, wrong).message) from wrong
+        raise Refused(of_file(file, wrong).message) from wrong
     except ExcelError as wrong:
-        raise _Wrong(f"{file}: {wrong}") from wrong
+        raise Refused(f"{file}: {wrong}") from wrong
     typer.echo(f"{file} is ready. Fill in the yellow cells, then: torsionbook recalc {file}")
 
 
@@ -154,6 +178,7 @@ def check(files: Files) -> None:
     """
     from addin.problems import printable
     from addin.recalc import Unreadable, read_checked
+    from addin.studies.every import of_studies
     from engine.plausibility import implausible
 
     wrong = 0
@@ -162,9 +187,10 @@ def check(files: Files) -> None:
         plausible = () if isinstance(read, Unreadable) or read.problems else implausible(read.data)
         for sentence in (*read.warnings, *plausible):
             typer.echo(f"{file}: note: {printable(sentence)}")
-        if read.problems:
+        problems = (*read.problems, *of_studies(read))
+        if problems:
             wrong += 1
-            _list_problems(file, read.problems)
+            list_problems(file, problems)
         else:
             typer.echo(f"{file}: no errors.")
     if wrong:
@@ -208,15 +234,15 @@ def recalc(
         raise typer.BadParameter("--out and --in-place exclude each other.")
     overrides = _overrides(method, tolerance)
     targets = [_targets(file, out, json, len(files) > 1) for file in files]
-    _refuse_clashes(files, targets, in_place)
+    refuse_clashes(files, targets, in_place)
     done: list[Recalculated] = []
-    with _progress() as tell:
+    with progress() as tell:
         for file, (destination, json_file) in zip(files, targets, strict=True):
             done.append(
                 _recalculate(file, destination, json_file, in_place, overrides, ignore_lock, tell)
             )
     for one in done:
-        _list_problems(one.source, one.problems, bool(one.written))
+        list_problems(one.source, one.problems, bool(one.written))
         for sentence in one.warnings:
             typer.echo(f"{one.source}: note: {printable(sentence)}", err=True)
     _summary(done)
@@ -240,12 +266,12 @@ def export(
 
     read = read_checked(file)
     if isinstance(read, Unreadable) or read.problems:
-        _list_problems(file, read.problems)
+        list_problems(file, read.problems)
         raise typer.Exit(WRONG_INPUT)
     try:
         write_json(case, case_to_json(read.data))
     except OSError as wrong:
-        raise _Wrong(of_file(case, wrong).message) from wrong
+        raise Refused(of_file(case, wrong).message) from wrong
     typer.echo(f"{case} is written.")
 
 
@@ -282,8 +308,8 @@ def accuracy(
     destination = None if out is None else out / file.name
     if json is not None and json.is_dir():
         json = json / f"{file.stem}.accuracy.json"
-    _refuse_clashes([file], [(destination, json)], in_place)
-    with _progress() as tell:
+    refuse_clashes([file], [(destination, json)], in_place)
+    with progress() as tell:
         done = study(
             file,
             destination=destination,
@@ -296,7 +322,7 @@ def accuracy(
     for sentence in done.warnings:
         typer.echo(f"{file}: note: {sentence}", err=True)
     if done.found is None:
-        _list_problems(file, done.problems)
+        list_problems(file, done.problems)
         raise typer.Exit(WRONG_INPUT)
     _show_study(done.found)
     for path in done.written:
@@ -312,6 +338,23 @@ def version() -> None:
 
 
 # --- behind the commands ------------------------------------------------------------------------
+
+
+def _filled(source: Path, units: str, example: str | None) -> Example:
+    """The inputs of another file, as they are typed there."""
+    from addin.recalc import Unreadable, read_checked
+    from addin.refilled import MixedUnits, example_of
+
+    if example is not None:
+        raise typer.BadParameter("--from and --example exclude each other.")
+    read = read_checked(source)
+    if isinstance(read, Unreadable) or read.problems:
+        list_problems(source, read.problems)
+        raise typer.Exit(WRONG_INPUT)
+    try:
+        return example_of(read, units)
+    except MixedUnits as wrong:
+        raise Refused(f"{source}: {wrong}") from wrong
 
 
 def _choice(option: str, value: str, words: Sequence[str]) -> None:
@@ -354,27 +397,6 @@ def _targets(
     return destination, json_file
 
 
-def _refuse_clashes(
-    files: Sequence[Path], targets: Sequence[tuple[Path | None, Path | None]], in_place: bool
-) -> None:
-    """Two results with one name, or a result on top of its input, are refused before any work."""
-    seen: dict[Path, Path] = {}
-    sources = {file.resolve() for file in files}
-    for file, some in zip(files, targets, strict=True):
-        for target in some:
-            if target is None:
-                continue
-            place = target.resolve()
-            if place in sources and not in_place:
-                raise typer.BadParameter(
-                    f"{target} is an input itself. Choose another folder, or say --in-place."
-                )
-            if seen.setdefault(place, file) != file:
-                raise typer.BadParameter(
-                    f"{seen[place]} and {file} would both be written to {target}."
-                )
-
-
 def _recalculate(
     file: Path,
     destination: Path | None,
@@ -395,45 +417,6 @@ def _recalculate(
         ignore_lock=ignore_lock,
         on_stage=lambda stage: tell(f"{file.name}: {stage}"),
     )
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """A line that says what is being done, where somebody watches; a rare long wait is always told."""
-    from addin.recalc import is_compiling
-
-    told: set[str] = set()
-
-    def rare(text: str) -> None:
-        stage = text.rpartition(": ")[2]
-        if is_compiling(stage) and stage not in told:
-            told.add(stage)
-            typer.echo(f"{text} …", err=True)
-
-    if not sys.stderr.isatty():
-        yield rare
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status("starting") as status:
-
-        def tell(text: str) -> None:
-            rare(text)
-            status.update(text)
-
-        yield tell
-
-
-def _list_problems(
-    file: Path, problems: Sequence[CellProblem], something_written: bool = False
-) -> None:
-    if not problems:
-        return
-    plural = "s" if len(problems) > 1 else ""
-    what = "" if something_written else ", nothing was calculated or written"
-    typer.echo(f"{file}: {len(problems)} error{plural}{what}:", err=True)
-    for problem in problems:
-        typer.echo(f"  {problem.message}", err=True)
 
 
 def _overall(one: Recalculated) -> str:
@@ -554,7 +537,7 @@ def main() -> None:
         os.environ.setdefault(name, "1")
     try:
         app(standalone_mode=True)
-    except _Wrong as wrong:
+    except Refused as wrong:
         typer.echo(str(wrong), err=True)
         sys.exit(WRONG_INPUT)
     except SystemExit as ended:

@@ -9,7 +9,7 @@ is the proposed design with what the paper describes in words: clearance, bearin
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from addin import fields
 from addin.chart_data import ShownUnits
@@ -156,11 +156,14 @@ class Example:
         Units other than those of the blank template. [units]
     tables : mapping of str to sequence of mapping
         Rows of the input tables, by header. [shown units]
+    scalar_units : mapping of str to str
+        Units of scalars other than those of the blank template. [units]
     """
 
     scalars: Mapping[str, Value]
     units: Mapping[tuple[str, str], str]
     tables: Mapping[str, Sequence[Mapping[str, Value]]]
+    scalar_units: Mapping[str, str] = field(default_factory=dict)
 
 
 def _shown(value: float, unit: float) -> float:
@@ -334,7 +337,8 @@ def _scalar_si(example: Example, field: fields.Field) -> float | None:
         return None
     if not field.has_unit:
         return float(value)
-    return parse_unit(field.unit_us, field.dimension).to_si(float(value))
+    unit = example.scalar_units.get(field.name, field.unit_us)
+    return parse_unit(unit, field.dimension).to_si(float(value))
 
 
 def example_case(example: Example, units: ShownUnits) -> CaseData:

@@ -7,24 +7,39 @@ quantity in `engine.case`. Nothing here converts or checks a number: see `addin.
 
 from __future__ import annotations
 
-import keyword
-import re
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import replace
 
-from addin.traces import TRACES, Trace
+from addin.field_kinds import (
+    DIMENSIONS,
+    Dimension,
+    Field,
+    TableSpec,
+    json_key,
+    traced,
+)
+from addin.field_kinds import choice as _choice
+from addin.field_kinds import integer as _integer
+from addin.field_kinds import mixed as _mixed
+from addin.field_kinds import number as _number
+from addin.field_kinds import table as _table
+from addin.field_kinds import text as _text
+from addin.study_fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES
+from addin.traces import TRACES
 from engine.effects import CHOICES, CONTACT_LAWS, EFFECTS
 
 __all__ = [
     "DIMENSIONS",
     "Dimension",
+    "EVERY_INPUT",
+    "EVERY_TABLE",
     "Field",
     "INPUT_TABLES",
     "RESULT_TABLES",
     "SCALARS",
     "SCALAR_SHEET",
     "SCALAR_TABLE",
+    "STUDY_INPUT_TABLES",
+    "STUDY_RESULT_TABLES",
     "TEMPLATE_VERSION",
     "TableSpec",
     "WORKBOOK_TABLES",
@@ -40,321 +55,6 @@ TEMPLATE_VERSION = "1"
 #: Sheet of the scalars, and the table name problems of scalars carry.
 SCALAR_SHEET = "Case"
 SCALAR_TABLE = "Case"
-
-_WORDS = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
-
-
-def json_key(name: str) -> str:
-    """The JSON key of a contract name: words and capital runs, joined by `_`, lower case.
-
-    Parameters
-    ----------
-    name : str
-        Defined name, table name or column header. [name]
-
-    Returns
-    -------
-    str
-        Key such as ``rated_power`` for ``RatedPower`` or ``sn_points`` for ``SNPoints``.
-    """
-    return "_".join(_WORDS.findall(name)).lower()
-
-
-@dataclass(frozen=True)
-class Dimension:
-    """One physical dimension: the SI unit inside and the units people usually type.
-
-    Parameters
-    ----------
-    si : str
-        Unit of the engine and of a plain JSON number; empty where there is none. [unit]
-    unit_us, unit_si : str
-        Units shown by the US-customary and the SI template. [unit]
-    units : tuple of str
-        The drop-down list. [units]
-    """
-
-    si: str = ""
-    unit_us: str = ""
-    unit_si: str = ""
-    units: tuple[str, ...] = ()
-
-
-_RELATIVE = ("pu", "%")
-_TORQUES = ("lbf*in", "lbf*ft", "kip*in", "N*m", "kN*m")
-
-#: Every dimension a field may have. A ratio may lack its unit (it is 1 then), a fraction may not.
-DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
-    {
-        "none": Dimension(),
-        "count": Dimension(),
-        "ratio": Dimension("1", "1", "1", ("1", "%")),
-        "fraction": Dimension("1", "%", "%", ("%", "1")),
-        "speed fraction": Dimension("1", "%", "%", ("%", "1", "rpm", "rad/s")),
-        "inertia": Dimension(
-            "kg*m^2", "lb*ft^2", "kg*m^2", ("lb*ft^2", "lb*in^2", "lbf*in*s^2", "kg*m^2")
-        ),
-        "torsional stiffness": Dimension(
-            "N*m/rad",
-            "lbf*in/rad",
-            "N*m/rad",
-            ("lbf*in/rad", "lbf*ft/rad", "N*m/rad", "kN*m/rad", "MN*m/rad"),
-        ),
-        "torsional damping": Dimension(
-            "N*m*s/rad",
-            "lbf*in*s/rad",
-            "N*m*s/rad",
-            ("lbf*in*s/rad", "lbf*ft*s/rad", "N*m*s/rad", "kN*m*s/rad"),
-        ),
-        "torque": Dimension("N*m", "lbf*in", "N*m", _TORQUES + _RELATIVE),
-        "excitation torque": Dimension("N*m", "%", "%", ("%", "pu", *_TORQUES)),
-        "length": Dimension("m", "in", "mm", ("in", "ft", "mm", "m", "um")),
-        "pressure": Dimension("Pa", "psi", "MPa", ("psi", "ksi", "Mpsi", "MPa", "GPa", "N/mm^2")),
-        "density": Dimension(
-            "kg/m^3", "lb/in^3", "kg/m^3", ("lb/in^3", "lb/ft^3", "kg/m^3", "g/cm^3")
-        ),
-        "angle": Dimension("rad", "deg", "deg", ("deg", "rad")),
-        "time": Dimension("s", "s", "s", ("s", "ms", "min")),
-        "calculation time": Dimension("s", "ms", "ms", ("ms", "s", "min")),
-        "frequency": Dimension("Hz", "Hz", "Hz", ("Hz", "cpm")),
-        "cycles per minute": Dimension("cpm", "cpm", "cpm", ("cpm",)),
-        "speed": Dimension("rad/s", "rpm", "rpm", ("rpm", "rad/s", "Hz")),
-        "running speed": Dimension("rad/s", "rpm", "rpm", ("rpm", "%", "rad/s", "Hz")),
-        "angular acceleration": Dimension("rad/s^2", "rpm/s", "rpm/s", ("rpm/s", "rad/s^2")),
-        "sweep rate": Dimension("Hz/s", "Hz/s", "Hz/s", ("Hz/s",)),
-        "power": Dimension("W", "hp", "kW", ("hp", "kW", "MW", "W")),
-        "mass": Dimension("kg", "lb", "kg", ("lb", "kg", "t")),
-        "linear stiffness": Dimension(
-            "N/m", "lbf/in", "N/m", ("lbf/in", "kip/in", "N/m", "N/um", "N/mm")
-        ),
-        "linear damping": Dimension("N*s/m", "lbf*s/in", "N*s/m", ("lbf*s/in", "N*s/m", "N*s/mm")),
-        "force": Dimension("N", "lbf", "kN", ("lbf", "kip", "N", "kN")),
-        "approach speed": Dimension("m/s", "in/s", "m/s", ("in/s", "ft/s", "mm/s", "m/s")),
-        "angular approach speed": Dimension("rad/s", "rad/s", "rad/s", ("rad/s", "deg/s")),
-        "deciding number": Dimension(),
-    }
-)
-
-
-@dataclass(frozen=True)
-class Field:
-    """One input or output: a scalar of sheet `Case` or a column of a table.
-
-    Parameters
-    ----------
-    name : str
-        Defined name of a scalar or header of a column, as in the contract. [name]
-    key : str
-        JSON key. [name]
-    kind : str
-        ``number``, ``integer``, ``text``, ``choice``, ``station``, ``element``, ``material``
-        (references by name); of results also ``flag`` (yes or no) and ``mixed`` (a number in one
-        row, words in another). [word]
-    dimension : str
-        Key of `DIMENSIONS`. [word]
-    unit_us, unit_si : str
-        Units shown by the two templates; empty where there is no unit. [unit]
-    units : tuple of str
-        Drop-down list of the unit cell; empty where there is no unit. [units]
-    choices : tuple of str
-        Allowed words of a choice; the first one is the default. [words]
-    default_text : str
-        What a blank cell means; empty where a blank has no meaning of its own. [text]
-    help : str
-        One sentence for the input prompt. [sentence]
-    group : str
-        Block of sheet `Case` the scalar stands in; empty for columns. [name]
-    trace : Trace or None
-        Of a result: equation, source and the inputs it comes from, see `addin.traces`.
-    """
-
-    name: str
-    key: str
-    kind: str
-    dimension: str
-    unit_us: str
-    unit_si: str
-    units: tuple[str, ...]
-    choices: tuple[str, ...]
-    default_text: str
-    help: str
-    group: str = ""
-    trace: Trace | None = None
-
-    @property
-    def attribute(self) -> str:
-        """Name of the quantity in `engine.case` (`from` and `yield` get an underscore)."""
-        return f"{self.key}_" if keyword.iskeyword(self.key) else self.key
-
-    @property
-    def is_number(self) -> bool:
-        """Whether a cell of this field holds a number."""
-        return self.kind in ("number", "integer")
-
-    @property
-    def has_unit(self) -> bool:
-        """Whether a unit stands above (column) or right of (scalar) it."""
-        return bool(self.units)
-
-    @property
-    def si(self) -> str:
-        """Unit of the engine and of a plain JSON number; empty where there is none."""
-        return DIMENSIONS[self.dimension].si
-
-
-@dataclass(frozen=True)
-class TableSpec:
-    """One Excel table.
-
-    Parameters
-    ----------
-    name : str
-        Name of the Excel table. [name]
-    key : str
-        JSON key. [name]
-    sheet : str
-        Sheet it is shipped on. [name]
-    columns : tuple of Field
-        Columns of the contract, in its order. [fields]
-    rows : int
-        Blank rows shipped. [count]
-    help : str
-        One sentence above the table. [sentence]
-    extra_columns : tuple of Field
-        Columns after those of the contract, such as live checks; never read. [fields]
-    repeated : Field or None
-        Column repeated after `columns`, its name ending in 1, 2, ... (mode shapes). [field]
-    json_only : tuple of str
-        Keys a JSON row may have beside the columns. [names]
-    states : str
-        Column without which a row of a workbook states nothing and is passed over, such as rows
-        shipped with names alone; empty = every filled row counts. [name]
-    """
-
-    name: str
-    key: str
-    sheet: str
-    columns: tuple[Field, ...]
-    rows: int
-    help: str
-    extra_columns: tuple[Field, ...] = ()
-    repeated: Field | None = None
-    json_only: tuple[str, ...] = ()
-    states: str = ""
-
-    def column(self, name: str) -> Field:
-        """The contract column of a header.
-
-        Parameters
-        ----------
-        name : str
-            Header. [name]
-
-        Returns
-        -------
-        Field
-            The column.
-        """
-        for field in self.columns:
-            if field.name == name:
-                return field
-        raise KeyError(f"table {self.name} has no column {name!r}")
-
-    def repeated_column(self, number: int) -> Field:
-        """One of the repeated columns, such as ``Mode 3``.
-
-        Parameters
-        ----------
-        number : int
-            Counted from 1. [count]
-
-        Returns
-        -------
-        Field
-            The column.
-        """
-        if self.repeated is None:
-            raise KeyError(f"table {self.name} has no repeated column")
-        name = f"{self.repeated.name} {number}"
-        return replace(self.repeated, name=name, key=json_key(name))
-
-
-def _number(
-    name: str,
-    dimension: str,
-    help: str,
-    *,
-    blank: str = "",
-    us: str = "",
-    si: str = "",
-    kind: str = "number",
-    group: str = "",
-) -> Field:
-    """A number; `us` and `si` replace the units the templates show."""
-    usual = DIMENSIONS[dimension]
-    return Field(
-        name=name,
-        key=json_key(name),
-        kind=kind,
-        dimension=dimension,
-        unit_us=us or usual.unit_us,
-        unit_si=si or usual.unit_si,
-        units=usual.units,
-        choices=(),
-        default_text=blank,
-        help=help,
-        group=group,
-    )
-
-
-def _integer(name: str, help: str, *, group: str = "") -> Field:
-    """A whole number without unit."""
-    return _number(name, "count", help, kind="integer", group=group)
-
-
-def _text(
-    name: str,
-    help: str,
-    *,
-    kind: str = "text",
-    choices: tuple[str, ...] = (),
-    blank: str = "",
-    group: str = "",
-) -> Field:
-    """Words: free text, a choice, or the name of a station, element or material."""
-    return Field(
-        name=name,
-        key=json_key(name),
-        kind=kind,
-        dimension="none",
-        unit_us="",
-        unit_si="",
-        units=(),
-        choices=choices,
-        default_text=blank,
-        help=help,
-        group=group,
-    )
-
-
-def _choice(
-    name: str,
-    choices: tuple[str, ...],
-    help: str,
-    *,
-    blank: str = "",
-    group: str = "",
-) -> Field:
-    """A word from a short list."""
-    return _text(name, help, kind="choice", choices=choices, blank=blank, group=group)
-
-
-def _table(
-    name: str, sheet: str, rows: int, help: str, *columns: Field, **more: object
-) -> TableSpec:
-    """A table whose key follows from its name."""
-    return TableSpec(name, json_key(name), sheet, columns, rows, help, **more)  # type: ignore[arg-type]
-
 
 _DOCUMENT = "Document"
 _MACHINE = "Motor and line"
@@ -882,271 +582,277 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
 )
 
 
-def _traced(*tables: TableSpec) -> tuple[TableSpec, ...]:
-    """Result tables with the trace of every column."""
-
-    def traced(table: str, field: Field) -> Field:
-        return replace(field, trace=TRACES[table, field.name])
-
-    return tuple(
-        replace(
-            one,
-            columns=tuple(traced(one.name, field) for field in one.columns),
-            extra_columns=tuple(traced(one.name, field) for field in one.extra_columns),
-            repeated=None if one.repeated is None else traced(one.name, one.repeated),
-        )
-        for one in tables
-    )
-
-
-def _mixed(name: str, help: str) -> Field:
-    """A result that is a number in one row and words in another."""
-    return _text(name, help, kind="mixed")
-
-
 #: Result tables of this version.
-RESULT_TABLES: tuple[TableSpec, ...] = _traced(
-    _table(
-        "Verdicts",
-        "Summary",
-        1,
-        "Each check with its limit and verdict.",
-        _text("Check", "What is judged."),
-        _mixed("Result", "The number found."),
-        _mixed("Limit", "The number allowed."),
-        _text("Verdict", "pass, accepted by forced response, or fail."),
-        _text("Where", "Mode, element or speed that governs."),
-        json_only=("dimension",),
-    ),
-    _table(
-        "NaturalFrequencies",
-        "Frequencies",
-        1,
-        "Undamped natural frequencies; rigid-body modes first, with frequency 0.",
-        _integer("Mode", "Elastic modes count from 1; rigid-body modes have 0."),
-        _number("Frequency", "frequency", "Natural frequency."),
-        _number("CPM", "cycles per minute", "Natural frequency in cycles per minute."),
-        _number("Percent speed", "fraction", "Speed of the start-up crossing, of synchronous."),
-        _number("Damping ratio", "fraction", "Fraction of critical damping in the start."),
-        _text("Largest strain energy", "Element with the largest share.", kind="element"),
-        _number("Share", "fraction", "Its share of the strain energy."),
-        extra_columns=(
-            _number("Percent speed check", "fraction", "Live formula: 1 - f / (2 f_line)."),
+RESULT_TABLES: tuple[TableSpec, ...] = traced(
+    (
+        _table(
+            "Verdicts",
+            "Summary",
+            1,
+            "Each check with its limit and verdict.",
+            _text("Check", "What is judged."),
+            _mixed("Result", "The number found."),
+            _mixed("Limit", "The number allowed."),
+            _text("Verdict", "pass, accepted by forced response, or fail."),
+            _text("Where", "Mode, element or speed that governs."),
+            json_only=("dimension",),
         ),
-    ),
-    _table(
-        "ModeShapes",
-        "Frequencies",
-        1,
-        "Twist of each station, largest = 1; no twist where a gear only moves sideways.",
-        _text("Station", "Station.", kind="station"),
-        repeated=_number("Mode", "ratio", "Twist of the station in this mode."),
-    ),
-    _table(
-        "SeparationMargins",
-        "Margins",
-        1,
-        "Every mode against every continuous excitation.",
-        _integer("Mode", "Elastic mode."),
-        _text("Excitation", "Name of the excitation."),
-        _number("Speed", "speed", "Motor speed at which the margin is least."),
-        _number("Excitation frequency", "frequency", "Its frequency there."),
-        _number("Margin", "fraction", "|f - f_exc| / f_exc."),
-        _number("Required", "fraction", "Required margin."),
-        _text("Verdict", "pass, accepted by forced response, or fail."),
-        json_only=("frequency",),
-        extra_columns=(_number("Margin check", "fraction", "Live formula: |f - f_exc| / f_exc."),),
-    ),
-    _table(
-        "SteadyState",
-        "Steady state",
-        1,
-        "Forced response; stresses include SCF.",
-        _text("Element", "Element.", kind="element"),
-        _text("Excitation", "Name of the excitation."),
-        _integer("Mode", "Mode excited."),
-        _number("Frequency", "frequency", "Frequency of the worst response."),
-        _text("Applied at", "Station of the applied torque.", kind="station"),
-        _number("Applied torque", "torque", "Applied torque, zero-to-peak.", us="lbf*ft"),
-        _number("Torque", "torque", "Response torque, zero-to-peak, at own speed.", us="lbf*ft"),
-        _number("Zero-to-peak stress", "pressure", "Shear stress amplitude with SCF."),
-        _number("Peak-to-peak stress", "pressure", "Shear stress range with SCF."),
-        _number("Allowable", "pressure", "UTS/25."),
-        _text("Verdict", "pass, fail, unbounded or not judged."),
-        json_only=("torque_limit",),
-        extra_columns=(_number("UTS/25 check", "pressure", "Live formula: UTS / 25."),),
-    ),
-    _table(
-        "StartupPeaks",
-        "Start-up",
-        1,
-        "Extremes from rest to the end of the run, torques at own speed, stress nominal without SCF.",
-        _text("Element", "Element.", kind="element"),
-        _number("Maximum torque", "torque", "Largest torque.", us="lbf*ft"),
-        _number("Minimum torque", "torque", "Smallest torque.", us="lbf*ft"),
-        _number("Peak-to-peak torque", "torque", "Maximum minus minimum.", us="lbf*ft"),
-        _number("Peak-to-peak stress", "pressure", "Nominal shear stress range, without SCF."),
-        _number("Time", "time", "Time of the largest torque."),
-        _number("Percent speed", "fraction", "Speed at that time, of synchronous."),
-        _number("Error", "fraction", "Estimated relative error of the peak."),
-    ),
-    _table(
-        "StartupCrossings",
-        "Start-up",
-        1,
-        "Where 2 × slip frequency crosses each mode.",
-        _integer("Mode", "Elastic mode."),
-        _number("Frequency", "frequency", "Natural frequency."),
-        _number("Percent speed", "fraction", "Speed of the crossing, of synchronous."),
-        _number("Time", "time", "Time of the crossing."),
-        _number("Average torque", "torque", "Average motor torque there.", us="lbf*ft"),
-        _number("Pulsating torque", "torque", "Pulsating torque there, zero-to-peak.", us="lbf*ft"),
-        _number(
-            "Load torque", "torque", "Load torque there, referred to motor speed.", us="lbf*ft"
+        _table(
+            "NaturalFrequencies",
+            "Frequencies",
+            1,
+            "Undamped natural frequencies; rigid-body modes first, with frequency 0.",
+            _integer("Mode", "Elastic modes count from 1; rigid-body modes have 0."),
+            _number("Frequency", "frequency", "Natural frequency."),
+            _number("CPM", "cycles per minute", "Natural frequency in cycles per minute."),
+            _number("Percent speed", "fraction", "Speed of the start-up crossing, of synchronous."),
+            _number("Damping ratio", "fraction", "Fraction of critical damping in the start."),
+            _text("Largest strain energy", "Element with the largest share.", kind="element"),
+            _number("Share", "fraction", "Its share of the strain energy."),
+            extra_columns=(
+                _number("Percent speed check", "fraction", "Live formula: 1 - f / (2 f_line)."),
+            ),
         ),
-        _number("Acceleration", "angular acceleration", "Acceleration of the motor there."),
-        _number("Sweep rate", "sweep rate", "How fast 2 × slip frequency falls."),
-        _text("Governing element", "Element with the largest stress or torque.", kind="element"),
-        _number("Peak-to-peak torque", "torque", "Its torque range at the crossing.", us="lbf*ft"),
-        _number("Peak-to-peak stress", "pressure", "Its nominal stress range at the crossing."),
-        _number("Mesh minimum torque", "torque", "Least mesh torque at the crossing.", us="lbf*ft"),
-        _text("Note", "What the numbers say, in words."),
-    ),
-    _table(
-        "AllowableStarts",
-        "Starts",
-        1,
-        "Fatigue damage of one start and how many are allowed.",
-        _text("Element", "Element.", kind="element"),
-        _number("Damage", "count", "Miner sum of one start."),
-        _number(
-            "Allowable starts",
-            "count",
-            "1 / damage; unlimited when there is no damage, not judged when the start "
-            "did not come to its end.",
+        _table(
+            "ModeShapes",
+            "Frequencies",
+            1,
+            "Twist of each station, largest = 1; no twist where a gear only moves sideways.",
+            _text("Station", "Station.", kind="station"),
+            repeated=_number("Mode", "ratio", "Twist of the station in this mode."),
         ),
-        _number("Paper count", "count", "Allowable starts by the paper's cycle-by-cycle count."),
-        _number("Error", "fraction", "Estimated relative error of the allowable starts."),
-        _text("Governing", "yes for the element that allows the fewest starts.", kind="flag"),
-        extra_columns=(
-            _number("Starts check", "count", "Live formula: 1 / damage."),
+        _table(
+            "SeparationMargins",
+            "Margins",
+            1,
+            "Every mode against every continuous excitation.",
+            _integer("Mode", "Elastic mode."),
+            _text("Excitation", "Name of the excitation."),
+            _number("Speed", "speed", "Motor speed at which the margin is least."),
+            _number("Excitation frequency", "frequency", "Its frequency there."),
+            _number("Margin", "fraction", "|f - f_exc| / f_exc."),
+            _number("Required", "fraction", "Required margin."),
+            _text("Verdict", "pass, accepted by forced response, or fail."),
+            json_only=("frequency",),
+            extra_columns=(
+                _number("Margin check", "fraction", "Live formula: |f - f_exc| / f_exc."),
+            ),
+        ),
+        _table(
+            "SteadyState",
+            "Steady state",
+            1,
+            "Forced response; stresses include SCF.",
+            _text("Element", "Element.", kind="element"),
+            _text("Excitation", "Name of the excitation."),
+            _integer("Mode", "Mode excited."),
+            _number("Frequency", "frequency", "Frequency of the worst response."),
+            _text("Applied at", "Station of the applied torque.", kind="station"),
+            _number("Applied torque", "torque", "Applied torque, zero-to-peak.", us="lbf*ft"),
             _number(
-                "Starts to judge",
+                "Torque", "torque", "Response torque, zero-to-peak, at own speed.", us="lbf*ft"
+            ),
+            _number("Zero-to-peak stress", "pressure", "Shear stress amplitude with SCF."),
+            _number("Peak-to-peak stress", "pressure", "Shear stress range with SCF."),
+            _number("Allowable", "pressure", "UTS/25."),
+            _text("Verdict", "pass, fail, unbounded or not judged."),
+            json_only=("torque_limit",),
+            extra_columns=(_number("UTS/25 check", "pressure", "Live formula: UTS / 25."),),
+        ),
+        _table(
+            "StartupPeaks",
+            "Start-up",
+            1,
+            "Extremes from rest to the end of the run, torques at own speed, stress nominal without SCF.",
+            _text("Element", "Element.", kind="element"),
+            _number("Maximum torque", "torque", "Largest torque.", us="lbf*ft"),
+            _number("Minimum torque", "torque", "Smallest torque.", us="lbf*ft"),
+            _number("Peak-to-peak torque", "torque", "Maximum minus minimum.", us="lbf*ft"),
+            _number("Peak-to-peak stress", "pressure", "Nominal shear stress range, without SCF."),
+            _number("Time", "time", "Time of the largest torque."),
+            _number("Percent speed", "fraction", "Speed at that time, of synchronous."),
+            _number("Error", "fraction", "Estimated relative error of the peak."),
+        ),
+        _table(
+            "StartupCrossings",
+            "Start-up",
+            1,
+            "Where 2 × slip frequency crosses each mode.",
+            _integer("Mode", "Elastic mode."),
+            _number("Frequency", "frequency", "Natural frequency."),
+            _number("Percent speed", "fraction", "Speed of the crossing, of synchronous."),
+            _number("Time", "time", "Time of the crossing."),
+            _number("Average torque", "torque", "Average motor torque there.", us="lbf*ft"),
+            _number(
+                "Pulsating torque", "torque", "Pulsating torque there, zero-to-peak.", us="lbf*ft"
+            ),
+            _number(
+                "Load torque", "torque", "Load torque there, referred to motor speed.", us="lbf*ft"
+            ),
+            _number("Acceleration", "angular acceleration", "Acceleration of the motor there."),
+            _number("Sweep rate", "sweep rate", "How fast 2 × slip frequency falls."),
+            _text(
+                "Governing element", "Element with the largest stress or torque.", kind="element"
+            ),
+            _number(
+                "Peak-to-peak torque", "torque", "Its torque range at the crossing.", us="lbf*ft"
+            ),
+            _number("Peak-to-peak stress", "pressure", "Its nominal stress range at the crossing."),
+            _number(
+                "Mesh minimum torque", "torque", "Least mesh torque at the crossing.", us="lbf*ft"
+            ),
+            _text("Note", "What the numbers say, in words."),
+        ),
+        _table(
+            "AllowableStarts",
+            "Starts",
+            1,
+            "Fatigue damage of one start and how many are allowed.",
+            _text("Element", "Element.", kind="element"),
+            _number("Damage", "count", "Miner sum of one start."),
+            _number(
+                "Allowable starts",
                 "count",
-                "Live formula: 1 / damage / StartsFactor, rounded down to whole starts.",
+                "1 / damage; unlimited when there is no damage, not judged when the start "
+                "did not come to its end.",
             ),
-        ),
-        json_only=("unlimited", "starts_low", "starts_high"),
-    ),
-    _table(
-        "TorqueReversals",
-        "Reversals",
-        1,
-        "Each gear mesh and geared coupling in the start, at its From side.",
-        _text("Element", "Gear mesh or geared coupling.", kind="element"),
-        _number("Minimum torque", "torque", "Least torque in the start.", us="lbf*ft"),
-        _integer("Reversals", "How often the torque falls below zero, by the hysteresis below."),
-        _number("Time unloaded", "time", "Total time of reversed torque, or without contact."),
-        _integer("Impacts", "How often teeth meet again; blank where no clearance is modelled."),
-        _number("Recontact speed", "approach speed", "Largest approach speed of the flanks."),
-        _number("Tooth force", "force", "Largest normal tooth force."),
-        _number("Longest reversal", "time", "Longest single reversal."),
-        _number("First time", "time", "When the torque first falls below zero."),
-        replace(
             _number(
-                "2 × slip frequency",
-                "frequency",
-                "Frequency of the pulsation, twice the slip frequency, at the least torque; to "
-                "compare with the modes.",
+                "Paper count", "count", "Allowable starts by the paper's cycle-by-cycle count."
             ),
-            key="slip_frequency",  # as it is in the JSON
+            _number("Error", "fraction", "Estimated relative error of the allowable starts."),
+            _text("Governing", "yes for the element that allows the fewest starts.", kind="flag"),
+            extra_columns=(
+                _number("Starts check", "count", "Live formula: 1 / damage."),
+                _number(
+                    "Starts to judge",
+                    "count",
+                    "Live formula: 1 / damage / StartsFactor, rounded down to whole starts.",
+                ),
+            ),
+            json_only=("unlimited", "starts_low", "starts_high"),
         ),
-        _number("Transmitted torque", "torque", "Torque in continuous operation.", us="lbf*ft"),
-        _number("Margin", "fraction", "Least torque over the transmitted torque; < 0 reverses."),
-        _number("Limit", "torque", "The maker's Reversal limit of table Elements.", us="lbf*ft"),
-        _text("Verdict", "pass, fail or not judged."),
-        _number(
-            "Recontact speed angular",
-            "angular approach speed",
-            "The recontact speed as relative angular speed of the From side.",
+        _table(
+            "TorqueReversals",
+            "Reversals",
+            1,
+            "Each gear mesh and geared coupling in the start, at its From side.",
+            _text("Element", "Gear mesh or geared coupling.", kind="element"),
+            _number("Minimum torque", "torque", "Least torque in the start.", us="lbf*ft"),
+            _integer(
+                "Reversals", "How often the torque falls below zero, by the hysteresis below."
+            ),
+            _number("Time unloaded", "time", "Total time of reversed torque, or without contact."),
+            _integer(
+                "Impacts", "How often teeth meet again; blank where no clearance is modelled."
+            ),
+            _number("Recontact speed", "approach speed", "Largest approach speed of the flanks."),
+            _number("Tooth force", "force", "Largest normal tooth force."),
+            _number("Longest reversal", "time", "Longest single reversal."),
+            _number("First time", "time", "When the torque first falls below zero."),
+            replace(
+                _number(
+                    "2 × slip frequency",
+                    "frequency",
+                    "Frequency of the pulsation, twice the slip frequency, at the least torque; to "
+                    "compare with the modes.",
+                ),
+                key="slip_frequency",  # as it is in the JSON
+            ),
+            _number("Transmitted torque", "torque", "Torque in continuous operation.", us="lbf*ft"),
+            _number(
+                "Margin", "fraction", "Least torque over the transmitted torque; < 0 reverses."
+            ),
+            _number(
+                "Limit", "torque", "The maker's Reversal limit of table Elements.", us="lbf*ft"
+            ),
+            _text("Verdict", "pass, fail or not judged."),
+            _number(
+                "Recontact speed angular",
+                "angular approach speed",
+                "The recontact speed as relative angular speed of the From side.",
+            ),
+            _text("Model", "linear, or clearance where the teeth may part."),
+            _text("Note", "What was found, in words."),
+            extra_columns=(
+                _number("Margin check", "fraction", "Live formula: minimum / transmitted torque."),
+            ),
         ),
-        _text("Model", "linear, or clearance where the teeth may part."),
-        _text("Note", "What was found, in words."),
-        extra_columns=(
-            _number("Margin check", "fraction", "Live formula: minimum / transmitted torque."),
+        _table(
+            "Effects",
+            "Effects",
+            len(EFFECTS),
+            "What was simulated and what was left out, each with the number that decided it.",
+            _text("Effect", "What may be simulated."),
+            _text("Choice", "What was chosen in EffectChoices: auto, on or off."),
+            _text("On", "Whether it was simulated.", kind="flag"),
+            _number("Deciding number", "deciding number", "The number that decided."),
+            _number("Limit", "deciding number", "What it was compared with."),
+            _number("Bound", "fraction", "Most that leaving it out changes an answer; 0 = exact."),
+            _number(
+                "Time",
+                "calculation time",
+                "What it cost, or would cost when on: measured where it has a run of its own (backlash, "
+                "pull-in and aborted start share one), else estimated from the linear start.",
+            ),
+            _text("Why", "The decision in words."),
+        ),
+        _table(
+            "AccuracyCost",
+            "Accuracy",
+            1,
+            "Error against wall time of this case on this machine.",
+            _text("Method", "Method of the time integration, or the analysis."),
+            _text("Setting", "Wanted tolerance or step."),
+            _number("Error peak", "fraction", "Error of the peak torques."),
+            _number("Error starts", "fraction", "Error of the allowable starts."),
+            _number("Time", "calculation time", "Wall time, in a study the median of repeats."),
+        ),
+        _table(
+            "Audit",
+            "Audit",
+            1,
+            "What was calculated, from which inputs, by which version and method.",
+            _text("Item", "What is stated."),
+            _mixed("Value", "Its value."),
         ),
     ),
-    _table(
-        "Effects",
-        "Effects",
-        len(EFFECTS),
-        "What was simulated and what was left out, each with the number that decided it.",
-        _text("Effect", "What may be simulated."),
-        _text("Choice", "What was chosen in EffectChoices: auto, on or off."),
-        _text("On", "Whether it was simulated.", kind="flag"),
-        _number("Deciding number", "deciding number", "The number that decided."),
-        _number("Limit", "deciding number", "What it was compared with."),
-        _number("Bound", "fraction", "Most that leaving it out changes an answer; 0 = exact."),
-        _number(
-            "Time",
-            "calculation time",
-            "What it cost, or would cost when on: measured where it has a run of its own (backlash, "
-            "pull-in and aborted start share one), else estimated from the linear start.",
-        ),
-        _text("Why", "The decision in words."),
-    ),
-    _table(
-        "AccuracyCost",
-        "Accuracy",
-        1,
-        "Error against wall time of this case on this machine.",
-        _text("Method", "Method of the time integration, or the analysis."),
-        _text("Setting", "Wanted tolerance or step."),
-        _number("Error peak", "fraction", "Error of the peak torques."),
-        _number("Error starts", "fraction", "Error of the allowable starts."),
-        _number("Time", "calculation time", "Wall time, in a study the median of repeats."),
-    ),
-    _table(
-        "Audit",
-        "Audit",
-        1,
-        "What was calculated, from which inputs, by which version and method.",
-        _text("Item", "What is stated."),
-        _mixed("Value", "Its value."),
-    ),
+    TRACES,
 )
 
 #: Tables of the workbook alone, beside the results of the contract; the JSON has none of them.
-WORKBOOK_TABLES: tuple[TableSpec, ...] = _traced(
-    _table(
-        "StartCycles",
-        "Starts",
-        1,
-        "Largest damage first; a row without amplitude holds all other cycles.",
-        _number("Amplitude", "pressure", "Stress amplitude of a cycle, with SCF."),
-        _number("Cycles", "count", "n: how often in one start; 0.5 is a half cycle."),
-        _number("Cycles to failure", "count", "N at this amplitude on the S-N line."),
-        _number("Damage", "count", "n / N as calculated."),
-        extra_columns=(_number("Damage check", "count", "Live formula: n / N."),),
+WORKBOOK_TABLES: tuple[TableSpec, ...] = traced(
+    (
+        _table(
+            "StartCycles",
+            "Starts",
+            1,
+            "Largest damage first; a row without amplitude holds all other cycles.",
+            _number("Amplitude", "pressure", "Stress amplitude of a cycle, with SCF."),
+            _number("Cycles", "count", "n: how often in one start; 0.5 is a half cycle."),
+            _number("Cycles to failure", "count", "N at this amplitude on the S-N line."),
+            _number("Damage", "count", "n / N as calculated."),
+            extra_columns=(_number("Damage check", "count", "Live formula: n / N."),),
+        ),
+        _table(
+            "BearingForces",
+            "Reversals",
+            1,
+            "Largest radial force of each gear that moves on its bearings, without weight.",
+            _text("Station", "The gear.", kind="station"),
+            _number("Force", "force", "Largest vibratory and transmitted force together."),
+            _number("Time", "time", "When."),
+        ),
+        _table(
+            "Plans",
+            "Effects",
+            1,
+            "The last plan is the one whose results are shown; a run that proves a plan wrong makes a "
+            "new one.",
+            _integer("Plan", "Counted from 1."),
+            _text("Reason", "Why it was made."),
+        ),
     ),
-    _table(
-        "BearingForces",
-        "Reversals",
-        1,
-        "Largest radial force of each gear that moves on its bearings, without weight.",
-        _text("Station", "The gear.", kind="station"),
-        _number("Force", "force", "Largest vibratory and transmitted force together."),
-        _number("Time", "time", "When."),
-    ),
-    _table(
-        "Plans",
-        "Effects",
-        1,
-        "The last plan is the one whose results are shown; a run that proves a plan wrong makes a "
-        "new one.",
-        _integer("Plan", "Counted from 1."),
-        _text("Reason", "Why it was made."),
-    ),
+    TRACES,
 )
 
 
@@ -1198,6 +904,17 @@ def result_table(name: str) -> TableSpec:
     return _RESULTS[name]
 
 
+#: Every table that a workbook may have.
+EVERY_TABLE: tuple[TableSpec, ...] = (
+    *INPUT_TABLES,
+    *RESULT_TABLES,
+    *WORKBOOK_TABLES,
+    *STUDY_INPUT_TABLES,
+    *STUDY_RESULT_TABLES,
+)
+#: Those that the engineer fills in.
+EVERY_INPUT: tuple[TableSpec, ...] = (*INPUT_TABLES, *STUDY_INPUT_TABLES)
+
 _SCALARS = {field.name: field for field in SCALARS}
-_INPUTS = {table.name: table for table in INPUT_TABLES}
-_RESULTS = {table.name: table for table in RESULT_TABLES}
+_INPUTS = {table.name: table for table in EVERY_INPUT}
+_RESULTS = {table.name: table for table in (*RESULT_TABLES, *STUDY_RESULT_TABLES)}

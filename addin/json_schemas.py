@@ -1,4 +1,4 @@
-"""JSON Schemas of cases, results, verifications and differences; the first two made from `addin.fields`.
+"""JSON Schemas of cases, results, verifications, differences and studies, most made from `addin.fields`.
 
 ``python -m addin.json_schemas`` writes them into ``addin/schemas``; a test compares.
 """
@@ -17,7 +17,10 @@ __all__ = [
     "SCHEMAS",
     "SCHEMA_FOLDER",
     "case_schema",
+    "closed_object",
     "diff_schema",
+    "problem_schema",
+    "result_table_schema",
     "results_schema",
     "verify_schema",
     "write_schemas",
@@ -46,7 +49,7 @@ def case_schema() -> dict[str, Any]:
         "$schema": _DIALECT,
         "title": "torsionbook case",
         "description": "Numbers in SI; a string carries its unit; absent means blank.",
-        **_object(properties, required=["format"]),
+        **closed_object(properties, required=["format"]),
     }
 
 
@@ -65,15 +68,15 @@ def results_schema() -> dict[str, Any]:
         "version": {"type": "string"},
         "outcome": {"type": "string"},
         "warnings": texts,
-        "errors": {"type": "array", "items": _problem()},
+        "errors": {"type": "array", "items": problem_schema()},
         "startup": _startup(),
     }
-    properties |= {table.key: _result_table(table) for table in RESULT_TABLES} | _details()
+    properties |= {table.key: result_table_schema(table) for table in RESULT_TABLES} | _details()
     return {
         "$schema": _DIALECT,
         "title": "torsionbook results",
         "description": "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as 1.",
-        **_object(properties, required=["format", "errors"]),
+        **closed_object(properties, required=["format", "errors"]),
     }
 
 
@@ -129,7 +132,7 @@ def verify_schema() -> dict[str, Any]:
         "errors": {
             "description": "What is wrong with the inputs.",
             "type": "array",
-            "items": _problem(),
+            "items": problem_schema(),
         },
     }
     return _schema(
@@ -203,7 +206,7 @@ def _schema(title: str, description: str, properties: dict[str, Any]) -> dict[st
 
 def _whole(properties: dict[str, Any]) -> dict[str, Any]:
     """An object that always has all its keys."""
-    return _object(properties, required=list(properties))
+    return closed_object(properties, required=list(properties))
 
 
 #: Form of the JSON of `verify` and `diff`.
@@ -245,13 +248,32 @@ def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
     folder : Path
         Where to; made when it is not there. [path]
     """
+    from addin.studies.every import every_study
+    from addin.study_schemas import study_schema
+
     folder.mkdir(exist_ok=True)
-    for name, schema in SCHEMAS.items():
-        text = json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+    schemas = {name: schema() for name, schema in SCHEMAS.items()}
+    schemas |= {study.key: study_schema(study) for study in every_study()}
+    for name, schema in schemas.items():
+        text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
         (folder / f"{name}.schema.json").write_text(text, encoding="utf-8", newline="\n")
 
 
-def _object(properties: dict[str, Any], required: list[str] | None = None) -> dict[str, Any]:
+def closed_object(properties: dict[str, Any], required: list[str] | None = None) -> dict[str, Any]:
+    """Schema of an object that has these keys and no others.
+
+    Parameters
+    ----------
+    properties : dict
+        Schemas by key.
+    required : list of str, optional
+        Keys that are always there. [names]
+
+    Returns
+    -------
+    dict
+        The schema.
+    """
     content: dict[str, Any] = {"type": "object", "properties": properties}
     if required:
         content["required"] = required
@@ -276,7 +298,7 @@ def _input(spec: Field) -> dict[str, Any]:
 
 
 def _input_table(table: TableSpec) -> dict[str, Any]:
-    row = _object({column.key: _input(column) for column in table.columns})
+    row = closed_object({column.key: _input(column) for column in table.columns})
     return {"description": table.help, "type": "array", "items": row}
 
 
@@ -288,11 +310,23 @@ def _result(spec: Field) -> dict[str, Any]:
     return _described({"type": spec.kind if spec.is_number else words}, spec)
 
 
-def _result_table(table: TableSpec) -> dict[str, Any]:
-    row = _object({column.key: _result(column) for column in table.columns})
+def result_table_schema(table: TableSpec) -> dict[str, Any]:
+    """Schema of the rows of a result table.
+
+    Parameters
+    ----------
+    table : TableSpec
+        The table.
+
+    Returns
+    -------
+    dict
+        The schema.
+    """
+    row = closed_object({column.key: _result(column) for column in table.columns})
     for key in table.json_only:
         row["properties"][key] = _JSON_ONLY[key]
-    if "unlimited" in table.json_only:
+    if "unlimited" in table.json_only and "allowable_starts" in row["properties"]:
         row["properties"]["allowable_starts"]["type"] = ["number", "null"]
     if table.repeated is not None:
         row["patternProperties"] = {f"^{table.repeated.key}_[1-9][0-9]*$": _result(table.repeated)}
@@ -305,6 +339,14 @@ _JSON_ONLY: dict[str, dict[str, Any]] = {
         "type": "string",
     },
     "frequency": {"description": "Natural frequency. [Hz]", "type": "number"},
+    "judged": {"description": "Whether there is an answer.", "type": "boolean"},
+    "used_low": {"description": "Used, at the lower end of its error.", "type": "number"},
+    "used_high": {"description": "Used, at the upper end of its error.", "type": "number"},
+    "yearly_low": {"description": "Yearly, at the lower end of its error.", "type": "number"},
+    "yearly_high": {"description": "Yearly, at the upper end of its error.", "type": "number"},
+    "excitation_before": {"description": "The nearest one before.", "type": "string"},
+    "before": {"description": "What the case says. [SI]", "type": "number"},
+    "after": {"description": "What explains the measurements. [SI]", "type": "number"},
     "torque_limit": {"description": "Vibratory limit of the element. [N*m]", "type": "number"},
     "unlimited": {"description": "No damage: any number of starts.", "type": "boolean"},
     "starts_low": {"description": "Fewest allowable starts within the error.", "type": "number"},
@@ -342,13 +384,13 @@ def _startup() -> dict[str, Any]:
         "force": {"description": "Largest radial force of its bearings. [N]", **number},
         "time": {"description": "When. [s]", **number},
     }
-    return _object(
+    return closed_object(
         {
             "outcome": {"description": "How the start ended.", "enum": outcomes},
             "time": {"description": "When it ended. [s]", "type": "number"},
             "end_speed": {"description": "Speed at the end. [rad/s]", "type": "number"},
-            "pull_in": _object(pull_in),
-            "bearing_forces": {"type": "array", "items": _object(force)},
+            "pull_in": closed_object(pull_in),
+            "bearing_forces": {"type": "array", "items": closed_object(force)},
         }
     )
 
@@ -357,8 +399,8 @@ def _details() -> dict[str, Any]:
     """Energy shares, nodes and damped eigenvalues."""
     number = {"type": "number"}
     shares = {"type": "object", "additionalProperties": number}
-    node = _object({"element": {"type": "string"}, "position": number})
-    mode = _object(
+    node = closed_object({"element": {"type": "string"}, "position": number})
+    mode = closed_object(
         {
             "mode": {"description": "Elastic mode, counted from 1.", "type": "integer"},
             "frequency": {"description": "Natural frequency. [Hz]", "type": "number"},
@@ -379,8 +421,8 @@ def _details() -> dict[str, Any]:
             },
         }
     )
-    value = _object({"real": number, "imaginary": number})
-    plan = _object({"number": {"type": "integer"}, "reason": {"type": "string"}})
+    value = closed_object({"real": number, "imaginary": number})
+    plan = closed_object({"number": {"type": "integer"}, "reason": {"type": "string"}})
     sensitivity = {
         "spread": {"description": "Largest change of a peak under 1e-9 of the input. [1]"} | number,
         "sensitive": {"description": "Whether it exceeds the tolerance.", "type": "boolean"},
@@ -392,8 +434,8 @@ def _details() -> dict[str, Any]:
             "type": "array",
             "items": plan,
         },
-        "sensitivity": _object(sensitivity),
-        "accuracy": _object({"sentence": text, "reference": text}),
+        "sensitivity": closed_object(sensitivity),
+        "accuracy": closed_object({"sentence": text, "reference": text}),
         "modes": {"description": "Elastic modes in detail.", "type": "array", "items": mode},
         "damped_eigenvalues": {
             "description": "Where dampers couple the modes. [1/s]",
@@ -403,11 +445,18 @@ def _details() -> dict[str, Any]:
     }
 
 
-def _problem() -> dict[str, Any]:
+def problem_schema() -> dict[str, Any]:
+    """Schema of something wrong with an input.
+
+    Returns
+    -------
+    dict
+        The schema.
+    """
     properties: dict[str, Any] = {key: {"type": "string"} for key in _PROBLEM_KEYS}
     properties["row"] = {"type": ["integer", "null"]}
     properties["found"] = {"type": ["string", "number", "boolean", "null"]}
-    return _object(properties, required=list(_PROBLEM_KEYS))
+    return closed_object(properties, required=list(_PROBLEM_KEYS))
 
 
 if __name__ == "__main__":

@@ -6,9 +6,11 @@ import math
 from collections.abc import Mapping
 
 from addin.fields import Field, TableSpec
+from addin.tuning_fields import LINES, MAP_ROWS
 from engine.effects import EFFECTS
 
 __all__ = [
+    "CHANGE_NAME",
     "CHECK_FORMULAS",
     "CROSSING_ROWS",
     "ROOMS",
@@ -33,6 +35,23 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("TorqueReversals", "Note"): 48.0,
     ("Effects", "Why"): 96.0,
     ("Plans", "Reason"): 96.0,
+    ("TuningResults", "Combination"): 44.0,
+    ("TuningResults", "Reason"): 88.0,
+    ("TuningResults", "Broken"): 30.0,
+    ("TuningResults", "Note"): 60.0,
+    ("TuningCrossings", "Combination"): 44.0,
+    ("TuningCrossings", "Note"): 60.0,
+    ("TuningAxes", "First variable"): 22.0,
+    ("TuningAxes", "Second variable"): 11.0,
+    **{("TuningAxes", f"Line {k}"): 11.0 for k in range(1, LINES + 1)},
+    ("Sensitivities", "Note"): 60.0,
+    ("StartMatrix", "Note"): 56.0,
+    ("DamageLedger", "Reason"): 60.0,
+    ("RemainingStarts", "Reason"): 60.0,
+    ("FrequencyFit", "Note"): 62.0,
+    ("PeakFit", "Note"): 62.0,
+    ("CalibratedFrequencies", "Why"): 62.0,
+    ("CalibratedParameters", "Note"): 62.0,
 }
 
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
@@ -47,6 +66,15 @@ ROOMS: Mapping[str, int] = {
     "TorqueReversals": 8,
     "BearingForces": 13,
     "Effects": len(EFFECTS),
+    **dict.fromkeys(("TuningStarts", "TuningMargins", "TuningModes"), MAP_ROWS),
+    "ToleranceStarts": 4,
+    "ToleranceFrequencies": 12,
+    "StartsByVoltage": 14,
+    "DamageLedger": 8,
+    "FrequencyFit": 10,
+    "PeakFit": 5,
+    "CalibratedFrequencies": 12,
+    "CalibratedMargins": 12,
 }
 
 #: Width of the text column of sheet `Notes`. [characters]
@@ -78,6 +106,10 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_AccuracyReference", "What the errors on sheet Accuracy are measured against"),
     ("run_AccuracyInputs", "Which inputs sheet Accuracy belongs to"),
 )
+
+
+#: Defined name of the cell with the change whose shifts of frequency table `FrequencySensitivities` shows.
+CHANGE_NAME = "SensitivityChange"
 
 
 def _row(table: str, column: str) -> str:
@@ -120,6 +152,14 @@ def _check_formulas() -> dict[tuple[str, str], str]:
             f'{_row("StartCycles", "Cycles")}/{_row("StartCycles", "Cycles to failure")},"")'
         ),
         ("AllowableStarts", "Starts check"): f'=IF({counted},1/{damage},"")',
+        **{
+            ("FrequencySensitivities", f"Shift {mode}"): (
+                f"=IFERROR({_row('FrequencySensitivities', f'Mode {mode}')}*N({CHANGE_NAME})*"
+                "INDEX(NaturalFrequencies[Frequency],"
+                f'MATCH({mode},NaturalFrequencies[Mode],0)),"")'
+            )
+            for mode in (1, 2, 3)
+        },
         ("AllowableStarts", "Starts to judge"): (
             f"=IF(AND({counted},N(run_StartsFactor)>0),"
             f'ROUNDDOWN({1 + WHOLE_STARTS!r}/{damage}/run_StartsFactor,0),"")'

@@ -6,14 +6,25 @@ import os
 import shutil
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from addin.flavours import Flavour
 from addin.template_files import template_path
 
+if TYPE_CHECKING:
+    from addin.examples import Example
+
 __all__ = ["make_workbook"]
 
 
-def make_workbook(path: Path, system: str, example: str | None, flavour: Flavour) -> None:
+def make_workbook(
+    path: Path,
+    system: str,
+    example: str | Example | None,
+    flavour: Flavour,
+    *,
+    studies: bool = False,
+) -> None:
     """Make a workbook; a file of that name is replaced, and only by a whole one.
 
     Parameters
@@ -22,10 +33,12 @@ def make_workbook(path: Path, system: str, example: str | None, flavour: Flavour
         The workbook. [path]
     system : str
         ``us`` or ``si``. [word]
-    example : str or None
-        Key of `addin.examples.EXAMPLES`; None = to be filled in. [name]
+    example : str, Example or None
+        Key of `addin.examples.EXAMPLES`, or what is filled in; None = to be filled in. [name]
     flavour : Flavour
         What it is for.
+    studies : bool, optional
+        With the sheets of the studies. [flag]
 
     Raises
     ------
@@ -36,13 +49,14 @@ def make_workbook(path: Path, system: str, example: str | None, flavour: Flavour
     """
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=".torsionbook-") as folder:
         made = Path(folder) / "made.xlsx"
-        if flavour.spelled is None:
+        shipped = not studies and (example is None or isinstance(example, str))
+        if flavour.spelled is None and shipped:
             name = f"example_{example}.xlsx" if example else f"blank_{system}.xlsx"
             shutil.copyfile(template_path(name), made)
         else:
             from addin.template import build_template
 
-            build_template(made, system, example, flavour)
+            build_template(made, system, example, flavour, studies=studies)
         if flavour.suffix == ".xlsm":
             from addin.excel.workbook import install
 

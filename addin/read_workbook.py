@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from addin.cells import (
     Cell,
@@ -28,6 +29,7 @@ from addin.fields import (
     SCALAR_SHEET,
     SCALAR_TABLE,
     SCALARS,
+    STUDY_INPUT_TABLES,
     TEMPLATE_VERSION,
     Field,
     TableSpec,
@@ -52,6 +54,9 @@ from addin.typed_case import (
 )
 from addin.units import UnitError, UnitScale, parse_unit
 from engine.errors import Problem
+
+if TYPE_CHECKING:
+    from addin.study_inputs import StudiesRead
 
 __all__ = ["Locations", "WorkbookInput", "read_workbook"]
 
@@ -282,8 +287,28 @@ class _Reading:
             warnings=tuple(self.warnings),
             template_version=version,
             typed=self.typed,
+            studies=self._studies(),
             locations=self.locations,
             workbook=self.workbook,
+        )
+
+    def _studies(self) -> StudiesRead | None:
+        """The study sheets, where the workbook has any: read apart, so that they spoil no case."""
+        present = [one for one in STUDY_INPUT_TABLES if one.name.casefold() in self.tables]
+        if not present:
+            return None
+        from addin.study_inputs import studies_read
+
+        apart = _Reading(self.workbook)
+        for table in present:
+            apart._read_table(table)
+        return studies_read(
+            {table.name for table in present},
+            apart.typed,
+            self.typed,
+            apart.findings,
+            lambda problem: _located(problem, apart.typed, apart.locations),
+            tuple(apart.warnings),
         )
 
     # ---- scalars -------------------------------------------------------------------------------

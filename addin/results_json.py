@@ -176,7 +176,7 @@ def _row(row: Mapping[str, Any], spec: TableSpec) -> dict[str, Any]:
             raise InternalError(f"a row of {spec.name} has the unknown key {key!r}")
         if value is not None:
             values[key] = _plain(value, f"{spec.key}.{key}")
-    if values.get("unlimited") is True:
+    if values.get("unlimited") is True and "allowable_starts" in known:
         values["allowable_starts"] = None
     return values
 

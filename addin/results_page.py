@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from addin.fields import RESULT_TABLES, WORKBOOK_TABLES, Field, TableSpec
+from addin.fields import RESULT_TABLES, STUDY_RESULT_TABLES, WORKBOOK_TABLES, Field, TableSpec
+from addin.study_sheets import STUDY_CAPTIONS
 from addin.template_text import CAPTIONS
 from addin.traces import GROUPS
 
@@ -47,6 +48,8 @@ A unit in brackets is that of the SI template; a workbook shows its own above th
 Inputs that go together are named once:
 """
 
+_CAPTIONS = {**CAPTIONS, **STUDY_CAPTIONS}
+
 
 def traced_columns(spec: TableSpec) -> tuple[Field, ...]:
     """Columns of a result table in the order of the workbook, a repeated one once.
@@ -65,20 +68,26 @@ def traced_columns(spec: TableSpec) -> tuple[Field, ...]:
     return (*spec.columns, *repeated, *spec.extra_columns)
 
 
-def trace_rows() -> Iterator[tuple[str, ...]]:
+def trace_rows(*, studies: bool = False) -> Iterator[tuple[str, ...]]:
     """Rows of sheet `Trace`, one a result column.
+
+    Parameters
+    ----------
+    studies : bool, optional
+        With the results of studies. [flag]
 
     Yields
     ------
     tuple of str
         Under `TRACE_HEADERS`.
     """
-    for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
+    more = STUDY_RESULT_TABLES if studies else ()
+    for spec in (*RESULT_TABLES, *WORKBOOK_TABLES, *more):
         for field in traced_columns(spec):
             assert field.trace is not None
             yield (
                 spec.sheet,
-                CAPTIONS[spec.name],
+                _CAPTIONS[spec.name],
                 field.name,
                 field.help,
                 field.trace.equation,
@@ -121,12 +130,14 @@ def page() -> str:
     """
     groups = "".join(f"- *{name}*: {members}\n" for name, members in trace_groups())
     head = f"{_HEAD}\n{groups}"
-    return head + "".join(_section(spec) for spec in (*RESULT_TABLES, *WORKBOOK_TABLES))
+    return head + "".join(
+        _section(spec) for spec in (*RESULT_TABLES, *WORKBOOK_TABLES, *STUDY_RESULT_TABLES)
+    )
 
 
 def _section(spec: TableSpec) -> str:
     lines = [
-        f"\n## {CAPTIONS[spec.name]} (`{spec.name}`, sheet {spec.sheet})\n\n{spec.help}\n\n",
+        f"\n## {_CAPTIONS[spec.name]} (`{spec.name}`, sheet {spec.sheet})\n\n{spec.help}\n\n",
         "| column | what it is | equation or rule | source | from the row | from the case |\n",
         "|---|---|---|---|---|---|\n",
     ]

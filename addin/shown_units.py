@@ -33,7 +33,7 @@ def shown_units(
     factors: dict[tuple[str, str], float] = {}
     used = dict(names)
     problems: list[str] = []
-    for table in (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES):
+    for table in fields.EVERY_TABLE:
         repeated = () if table.repeated is None else (table.repeated,)
         for field in (*table.columns, *repeated, *table.extra_columns):
             key = (table.name, field.name)

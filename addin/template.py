@@ -10,7 +10,8 @@ from __future__ import annotations
 import argparse
 import datetime as dt
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,11 +22,12 @@ from engine.effects import EFFECTS
 
 from . import fields
 from .chart_data import CHART_TABLES, GROUPS, LABELS, Rows, chart_blocks
-from .charts import Place, Places, make_chart
+from .charts import CHARTS, Place, Places, make_chart
 from .examples import EXAMPLES, Example, example_case, example_torque, provenance_of
 from .fields import Field, TableSpec
 from .flavours import FLAVOURS, Flavour
 from .layout import (
+    CHANGE_NAME,
     CHECK_FORMULAS,
     NOTES_WIDTH,
     RUN_FACTS,
@@ -38,6 +40,21 @@ from .layout import (
 from .live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
 from .results_page import TRACE_HEADERS, trace_groups, trace_rows
 from .shown_units import shown_units
+from .study_charts import STUDY_CHARTS
+from .study_examples import study_rows
+from .study_sheets import (
+    COLOUR_SCALE,
+    STUDIES,
+    STUDY_CAPTIONS,
+    STUDY_FACTS,
+    STUDY_INTROS,
+    STUDY_SCALES,
+    STUDY_SHORT_CAPTIONS,
+    STUDY_VERDICTS,
+    StudyScale,
+    study_lines,
+    with_studies,
+)
 from .template_sheets import (
     BLANK_TEXT,
     CASE_HALVES,
@@ -79,9 +96,16 @@ _VERDICT_WIDTH = 54.0
 _WIDE = 80.0
 #: Columns C to Q of sheet `Reversals`, merged. [characters]
 _REVERSAL_NOTES_WIDTH = 138.0
+#: Last row but one of a sheet: a print area of whole columns is none to openpyxl.
+_LAST_ROW = 1_048_575
 #: Excel shows no longer prompt. [characters]
 _LONGEST_PROMPT = 255
 _NOT_YET = "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
+
+_CHARTS = {**CHARTS, **STUDY_CHARTS}
+_CAPTIONS = {**CAPTIONS, **STUDY_CAPTIONS}
+_SHORT_CAPTIONS = SHORT_CAPTIONS | STUDY_SHORT_CAPTIONS
+_INTROS = {**SHEET_INTROS, **STUDY_INTROS}
 
 #: Without functions.
 PLAIN = FLAVOURS["files"]
@@ -116,7 +140,12 @@ def build_all(folder: Path) -> list[Path]:
 
 
 def build_template(
-    path: Path, system: str, example: str | None = None, flavour: Flavour = PLAIN
+    path: Path,
+    system: str,
+    example: str | Example | None = None,
+    flavour: Flavour = PLAIN,
+    *,
+    studies: bool = False,
 ) -> Path:
     """Build one workbook; with functions in its cells, a second time with their answers.
 
@@ -126,28 +155,38 @@ def build_template(
         The file, replaced when it is there.
     system : str
         ``us`` or ``si``. [word]
-    example : str, optional
-        Key of `EXAMPLES`. [name]
+    example : str or Example, optional
+        Key of `EXAMPLES`, or what is to be filled in. [name]
     flavour : Flavour
         One of `FLAVOURS`; VBA is not put in here (`addin.excel.workbook`).
+    studies : bool, optional
+        With the sheets of the studies. [flag]
 
     Returns
     -------
     Path
         The file.
     """
-    _build(path, system, example, flavour, None)
+    _build(path, system, example, flavour, None, studies)
     if flavour.spelled is not None and example is not None:
         from .read_workbook import read_workbook
 
-        _build(path, system, example, flavour, live_answers(read_workbook(path), system))
+        answers = live_answers(read_workbook(path), system)
+        _build(path, system, example, flavour, answers, studies)
     return path
 
 
 def _build(
-    path: Path, system: str, example: str | None, flavour: Flavour, answers: LiveAnswers | None
+    path: Path,
+    system: str,
+    example: str | Example | None,
+    flavour: Flavour,
+    answers: LiveAnswers | None,
+    studies: bool,
 ) -> None:
-    filled = EXAMPLES[example] if example else Example({}, {}, {})
+    filled = EXAMPLES[example] if isinstance(example, str) else example or Example({}, {}, {})
+    if studies and isinstance(example, str):
+        filled = replace(filled, tables={**filled.tables, **study_rows(example)})
     blocks = _chart_rows(filled, system)
     with xlsxwriter.Workbook(
         path, {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
@@ -161,8 +200,16 @@ def _build(
             }
         )
         workbook.set_size(2400, 1500)
-        provenance = provenance_of(example) if example else ()
-        builder = _Builder(workbook, system, filled, blocks, provenance=provenance, flavour=flavour)
+        provenance = provenance_of(example) if isinstance(example, str) else ()
+        builder = _Builder(
+            workbook,
+            system,
+            filled,
+            blocks,
+            provenance=provenance,
+            flavour=flavour,
+            studies=studies,
+        )
         builder.build(answers)
 
 
@@ -172,7 +219,7 @@ def _chart_rows(filled: Example, system: str) -> dict[str, Rows]:
         (table.name, field.name): filled.units.get(
             (table.name, field.name), getattr(field, f"unit_{system}")
         )
-        for table in (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
+        for table in fields.EVERY_TABLE
         for field in table.columns
     }
     units, _ = shown_units(names, example_torque(filled))
@@ -191,6 +238,7 @@ class _Builder:
         *,
         provenance: Sequence[tuple[str, str]],
         flavour: Flavour = PLAIN,
+        studies: bool = False,
     ) -> None:
         self.workbook = workbook
         self.system = system
@@ -202,11 +250,13 @@ class _Builder:
         self.unit_cells: dict[tuple[str, str], str] = {}
         self.sheets: dict[str, Any] = {}
         self.flavour = flavour
+        self.studies = studies
         self.scalar_cells: list[tuple[int, int]] = []
 
     def build(self, answers: LiveAnswers | None = None) -> None:
         """All sheets: first the cells, then the charts that refer to them."""
-        layout = SHEETS if self.flavour.spelled is None else _with_live(SHEETS)
+        layout = with_studies(SHEETS) if self.studies else SHEETS
+        layout = layout if self.flavour.spelled is None else _with_live(layout)
         for sheet in layout:
             self.sheets[sheet.name] = self.workbook.add_worksheet(sheet.name)
         for name in ("Lists", "ChartData"):
@@ -229,10 +279,12 @@ class _Builder:
         self._verdict_colours()
         if self.flavour.spelled is not None:
             self._live(answers)
+        if self.studies:
+            self._study_lines()
         places = Places(self.places)
-        for sheet in SHEETS:
+        for sheet in layout:
             for at in sheet.charts:
-                chart = make_chart(self.workbook, places, at.name, (at.width, at.height))
+                chart = make_chart(self.workbook, places, at.name, (at.width, at.height), _CHARTS)
                 options = {"object_position": 2, "description": at.name}
                 self.sheets[sheet.name].insert_chart(at.cell, chart, options)
         self.sheets["Summary"].activate()
@@ -243,14 +295,16 @@ class _Builder:
         """Column widths, banner, strip, freezing and print set-up of a sheet."""
         page = self.sheets[sheet.name]
         page.hide_gridlines(2)
+        if sheet.hidden:
+            page.hide()
         page.set_tab_color(TAB_COLOURS[sheet.kind])
         for columns, width in sheet.widths.items():
             page.set_column(columns if ":" in columns else f"{columns}:{columns}", width)
         page.set_row(0, 28)
         page.set_row(1, 18)
         self._banner(page, sheet)
-        if sheet.name in SHEET_INTROS:
-            page.write_string(2, 1, SHEET_INTROS[sheet.name], self.style("note"))
+        if sheet.name in _INTROS:
+            page.write_string(2, 1, _INTROS[sheet.name], self.style("note"))
         if sheet.freeze:
             page.freeze_panes(*xl_cell_to_rowcol(sheet.freeze))
         self._print_set_up(page, sheet)
@@ -300,6 +354,8 @@ class _Builder:
         page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
         page.repeat_rows(0, sheet.header_rows - 1)
         page.fit_to_pages(1, 1 if sheet.one_page else 0)
+        if sheet.printed:
+            page.print_area(f"A1:{sheet.printed}{_LAST_ROW}")
 
     # -- functions in cells ------------------------------------------------------------------------
 
@@ -331,7 +387,7 @@ class _Builder:
         self._caption(page, row, left, spec)
         has_units = any(field.has_unit for field in columns)
         header = row + (2 if has_units else 1)
-        is_input = spec in fields.INPUT_TABLES
+        is_input = spec in fields.EVERY_INPUT
         rows = list(self._typed_rows(spec)) if is_input else []
         first, last = header + 1, header + max(spec.rows, len(rows))
         self.places[spec.name] = Place(
@@ -366,11 +422,11 @@ class _Builder:
 
     def _caption(self, page: Any, row: int, left: int, spec: TableSpec) -> None:
         caption, note = self.style("caption"), self.style("note")
-        if spec.name in SHORT_CAPTIONS:  # another table stands close by
-            page.write_string(row, left, CAPTIONS[spec.name], caption)
+        if spec.name in _SHORT_CAPTIONS:  # another table stands close by
+            page.write_string(row, left, _CAPTIONS[spec.name], caption)
             return
         page.write_rich_string(
-            row, left, caption, CAPTIONS[spec.name], note, f"   {spec.help}", self.style("plain")
+            row, left, caption, _CAPTIONS[spec.name], note, f"   {spec.help}", self.style("plain")
         )
 
     def _column_options(self, spec: TableSpec, field: Field, is_input: bool) -> dict[str, Any]:
@@ -427,7 +483,7 @@ class _Builder:
         last: int,
         column: int,
     ) -> None:
-        is_input = spec in fields.INPUT_TABLES
+        is_input = spec in fields.EVERY_INPUT
         style = self._cell_style(spec, field, is_input)
         formula = CHECK_FORMULAS.get((spec.name, field.name))
         for k, row in enumerate(range(first, last + 1)):
@@ -488,7 +544,8 @@ class _Builder:
                 page.write_blank(row, column, None, self.style("input_more"))
             return
         if field.has_unit:
-            page.write_string(row, left + 2, self._unit(field), self.style("input_unit"))
+            unit = self.example.scalar_units.get(field.name, self._unit(field))
+            page.write_string(row, left + 2, unit, self.style("input_unit"))
             page.data_validation(row, left + 2, row, left + 2, _unit_list(field))
         else:
             page.write_blank(row, left + 2, None, self.style("no_unit"))
@@ -650,6 +707,58 @@ class _Builder:
                 k, choices.columns["Choice"] + 1, meaning, self.style("note_beside")
             )
 
+    def _study_lines(self) -> None:
+        """On each result sheet of a study what it found, and which inputs it belongs to."""
+        for study in STUDIES:
+            for sheet, last in ((study.sheet, study.last), *study.also):
+                page = self.sheets[sheet]
+                for row, (formula, style, height) in enumerate(study_lines(study), 3):
+                    page.merge_range(row, 1, row, _column(last), "", self.style(style))
+                    shown = study.not_yet if row == 3 else ""
+                    page.write_formula(row, 1, formula, self.style(style), shown)
+                    page.set_row(row, height)
+        self._change_cell()
+        for table, column in STUDY_VERDICTS:
+            place = self.places[table]
+            at = place.columns[column]
+            self._colours(place.sheet, place.first, at, place.last, at)
+        for scale in STUDY_SCALES:
+            self._scale(scale)
+
+    def _scale(self, scale: StudyScale) -> None:
+        """Colours of a map: by size, or against the limit in the same row."""
+        place = self.places[scale.table]
+        judged = self.places[scale.over or scale.table]
+        left, right = place.columns[scale.first], place.columns[scale.last]
+        area = (place.first, left, place.last, right)
+        page = self.sheets[place.sheet]
+        cell = xl_rowcol_to_cell(judged.first, judged.columns[scale.first])
+        limit = xl_rowcol_to_cell(judged.first, judged.columns[scale.limit], col_abs=True)
+
+        def against(sign: str, style: Any) -> dict[str, Any]:
+            rule = f"=AND(ISNUMBER({cell}),{cell}{sign}{limit})"
+            return {"type": "formula", "criteria": rule, "format": style}
+
+        if not scale.over:
+            page.conditional_format(*area, against("<", self.style("cf_fail")))
+            page.conditional_format(*area, against(">=", self.style("cf_pass")))
+            return
+        pale = self.workbook.add_format({"italic": True, "font_color": "#8A8A8A"})
+        page.conditional_format(*area, against("<", pale))
+        self._colours(place.sheet, *area)
+        good = {"type": "cell", "criteria": "==", "value": '"unlimited"'}
+        page.conditional_format(*area, good | {"format": self.style("cf_pass")})
+        page.conditional_format(*area, dict(COLOUR_SCALE))
+
+    def _change_cell(self) -> None:
+        """The change whose shifts of frequency sheet Sensitivities shows: the engineer's to type."""
+        place = self.places["FrequencySensitivities"]
+        page, left = self.sheets[place.sheet], place.columns["Quantity"]
+        page.write_string(4, left, "Change of the quantity", self.style("note"))
+        page.write_number(4, left + 1, 0.01, self.style("input", "0.0%"))
+        cell = xl_rowcol_to_cell(4, left + 1, True, True)
+        self.workbook.define_name(CHANGE_NAME, f"='{place.sheet}'!{cell}")
+
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""
         for table in ("Verdicts", "SeparationMargins", "SteadyState", "TorqueReversals"):
@@ -701,7 +810,7 @@ class _Builder:
             page.write_string(head, k, header, self.style("header_result"))
         styles = ["prose_bold"] * 3 + ["prose"] * 5
         widths = (13.0, 24.0, 22.0, 38.0, 56.0, 42.0, 36.0, 40.0)
-        rows = list(trace_rows())
+        rows = list(trace_rows(studies=self.studies))
         for row, texts in enumerate(rows, head + 1):
             for k, (text, style) in enumerate(zip(texts, styles, strict=True), 1):
                 if text:
@@ -755,6 +864,8 @@ class _Builder:
             letter = xl_col_to_name(column)
             self.workbook.define_name(name, f"=Lists!${letter}$2:${letter}${_LISTED + 1}")
         self._run_facts(page, 4)
+        if self.studies:
+            self._facts(page, 8, "StudyFacts", STUDY_FACTS, {})
 
     def _listed(
         self,
@@ -779,19 +890,30 @@ class _Builder:
 
     def _run_facts(self, page: Any, left: int) -> None:
         page.write_string(0, left, "Written by the calculation", self.style("caption"))
+        self._facts(page, left, "RunFacts", RUN_FACTS, {"run_Stamp": _NOT_YET})
+
+    def _facts(
+        self,
+        page: Any,
+        left: int,
+        table: str,
+        facts: Sequence[tuple[str, str]],
+        shipped: Mapping[str, str],
+    ) -> None:
+        """A table of names, meanings and values, each value with its defined name."""
         columns = {"Name": left, "Meaning": left + 1, "Value": left + 2}
-        last = 1 + len(RUN_FACTS)
+        last = 1 + len(facts)
         page.add_table(
             1, left, last, left + 2,
-            {"name": "RunFacts", "style": None, "autofilter": False,
+            {"name": table, "style": None, "autofilter": False,
              "columns": [{"header": name} for name in columns]},
         )  # fmt: skip
-        self.places["RunFacts"] = Place("Lists", 2, last, columns)
-        for row, (name, meaning) in enumerate(RUN_FACTS, 2):
+        self.places[table] = Place("Lists", 2, last, columns)
+        for row, (name, meaning) in enumerate(facts, 2):
             page.write_string(row, left, name, self.style("plain"))
             page.write_string(row, left + 1, meaning, self.style("plain"))
-            if name == "run_Stamp":
-                page.write_string(row, left + 2, _NOT_YET, self.style("plain"))
+            if name in shipped:
+                page.write_string(row, left + 2, shipped[name], self.style("plain"))
             cell = xl_rowcol_to_cell(row, left + 2, True, True)
             self.workbook.define_name(name, f"=Lists!{cell}")
 
@@ -832,10 +954,7 @@ def _with_live(sheets: Sequence[Sheet]) -> list[Sheet]:
 
 
 def _spec(name: str) -> TableSpec:
-    every: Iterator[TableSpec] = iter(
-        (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
-    )
-    return next(table for table in every if table.name == name)
+    return next(table for table in fields.EVERY_TABLE if table.name == name)
 
 
 def _column(letters: str) -> int:

@@ -102,6 +102,10 @@ class Sheet:
         Rows repeated on every page; a chart must begin below them. [count]
     one_page : bool
         Whether all of it is fitted to one page.
+    hidden : bool
+        Whether it holds nothing but numbers behind charts. [flag]
+    printed : str
+        Last column on paper; empty = all of them. [letters]
     """
 
     name: str
@@ -113,6 +117,8 @@ class Sheet:
     freeze: str = "A4"
     header_rows: int = 3
     one_page: bool = False
+    hidden: bool = False
+    printed: str = ""
 
 
 #: Row of the cell above each history chart; the chart begins one row below.

@@ -10,7 +10,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeGuard
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
 from addin.problems import CellProblem, nearest, printable, shortened
@@ -25,7 +25,11 @@ from engine.case import GROUND, TABLES, Case, CaseData, Ratings
 from engine.errors import Problem, Quoted
 from engine.validation import find_problems
 
+if TYPE_CHECKING:
+    from addin.study_inputs import StudiesRead
+
 __all__ = [
+    "Bases",
     "CaseInput",
     "Entry",
     "Findings",
@@ -33,6 +37,8 @@ __all__ = [
     "Typed",
     "TypedCase",
     "all_problems",
+    "ratios_of",
+    "rows_in_si",
     "told_as_typed",
     "to_case_data",
     "too_many_rows",
@@ -177,12 +183,15 @@ class CaseInput:
         What the engineer should know. [sentences]
     typed : TypedCase
         Every entry with its unit as typed. [as typed]
+    studies : StudiesRead or None
+        What is typed on the study sheets; None where there are none. [SI]
     """
 
     data: CaseData
     problems: tuple[CellProblem, ...]
     warnings: tuple[str, ...]
     typed: TypedCase
+    studies: StudiesRead | None = field(default=None, kw_only=True)
 
     def case(self) -> Case:
         """The checked case.
@@ -364,15 +373,38 @@ def _folded(word: str) -> str:
 
 
 @dataclass(frozen=True)
-class _Bases:
-    """What relative units refer to; None where it is not known."""
+class Bases:
+    """What relative units refer to; None where it is not known.
+
+    Parameters
+    ----------
+    rated_torque : float or None
+        Of `Ratings`. [N m]
+    synchronous_speed : float or None
+        Of the reference shaft. [rad/s]
+    ratios : mapping of str to float or None
+        Speed ratio of each station. [1]
+    """
 
     rated_torque: float | None
     synchronous_speed: float | None
     ratios: Mapping[str, float | None]
 
     def si(self, typed: Typed, station: str | None) -> float | None:
-        """A typed number in SI, None if its base is not known."""
+        """A typed number in SI, None if its base is not known.
+
+        Parameters
+        ----------
+        typed : Typed
+            The number. [as typed]
+        station : str or None
+            Whose speed a speed is compared with. [name]
+
+        Returns
+        -------
+        float or None
+            [SI]
+        """
         number = typed.scale.to_si(typed.number)
         if typed.scale.base in ("", TRANSMITTED_TORQUE):
             return number
@@ -386,7 +418,7 @@ class _Bases:
         return number / full if full > 0.0 else None
 
 
-_NO_BASES = _Bases(None, None, {})
+_NO_BASES = Bases(None, None, {})
 
 #: Sizes in SI beyond which a number is a slip, and products of two would overflow.
 _SMALLEST, _LARGEST = 1e-30, 1e30
@@ -434,11 +466,14 @@ def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
     scalars = _scalars(absolute, _NO_BASES, findings)
     ratings = CaseData(**scalars).ratings  # type: ignore[arg-type]
     _refuse_circular(typed, findings)
-    bases = _Bases(ratings.rated_torque, ratings.synchronous_speed, _ratios(typed))
+    bases = Bases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(typed))
     relative = {n: e for n, e in typed.scalars.items() if n not in absolute and n != "RatedTorque"}
     scalars |= _scalars(relative, bases, findings)
     _silence_followers(ratings, findings)
-    tables = {spec.key: _rows(spec, typed, bases, findings) for spec in INPUT_TABLES}
+    tables = {
+        spec.key: rows_in_si(spec, TABLES[spec.name][1], typed, bases, findings)
+        for spec in INPUT_TABLES
+    }
     _silence_meshes(typed, findings)
     _silence_references(typed, findings)
     return CaseData(**scalars, **tables)  # type: ignore[arg-type]
@@ -457,8 +492,19 @@ def _refuse_circular(typed: TypedCase, findings: Findings) -> None:
         )
 
 
-def _ratios(typed: TypedCase) -> dict[str, float | None]:
-    """Speed ratio of each station as typed."""
+def ratios_of(typed: TypedCase) -> dict[str, float | None]:
+    """Speed ratio of each station as typed.
+
+    Parameters
+    ----------
+    typed : TypedCase
+        Everything typed. [as typed]
+
+    Returns
+    -------
+    dict of str to (float or None)
+        By station. [1]
+    """
     ratios: dict[str, float | None] = {}
     for row in typed.tables.get("Stations", []):
         name, ratio = row.get("Station"), row.get("Speed ratio")
@@ -468,7 +514,7 @@ def _ratios(typed: TypedCase) -> dict[str, float | None]:
 
 
 def _scalars(
-    entries: Mapping[str, Entry], bases: _Bases, findings: Findings
+    entries: Mapping[str, Entry], bases: Bases, findings: Findings
 ) -> dict[str, float | str | None]:
     values: dict[str, float | str | None] = {}
     for spec in SCALARS:
@@ -482,11 +528,29 @@ def _scalars(
     return values
 
 
-def _rows(
-    spec: TableSpec, typed: TypedCase, bases: _Bases, findings: Findings
-) -> tuple[object, ...]:
-    """The rows of one table in SI."""
-    _, row_class = TABLES[spec.name]
+def rows_in_si(
+    spec: TableSpec, row_class: type, typed: TypedCase, bases: Bases, findings: Findings
+) -> tuple[Any, ...]:
+    """The rows of one table in SI.
+
+    Parameters
+    ----------
+    spec : TableSpec
+        The table. [table]
+    row_class : type
+        Its rows.
+    typed : TypedCase
+        Everything typed. [as typed]
+    bases : Bases
+        What relative units refer to. [SI]
+    findings : Findings
+        Takes every number that cannot be resolved. [problems]
+
+    Returns
+    -------
+    tuple
+        Of `row_class`. [SI]
+    """
     unresolved: dict[str, list[Place]] = defaultdict(list)
     rows = []
     for number, entries in enumerate(typed.tables.get(spec.name, []), start=1):
@@ -520,7 +584,7 @@ def _value(
     entry: Entry,
     spec: Field,
     place: Place,
-    bases: _Bases,
+    bases: Bases,
     station: str | None,
     findings: Findings,
 ) -> float | str | None:
@@ -552,7 +616,7 @@ def _value(
 
 
 def _note_unresolved(
-    places: list[Place], entry: Typed, findings: Findings, bases: _Bases = _NO_BASES
+    places: list[Place], entry: Typed, findings: Findings, bases: Bases = _NO_BASES
 ) -> None:
     """One problem for all cells of a column that refer to something unknown."""
     names, sentence = _SOURCES[entry.scale.base]

@@ -64,6 +64,7 @@ __all__ = [
     "tables_to_write",
     "write_results",
     "write_study",
+    "write_study_results",
 ]
 
 #: Column whose unit shows a judged number of a dimension in `Verdicts`.
@@ -86,8 +87,9 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartAccuracy",
 }
 #: Columns in which no number means that there is no limit.
-_ALLOWED = "AllowableStarts"
-_STARTS = frozenset({"Allowable starts", "Paper count", "Cycles to failure"})
+_STARTS = frozenset(
+    {"Allowable starts", "Paper count", "Cycles to failure", "Remaining starts", "Remaining years"}
+)
 #: Flags that are shown as on or off; all others as yes or nothing.
 _SWITCHES = frozenset({"On"})
 #: Words on sheet Accuracy until the study has been run.
@@ -274,6 +276,57 @@ def write_study(
     return workbook.save(destination, in_place=destination is None)
 
 
+def write_study_results(
+    workbook: Workbook,
+    destination: Path | None,
+    tables: Mapping[str, Sequence[Mapping[str, Any]]],
+    facts: Mapping[str, str],
+    rated_torque: float | None,
+    *,
+    ignore_lock: bool = False,
+) -> SaveReport:
+    """Write the results of a study into its sheets, and nothing else.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The workbook the inputs were read from.
+    destination : Path or None
+        The new workbook; None replaces the source, which stays as ``.bak``.
+    tables : mapping of str to sequence of mapping
+        Rows of its result tables, by name. [SI]
+    facts : mapping of str to str
+        Defined names and their words, see `study_sheets.STUDY_FACTS`. [text]
+    rated_torque : float or None
+        Base of pu. [N m]
+    ignore_lock : bool
+        Write although a lock file says somebody has the workbook open. [flag]
+
+    Returns
+    -------
+    SaveReport
+        What was written, and sentences the user should read.
+
+    Raises
+    ------
+    PackageError
+        When the workbook cannot be saved; nothing has been written then.
+    """
+    workbook.allow_saving(ignore_lock=ignore_lock)
+    units, problems = read_shown_units(workbook, rated_torque)
+    workbook.notes += problems
+    wanted = [
+        _result_block(fields.result_table(name), rows, units) for name, rows in tables.items()
+    ]
+    present = _present(workbook, wanted)
+    workbook.write_tables(present)
+    _fit_rows(workbook, present)
+    for name, text in facts.items():
+        if name in workbook.defined_names:
+            workbook.set_name(name, text)
+    return workbook.save(destination, in_place=destination is None)
+
+
 def read_shown_units(
     workbook: Workbook, rated_torque: float | None
 ) -> tuple[ShownUnits, list[str]]:
@@ -294,7 +347,7 @@ def read_shown_units(
         A sentence for each unit that cannot be used.
     """
     names: dict[tuple[str, str], str] = {}
-    for spec in (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES):
+    for spec in fields.EVERY_TABLE:
         table = workbook.tables.get(spec.name)
         if table is None or not table.header_row or table.header_row < 2:
             continue
@@ -386,7 +439,8 @@ def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: Sho
         if field.name not in _STARTS:
             return None
         # A row that does not say whether its starts are limited is of no whole start.
-        return "not judged" if spec.name == _ALLOWED and "unlimited" not in row else "unlimited"
+        says = "unlimited" in spec.json_only
+        return "not judged" if says and "unlimited" not in row else "unlimited"
     if isinstance(value, bool):
         if field.name in _SWITCHES:
             return "on" if value else "off"
@@ -587,15 +641,21 @@ def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
 def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
     """Row heights of tables with sentences that wrap; rows no longer used get the usual one."""
     by_name = {data.name: data for data in written}
+    heights: dict[str, list[float]] = {}
     for (name, column), width in WRAPPED.items():
         data = by_name.get(name)
         if data is None or data.columns is None or column not in data.columns:
             continue
-        table, at = workbook.table(name), list(data.columns).index(column)
+        at = list(data.columns).index(column)
         spare = ROOMS[name] - len(data.rows) if name in ROOMS else 0
         texts = [str(row[at] or "") for row in data.rows] + [""] * max(spare, 0)
-        for row, text in enumerate(texts, table.data.top):
-            workbook.set_row_height(table.sheet, row, text_height(text, width))
+        needed = [text_height(text, width) for text in texts]
+        known = heights.setdefault(name, needed)
+        heights[name] = [max(pair) for pair in zip(known, needed, strict=True)]
+    for name, needed in heights.items():
+        table = workbook.table(name)
+        for row, height in enumerate(needed, table.data.top):
+            workbook.set_row_height(table.sheet, row, height)
 
 
 def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> TableData:

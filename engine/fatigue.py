@@ -40,6 +40,7 @@ __all__ = [
     "count_cycles",
     "counted_history",
     "damage_interval",
+    "half_cycle_points",
     "miner_damage",
     "needs_counting",
     "paper_count",
@@ -419,6 +420,31 @@ def count_cycles(history: ArrayLike, residue: str = RESIDUES[0]) -> CycleCount:
         mean = np.concatenate([mean[~half], joined[:, 1]])
         count = np.concatenate([count[~half], 0.5 * pairs])
     return CycleCount(cycles, mean, count)
+
+
+def half_cycle_points(points: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+    """Which turning points each rainflow cycle lies between: what a count is differentiated by.
+
+    Parameters
+    ----------
+    points : array_like, shape (n,)
+        Turning points, as `turning_points` gives them; residue as half cycles. [any unit]
+
+    Returns
+    -------
+    first, second : ndarray of int, shape (n_cycles,)
+        Indices of the two ends. [indices]
+    count : ndarray, shape (n_cycles,)
+        1 for a cycle, 0.5 for a half cycle. [1]
+    """
+    x = np.asarray(points, float)
+    if x.size < 2:
+        none = np.zeros(0, dtype=np.int64)
+        return none, none, np.zeros(0)
+    series = [float(x[0]), *x.tolist()]  # the first twice, as in `count_cycles`
+    table = np.array(list(rainflow.extract_cycles(series)), float).reshape(-1, 5)
+    first, second = (np.maximum(table[:, c].astype(np.int64) - 1, 0) for c in (3, 4))
+    return first, second, np.asarray(table[:, 2])
 
 
 def paper_count(history: ArrayLike) -> CycleCount:

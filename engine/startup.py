@@ -46,6 +46,8 @@ __all__ = [
     "ElementPeak",
     "ForceHistories",
     "NOTABLE_REVERSAL",
+    "PreparedStart",
+    "SingleRun",
     "Start",
     "StartOutcome",
     "StartSettings",
@@ -53,6 +55,7 @@ __all__ = [
     "element_peaks",
     "has_start",
     "keeps_history",
+    "prepared_start",
     "relative_errors",
     "run_start",
     "settings_of",
@@ -1237,14 +1240,6 @@ def _cut_by_itself(settings: StartSettings, end: float) -> bool:
     return end < 0.999 * (settings.maximum_time or LONGEST_START)
 
 
-def _without_history(
-    run: tuple[Trajectory, float, list[tuple[Floats, Floats]]],
-) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
-    """A run whose turning points are all that is still wanted: the history is most of the memory."""
-    none = np.empty((0, 0))
-    return replace(run[0], torque=none, torque_rate=none), run[1], run[2]
-
-
 def _late_speed(trajectory: Trajectory, end: float) -> float:
     """Mean speed over the last tenth of a run, half a second at most."""
     t, w = trajectory.time, trajectory.mean_speed
@@ -1307,6 +1302,188 @@ def outcome_of(
     return StartOutcome("time out", end, speed, text)
 
 
+@dataclass(frozen=True, eq=False)
+class SingleRun:
+    """One simulation of a start at one step, and what is read out of it.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        The simulation. [SI]
+    end : float
+        When it ended. [s]
+    turning : list of (ndarray, ndarray)
+        Times and torques of all turning points of every output, from rest to the end. [s, N m]
+    """
+
+    trajectory: Trajectory
+    end: float
+    turning: list[tuple[Floats, Floats]]
+
+    @property
+    def parts(self) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
+        """Trajectory, end and turning points. [SI]"""
+        return self.trajectory, self.end, self.turning
+
+    def without_history(self) -> SingleRun:
+        """With the turning points alone: the history is most of the memory.
+
+        Returns
+        -------
+        SingleRun
+            Without torques. [SI]
+        """
+        none = np.empty((0, 0))
+        return replace(self, trajectory=replace(self.trajectory, torque=none, torque_rate=none))
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedStart:
+    """A start ready to be simulated at one step or another.
+
+    Parameters
+    ----------
+    model : StartModel
+        The start in arrays. [SI]
+    settings : StartSettings
+        How it is to be calculated. [mixed]
+    runup : RigidRunup
+        The rigid train. [SI]
+    maximum_time, longest : float
+        Time to simulate, and the longest it may be prolonged to. [s]
+    synchronous : float
+        Synchronous speed of the reference shaft. [rad/s]
+    keep_all : bool
+        Whether every sample is kept, however much memory that takes. [flag]
+    """
+
+    model: StartModel
+    settings: StartSettings
+    runup: RigidRunup
+    maximum_time: float
+    longest: float
+    synchronous: float
+    keep_all: bool
+
+    def at(self, step: float) -> SingleRun:
+        """Simulate at one step.
+
+        Parameters
+        ----------
+        step : float
+            Largest step. [s]
+
+        Returns
+        -------
+        SingleRun
+            From rest to the end. [SI]
+        """
+        trajectory = simulate(
+            self.model,
+            step,
+            self.settings.method,
+            self.settings.end_speed,
+            self.maximum_time,
+            keep_all=self.keep_all,
+        )
+        end = _end_of(trajectory, self.settings.end_speed)
+        thin, turning = read_turning(trajectory, end)
+        return SingleRun(thin, end, turning)
+
+    def to_its_end(self, step: float) -> tuple[PreparedStart, SingleRun]:
+        """Simulate at one step, prolonged until the start has ended or settled.
+
+        Parameters
+        ----------
+        step : float
+            Largest step. [s]
+
+        Returns
+        -------
+        prepared : PreparedStart
+            With the time that was needed. [SI]
+        run : SingleRun
+            From rest to the end. [SI]
+        """
+        prepared, run = self, self.at(step)
+        for _ in range(MAX_PROLONGATIONS):
+            if (
+                run.trajectory.reached
+                or prepared.maximum_time >= self.longest
+                or _settled(self.runup, run.trajectory, run.end, self.synchronous)
+            ):
+                break
+            maximum = min(2.0 * prepared.maximum_time, self.longest)
+            prepared = replace(prepared, maximum_time=maximum)
+            run = prepared.at(step)
+        return prepared, run
+
+    def outcome(self, run: SingleRun) -> StartOutcome:
+        """How a simulation ended.
+
+        Parameters
+        ----------
+        run : SingleRun
+            A simulation of this start. [SI]
+
+        Returns
+        -------
+        StartOutcome
+            Word, numbers and sentence. [mixed]
+        """
+        return outcome_of(self.runup, self.settings, run.trajectory, run.end, self.synchronous)
+
+
+def prepared_start(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    effects: StartEffects = PLAIN_START,
+) -> PreparedStart:
+    """Everything of a start that does not depend on the step.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+    modes : Modes
+        Its modes. [SI]
+    damping : ModalDamping
+        Their damping. [SI]
+    effects : StartEffects, optional
+        What is simulated; default the plain start. [flags]
+
+    Returns
+    -------
+    PreparedStart
+        Ready to be simulated. [SI]
+
+    Raises
+    ------
+    ModelError
+        If the train cannot turn (a spring holds it to ground) or has no motor.
+    """
+    if modes.n_rigid == 0:
+        raise ModelError("A train held to ground by a spring cannot start; no rigid mode is left.")
+    settings = settings_of(case)
+    motors, loads = motors_of(case, train), loads_of(case, train)
+    if not motors:
+        raise ModelError("A start needs the torque curve of at least one motor.")
+    synchronous = case.ratings.synchronous_speed
+    assert synchronous is not None
+    runup = rigid_runup(train, motors, loads, settings.end_speed)
+    longest = LONGEST_START if settings.maximum_time is None else settings.maximum_time
+    tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time), default=0.0)
+    maximum = longest if effects.full_length else min(max(run_length(runup), tabled), longest)
+    model = start_model(
+        case, train, modes, damping, motors, loads, settings.tolerance_peak, maximum, effects
+    )
+    return PreparedStart(model, settings, runup, maximum, longest, synchronous, keeps_history(case))
+
+
 def run_start(
     case: CaseData,
     train: Train,
@@ -1342,52 +1519,20 @@ def run_start(
     ModelError
         If the train cannot turn (a spring holds it to ground) or has no motor.
     """
-    if modes.n_rigid == 0:
-        raise ModelError("A train held to ground by a spring cannot start; no rigid mode is left.")
-    settings = settings_of(case)
-    motors, loads = motors_of(case, train), loads_of(case, train)
-    if not motors:
-        raise ModelError("A start needs the torque curve of at least one motor.")
-    synchronous = case.ratings.synchronous_speed
-    assert synchronous is not None
-    runup = rigid_runup(train, motors, loads, settings.end_speed)
-    target = settings.end_speed
-    longest = LONGEST_START if settings.maximum_time is None else settings.maximum_time
-    tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time), default=0.0)
-    maximum = longest if effects.full_length else min(max(run_length(runup), tabled), longest)
-    model = start_model(
-        case, train, modes, damping, motors, loads, settings.tolerance_peak, maximum, effects
-    )
+    prepared = prepared_start(case, train, modes, damping, effects)
+    settings, model = prepared.settings, prepared.model
     step = min(_first_step(settings, model.pulsation_omega), model.largest_step)
-
-    def at(h: float) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
-        trajectory = simulate(
-            model, h, settings.method, target, maximum, keep_all=keeps_history(case)
-        )
-        end = _end_of(trajectory, target)
-        thin, turning = read_turning(trajectory, end)
-        return thin, end, turning
-
-    coarse = at(step)
-    for _ in range(MAX_PROLONGATIONS):
-        if (
-            coarse[0].reached
-            or maximum >= longest
-            or _settled(runup, coarse[0], coarse[1], synchronous)
-        ):
-            break
-        maximum = min(2.0 * maximum, longest)
-        coarse = at(step)
-    coarse, fine = _without_history(coarse), at(0.5 * step)
+    prepared, coarse = prepared.to_its_end(step)
+    coarse, fine = coarse.without_history(), prepared.at(0.5 * step)
     halvings = 0
     while True:
-        output = worst_outputs(train, fine[0], fine[2])
-        peaks = element_peaks(train, model.truncation, fine, coarse, output)
+        output = worst_outputs(train, fine.trajectory, fine.turning)
+        peaks = element_peaks(train, model.truncation, fine.parts, coarse.parts, output)
         bound = model.truncation[output[output >= 0]]
         error, truncation = relative_errors(peaks, bound)
         met = error <= settings.tolerance_peak
         by_step = error - truncation
-        values = fine[0].n_steps * len(model.truncation)
+        values = fine.trajectory.n_steps * len(model.truncation)
         if (
             met
             or halvings >= MAX_HALVINGS
@@ -1397,16 +1542,15 @@ def run_start(
             break
         halvings += 1
         step *= 0.5
-        coarse, fine = _without_history(fine), at(0.5 * step)
-    trajectory, end, turning = fine
+        coarse, fine = fine.without_history(), prepared.at(0.5 * step)
     return Start(
-        outcome=outcome_of(runup, settings, trajectory, end, synchronous),
+        outcome=prepared.outcome(fine),
         peaks=peaks,
-        trajectory=trajectory,
-        turning_points=tuple(turning[i] for i in output if i >= 0),
-        coarse_turning_points=tuple(coarse[2][i] for i in output if i >= 0),
+        trajectory=fine.trajectory,
+        turning_points=tuple(fine.turning[i] for i in output if i >= 0),
+        coarse_turning_points=tuple(coarse.turning[i] for i in output if i >= 0),
         output_of_element=output,
-        runup=runup,
+        runup=prepared.runup,
         step=0.5 * step,
         halvings=halvings,
         estimated_error=error,

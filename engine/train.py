@@ -30,11 +30,13 @@ from engine.validation import GEAR_MESH
 __all__ = [
     "Flank",
     "GearBody",
+    "Link",
     "RigidMesh",
     "Train",
     "build_train",
     "has_clearance",
     "line_of_action",
+    "link_of",
     "shaft_inertia",
     "shaft_stiffness",
 ]
@@ -346,17 +348,47 @@ def shaft_inertia(od: float, bore: float, length: float, density: float) -> floa
 
 
 @dataclass(frozen=True)
-class _Link:
-    """Stiffness, damping and inertia of one element, whatever they were given by."""
+class Link:
+    """Stiffness, damping and inertia of one element, whatever they were given by.
 
-    stiffness: float | None  # None = rigid mesh
+    Parameters
+    ----------
+    stiffness : float or None
+        Torsional stiffness, of a mesh on its From side; None = rigid mesh. [N m/rad]
+    viscous : float
+        Viscous damping, likewise. [N m s/rad]
+    loss_factor : float
+        Hysteretic loss factor. [1]
+    inertia : float
+        Of the element itself. [kg m²]
+    """
+
+    stiffness: float | None
     viscous: float
     loss_factor: float
     inertia: float
 
 
-def _link(e: ElementRow, mesh: MeshRow | None) -> _Link:
-    """What an element row (and its mesh row) mean mechanically."""
+def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
+    """What an element row and its mesh row mean mechanically.
+
+    Parameters
+    ----------
+    e : ElementRow
+        The element. [SI]
+    mesh : MeshRow or None
+        Its row of Meshes. [SI]
+
+    Returns
+    -------
+    Link
+        With the stiffness of the geometry where none is typed. [SI]
+
+    Raises
+    ------
+    ModelError
+        If neither stiffness nor geometry is given.
+    """
     stiffness, viscous = e.stiffness, e.damping
     shaft = e.kind != GEAR_MESH
     if shaft and stiffness is None and e.od and e.length and e.shear_modulus:
@@ -373,7 +405,7 @@ def _link(e: ElementRow, mesh: MeshRow | None) -> _Link:
         inertia = shaft_inertia(e.od, e.id or 0.0, e.length, e.density)
     if shaft and stiffness is None:
         raise ModelError(f"Element '{e.element}' has neither a stiffness nor the geometry for one.")
-    return _Link(stiffness, viscous or 0.0, e.loss_factor or 0.0, inertia)
+    return Link(stiffness, viscous or 0.0, e.loss_factor or 0.0, inertia)
 
 
 #: Element, stiffness, viscous damping, loss factor, entries by node.
@@ -392,7 +424,7 @@ class _Assembly:
         self.edges: list[tuple[int, int, int]] = []  # element, node, node (stations only)
         self.rigid: list[tuple[int, int, int]] = []
 
-    def add(self, element: int, e: ElementRow, link: _Link, segments: int) -> None:
+    def add(self, element: int, e: ElementRow, link: Link, segments: int) -> None:
         """Add one element as one row, or as `segments` rows in series if it has inertia."""
         ends = [self.index[n] for n in (e.from_, e.to) if n not in (None, GROUND)]
         if len(ends) == 2:
@@ -410,7 +442,7 @@ class _Assembly:
         count = max(1, segments) if link.inertia and link.stiffness else 1
         self._series(element, link, count, chain)
 
-    def _series(self, element: int, link: _Link, count: int, chain: list[int | None]) -> None:
+    def _series(self, element: int, link: Link, count: int, chain: list[int | None]) -> None:
         """Segments of equal stiffness, half a segment's inertia lumped at each of its ends."""
         start, end = chain
         ratio = self.ratio[next(n for n in chain if n is not None)]
@@ -427,7 +459,7 @@ class _Assembly:
             for n in entries:
                 self.inertia[n] += 0.5 * link.inertia / count
 
-    def _row(self, element: int, link: _Link, count: int, entries: dict[int, float]) -> None:
+    def _row(self, element: int, link: Link, count: int, entries: dict[int, float]) -> None:
         assert link.stiffness is not None
         self.rows.append(
             (element, link.stiffness * count, link.viscous * count, link.loss_factor, entries)
@@ -474,7 +506,7 @@ def build_train(
         lacks stiffness or pitch radius.
     """
     meshes = {m.element: m for m in case.meshes}
-    links = [_link(e, meshes.get(e.element)) for e in case.elements]
+    links = [link_of(e, meshes.get(e.element)) for e in case.elements]
     a = _Assembly(case)
     for i, (e, link) in enumerate(zip(case.elements, links, strict=True)):
         pieces = (segments or {}).get(str(e.element), 1)

@@ -4,7 +4,7 @@ formualizer refuses a workbook in which a cell of a calculated column holds a va
 that states too small an extent of a sheet (some programs do), one with a data table, one in which any cell shows a rich value
 (a picture, a linked data type), and one whose tables have more than 256 columns together. And it reads all cells, where histories take longer
 than everything else. Hence column formulas, extents, data tables and links to rich values are taken out, and on sheets without formulas
-the tables and the last rows that no formula reads.
+the last rows that none reads; and everywhere the tables that no formula reads.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def calculator_copy(
         Parts left out.
     """
     parts = workbook.changed_parts()
-    unread = [] if read is None else _unread_tables(workbook, with_formulas, read)
+    unread = [] if read is None else _unread_tables(workbook, read)
     rich, parts_without_rich = _without_rich_data(workbook)
     parts |= parts_without_rich
     # The calculator takes no signed package; what is signed is the file, not this copy.
@@ -145,16 +145,13 @@ def _plain_range(workbook: Workbook, text: str) -> str | None:
     return f"{quoted_sheet(table.sheet)}!{absolute_range(cells)}"
 
 
-def _unread_tables(
-    workbook: Workbook, with_formulas: Collection[str], read: Collection[tuple[str, Rect]]
-) -> list[Table]:
-    """Tables on sheets without formulas that no formula reads and no defined name mentions."""
+def _unread_tables(workbook: Workbook, read: Collection[tuple[str, Rect]]) -> list[Table]:
+    """Tables that no formula reads, those of their own columns included, and no defined name mentions."""
     names = [name.text.casefold() for name in workbook.structure.names]
     return [
         table
         for table in workbook.tables.values()
-        if table.sheet not in with_formulas
-        and not any(sheet == table.sheet and rect.meets(table.ref) for sheet, rect in read)
+        if not any(sheet == table.sheet and rect.meets(table.ref) for sheet, rect in read)
         and not any(table.name.casefold() in text for text in names)
         # A table of a query leads to further parts.
         and not workbook.structure.relationships(table.part)

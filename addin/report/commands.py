@@ -52,12 +52,12 @@ def report(
     for name, path in wanted.items():
         _refuse(name, path, force)
 
-    from addin.cli import _list_problems, _progress
     from addin.recalc import of_file
     from addin.report.make import report as make
+    from addin.terminal import list_problems, progress
 
     try:
-        with _progress() as tell:
+        with progress() as tell:
             done = make(
                 file,
                 pdf=pdf,
@@ -70,7 +70,7 @@ def report(
     for sentence in done.notes:
         typer.echo(f"{file}: note: {sentence}", err=True)
     if done.problems:
-        _list_problems(done.wrong or file, done.problems)
+        list_problems(done.wrong or file, done.problems)
         raise typer.Exit(WRONG_INPUT)
     for path in done.written:
         typer.echo(f"written: {path}")

@@ -80,7 +80,7 @@ def units_of(system: str) -> ShownUnits:
     from addin.shown_units import shown_units
 
     names = {}
-    for table in (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES):
+    for table in (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES, *fields.STUDY_RESULT_TABLES):
         repeated = () if table.repeated is None else (table.repeated,)
         for field in (*table.columns, *repeated, *table.extra_columns):
             if field.has_unit:
@@ -160,11 +160,14 @@ def speed_results(case: Case) -> Mapping[str, Any]:
     mapping
         Tables by name, and modes. [SI]
     """
+    from engine.bands import forbidden_bands, rows_of_bands
     from engine.report import modal_details, speed_tables
     from engine.run import at_speed
 
     found = at_speed(case)
-    return speed_tables(found) | modal_details(found)
+    near = [(row.mode, row.excitation) for row in found.margins.not_kept]
+    bands = rows_of_bands(forbidden_bands(case, found.excitations), near)
+    return speed_tables(found) | {"ForbiddenBands": bands} | modal_details(found)
 
 
 def _run(handle: str) -> tuple[Model, Any]:
@@ -371,6 +374,31 @@ def tv_margins(model: str, units: str | None, headers: bool | None) -> Rows:
     if not rows:
         raise FunctionError("Nothing is judged: the case states no speed and no line.", "#N/A")
     return table_cells(result_table("SeparationMargins"), rows, _system(units, found), headers)
+
+
+#: Columns of `ForbiddenBands` that one case has.
+BAND_COLUMNS = ("Excitation", "From", "To", "Lowest", "Highest", "Modes inside")
+
+
+@registered(
+    "TV_BANDS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    columns=len(BAND_COLUMNS),
+    example="=TV_BANDS(A1)",
+)
+def tv_bands(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Where no mode may lie: the band of frequencies round every excitation, and the modes inside.
+
+    From and To are the required margin solved for the frequency: f_min (1 - m) and f_max (1 + m).
+    """
+    found, tables = _at_speed(model)
+    rows, spec = tables["ForbiddenBands"], result_table("ForbiddenBands")
+    if not rows:
+        raise FunctionError("No bands: the case states no speed and no line.", "#N/A")
+    columns = [spec.column(name) for name in BAND_COLUMNS]
+    return table_cells(spec, rows, _system(units, found), headers, columns)
 
 
 @registered(
@@ -593,6 +621,106 @@ def _extended(curve: Any, stress: float) -> str | None:
     if stress * _SAME_STRESS < curve.stress[-1]:
         return "below the last S-N point: its slope extended to endurance"
     return None
+
+
+@registered(
+    "TV_LIFE",
+    Argument("Damage", "numbers", "The damage of one start of each kind, as TV_STARTS gives it."),
+    Argument("Per year", "numbers", "How many of each kind a year; 0 = none."),
+    Argument("So far", "numbers", "How many of each kind so far.", True),
+    Argument("Starts factor", "number", "StartsFactor; blank = 1.", True),
+    example="=TV_LIFE(0.002, 24, 60, 2)",
+)
+def tv_life(damage: Rows, per_year: Rows, so_far: Rows | None, factor: float | None) -> Rows:
+    """Damage ledger of a duty: used, damage a year, what is left, and years that it lasts.
+
+    Palmgren-Miner: damage of all starts is added up, their order is ignored; a shaft is used up at
+    1 / Starts factor. One shaft a call; years are `unlimited` where nothing is taken.
+    """
+    from engine.ledger import remaining_life
+
+    one, yearly = _column("Damage", damage), _column("Per year", per_year)
+    blank = so_far is None or all(value is None for line in so_far for value in line)
+    seen = [0.0] * len(one) if blank else _column("So far", so_far or [])
+    for name, column in (("Per year", yearly), ("So far", seen)):
+        if len(column) != len(one):
+            raise FunctionError(
+                f"{name}: found {len(column)} cells beside {len(one)} of Damage; give as many."
+            )
+    if factor is not None and not factor > 0.0:
+        raise FunctionError(f"Starts factor: found {factor:.10g}; give more than 0.", "#NUM!")
+    used = math.fsum(q * n for q, n in zip(one, seen, strict=True))
+    a_year = math.fsum(q * n for q, n in zip(one, yearly, strict=True))
+    left = 1.0 / (factor or 1.0) - used
+    years = remaining_life(left, a_year)
+    return [[used, a_year, left, "unlimited" if years is None else years]]
+
+
+def _column(name: str, cells: Rows) -> list[float]:
+    """Numbers of a range, none of them negative; blank = 0."""
+    found = [0.0 if value is None else float(value) for line in cells for value in line]
+    wrong = next((value for value in found if value < 0.0), None)
+    if wrong is not None:
+        raise FunctionError(f"{name}: found {wrong:.10g}; give 0 or more.", "#NUM!")
+    return found
+
+
+#: Columns of `CalibratedParameters` that a formula shows.
+CALIBRATED = (
+    "Name", "Stiffness", "Calibrated stiffness", "Change", "Change low", "Change high", "Determined",
+)  # fmt: skip
+
+
+@registered(
+    "TV_CALIBRATE",
+    MODEL,
+    Argument("Frequencies", "numbers", "The measured natural frequencies [Hz], in any order."),
+    Argument("Uncertainty", "number", "Their standard deviation, 0.01 or 1 %; blank = 1 %.", True),
+    Argument("Spread", "number", "How sure every stiffness is; blank = 10 %.", True),
+    UNITS,
+    HEADERS,
+    columns=len(CALIBRATED),
+    example="=TV_CALIBRATE(A1, 30.1, 0.01, 0.1)",
+)
+def tv_calibrate(
+    model: str,
+    frequencies: Rows,
+    uncertainty: float | None,
+    spread: float | None,
+    units: str | None,
+    headers: bool | None,
+) -> Rows:
+    """The least change of all stiffnesses that explains measured natural frequencies.
+
+    Each frequency is taken for the mode that it fits best, one to one. A frequency that no mode can
+    have is refused. Sheet Calibration (`torsionbook calibrate`) tells more, and knows inertias,
+    modes that are named and peak torques.
+    """
+    from engine.calibration import calibrate, parameter_rows
+    from engine.calibration_inputs import calibration_problems
+    from engine.studies import MeasuredFrequencyRow, ScatterRow, StudyInputs
+    from engine.substitution import STIFFNESS
+
+    found = MODELS.of(model)
+    typed = [float(v) for line in frequencies for v in line if v is not None]
+    if not typed:
+        raise FunctionError("Frequencies is blank. Give measured natural frequencies [Hz].")
+    asked = StudyInputs(
+        scatter=() if spread is None else (ScatterRow(None, STIFFNESS, None, spread),),
+        measured_frequencies=tuple(MeasuredFrequencyRow(None, f, uncertainty) for f in typed),
+    )
+    wrong = calibration_problems(found.case, asked)
+    if wrong:
+        said = wrong[0]
+        raise FunctionError(f"{said.column or said.table}: {said.message}", "#NUM!")
+    result = calibrate(found.case, asked)
+    unused = next((m for m in result.measurements if not m.used), None)
+    if unused is not None:
+        raise FunctionError(f"Frequencies: {unused.measured:.10g} Hz. {unused.note}", "#N/A")
+    spec = result_table("CalibratedParameters")
+    columns = [spec.column(name) for name in CALIBRATED]
+    rows = parameter_rows(result)
+    return table_cells(spec, rows, _system(units, found), headers, columns)
 
 
 @registered(

@@ -13,10 +13,11 @@ import openpyxl
 import pandas as pd
 import pytest
 
-from addin import cli, recalc
+from addin import recalc
 from addin.json_schemas import results_schema
 from addin.recalc import COMPILING
 from addin.template_files import template_path
+from addin.terminal import progress
 from engine.effects import EFFECTS
 from engine.run import COMPILING_EVENTS
 
@@ -270,7 +271,7 @@ def test_the_first_compilation_says_what_it_is_doing(tmp_path, monkeypatch):
 
 
 def test_each_compilation_is_told_once_where_nobody_watches(capsys):
-    with cli._progress() as tell:
+    with progress() as tell:
         for stage in ("reading", COMPILING, "plan", COMPILING_EVENTS, COMPILING_EVENTS, "start"):
             tell(f"train.xlsx: {stage}")
         tell(f"other.xlsx: {COMPILING}")

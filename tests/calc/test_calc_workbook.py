@@ -26,6 +26,7 @@ CALLS = {
     "TV_MODE": [("2", [2.0])],
     "TV_ENERGY": [("", []), ("1;0", [1.0, False])],
     "TV_MARGINS": [("", [])],
+    "TV_BANDS": [("", [])],
     "TV_STEADY": [("", [])],
     "TV_SPEED_TIME": [("50", [50.0])],
     "TV_PEAKS": [("", []), (";FALSE()", [None, False])],
@@ -34,6 +35,7 @@ CALLS = {
     "TV_CYCLES": [("", [])],
     "TV_STARTS": [("", []), (";;4", [None, None, 4.0])],
     "TV_VERDICTS": [("", [])],
+    "TV_CALIBRATE": [("30.1", [30.1])],
     "TV_EFFECTS": [("", [])],
 }
 #: The others: formula after the name, and what the registry gets.
@@ -43,6 +45,7 @@ ALONE = {
         ("200.1;30.3;500.7;79300;[.Z1]", [200.1, 30.3, 500.7, 79300.0]),
         ('8.1;;20.3;11500000;"US"', [8.1, None, 20.3, 11.5e6, "US"]),
     ],
+    "TV_LIFE": [("0.001;12;30;2", [0.001, 12.0, 30.0, 2.0])],
     "TV_CONVERT": [('0.1;"lbf*in";"N*m"', [0.1, "lbf*in", "N*m"])],
 }
 WRONG = {

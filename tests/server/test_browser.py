@@ -100,6 +100,8 @@ def test_every_function_shows_the_same_doubles(excel):
         "TV_SPEED_TIME": [handle, 100],
         "TV_SN_LIFE": [handle, material, [[30000.0, None]]],
         "TV_STARTS": [handle, None, False],
+        "TV_LIFE": [[[1e-3, 2e-4]], [[12.0, None]], None, 2],
+        "TV_CALIBRATE": [handle, [[30.1, 52.7]], 0.01],
     }
     for name in FUNCTIONS:
         sent = given.get(name, [handle])

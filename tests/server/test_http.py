@@ -45,6 +45,7 @@ CALLS = {
     "TV_MODE": [2],
     "TV_ENERGY": [],
     "TV_MARGINS": ["SI"],
+    "TV_BANDS": ["US"],
     "TV_STEADY": [],
     "TV_SPEED_TIME": [200],
     "TV_PEAKS": [],
@@ -55,6 +56,7 @@ CALLS = {
     "TV_SN_LIFE": ["4340", [[30000.0, None], [40000.0, 1.0]]],
     "TV_EFFECTS": [],
     "TV_VERDICTS": [],
+    "TV_CALIBRATE": [[[30.1, 52.7]], 0.01, 0.08],
 }
 
 
@@ -64,6 +66,7 @@ def every_call(handle):
     found["TV_SN_LIFE"][1] = material
     found["TV_MODEL"] = model_arguments()
     found["TV_STIFFNESS"] = [200.1, None, 501.7, 79300]
+    found["TV_LIFE"] = [[[1e-3, 2e-4]], [[12.0, None]], None, 2]
     found["TV_CONVERT"] = [[[0.1, None], [1e-300, 3.3]], "lbf*in", "N*m"]
     return found
 

@@ -37,8 +37,9 @@ def recalculated(tmp_path_factory):
     return openpyxl.load_workbook(folder / "done.xlsx", data_only=True)
 
 
-def test_every_function_of_the_contract_is_there_and_one_more():
-    assert sorted(FUNCTIONS) == sorted([*CONTRACT, "TV_VERDICTS"])
+def test_every_function_of_the_contract_is_there_and_those_of_the_studies():
+    beside = ["TV_VERDICTS", "TV_BANDS", "TV_CALIBRATE", "TV_LIFE"]
+    assert sorted(FUNCTIONS) == sorted([*CONTRACT, *beside])
 
 
 def test_every_function_is_documented_for_a_wizard():
@@ -117,6 +118,19 @@ def test_energy_shares_add_up_and_name_the_largest(handle):
             assert math.fsum(shares.values()) == pytest.approx(1.0, abs=1e-12)
             if kind == "strain":
                 assert max(shares, key=shares.get) == largest[mode - 2]
+
+
+def test_bands_forbid_the_modes_whose_margin_is_not_kept(handle):
+    """Columns Mode, Excitation and Margin of TV_MARGINS against the bands, in the same units."""
+    bands = call("TV_BANDS", [handle, None, False])
+    margins = call("TV_MARGINS", [handle, None, False])
+    assert [row[0] for row in bands if row[0] == "1× motor speed"] == ["1× motor speed"]
+    for name, low, high, lowest, highest, inside in bands:
+        assert low == pytest.approx(0.8 * lowest)
+        assert high == pytest.approx(1.2 * highest)
+        near = [f"mode {m[0]:.0f}" for m in margins if m[1] == name and m[4] < m[5]]
+        assert (inside or "") == ", ".join(near)
+    assert any(row[5] for row in bands)
 
 
 def test_histories_hold_the_peaks_and_the_number_of_rows_asked_for(handle):
@@ -444,3 +458,52 @@ def test_only_so_many_cases_are_remembered(monkeypatch):
     handles = [call("TV_MODEL", model_arguments(name))[0][0] for name in names]
     assert refused("TV_FREQUENCIES", handles[0]).code == "#N/A"
     assert len(call("TV_FREQUENCIES", [handles[2]])) > 2
+
+
+# --- studies --------------------------------------------------------------------------------------
+
+
+def test_life_of_a_duty_by_hand():
+    """0.05 used of 1/2; 0.01 a year: 45 years. One column or several, a blank is none."""
+    damage, yearly, so_far = (
+        [[2e-4], [5e-4], [1e-3]],
+        [[20.0], [10.0], [1.0]],
+        [[100.0], [60.0], [None]],
+    )
+    ((used, a_year, left, years),) = call("TV_LIFE", [damage, yearly, so_far, 2.0])
+    assert (used, a_year, left, years) == pytest.approx((0.05, 0.01, 0.45, 45.0))
+    assert call("TV_LIFE", [[[0.0]], [[12.0]]])[0][3] == "unlimited"
+    without = call("TV_LIFE", [damage, yearly])
+    assert (
+        without
+        == call("TV_LIFE", [damage, yearly, None])
+        == call("TV_LIFE", [damage, yearly, [[None]]])
+    )
+    assert call("TV_LIFE", [[[1e-3]], [[1.0]], [[1500.0]]])[0][2:] == pytest.approx([-0.5, 0.0])
+    assert "give as many" in refused("TV_LIFE", damage, [[1.0]]).message
+    assert "give 0 or more" in refused("TV_LIFE", [[-1.0]], [[1.0]]).message
+    assert "more than 0" in refused("TV_LIFE", [[1.0]], [[1.0]], None, 0.0).message
+
+
+def test_life_from_the_damage_of_a_start(handle):
+    damage = call("TV_STARTS", [handle, None, False])[0][1]
+    starts = call("TV_STARTS", [handle, None, False])[0][2]
+    ((*_, years),) = call("TV_LIFE", [damage, 10.0])
+    assert years == pytest.approx(starts / 10.0)
+
+
+def test_calibration_explains_what_was_measured(handle):
+    """All frequencies 1 % higher: stiffnesses rise, and none of those that say nothing of it moves."""
+    f = [row[1] for row in call("TV_FREQUENCIES", [handle, None, False]) if row[0] > 0][:3]
+    head, *rows = call("TV_CALIBRATE", [handle, [[1.01 * x for x in f]], 0.001, 0.1])
+    assert head[:3] == ["Name", "Stiffness [lbf*in/rad]", "Calibrated stiffness [lbf*in/rad]"]
+    for name, before, after, change, low, high, _ in rows:
+        assert after == pytest.approx(before * (1.0 + 0.01 * change)), name
+        assert low < change < high
+    assert sum(row[6] == "determined" for row in rows) >= 1
+    assert max(row[3] for row in rows) > 1.0
+    same = call("TV_CALIBRATE", [handle, [f], None, None, "SI", False])
+    assert all(row[3] == pytest.approx(0.0, abs=1e-9) for row in same)
+    assert "no mode can be there" in refused("TV_CALIBRATE", handle, 200.0).message
+    assert "must be positive" in refused("TV_CALIBRATE", handle, [[30.0, -1.0]]).message
+    assert "Uncertainty" in refused("TV_CALIBRATE", handle, 30.0, 5.0).message

@@ -1,0 +1,96 @@
+"""What stands where on the sheets of start matrix, damage ledger and calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from addin.layout import ROOMS
+from addin.template_sheets import ChartAt, Sheet
+
+__all__ = ["STARTS_CAPTIONS", "STARTS_INTROS", "STARTS_SHEETS", "STARTS_VERDICTS"]
+
+
+def _below(row: int, table: str) -> int:
+    """First row below the room of a table whose caption is in a row."""
+    return row + 3 + ROOMS[table] + 1
+
+
+_CHART_ROWS = 17
+_LEDGER_BELOW = _below(7, "DamageLedger")
+_PEAKS_AT = _below(7, "FrequencyFit")
+_FITS_AT = _below(_PEAKS_AT, "PeakFit")
+_MODES_AT = _FITS_AT + _CHART_ROWS
+_MARGINS_AT = _below(_MODES_AT, "CalibratedFrequencies")
+_PARAMETERS_AT = _below(_MARGINS_AT, "CalibratedMargins")
+
+STARTS_SHEETS: tuple[Sheet, ...] = (
+    Sheet(
+        "Start matrix",
+        "result",
+        {"A": 1.5, "B": 30, "C:E": 9.5, "F": 10, "G": 26, "H:J": 9.5, "K:L": 21, "M:Q": 11.5,
+         "R": 56},
+        "R",
+        {"StartsByVoltage": "M7", "StartMatrix": f"B{8 + _CHART_ROWS}"},
+        (
+            ChartAt("starts-voltage", "B7", 500, 330),
+            ChartAt("stress-voltage", "G7", 690, 330),
+        ),
+        freeze="",
+    ),
+    Sheet(
+        "Damage ledger",
+        "result",
+        {"A": 1.5, "B": 24, "C": 34, "D:J": 11.5, "K": 12, "L": 60},
+        "L",
+        {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER_BELOW}"},
+        freeze="",
+    ),
+    Sheet(
+        "Calibration",
+        "result",
+        {"A": 1.5, "B": 24, "C": 22, "D:L": 11.5, "M": 62, "N": 13, "O:P": 10},
+        "P",
+        {
+            "FrequencyFit": "B7",
+            "PeakFit": f"B{_PEAKS_AT}",
+            "CalibratedFrequencies": f"B{_MODES_AT}",
+            "CalibratedMargins": f"B{_MARGINS_AT}",
+            "CalibratedParameters": f"B{_PARAMETERS_AT}",
+        },
+        (
+            ChartAt("fit", f"B{_FITS_AT}", 560, 320),
+            ChartAt("change", f"H{_FITS_AT}", 800, 320),
+        ),
+        freeze="",
+    ),
+)  # fmt: skip
+
+#: Caption above each table.
+STARTS_CAPTIONS: Mapping[str, str] = {
+    "StartsByVoltage": "By voltage",
+    "StartMatrix": "Start matrix",
+    "DamageLedger": "Damage ledger",
+    "RemainingStarts": "Remaining starts",
+    "FrequencyFit": "Measured frequencies",
+    "PeakFit": "Measured peak torques",
+    "CalibratedFrequencies": "Modes",
+    "CalibratedMargins": "Least separation margins",
+    "CalibratedParameters": "Uncertain quantities",
+}
+
+#: One sentence below the strip of each sheet.
+STARTS_INTROS: Mapping[str, str] = {
+    "Start matrix": "Each kind of start as a run of its own: torsionbook starts FILE. A start that does "
+    "not come to its end is not judged.",
+    "Damage ledger": "What the duty of sheet Duty uses of each judged shaft: Palmgren-Miner, the order "
+    "of starts ignored; a shaft is used up at 1/StartsFactor.",
+    "Calibration": "The least change of the uncertain quantities (sheet Tolerances) that explains what "
+    "was measured: torsionbook calibrate FILE.",
+}
+
+#: Result tables and the column that is coloured as a verdict.
+STARTS_VERDICTS: tuple[tuple[str, str], ...] = (
+    ("DamageLedger", "Verdict"),
+    ("CalibratedMargins", "Verdict before"),
+    ("CalibratedMargins", "Verdict"),
+)

@@ -1,0 +1,85 @@
+"""Calibration against measurements as a study; see `engine.calibration`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from addin.studies.study import Found, Study
+
+if TYPE_CHECKING:
+    from addin.studies.spread import Spread
+    from engine.case import Case, CaseData
+    from engine.errors import Problem
+    from engine.studies import StudyInputs
+
+__all__ = ["CALIBRATION"]
+
+
+def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
+    from engine.calibration_inputs import calibration_problems
+
+    return calibration_problems(case, inputs)
+
+
+def _calculate(
+    case: Case,
+    inputs: StudyInputs,
+    settings: Mapping[str, Any],
+    spread: Spread,
+    tell: Callable[[str], None],
+) -> Found:
+    from engine.calibration import (
+        calibrate,
+        frequency_rows,
+        margin_rows,
+        measurement_rows,
+        parameter_rows,
+    )
+
+    def each(do: Callable[[CaseData], Any], cases: Iterable[CaseData]) -> list[Any]:
+        bundle = list(cases)
+        return spread(
+            do, bundle, lambda done: tell(f"start {min(done + 1, len(bundle))} of {len(bundle)}")
+        )
+
+    tell("measured frequencies")
+    found = calibrate(case, inputs, each_start=each)
+    return Found(
+        result=found,
+        tables={
+            "FrequencyFit": measurement_rows(found, "frequency"),
+            "PeakFit": measurement_rows(found, "peak torque"),
+            "CalibratedFrequencies": frequency_rows(found),
+            "CalibratedMargins": margin_rows(found),
+            "CalibratedParameters": parameter_rows(found),
+        },
+        sentence=" ".join((found.sentence, found.basis_reason, *found.notes)),
+        digest=found.study_sha256,
+        details={
+            "chi_square": found.chi_square,
+            "degrees": found.degrees,
+            "probability": found.probability,
+            "explained": found.explained,
+            "margin_basis": found.basis,
+            "margin_basis_justified": found.basis_justified,
+            "margin_basis_reason": found.basis_reason,
+            "starts": found.starts,
+        },
+    )
+
+
+CALIBRATION = Study(
+    key="calibration",
+    command="calibrate",
+    inputs=("Scatter", "MeasuredFrequencies", "MeasuredPeaks"),
+    results=(
+        "FrequencyFit",
+        "PeakFit",
+        "CalibratedFrequencies",
+        "CalibratedMargins",
+        "CalibratedParameters",
+    ),
+    check=_check,
+    calculate=_calculate,
+)

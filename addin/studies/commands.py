@@ -1,0 +1,140 @@
+"""What the commands of the studies have in common: targets, processes, Ctrl-C, the words at the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from addin.terminal import Refused, list_problems, progress, refuse_clashes
+
+if TYPE_CHECKING:
+    from addin.studies.study import Found, Study
+
+__all__ = [
+    "FileArgument",
+    "IgnoreLockOption",
+    "InPlaceOption",
+    "JobsOption",
+    "JsonOption",
+    "OutOption",
+    "SchedulerOption",
+    "run_study",
+]
+
+_WRONG_INPUT, _INTERRUPTED = 1, 130
+
+FileArgument = Annotated[
+    Path, typer.Argument(help="Workbook or case JSON.", show_default=False, metavar="FILE")
+]
+OutOption = Annotated[
+    Path | None, typer.Option("--out", help="Folder for the result; default beside the input.")
+]
+InPlaceOption = Annotated[
+    bool, typer.Option("--in-place", help="Write into the workbook itself; keeps a .bak copy.")
+]
+JsonOption = Annotated[
+    Path | None, typer.Option("--json", help="Also write the study as JSON: a file or a folder.")
+]
+JobsOption = Annotated[
+    int | None,
+    typer.Option("--jobs", min=1, help="Processes; default one a core.", show_default=False),
+]
+SchedulerOption = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Give the work to the Dask cluster with this scheduler, such as tcp://host:8786.",
+    ),
+]
+IgnoreLockOption = Annotated[
+    bool, typer.Option("--ignore-lock", help="Go on although a lock file is there.")
+]
+
+
+def run_study(
+    study: Study,
+    file: Path,
+    settings: Mapping[str, Any],
+    *,
+    out: Path | None = None,
+    in_place: bool = False,
+    json: Path | None = None,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    ignore_lock: bool = False,
+    show: Callable[[Found], None] = lambda found: None,
+) -> Found:
+    """Run a study from the command line and tell what became of it.
+
+    Parameters
+    ----------
+    study : Study
+        What is asked.
+    file : Path
+        Workbook or case JSON. [path]
+    settings : mapping
+        Of the command line. [names and values]
+    out, in_place, json, jobs, scheduler, ignore_lock
+        The options of the same names. [options]
+    show : callable, optional
+        Prints the tables of what was found.
+
+    Returns
+    -------
+    Found
+        What was found and written.
+
+    Raises
+    ------
+    typer.Exit
+        With 1 for wrong input, 130 after Ctrl-C; everything has been told.
+    """
+    from addin.batch.cluster import ClusterRefused
+    from addin.batch.conductor import Stop, Stopped
+    from addin.problems import printable
+    from addin.studies.spread import Cancelled, UnitLost, spread_over
+    from addin.studies.study import study_one
+
+    if out is not None and in_place:
+        raise typer.BadParameter("--out and --in-place exclude each other.")
+    destination = None if out is None else out / file.name
+    if json is not None and json.is_dir():
+        json = json / f"{file.stem}.{study.command}.json"
+    refuse_clashes([file], [(destination, json)], in_place)
+    stop = Stop()
+    try:
+        with (
+            progress() as tell,
+            stop.listening(tell),
+            spread_over(jobs, scheduler, stop) as spread,
+        ):
+            done = study_one(
+                study,
+                file,
+                spread,
+                settings,
+                destination=destination,
+                in_place=in_place,
+                json_file=json,
+                ignore_lock=ignore_lock,
+                on_stage=lambda stage: tell(f"{file.name}: {stage}"),
+            )
+    except (Cancelled, KeyboardInterrupt):
+        typer.echo(f"{file}: ended by Ctrl-C. Nothing was written.", err=True)
+        raise typer.Exit(_INTERRUPTED) from None
+    except (ClusterRefused, Stopped, UnitLost) as wrong:
+        raise Refused(f"{file}: {wrong}") from wrong
+    for sentence in done.warnings:
+        typer.echo(f"{file}: note: {printable(sentence)}", err=True)
+    if done.found is None:
+        list_problems(file, done.problems, bool(done.written))
+        raise typer.Exit(_WRONG_INPUT)
+    show(done.found)
+    typer.echo(printable(done.found.sentence))
+    for path in done.written:
+        typer.echo(f"written: {path}")
+    return done.found

@@ -1,0 +1,90 @@
+"""Sensitivities: what one per cent of each quantity does to frequencies, peak stress and starts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from addin.studies.study import Found, Study
+
+if TYPE_CHECKING:
+    from addin.studies.spread import Spread
+    from engine.case import Case
+    from engine.derivatives import Derivatives
+    from engine.errors import Problem
+    from engine.studies import StudyInputs
+
+__all__ = ["SENSITIVITIES"]
+
+
+def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
+    return ()
+
+
+def _calculate(
+    case: Case,
+    inputs: StudyInputs,
+    settings: Mapping[str, Any],
+    spread: Spread,
+    on_stage: Callable[[str], None],
+) -> Found:
+    from engine.derivatives import (
+        derivative_rows,
+        derivative_units,
+        differences,
+        element_rows,
+        frequency_rows,
+        gather_derivatives,
+        plan_derivatives,
+        tangent_of,
+    )
+    from engine.studies import study_digest
+
+    on_stage("plain run")
+    plan = plan_derivatives(case)
+    units = derivative_units(plan)
+    parts = spread(
+        differences, units, lambda count: on_stage(f"{count} of {len(units)} quantities")
+    )
+    on_stage("tangent of the start")
+    found = gather_derivatives(plan, parts, tangent_of(plan))
+    return Found(
+        found,
+        {"Sensitivities": derivative_rows(found), "FrequencySensitivities": frequency_rows(found)},
+        _sentence(found),
+        study_digest(),
+        found.sentences,
+        {
+            "sensitivities_of_elements": element_rows(found),
+            "largest_difference_of_two_ways": found.largest_difference,
+        },
+    )
+
+
+def _sentence(found: Derivatives) -> str:
+    """What matters most, in words."""
+    told = [r for r in found.rows if r.peak_ends is not None][:3]
+    if not told or found.governing is None:
+        return found.sentences[0]
+    parts = []
+    for r in told:
+        whose = f"{r.quantity} of {r.of}" if r.of else r.quantity
+        ends = r.starts_ends or r.peak_ends
+        assert ends is not None
+        parts.append(f"{whose} {100.0 * ends[1]:+.2g} %")
+    answer = "allowable starts" if told[0].starts_ends else "peak stress"
+    return (
+        f"What + 1 % does to the {answer} of {found.governing}: {'; '.join(parts)}. "
+        + found.sentences[1]
+    )
+
+
+#: The study of ``torsionbook sensitivities``.
+SENSITIVITIES = Study(
+    key="sensitivities",
+    command="sensitivities",
+    inputs=(),
+    results=("Sensitivities", "FrequencySensitivities"),
+    check=_check,
+    calculate=_calculate,
+)

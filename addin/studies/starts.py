@@ -1,0 +1,85 @@
+"""The start matrix and its damage ledger as a study; see `engine.start_matrix`, `engine.ledger`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from addin.studies.study import Found, Study
+
+if TYPE_CHECKING:
+    from addin.studies.spread import Spread
+    from engine.case import Case
+    from engine.errors import Problem
+    from engine.start_matrix import ConditionResult, StartCondition
+    from engine.studies import StudyInputs
+
+__all__ = ["STARTS"]
+
+
+def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
+    from engine.start_matrix import condition_problems
+
+    return condition_problems(case, inputs)
+
+
+def _one(unit: tuple[Case, StartCondition]) -> ConditionResult:
+    """One start of the matrix: the unit of work."""
+    from engine.start_matrix import calculate_condition
+
+    return calculate_condition(*unit)
+
+
+def _calculate(
+    case: Case,
+    inputs: StudyInputs,
+    settings: Mapping[str, Any],
+    spread: Spread,
+    tell: Callable[[str], None],
+) -> Found:
+    from engine.ledger import damage_ledger, ledger_rows, remaining_rows
+    from engine.start_matrix import gather_matrix, plan_matrix, start_rows, voltage_rows
+
+    plan = plan_matrix(case, inputs, with_standard=bool(settings.get("standard")))
+    number = len(plan.units)
+    rows = spread(
+        _one,
+        [(case, condition) for condition in plan.units],
+        lambda done: tell(f"start {min(done + 1, number)} of {number}"),
+    )
+    matrix = gather_matrix(case, inputs, plan, rows)
+    ledger = damage_ledger(matrix)
+    has_duty = any(row.condition.has_duty for row in matrix.rows)
+    said = [matrix.sentence]
+    if has_duty or not matrix.judged_shafts:
+        said.append(ledger.sentence)
+    else:
+        said.append("No duty is stated on sheet Duty: the ledger is empty.")
+    return Found(
+        result=(matrix, ledger),
+        tables={
+            "StartsByVoltage": voltage_rows(matrix),
+            "StartMatrix": start_rows(matrix),
+            "DamageLedger": ledger_rows(ledger),
+            "RemainingStarts": remaining_rows(ledger),
+        },
+        sentence=" ".join(said),
+        digest=matrix.study_sha256,
+        warnings=matrix.notes,
+        details={
+            "standard": matrix.standard,
+            "starts_factor": matrix.starts_factor,
+            "assumption": ledger.assumption,
+            "verdict": ledger.verdict,
+        },
+    )
+
+
+STARTS = Study(
+    key="starts",
+    command="starts",
+    inputs=("StartConditions",),
+    results=("StartsByVoltage", "StartMatrix", "DamageLedger", "RemainingStarts"),
+    check=_check,
+    calculate=_calculate,
+)

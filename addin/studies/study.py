@@ -1,0 +1,335 @@
+"""What a study is, and one input through it: read, check, calculate, write.
+
+A study reads its own input tables beside the case, calculates units of work wherever `Spread` takes
+them, and writes its own result tables and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from addin.problems import CellProblem
+from addin.recalc import WORKBOOK_ENDINGS, Unreadable, of_case, of_file, read_checked, write_json
+
+if TYPE_CHECKING:
+    from addin.studies.spread import Spread
+    from addin.typed_case import CaseInput
+    from engine.case import Case
+    from engine.errors import Problem
+    from engine.studies import StudyInputs
+
+__all__ = ["Found", "Study", "Studied", "study_one"]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a study found, ready to be shown.
+
+    Parameters
+    ----------
+    result : object
+        The engine's frozen result. [SI]
+    tables : mapping of str to sequence of mapping
+        Rows of the result tables, by table name, under JSON keys. [SI]
+    sentence : str
+        What was found, in words, for the sheet and the terminal. [sentences]
+    digest : str
+        Of the rows and settings that it was made from. [hexadecimal]
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+    details : mapping of str to object
+        More for the JSON alone, or in place of a table that the sheet shows in part. [SI]
+    charts : mapping of str to sequence of mapping
+        Rows of tables that the workbook alone has: maps, and numbers behind charts. [SI]
+    """
+
+    result: Any
+    tables: Mapping[str, Sequence[Mapping[str, Any]]]
+    sentence: str
+    digest: str
+    warnings: tuple[str, ...] = ()
+    details: Mapping[str, Any] = field(default_factory=dict)
+    charts: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Study:
+    """One kind of study.
+
+    Parameters
+    ----------
+    key : str
+        Names it in JSON and in the facts of its sheet, see `study_sheets.STUDIES`. [name]
+    command : str
+        Its command, and the middle of the names of its files. [word]
+    inputs : tuple of str
+        Study tables that it reads. [names]
+    results : tuple of str
+        Result tables that it writes, in workbook and JSON. [names]
+    check : callable
+        Case, inputs and settings → every problem of its rows.
+    calculate : callable
+        Case, inputs, settings, `Spread` and what is told the stage → `Found`.
+    charts : tuple of str
+        Tables that the workbook alone has: maps, and numbers behind charts. [names]
+    """
+
+    key: str
+    command: str
+    inputs: tuple[str, ...]
+    results: tuple[str, ...]
+    check: Callable[[Case, StudyInputs, Mapping[str, Any]], Sequence[Problem]]
+    calculate: Callable[
+        [Case, StudyInputs, Mapping[str, Any], Spread, Callable[[str], None]], Found
+    ]
+    charts: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Studied:
+    """What became of one input.
+
+    Parameters
+    ----------
+    source : Path
+        The input. [path]
+    found : Found or None
+        The study; None if something was wrong. [SI]
+    problems : tuple of CellProblem
+        Everything wrong with the input. [problems]
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+    written : tuple of Path
+        Files written: workbook, JSON. [paths]
+    """
+
+    source: Path
+    found: Found | None
+    problems: tuple[CellProblem, ...]
+    warnings: tuple[str, ...]
+    written: tuple[Path, ...] = ()
+
+
+def study_one(
+    study: Study,
+    source: Path,
+    spread: Spread,
+    settings: Mapping[str, Any],
+    *,
+    destination: Path | None = None,
+    in_place: bool = False,
+    json_file: Path | None = None,
+    ignore_lock: bool = False,
+    on_stage: Callable[[str], None] = lambda stage: None,
+) -> Studied:
+    """Study one input and write what it showed.
+
+    Parameters
+    ----------
+    study : Study
+        What is asked.
+    source : Path
+        Workbook or case JSON. [path]
+    spread : Spread
+        Where units of work are done.
+    settings : mapping
+        Of the command line. [names and values]
+    destination : Path, optional
+        Where the copy of the workbook goes; default beside it, ``train.tune.xlsx``. [path]
+    in_place : bool
+        Write into the workbook itself; it stays as ``.bak``. [flag]
+    json_file : Path, optional
+        Where the JSON goes; of a case JSON by default ``case.tune.json``. [path]
+    ignore_lock : bool
+        Go on although a lock file says somebody has the workbook open. [flag]
+    on_stage : callable, optional
+        Called with a word on what is being done.
+
+    Returns
+    -------
+    Studied
+        The study or problems, and the files written.
+
+    Raises
+    ------
+    addin.studies.spread.Cancelled
+        After Ctrl-C; nothing is written.
+    """
+    from addin.package.errors import PackageError
+    from engine.errors import CaseError, ModelError
+    from engine.studies import StudyInputs
+
+    on_stage("reading")
+    read = read_checked(source)
+    if isinstance(read, Unreadable):
+        return Studied(source, None, read.problems, read.warnings)
+    is_workbook = source.suffix.lower() in WORKBOOK_ENDINGS
+    problems = list(read.problems)
+    if is_workbook and json_file is None:
+        problems += _missing_sheets(read, study)
+    inputs = StudyInputs() if read.studies is None else read.studies.inputs
+    warnings = list(read.warnings)
+    if read.studies is not None:
+        warnings += read.studies.warnings
+        problems += read.studies.told(study.inputs)
+    if problems:
+        return Studied(source, None, tuple(problems), tuple(warnings))
+    try:
+        case = read.case()
+        wrong = study.check(case, inputs, settings)
+        if wrong:
+            return Studied(source, None, _told(read, study, wrong), tuple(warnings))
+        found = study.calculate(case, inputs, settings, spread, on_stage)
+    except (CaseError, ModelError) as refused:
+        return Studied(source, None, of_case(refused), tuple(warnings))
+    warnings += found.warnings
+    on_stage("writing")
+    files: list[Path] = []
+    try:
+        if is_workbook and not _missing_sheets(read, study):
+            target = source if in_place else destination or beside(source, study)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            warnings += _write(study, read, None if in_place else target, found, ignore_lock)
+            files.append(target)
+        elif is_workbook:
+            warnings.append(
+                f"{source.name} has no sheets for this study: its results are in the JSON only."
+            )
+        elif json_file is None:
+            json_file = destination or beside(source, study)
+        if json_file is not None:
+            write_json(json_file, to_json(study, found, read, tuple(warnings)))
+            files.append(json_file)
+    except (PackageError, OSError) as failed:
+        problem = of_file(source, failed)
+        return Studied(source, None, (problem,), tuple(warnings), tuple(files))
+    return Studied(source, found, (), tuple(warnings), tuple(files))
+
+
+def beside(source: Path, study: Study) -> Path:
+    """Default name of what a study writes: train.tune.xlsx, case.tune.json.
+
+    Parameters
+    ----------
+    source : Path
+        The input. [path]
+    study : Study
+        The study.
+
+    Returns
+    -------
+    Path
+        Beside the input.
+    """
+    return source.with_name(f"{source.stem}.{study.command}{source.suffix}")
+
+
+def to_json(
+    study: Study, found: Found, read: CaseInput, warnings: tuple[str, ...]
+) -> dict[str, Any]:
+    """A study as JSON: its result tables under their keys, as in results of the contract.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    found : Found
+        What it found. [SI]
+    read : CaseInput
+        Its case.
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+
+    Returns
+    -------
+    dict
+        Keys format, study, case_sha256, study_sha256, version, sentence, warnings, errors, one a
+        result table, and the details of the study.
+    """
+    from addin.results_json import FORMAT, table_rows
+    from addin.version import product_version
+    from engine.case import case_digest
+
+    return {
+        "format": FORMAT,
+        "study": study.key,
+        "case_sha256": case_digest(read.data),
+        "study_sha256": found.digest,
+        "version": product_version(),
+        "sentence": found.sentence,
+        "warnings": list(warnings),
+        "errors": [],
+        **{_key(name): table_rows(name, rows) for name, rows in found.tables.items()},
+        **found.details,
+    }
+
+
+def _key(table: str) -> str:
+    from addin.fields import json_key
+
+    return json_key(table)
+
+
+def _told(read: CaseInput, study: Study, wrong: Sequence[Problem]) -> tuple[CellProblem, ...]:
+    """Problems of the study's rows with their cells; of a case without such tables as they are."""
+    if read.studies is not None:
+        return read.studies.told(study.inputs, wrong)
+    from addin.fields import input_table
+    from addin.problems import placed
+
+    return tuple(placed(one, input_table(one.table).sheet, "", "cell") for one in wrong)
+
+
+def _missing_sheets(read: CaseInput, study: Study) -> list[CellProblem]:
+    """A workbook without the sheets of the study, as one problem."""
+    from addin.fields import input_table, result_table
+    from addin.read_workbook import WorkbookInput
+
+    assert isinstance(read, WorkbookInput)
+    known = {name.casefold() for name in read.workbook.tables}
+    needed = (*study.inputs, *study.results, *study.charts)
+    absent = [name for name in needed if name.casefold() not in known]
+    if not absent:
+        return []
+    first = absent[0]
+    spec = input_table(first) if first in study.inputs else result_table(first)
+    name = read.path.name
+    sentence = (
+        f"the workbook has no table {', '.join(absent)}, which torsionbook {study.command} needs. "
+        f"torsionbook new studies-{name} --studies --from {name} makes a workbook with the same inputs "
+        "and the sheets of the studies; or say --json for results without a sheet."
+    )
+    return [CellProblem(spec.sheet, first, None, "", None, f"table {first}", sentence, "")]
+
+
+def _write(
+    study: Study, read: CaseInput, destination: Path | None, found: Found, ignore_lock: bool
+) -> tuple[str, ...]:
+    """Write a study into the workbook it was read from; sentences the user should read."""
+    from addin.audit import Stamp
+    from addin.read_workbook import WorkbookInput
+    from addin.write_workbook import write_study_results
+    from engine.case import case_digest
+
+    assert isinstance(read, WorkbookInput)
+    made, digest = Stamp.now(), case_digest(read.data)
+    facts = {
+        f"{study.key}_Sentence": found.sentence,
+        f"{study.key}_Stamp": (
+            f"Made by {made.software} on {made.date:%Y-%m-%d %H:%M} UTC from the inputs with SHA-256 "
+            f"{digest[:12]}… and study rows {found.digest[:12]}…"
+        ),
+        f"{study.key}_SHA256": digest,
+    }
+    report = write_study_results(
+        read.workbook,
+        destination,
+        {**found.tables, **found.charts},
+        facts,
+        read.data.ratings.rated_torque,
+        ignore_lock=ignore_lock,
+    )
+    return report.notes

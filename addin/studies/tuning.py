@@ -1,0 +1,147 @@
+"""The tuning study: rows of sheet Tuning, combinations spread over processes, ranked results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from addin.studies.study import Found, Study
+
+if TYPE_CHECKING:
+    from addin.studies.spread import Spread
+    from engine.case import Case
+    from engine.combination import Tried
+    from engine.errors import Problem
+    from engine.studies import StudyInputs
+    from engine.tuning_options import Combination
+
+__all__ = ["SHOWN", "TUNING", "Batch"]
+
+#: Combinations of one unit of work; one takes some 50 ms. [count]
+_TOGETHER = 10
+#: Rows of the sheets; the JSON has all of them. [count]
+SHOWN, SHOWN_CROSSINGS = 200, 20
+
+#: A case and the combinations that one process calculates.
+Batch = tuple["Case", tuple["Combination", ...]]
+
+
+def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
+    from engine.tuning_checks import tuning_problems
+
+    return tuning_problems(case, inputs)
+
+
+def _calculate(
+    case: Case,
+    inputs: StudyInputs,
+    settings: Mapping[str, Any],
+    spread: Spread,
+    tell: Callable[[str], None],
+) -> Found:
+    from addin.results_json import table_rows
+    from addin.studies.tuning_tables import map_tables
+    from engine.tuning import band_rows, crossing_rows, gather, map_rows, ranked_rows
+    from engine.tuning_plan import plan_tuning
+
+    plan = plan_tuning(case, inputs)
+    every = plan.combinations
+    batches: list[Batch] = [
+        (case, every[k : k + _TOGETHER]) for k in range(0, len(every), _TOGETHER)
+    ]
+
+    def done(count: int) -> None:
+        tell(f"{min(count * _TOGETHER, len(every)):,} of {len(every):,} combinations")
+
+    tried = [one for batch in spread(calculate_batch, batches, done) for one in batch]
+    result = gather(case, plan, tried)
+    ranked, crossings = ranked_rows(result), crossing_rows(result)
+    shown = [row for row in ranked if row["rank"] <= SHOWN or row["as_is"]]
+    return Found(
+        (case, result),
+        {
+            "TuningResults": shown,
+            "TuningCrossings": crossing_rows(result, SHOWN_CROSSINGS),
+            "ForbiddenBands": band_rows(result),
+        },
+        result.sentence,
+        result.study_digest,
+        _warnings(len(ranked)),
+        {
+            "tuning_results": table_rows("TuningResults", ranked),
+            "tuning_crossings": table_rows("TuningCrossings", crossings),
+            "variables": [_variable(v) for v in result.variables],
+            "choices": _choices(result.rows, result.variables),
+            "free_windows": [_without_blanks({"from": w.from_, "to": w.to}) for w in result.windows],
+            "tuning_map": [_without_blanks(row) for row in map_rows(result)],
+        },
+        map_tables(result),
+    )  # fmt: skip
+
+
+def calculate_batch(batch: Batch) -> list[Tried]:
+    """Some combinations in one process.
+
+    Parameters
+    ----------
+    batch : tuple of (Case, tuple of Combination)
+        What is calculated. [SI]
+
+    Returns
+    -------
+    list of Tried
+        In the same order. [SI]
+    """
+    from engine.combination import calculate_combination
+
+    case, combinations = batch
+    return [calculate_combination(case, one) for one in combinations]
+
+
+def _warnings(count: int) -> tuple[str, ...]:
+    if count <= SHOWN:
+        return ()
+    return (
+        f"Sheet Tuning results shows the best {SHOWN} of {count:,} combinations and the case as it "
+        "stands; --json writes all of them.",
+    )
+
+
+def _variable(variable: Any) -> dict[str, Any]:
+    """What may be chosen, as JSON."""
+    return _without_blanks(
+        {
+            "name": variable.name,
+            "quantity": variable.quantity,
+            "unit": variable.unit,
+            "present": variable.present,
+            "options": [{"label": o.label, "value": o.value} for o in variable.options],
+        }
+    )
+
+
+def _choices(rows: Sequence[Any], variables: Sequence[Any]) -> list[dict[str, Any]]:
+    """What each combination chose, as numbers: the words of the table are rounded."""
+    return [
+        {
+            "rank": row.rank,
+            "values": [option.value for option in row.tried.combination.options]
+            or [variable.present for variable in variables],
+        }
+        for row in rows
+    ]
+
+
+def _without_blanks(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in row.items() if value is not None}
+
+
+TUNING = Study(
+    "tuning",
+    "tune",
+    ("Tuning", "Catalogue"),
+    ("TuningResults", "TuningCrossings", "ForbiddenBands"),
+    _check,
+    _calculate,
+    ("TuningAxes", "TuningStarts", "TuningMargins", "TuningModes", "TuningLines", "TuningHatch"),
+)

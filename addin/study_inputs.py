@@ -1,0 +1,247 @@
+"""What is typed on the study sheets → `StudyInputs`; wrong cells there spoil no plain calculation.
+
+Numbers of table `Tuning` are in the unit of their row, for each row may be of another quantity.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from typing import Any
+
+from addin.fields import STUDY_INPUT_TABLES
+from addin.problems import CellProblem, shortened
+from addin.typed_case import Bases, Entry, Findings, Place, TypedCase, ratios_of, rows_in_si
+from addin.units import UnitError, UnitScale, parse_unit
+from engine.case import CaseData
+from engine.errors import Problem
+from engine.studies import (
+    BACKLASH,
+    DAMPING,
+    DIAMETER,
+    INERTIA,
+    STIFFNESS,
+    STUDY_TABLES,
+    StudyInputs,
+    TuningRow,
+)
+
+__all__ = ["StudiesRead", "studies_read"]
+
+#: Dimensions that a unit of a quantity may have beside a ratio.
+_DIMENSIONS = {
+    STIFFNESS: ("torsional stiffness",),
+    DAMPING: ("torsional damping",),
+    INERTIA: ("inertia",),
+    DIAMETER: ("length",),
+    BACKLASH: ("length", "angle"),
+}
+_RELATIVE = UnitScale(1.0)
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
+#: Most values of one row; a range has fewer by its own check. [count]
+_MOST_VALUES = 200
+
+
+@dataclass(frozen=True)
+class StudiesRead:
+    """What is typed on the study sheets.
+
+    Parameters
+    ----------
+    inputs : StudyInputs
+        What could be read. [SI]
+    tables : frozenset of str
+        Study tables that the input has. [names]
+    problems : tuple of Problem
+        Cells that cannot be read; checks of a study come on top. [problems]
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+    bad : frozenset of Place
+        Places of which nothing more is to be said. [places]
+    locate : callable
+        A problem with its cell and the number as typed.
+    typed : TypedCase
+        Every entry of the study tables. [as typed]
+    """
+
+    inputs: StudyInputs
+    tables: frozenset[str]
+    problems: tuple[Problem, ...]
+    warnings: tuple[str, ...]
+    bad: frozenset[Place]
+    locate: Callable[[Problem], CellProblem]
+    typed: TypedCase
+
+    def told(
+        self, tables: Collection[str], found: Collection[Problem] = ()
+    ) -> tuple[CellProblem, ...]:
+        """Everything wrong in some of the tables, in the order of the tables.
+
+        Parameters
+        ----------
+        tables : collection of str
+            Those that a study uses. [names]
+        found : collection of Problem, optional
+            What the study finds; nothing is said twice of a cell. [problems]
+
+        Returns
+        -------
+        tuple of CellProblem
+        """
+        unread = [one for one in self.problems if one.table in tables]
+        more = [one for one in found if (one.table, one.row, one.column) not in self.bad]
+        order = {spec.name: i for i, spec in enumerate(STUDY_INPUT_TABLES)}
+        both = sorted((*unread, *more), key=lambda p: (order.get(p.table, -1), p.row or 0))
+        return tuple(self.locate(one) for one in both)
+
+
+def studies_read(
+    tables: Collection[str],
+    typed: TypedCase,
+    case: TypedCase,
+    findings: Findings,
+    locate: Callable[[Problem], CellProblem],
+    warnings: tuple[str, ...],
+) -> StudiesRead:
+    """Study inputs in SI, with what cannot be read.
+
+    Parameters
+    ----------
+    tables : collection of str
+        Study tables that the input has. [names]
+    typed : TypedCase
+        What is typed in them. [as typed]
+    case : TypedCase
+        The case, for units relative to it. [as typed]
+    findings : Findings
+        Of the reader. [problems]
+    locate : callable
+        Gives a problem its cell.
+    warnings : tuple of str
+        Of the reader. [sentences]
+
+    Returns
+    -------
+    StudiesRead
+    """
+    ratings = _ratings(case)
+    bases = Bases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(case))
+    rows: dict[str, tuple[Any, ...]] = {}
+    for spec in STUDY_INPUT_TABLES:
+        key, row_class = STUDY_TABLES[spec.name]
+        if spec.name == "Tuning":
+            rows[key] = tuple(
+                _tuning(entries, number, findings)
+                for number, entries in enumerate(typed.tables.get(spec.name, ()), start=1)
+            )
+        else:
+            rows[key] = rows_in_si(spec, row_class, typed, bases, findings)
+    return StudiesRead(
+        StudyInputs(**rows),
+        frozenset(tables),
+        tuple(findings.problems),
+        warnings,
+        findings.bad_cells,
+        locate,
+        typed,
+    )
+
+
+def _ratings(case: TypedCase) -> Any:
+    """Ratings of a case as far as they can be read; its own problems are told elsewhere."""
+    from addin.typed_case import to_case_data
+
+    data: CaseData = to_case_data(
+        TypedCase(dict(case.scalars), {"Stations": case.tables.get("Stations", [])}), Findings()
+    )
+    return data.ratings
+
+
+# --- table Tuning: each row in its own unit -------------------------------------------------------
+
+
+def _tuning(entries: dict[str, Entry], number: int, findings: Findings) -> TuningRow:
+    """One row of `Tuning`, its numbers in its own unit."""
+
+    def plain(column: str) -> float | None:
+        entry = entries.get(column)
+        return None if entry is None or isinstance(entry, str) else float(entry.number)
+
+    def words(column: str) -> str | None:
+        entry = entries.get(column)
+        return entry if isinstance(entry, str) else None
+
+    quantity, steps = words("Quantity"), plain("Steps")
+    row = TuningRow(
+        element=words("Element"),
+        quantity=quantity,
+        values=_listed(words("Values"), number, findings),
+        from_=plain("From"),
+        to=plain("To"),
+    )
+    if steps is not None:
+        if steps != round(steps):
+            findings.add(
+                ("Tuning", number, "Steps"), steps, "a whole number",
+                f"found {steps:g}; it must be a whole number. Correct it.",
+            )  # fmt: skip
+        else:
+            row = replace(row, steps=int(steps))
+    scale, relative = _scale(words("Unit"), quantity, number, findings)
+    return replace(
+        row,
+        relative=relative,
+        values=tuple(scale.to_si(value) for value in row.values),
+        from_=None if row.from_ is None else scale.to_si(row.from_),
+        to=None if row.to is None else scale.to_si(row.to),
+    )
+
+
+def _scale(
+    unit: str | None, quantity: str | None, number: int, findings: Findings
+) -> tuple[UnitScale, bool]:
+    """What the numbers of a row are worth, and whether they multiply what the case says."""
+    if unit is None:
+        return _RELATIVE, True
+    place: Place = ("Tuning", number, "Unit")
+    for dimension in ("ratio", *_DIMENSIONS.get(quantity or "", ())):
+        try:
+            return parse_unit(unit, dimension), dimension == "ratio"
+        except UnitError as error:
+            refused = error
+    if quantity is not None:  # else the blank Quantity is told
+        findings.add(
+            place,
+            unit,
+            refused.allowed,
+            f"{refused.message} For multiples of what the case says write 1 or %, or leave the "
+            "cell blank.",
+        )
+    for column in ("Values", "From", "To"):
+        findings.silence(("Tuning", number, column))
+    return _RELATIVE, True
+
+
+def _listed(text: str | None, number: int, findings: Findings) -> tuple[float, ...]:
+    """The numbers of a list such as ``0.5; 0.8; 1.2``."""
+    if text is None:
+        return ()
+    place: Place = ("Tuning", number, "Values")
+    parts = [part for part in re.split(r"[;\s]+", text.strip()) if part]
+    wrong = next((part for part in parts if not _NUMBER.fullmatch(part)), None)
+    if wrong is not None:
+        hint = " Write the decimal sign as a point." if re.search(r"\d,\d", wrong) else ""
+        findings.add(
+            place, shortened(text), "numbers with semicolons between them",
+            f"found '{shortened(text)}'; '{shortened(wrong)}' is not a number. Write numbers with "
+            f"semicolons between them, such as 0.5; 0.8; 1.2, and their unit in column Unit.{hint}",
+        )  # fmt: skip
+        return ()
+    if len(parts) > _MOST_VALUES:
+        findings.add(
+            place, len(parts), f"at most {_MOST_VALUES} values",
+            f"found {len(parts)} values; at most {_MOST_VALUES} are tried. Leave some out.",
+        )  # fmt: skip
+        return ()
+    return tuple(float(part) for part in parts)

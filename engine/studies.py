@@ -1,0 +1,277 @@
+"""What the engineer wants tried: couplings, scatter, kinds of starts, measurements.
+
+A case says what the train is, a study what is asked of it. One row class stands for one input
+table of the study sheets; the field names are their JSON keys. Frozen, in SI; None was left blank.
+Study inputs do not enter the digest of the case, as no result of the plain run depends on them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+
+__all__ = [
+    "AVERAGE_TORQUE",
+    "BACKLASH",
+    "CatalogueRow",
+    "DAMPING",
+    "DAMPING_RATIO",
+    "DIAMETER",
+    "INERTIA",
+    "LOAD_TORQUE",
+    "MeasuredFrequencyRow",
+    "MeasuredPeakRow",
+    "PULSATING_TORQUE",
+    "SCATTERED",
+    "SN_LINE",
+    "STIFFNESS",
+    "STUDY_TABLES",
+    "ScatterRow",
+    "StartConditionRow",
+    "StudyInputs",
+    "TUNED",
+    "TuningRow",
+    "study_digest",
+]
+
+STIFFNESS, DAMPING, INERTIA, DIAMETER = "stiffness", "damping", "inertia", "diameter"
+BACKLASH, DAMPING_RATIO = "backlash", "damping ratio"
+AVERAGE_TORQUE, PULSATING_TORQUE = "average torque", "pulsating torque"
+LOAD_TORQUE, SN_LINE = "load torque", "S-N line"
+
+#: Quantities that a designer may choose.
+TUNED = (STIFFNESS, DAMPING, INERTIA, DIAMETER, BACKLASH)
+#: Quantities that are not known exactly. `damping ratio` is that of all elastic modes.
+SCATTERED = (
+    STIFFNESS,
+    INERTIA,
+    DAMPING,
+    DAMPING_RATIO,
+    AVERAGE_TORQUE,
+    PULSATING_TORQUE,
+    LOAD_TORQUE,
+    SN_LINE,
+)
+
+
+@dataclass(frozen=True)
+class TuningRow:
+    """One row of `Tuning`: a quantity that may be chosen, and what is tried for it.
+
+    Parameters
+    ----------
+    element : str or None
+        Element of `Elements`; for an inertia the station of `Stations`. [name]
+    quantity : str or None
+        One of `TUNED`. [word]
+    relative : bool
+        Whether the numbers below multiply what the case says; else they stand in its place. [flag]
+    values : tuple of float
+        Values to try; empty = the range. [1 or SI]
+    from_, to : float or None
+        Ends of a range. [1 or SI]
+    steps : int or None
+        How many values the range is given, ends included; blank = 11. [count]
+    """
+
+    element: str | None = None
+    quantity: str | None = None
+    relative: bool = True
+    values: tuple[float, ...] = ()
+    from_: float | None = None
+    to: float | None = None
+    steps: int | None = None
+
+
+@dataclass(frozen=True)
+class CatalogueRow:
+    """One row of `Catalogue`: a coupling that a maker offers for an element.
+
+    Parameters
+    ----------
+    element : str or None
+        The element that it may replace. [name]
+    name : str or None
+        The maker's designation. [name]
+    fitted : str or None
+        ``yes`` for the one whose inertia the stations of the case contain; else none is in them. [word]
+    stiffness : float or None
+        Torsional stiffness. [N m/rad]
+    inertia : float or None
+        Of the whole coupling; half of it at each end, instead of the fitted one's. [kg m²]
+    damping : float or None
+        Viscous damping across it; blank = as in the case. [N m s/rad]
+    loss_factor : float or None
+        Hysteretic loss factor; blank = as in the case. [1]
+    rated_torque, peak_torque_limit, vibratory_limit : float or None
+        The maker's limits; blank = not judged. [N m]
+    """
+
+    element: str | None = None
+    name: str | None = None
+    fitted: str | None = None
+    stiffness: float | None = None
+    inertia: float | None = None
+    damping: float | None = None
+    loss_factor: float | None = None
+    rated_torque: float | None = None
+    peak_torque_limit: float | None = None
+    vibratory_limit: float | None = None
+
+
+@dataclass(frozen=True)
+class ScatterRow:
+    """One row of `Scatter`: how sure a quantity is.
+
+    Parameters
+    ----------
+    name : str or None
+        Element, station or material; blank = all that have the quantity. [name]
+    quantity : str or None
+        One of `SCATTERED`. [word]
+    distribution : str or None
+        ``normal`` (default), ``uniform``, ``triangular`` or ``from-to``. [word]
+    spread : float or None
+        Of what the case says: standard deviation (normal) or half width (uniform, triangular). [1]
+    from_, to : float or None
+        Ends of a uniform distribution over what the case says (from-to). [1]
+    together : str or None
+        With a blank name: ``each`` (default) scatters for itself, ``together`` all by one factor. [word]
+    """
+
+    name: str | None = None
+    quantity: str | None = None
+    distribution: str | None = None
+    spread: float | None = None
+    from_: float | None = None
+    to: float | None = None
+    together: str | None = None
+
+
+@dataclass(frozen=True)
+class StartConditionRow:
+    """One row of `StartConditions`: a kind of start, and how often it happens.
+
+    Parameters
+    ----------
+    condition : str or None
+        Name of the kind of start, unique. [name]
+    voltage : float or None
+        Over the voltage of the torque curves; blank = as in the case. [1]
+    damping_ratio : float or None
+        Of all elastic modes, hot or cold; blank = as in the case. [1]
+    load : float or None
+        Share of LoadTorque that acts: 1 loaded (blank), 0 unloaded. [1]
+    trip_speed : float or None
+        Of the reference shaft, where the start is aborted; blank = as in the case. [rad/s]
+    per_year : float or None
+        Such starts a year; blank = 0. [1/year]
+    so_far : float or None
+        Such starts the train has seen; blank = 0. [count]
+    """
+
+    condition: str | None = None
+    voltage: float | None = None
+    damping_ratio: float | None = None
+    load: float | None = None
+    trip_speed: float | None = None
+    per_year: float | None = None
+    so_far: float | None = None
+
+
+@dataclass(frozen=True)
+class MeasuredFrequencyRow:
+    """One row of `MeasuredFrequencies`.
+
+    Parameters
+    ----------
+    mode : int or None
+        Elastic mode it is taken for, counted from 1; blank = the one that fits best. [count]
+    frequency : float or None
+        As measured. [Hz]
+    uncertainty : float or None
+        Standard deviation over the frequency; blank = 0.01. [1]
+    """
+
+    mode: int | None = None
+    frequency: float | None = None
+    uncertainty: float | None = None
+
+
+@dataclass(frozen=True)
+class MeasuredPeakRow:
+    """One row of `MeasuredPeaks`: the largest torque of an element in a measured start.
+
+    Parameters
+    ----------
+    element : str or None
+        Element of `Elements`. [name]
+    maximum_torque : float or None
+        As measured, at the element's own speed. [N m]
+    uncertainty : float or None
+        Standard deviation over the torque; blank = 0.05. [1]
+    """
+
+    element: str | None = None
+    maximum_torque: float | None = None
+    uncertainty: float | None = None
+
+
+@dataclass(frozen=True)
+class StudyInputs:
+    """Every table of the study sheets, unchecked.
+
+    Parameters
+    ----------
+    tuning, catalogue, scatter, start_conditions, measured_frequencies, measured_peaks : tuple
+        Rows of the tables of the same name. [rows]
+    """
+
+    tuning: tuple[TuningRow, ...] = ()
+    catalogue: tuple[CatalogueRow, ...] = ()
+    scatter: tuple[ScatterRow, ...] = ()
+    start_conditions: tuple[StartConditionRow, ...] = ()
+    measured_frequencies: tuple[MeasuredFrequencyRow, ...] = ()
+    measured_peaks: tuple[MeasuredPeakRow, ...] = ()
+
+
+#: Input table of the study sheets → (field of `StudyInputs`, row class).
+STUDY_TABLES: dict[str, tuple[str, type]] = {
+    "Tuning": ("tuning", TuningRow),
+    "Catalogue": ("catalogue", CatalogueRow),
+    "Scatter": ("scatter", ScatterRow),
+    "StartConditions": ("start_conditions", StartConditionRow),
+    "MeasuredFrequencies": ("measured_frequencies", MeasuredFrequencyRow),
+    "MeasuredPeaks": ("measured_peaks", MeasuredPeakRow),
+}
+
+
+def study_digest(*rows: object) -> str:
+    """SHA-256 of study inputs: which rows a study was made from.
+
+    Parameters
+    ----------
+    *rows : dataclass
+        Rows of the tables that enter the study, and its settings. [SI]
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits; numbers count to 12 significant digits.
+    """
+
+    def canonical(value: object) -> object:
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return [canonical(v) for v in value] if isinstance(value, (list, tuple)) else value
+        return float(f"{value:.11e}") + 0.0
+
+    text = json.dumps(
+        [
+            {k: canonical(v) for k, v in asdict(row).items() if v not in (None, ())}  # type: ignore[call-overload]
+            for row in rows
+        ],
+        sort_keys=True,
+        separators=(",", ":"),
+    )
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()

@@ -1,0 +1,521 @@
+"""Calibration: against closed forms, an independent search, and measurements that cannot be."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.stats import chi2
+
+from engine.calibration import (
+    Calibration,
+    calibrate,
+    frequency_rows,
+    margin_rows,
+    measurement_rows,
+    parameter_rows,
+)
+from engine.calibration_inputs import calibration_problems, plan_calibration
+from engine.case import Case, CaseData, ElementRow, StationRow
+from engine.least_change import FrequencyModel, maximum_torques, unknowns_of
+from engine.run import at_speed
+from engine.scatter import factors_of
+from engine.studies import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
+from engine.substitution import Change, changed
+from tests.sample_case import sample_case
+
+
+def M(
+    mode: int | None, frequency: float | None, uncertainty: float | None = None
+) -> MeasuredFrequencyRow:
+    """A measured frequency, numpy's numbers made plain."""
+    return MeasuredFrequencyRow(mode, None if frequency is None else float(frequency), uncertainty)
+
+
+def asked(
+    *frequencies: MeasuredFrequencyRow,
+    scatter: tuple[ScatterRow, ...] = (),
+    peaks: tuple[MeasuredPeakRow, ...] = (),
+) -> StudyInputs:
+    return StudyInputs(scatter=scatter, measured_frequencies=frequencies, measured_peaks=peaks)
+
+
+def elastic(case: CaseData) -> np.ndarray:
+    return at_speed(Case(**vars(case))).modes.elastic_frequency
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    return sample_case("proposed")
+
+
+@pytest.fixture(scope="module")
+def frequencies(case: Case) -> np.ndarray:
+    return elastic(case)
+
+
+def chain(*stiffness: float, inertia: tuple[float, ...] = (4.0, 1.0, 2.0)) -> Case:
+    """Inertias in a row, joined by springs."""
+    return Case(
+        stations=tuple(StationRow(f"S{i}", None, j) for i, j in enumerate(inertia)),
+        elements=tuple(
+            ElementRow(f"K{i}", "coupling", f"S{i}", f"S{i + 1}", float(k))
+            for i, k in enumerate(stiffness)
+        ),
+        line_frequency=60.0,
+        poles=4,
+    )
+
+
+# --- closed forms ---------------------------------------------------------------------------------
+
+
+def test_one_spring_one_frequency_by_hand() -> None:
+    """f ∝ √k: z is the root of z + (f−m)/u² f' = 0, its variance 1/(1 + f'²/u²), f' = ½σf."""
+    case = chain(1e5, inertia=(4.0, 1.0))
+    f0 = float(elastic(case)[0])
+    sigma, u, m = 0.08, 0.005, 1.03 * f0
+    found = calibrate(
+        case, asked(M(None, m, u), scatter=(ScatterRow("K0", "stiffness", "normal", sigma),))
+    )
+    (p,) = found.parameters
+    f = f0 * math.sqrt(1.0 + p.change)
+    assert p.pull == pytest.approx(math.log1p(p.change) / sigma, rel=1e-12)
+    slope = 0.5 * sigma * f / (u * m)
+    assert p.pull + (f - m) / (u * m) * slope == pytest.approx(0.0, abs=1e-9)
+    assert p.posterior_deviation == pytest.approx(sigma / math.sqrt(1.0 + slope**2), rel=1e-9)
+    (row,) = found.frequencies
+    assert row.after == pytest.approx(f, rel=1e-9)
+    assert row.prior_deviation == pytest.approx(0.5 * sigma, rel=1e-9)
+    assert row.posterior_deviation == pytest.approx(0.5 * p.posterior_deviation, rel=1e-9)
+    assert found.chi_square == pytest.approx(p.pull**2 + ((f - m) / (u * m)) ** 2, rel=1e-9)
+    assert found.probability == pytest.approx(chi2.sf(found.chi_square, 1), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("row", "deviation"),
+    [
+        (ScatterRow("K0", "stiffness", None, 0.1), 0.1),
+        (ScatterRow("K0", "stiffness", "uniform", 0.1), 0.1 / math.sqrt(3.0)),
+        (ScatterRow("K0", "stiffness", "triangular", 0.1), 0.1 / math.sqrt(6.0)),
+        (ScatterRow("K0", "stiffness", "from-to", None, 0.9, 1.1), 0.1 / math.sqrt(3.0)),
+    ],
+)
+def test_spread_is_the_prior(row: ScatterRow, deviation: float) -> None:
+    case = chain(1e5, 3e5)
+    found = calibrate(case, asked(M(None, float(elastic(case)[0])), scatter=(row,)))
+    assert found.parameters[0].prior_deviation == pytest.approx(deviation, rel=1e-12)
+
+
+def test_from_to_beside_one_is_counted_from_its_middle() -> None:
+    case = chain(1e5, 3e5)
+    row = ScatterRow("K0", "stiffness", "from-to", None, 1.1, 1.3)
+    true = float(elastic(changed(case, [Change("stiffness", "K0", 1.2)]))[0])
+    found = calibrate(case, asked(M(None, true), scatter=(row,)))
+    assert found.parameters[0].change == pytest.approx(0.2, abs=1e-12)
+    assert found.parameters[0].pull == pytest.approx(0.0, abs=1e-12)
+    assert any("counted from its middle" in note for note in found.notes)
+
+
+def test_an_independent_search_finds_the_same_least() -> None:
+    """Eigenvalues of K − λM by numpy, the least by BFGS: nothing of the engine in it."""
+    inertia, k0 = (4.0, 1.0, 2.0), np.array([1e5, 3e5])
+    spread, u = np.array([0.15, 0.05]), 0.01
+    measured = np.array([1.04, 0.99]) * elastic(chain(*k0))
+
+    def calculated(k: np.ndarray) -> np.ndarray:
+        K = np.array([[k[0], -k[0], 0], [-k[0], k[0] + k[1], -k[1]], [0, -k[1], k[1]]])
+        root = 1.0 / np.sqrt(np.array(inertia))
+        values = np.linalg.eigvalsh(root[:, None] * K * root)
+        return np.sqrt(values[1:]) / (2.0 * math.pi)
+
+    def misfit(z: np.ndarray) -> float:
+        residual = (calculated(k0 * np.exp(spread * z)) - measured) / (u * measured)
+        return float(z @ z + residual @ residual)
+
+    best = minimize(misfit, np.zeros(2), method="BFGS", options={"gtol": 1e-9})
+    scatter = tuple(
+        ScatterRow(f"K{i}", "stiffness", "normal", float(s)) for i, s in enumerate(spread)
+    )
+    found = calibrate(chain(*k0), asked(*(M(None, float(f), u) for f in measured), scatter=scatter))
+    assert [p.pull for p in found.parameters] == pytest.approx(best.x, abs=1e-5)
+    assert found.chi_square == pytest.approx(best.fun, rel=1e-8)
+
+
+def test_derivatives_from_energies_are_those_of_differences(case: Case) -> None:
+    """Also of a shaft with inertia of its own, of an inertia behind gears, and of a common factor."""
+    i = next(k for k, e in enumerate(case.elements) if e.kind == "shaft")
+    shaft = replace(
+        case.elements[i], stiffness=None, od=0.3, length=1.0, shear_modulus=8e10, density=7850.0
+    )
+    base = Case(**(vars(case) | {"elements": (*case.elements[:i], shaft, *case.elements[i + 1 :])}))
+    rows = (
+        ScatterRow(None, "stiffness", "normal", 0.1),
+        ScatterRow(None, "inertia", "normal", 0.1),
+    )
+    for factors in (
+        factors_of(base, rows),
+        factors_of(base, tuple(replace(r, together="together") for r in rows)),
+    ):
+        model = FrequencyModel(base, unknowns_of(factors))
+        z = 0.3 * np.sin(np.arange(model.unknowns.number))
+        exact = model.gradient(model.at(z))[:6]
+        h = 1e-4
+        for j, e in enumerate(np.eye(len(z))):
+            up, down = (np.log(model.at(z + s * h * e).frequency[:6]) for s in (1, -1))
+            np.testing.assert_allclose((up - down) / (2.0 * h), exact[:, j], atol=2e-7)
+
+
+# --- what is asked of a calibration ---------------------------------------------------------------
+
+
+def test_measuring_the_case_itself_changes_nothing(case: Case, frequencies: np.ndarray) -> None:
+    found = calibrate(case, asked(*(M(None, float(f), 1e-4) for f in frequencies[:3])))
+    assert [p.change for p in found.parameters] == pytest.approx([0.0] * 10, abs=1e-12)
+    assert found.chi_square == pytest.approx(0.0, abs=1e-12)
+    assert found.calibrated.elements == pytest.approx(case.elements) or all(
+        a.stiffness == pytest.approx(b.stiffness, rel=1e-12)
+        for a, b in zip(found.calibrated.elements, case.elements, strict=True)
+    )
+    assert found.explained
+
+
+def test_a_perturbed_train_is_found_again(case: Case) -> None:
+    """Two couplings known badly, everything else well: the frequencies give them back."""
+    scatter = (
+        ScatterRow(None, "stiffness", "normal", 0.005),
+        ScatterRow("LS coupling", "stiffness", "uniform", 0.4),
+        ScatterRow("HS coupling", "stiffness", "uniform", 0.4),
+    )
+    true = changed(
+        case,
+        [Change("stiffness", "LS coupling", 1.25), Change("stiffness", "HS coupling", 0.85)],
+    )
+    measured = elastic(true)[:3]
+    found = calibrate(case, asked(*(M(None, float(f), 1e-3) for f in measured), scatter=scatter))
+    change = {p.name: p for p in found.parameters}
+    for name, wanted in (("LS coupling", 0.25), ("HS coupling", -0.15)):
+        p = change[name]
+        assert p.change == pytest.approx(wanted, abs=0.01)
+        assert p.change_low < wanted < p.change_high
+        assert p.determined == "determined"
+    assert [f.after for f in found.frequencies[:3]] == pytest.approx(list(measured), rel=1e-3)
+    assert elastic(found.calibrated)[:3] == pytest.approx(list(measured), rel=1e-3)
+    assert change["Mesh"].determined == "not determined"
+    assert "next to nothing" in change["Mesh"].note
+
+
+def test_modes_that_change_order_keep_their_measurements() -> None:
+    """Two separate torsional pendulums: the measured frequencies are in the other order."""
+    case = Case(
+        stations=(StationRow("A", None, 1.0), StationRow("B", None, 1.0)),
+        elements=(
+            ElementRow("KA", "spring to ground", "A", "ground", 1.00e5),
+            ElementRow("KB", "spring to ground", "B", "ground", 1.10e5),
+            ElementRow("Link", "coupling", "A", "B", 10.0),
+        ),
+        line_frequency=60.0,
+        poles=4,
+    )
+    a, b = elastic(case)
+    scatter = tuple(ScatterRow(k, "stiffness", "normal", 0.1) for k in ("KA", "KB"))
+    found = calibrate(case, asked(M(1, 1.06 * a, 1e-3), M(2, 0.94 * b, 1e-3), scatter=scatter))
+    first, second = found.frequencies
+    assert (first.calibrated_mode, second.calibrated_mode) == (2, 1)
+    assert first.after == pytest.approx(1.06 * a, rel=2e-3)
+    assert second.after == pytest.approx(0.94 * b, rel=2e-3)
+    assert min(first.mac, second.mac) > 0.99
+    assert "After calibration this shape is mode 2." in found.measurements[0].note
+    blank = calibrate(
+        case, asked(M(None, 1.06 * a, 1e-3), M(None, 0.94 * b, 1e-3), scatter=scatter)
+    )
+    assert [m.of for m in blank.measurements] == ["mode 2", "mode 1"]  # the lesser change
+    assert blank.chi_square < found.chi_square
+
+
+def test_a_mode_between_two_measurements_says_that_it_could_be_either() -> None:
+    case = chain(1e5, 1.05e5, 1e5, inertia=(50.0, 1.0, 1.0, 50.0))
+    f = elastic(case)
+    between = math.sqrt(f[1] * f[2])
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.4),)
+    found = calibrate(case, asked(M(None, float(between)), scatter=scatter))
+    assert "could be mode" in found.measurements[0].note
+
+
+def test_a_train_together_is_one_unknown(case: Case, frequencies: np.ndarray) -> None:
+    """All stiffnesses by 1.1: every frequency by √1.1, and one factor explains them."""
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.2, together="together"),)
+    found = calibrate(
+        case,
+        asked(*(M(None, math.sqrt(1.1) * f, 1e-3) for f in frequencies[:3]), scatter=scatter),
+    )
+    (p,) = found.parameters
+    assert p.change == pytest.approx(0.1, abs=1e-3)
+    assert p.determined == "determined"
+
+
+def test_peak_torques_tell_of_damping(case: Case, frequencies: np.ndarray) -> None:
+    true = changed(case, [Change("damping ratio", "", 1.3)])
+    torque = maximum_torques(true)["HS coupling"]
+    rows = (
+        ScatterRow("HS coupling", "stiffness", "normal", 0.05),
+        ScatterRow(None, "damping ratio", "uniform", 0.6),
+    )
+    seen: list[int] = []
+    found = calibrate(
+        case,
+        asked(
+            *(M(None, float(f), 1e-3) for f in frequencies[:3]),
+            scatter=rows,
+            peaks=(MeasuredPeakRow("HS coupling", torque, 0.01),),
+        ),
+        on_progress=lambda done, of, words: seen.append(done),
+    )
+    damping = next(p for p in found.parameters if p.quantity == "damping ratio")
+    assert damping.change == pytest.approx(0.3, abs=0.06)
+    assert damping.determined == "determined"
+    peak = found.measurements[-1]
+    assert (peak.kind, peak.of, peak.used, peak.explained) == (
+        "peak torque",
+        "HS coupling",
+        True,
+        True,
+    )
+    assert peak.after == pytest.approx(torque, rel=0.01)
+    assert peak.before == pytest.approx(maximum_torques(case)["HS coupling"], rel=1e-6)
+    assert found.calibrated.damping_ratio == pytest.approx(
+        (case.damping_ratio or 0.0) * (1.0 + damping.change)
+    )
+    assert found.starts == seen[-1]
+    assert found.starts > 4
+    stopped = calibrate(
+        case,
+        asked(M(None, float(frequencies[0])), peaks=(MeasuredPeakRow("HS coupling", torque),)),
+        should_stop=lambda: True,
+    )
+    assert not stopped.complete
+    assert "Stopped" in stopped.notes[-1]
+    assert not stopped.measurements[-1].used
+
+
+# --- measurements that cannot be ------------------------------------------------------------------
+
+
+def told(found: Calibration, row: int) -> str:
+    one = next(m for m in found.measurements if m.row == row and m.kind == "frequency")
+    assert not one.used
+    assert not one.explained
+    assert one.after is None
+    return one.note
+
+
+def test_impossible_measurements_get_their_sentence(case: Case, frequencies: np.ndarray) -> None:
+    f = frequencies
+    found = calibrate(
+        case, asked(M(None, f[0]), M(None, 200.0), M(None, 1.01 * f[0]), M(None, 1e5))
+    )
+    assert "no mode can be there" in told(found, 2)
+    assert "86 Hz" in told(found, 2)
+    assert "is taken by the 30 Hz of row 1" in told(found, 3)
+    assert "above the highest mode of the model" in told(found, 4)
+    assert found.measurements[0].used
+    assert not found.explained
+    assert not found.basis_justified
+    stated = calibrate(case, asked(M(2, float(f[0]))))
+    assert "mode 2 is calculated at 53 Hz" in told(stated, 1)
+    assert stated.sentence.startswith("Nothing was calibrated")
+    assert [p.change for p in stated.parameters] == [0.0] * 10
+
+
+def test_a_measurement_that_contradicts_the_others_is_told(
+    case: Case, frequencies: np.ndarray
+) -> None:
+    """All stiffnesses change alike, so the ratio of two frequencies is fixed: 3 % off is not ±0.1 %."""
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.1, together="together"),)
+    f = frequencies
+    found = calibrate(
+        case, asked(M(1, f[0], 1e-3), M(2, f[1], 1e-3), M(3, 1.03 * f[2], 1e-3), scatter=scatter)
+    )
+    assert [m.explained for m in found.measurements][2] is False
+    assert "Not explained" in found.measurements[2].note
+    assert found.probability < 0.01
+    assert not found.explained
+    assert "Not explained: chance" in found.sentence
+
+
+@pytest.mark.parametrize(
+    ("studies", "place", "says"),
+    [
+        (asked(), ("MeasuredFrequencies", None, ""), "nothing was measured"),
+        (asked(M(None, -30.0)), ("MeasuredFrequencies", 1, "Frequency"), "must be positive"),
+        (asked(M(None, None)), ("MeasuredFrequencies", 1, "Frequency"), "blank"),
+        (asked(M(None, math.inf)), ("MeasuredFrequencies", 1, "Frequency"), "must be positive"),
+        (asked(M(0, 30.0)), ("MeasuredFrequencies", 1, "Mode"), "from 1 to 10"),
+        (asked(M(11, 30.0)), ("MeasuredFrequencies", 1, "Mode"), "10 elastic modes"),
+        (asked(M(1, 30.0), M(1, 31.0)), ("MeasuredFrequencies", 2, "Mode"), "row 1 names too"),
+        (asked(M(1, 30.0, 0.0)), ("MeasuredFrequencies", 1, "Uncertainty"), "write 1 %"),
+        (asked(M(1, 30.0, 1.0)), ("MeasuredFrequencies", 1, "Uncertainty"), "write 1 %"),
+        (
+            asked(peaks=(MeasuredPeakRow("Nothing", 1.0),)),
+            ("MeasuredPeaks", 1, "Element"),
+            "found 'Nothing'",
+        ),
+        (
+            asked(peaks=(MeasuredPeakRow("Mesh", -1.0),)),
+            ("MeasuredPeaks", 1, "Maximum torque"),
+            "must be positive",
+        ),
+        (
+            asked(peaks=(MeasuredPeakRow("Mesh", 1.0), MeasuredPeakRow("Mesh", 2.0))),
+            ("MeasuredPeaks", 2, "Element"),
+            "row 1 names too",
+        ),
+        (
+            asked(M(1, 30.0), scatter=(ScatterRow("Nothing", "stiffness", None, 0.1),)),
+            ("Scatter", 1, "Name"),
+            "no element 'Nothing'",
+        ),
+    ],
+)
+def test_wrong_rows_are_told(
+    case: Case, studies: StudyInputs, place: tuple[str, int | None, str], says: str
+) -> None:
+    (found,) = calibration_problems(case, studies)
+    assert (found.table, found.row, found.column) == place
+    assert says in found.message
+    assert calibration_problems(case, studies, frozenset({place})) == ()
+
+
+def test_peaks_without_a_motor(case: Case) -> None:
+    still = replace(CaseData(**vars(case)), motor_torque=(), load_torque=())
+    (found,) = calibration_problems(still, asked(peaks=(MeasuredPeakRow("Mesh", 1.0),)))
+    assert "no rows in table MotorTorque" in found.message
+
+
+# --- defaults and notes ---------------------------------------------------------------------------
+
+
+def test_blank_scatter_is_every_stiffness_at_ten_percent(case: Case) -> None:
+    plan = plan_calibration(case, asked(M(1, 30.0)))
+    assert [f.names for f in plan.factors] == [(str(e.element),) for e in case.elements]
+    assert {(f.quantity, f.distribution, f.spread) for f in plan.factors} == {
+        ("stiffness", "normal", 0.1)
+    }
+    assert "±10%" in plan.notes[0]
+    assert plan.frequencies[0].uncertainty == 0.01
+    only_curves = (ScatterRow("Motor", "pulsating torque", "normal", 0.1),)
+    plan = plan_calibration(case, asked(M(1, 30.0), scatter=only_curves))
+    assert len(plan.factors) == 10
+    assert any("pulsating torque is not calibrated" in note for note in plan.notes)
+
+
+def test_damping_counts_only_beside_peak_torques(case: Case) -> None:
+    rows = (
+        ScatterRow(None, "stiffness", "normal", 0.1),
+        ScatterRow(None, "damping ratio", "normal", 0.2),
+    )
+    without = plan_calibration(case, asked(M(1, 30.0), scatter=rows))
+    assert {f.quantity for f in without.factors} == {"stiffness"}
+    peaks = (MeasuredPeakRow("Mesh", 1e4),)
+    assert {
+        f.quantity for f in plan_calibration(case, asked(scatter=rows, peaks=peaks)).factors
+    } == {
+        "stiffness",
+        "damping ratio",
+    }
+
+
+def test_a_change_beyond_a_uniform_spread_is_told() -> None:
+    case = chain(1e5, inertia=(4.0, 1.0))
+    scatter = (ScatterRow("K0", "stiffness", "uniform", 0.05),)
+    found = calibrate(case, asked(M(None, 1.04 * float(elastic(case)[0]), 1e-3), scatter=scatter))
+    assert "leaves what Scatter allows (-5% to +5%)" in found.parameters[0].note
+
+
+def test_two_springs_in_series_are_known_only_together() -> None:
+    case = chain(1e5, 1e5, inertia=(5.0, 1e-4, 5.0))
+    f = float(elastic(case)[0])
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.3),)
+    found = calibrate(case, asked(M(1, 1.05 * f, 1e-4), scatter=scatter))
+    assert all("Known only together with stiffness of" in p.note for p in found.parameters)
+
+
+# --- the basis of the margins ---------------------------------------------------------------------
+
+
+def test_margins_of_measured_modes_ask_for_ten_percent(case: Case, frequencies: np.ndarray) -> None:
+    """Modes 1 (30 Hz) and 2 (53 Hz, 11.7 % from 60 Hz) decide; mode 3 keeps 28 %."""
+    found = calibrate(case, asked(*(M(None, float(f)) for f in frequencies[:2])))
+    assert found.basis_justified
+    assert found.basis == found.calibrated.margin_basis == "measured"
+    assert (found.required_before, found.required_after) == (0.20, 0.10)
+    rows = {r["mode"]: r for r in margin_rows(found)}
+    assert (rows[2]["verdict_before"], rows[2]["verdict"]) == ("fail", "pass")
+    assert (rows[1]["verdict_before"], rows[1]["verdict"]) == ("fail", "fail")
+    assert "mode 2 (53 Hz, margin 11.7%): measured" in found.basis_reason
+
+
+def test_basis_stays_calculated_while_a_deciding_mode_is_unknown(
+    case: Case, frequencies: np.ndarray
+) -> None:
+    found = calibrate(case, asked(M(None, float(frequencies[0]))))
+    assert not found.basis_justified
+    assert found.basis == "calculated"
+    assert found.calibrated.margin_basis is None
+    assert found.required_after == 0.20
+    assert "Measure mode 2" in found.basis_reason
+
+
+def test_a_bad_measurement_of_a_mode_does_not_make_it_known(
+    case: Case, frequencies: np.ndarray
+) -> None:
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.3),)
+    found = calibrate(case, asked(*(M(None, f, 0.05) for f in frequencies[:2]), scatter=scatter))
+    assert not found.basis_justified
+    assert "measured, but known to" in found.basis_reason
+
+
+def test_a_small_prior_is_no_measurement(case: Case, frequencies: np.ndarray) -> None:
+    """Everything ±1 %: mode 2 is sure to 0.4 %, but nobody measured it."""
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.01),)
+    found = calibrate(case, asked(M(None, float(frequencies[0])), scatter=scatter))
+    two = found.frequencies[1]
+    assert two.posterior_deviation < 0.005
+    assert not two.known
+    assert not found.basis_justified
+
+
+def test_a_mode_may_be_known_through_others(case: Case, frequencies: np.ndarray) -> None:
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.1, together="together"),)
+    found = calibrate(case, asked(M(None, float(frequencies[0])), scatter=scatter))
+    assert found.basis_justified
+    assert "determined by the other measurements" in found.frequencies[1].why
+
+
+def test_margin_required_overrules_and_wide_margins_need_no_basis(frequencies: np.ndarray) -> None:
+    stated = calibrate(sample_case("proposed", margin_required=0.15), asked(M(None, 30.0)))
+    assert not stated.basis_justified
+    assert "MarginRequired states 15.0%" in stated.basis_reason
+    stiff = chain(1e9, 1e9)
+    wide = calibrate(stiff, asked(M(None, float(elastic(stiff)[0]))))
+    assert not wide.basis_justified
+    assert "every margin keeps the 20%" in wide.basis_reason
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+
+def test_rows_are_plain_and_finite(case: Case, frequencies: np.ndarray) -> None:
+    found = calibrate(case, asked(M(None, float(frequencies[0])), M(None, 200.0)))
+    tables = [rows(found) for rows in (parameter_rows, frequency_rows, margin_rows)]
+    for table in [*tables, measurement_rows(found, "frequency")]:
+        assert table
+        for row in table:
+            for key, value in row.items():
+                assert value is None or type(value) in (str, bool, int, float), key
+                assert not isinstance(value, float) or math.isfinite(value), key
+    assert pickle.loads(pickle.dumps(found)).sentence == found.sentence

@@ -1,0 +1,306 @@
+"""The tolerance study on the paper's sample, and on starts that stall, part or never damage."""
+
+from __future__ import annotations
+
+import json
+import math
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from engine.case import Case, CaseData, MeshRow
+from engine.errors import CaseError
+from engine.lean_start import LINEAR, PLANNED, near_start, near_train, recipe_of
+from engine.run import run
+from engine.studies import ScatterRow
+from engine.substitution import names_with
+from engine.tolerance_sample import (
+    ToleranceSettings,
+    evaluate,
+    plan_tolerances,
+    units_of,
+)
+from engine.tolerance_tables import tolerance_details, tolerance_tables
+from engine.tolerances import (
+    Tolerances,
+    gather,
+    tolerances,
+)
+from tests.sample_case import sample_case
+
+ROWS = (
+    ScatterRow(quantity="stiffness", spread=0.05),
+    ScatterRow(quantity="damping ratio", distribution="uniform", spread=0.2),
+    ScatterRow(quantity="S-N line", from_=0.9, to=1.1),
+)
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    return sample_case("proposed", starts_required=400.0)
+
+
+@pytest.fixture(scope="module")
+def found(case: Case) -> Tolerances:
+    return tolerances(case, ROWS, ToleranceSettings(120, 5))
+
+
+# --- nothing scatters -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("design", ["proposed", "modified"])
+def test_without_scatter_every_sample_is_the_plain_run(design: str) -> None:
+    """Frequencies and margins bit for bit; torques and starts within the step error that is said."""
+    case = sample_case(design)
+    plain = run(case)
+    plan = plan_tolerances(
+        case,
+        [ScatterRow(quantity=q, spread=0.0) for q in ("stiffness", "inertia", "S-N line")],
+        ToleranceSettings(30),
+        nominal=plain,
+    )
+    (unit, *_) = units_of(plan, 3)
+    got = evaluate(unit)
+    n = plan.recipe.n_modes
+    assert np.array_equal(got.frequency, np.tile(plain.modes.elastic_frequency[:n], (3, 1)))
+    kept = [r.margin for r in plain.margins.rows if r.mode <= n]
+    assert np.array_equal(got.margin, np.tile(kept, (3, 1)))
+    assert plain.start is not None
+    assert plain.starts is not None
+    assert plan.recipe.starts_error is not None
+    peaks = [max(abs(p.maximum), abs(p.minimum)) for p in plain.start.peaks]
+    assert got.torque[0] == pytest.approx(peaks, rel=2.0 * plan.recipe.step_error)
+    assert got.starts[0, 0] == pytest.approx(
+        plain.starts.starts, rel=1.01 * plan.recipe.starts_error
+    )
+
+
+def test_without_scatter_the_study_says_one_number_and_no_driver(case: Case) -> None:
+    same = tolerances(case, [ScatterRow(quantity="stiffness", spread=0.0)], ToleranceSettings(40))
+    row = same.percentile("allowable starts", "HP compressor shaft")
+    assert row is not None
+    assert len({(p.value, p.low if p.low else p.value, p.high) for p in row.percentiles}) == 1
+    assert same.converged
+    assert same.explained is None
+    assert all(d.share is None for d in same.drivers)
+
+
+# --- the sample -----------------------------------------------------------------------------------
+
+
+def test_the_division_of_the_work_changes_nothing(case: Case) -> None:
+    plan = plan_tolerances(case, ROWS, ToleranceSettings(40, 2))
+    whole = gather(plan, [evaluate(u) for u in units_of(plan, 1000)])
+    parts = [evaluate(pickle.loads(pickle.dumps(u))) for u in units_of(plan, 7)]
+    in_pieces = gather(plan, parts[::-1])
+    assert whole.percentiles == in_pieces.percentiles
+    assert whole.probabilities == in_pieces.probabilities
+    assert whole.drivers == in_pieces.drivers
+    assert np.array_equal(whole.starts, in_pieces.starts)
+
+
+def test_the_seed_and_the_scatter_are_in_the_digest(case: Case) -> None:
+    def digest(rows: tuple[ScatterRow, ...], seed: int) -> str:
+        return plan_tolerances(case, rows, ToleranceSettings(40, seed)).digest
+
+    assert digest(ROWS, 1) == digest(ROWS, 1)
+    assert len({digest(ROWS, 1), digest(ROWS, 2), digest(ROWS[:2], 1)}) == 3
+
+
+def test_a_sample_is_the_run_of_the_changed_case(case: Case) -> None:
+    """One sample against the conductor itself, which decides and refines everything anew."""
+    from engine.scatter import changes_of
+    from engine.substitution import changed
+
+    plan = plan_tolerances(case, ROWS, ToleranceSettings(40, 9))
+    got = evaluate(units_of(plan, 1)[0])
+    full = run(Case(**vars(changed(case, changes_of(plan.factors, plan.values[0])))))
+    n = plan.recipe.n_modes
+    assert np.array_equal(got.frequency[0], full.modes.elastic_frequency[:n])
+    assert full.start is not None
+    assert full.starts is not None
+    peaks = [max(abs(p.maximum), abs(p.minimum)) for p in full.start.peaks]
+    assert got.torque[0] == pytest.approx(peaks, rel=5e-4)
+    assert got.starts[0, 0] == pytest.approx(full.starts.starts, rel=0.01)
+
+
+def test_percentiles_rise_and_lie_in_their_intervals(found: Tolerances) -> None:
+    for row in found.percentiles:
+        values = [p.value for p in row.percentiles]
+        assert values == sorted(values)
+        for p in row.percentiles:
+            assert p.low is None or p.low <= p.value
+            assert p.high is None or p.high >= p.value
+
+
+def test_stronger_material_and_damping_allow_more_starts(found: Tolerances) -> None:
+    """The sign of physics: their runs at P90 allow more starts than at P10, and they drive most."""
+    first_two = {d.factor for d in found.drivers[:2]}
+    assert first_two == {"damping ratio", "S-N line of alloy steel"}
+    for d in found.drivers[:2]:
+        assert d.at_low is not None
+        assert d.at_high is not None
+        assert d.at_high > d.at_low
+        assert d.rank_coefficient is not None
+        assert d.rank_coefficient > 0.0
+    assert found.explained is not None
+    assert sum(d.share or 0.0 for d in found.drivers) == pytest.approx(found.explained, rel=1e-9)
+    assert found.explained <= 1.0
+
+
+def test_probabilities_are_shares_of_the_sample(found: Tolerances, case: Case) -> None:
+    starts = next(p for p in found.probabilities if p.check == "starts")
+    assert starts.probability == pytest.approx(float(np.mean(found.starts >= 400.0)))
+    assert starts.low < starts.probability < starts.high
+    every = next(p for p in found.probabilities if p.check == "all margins")
+    each = [p.probability for p in found.probabilities if p.check == "margin"]
+    assert every.probability <= min(each)
+
+
+def test_the_starts_factor_divides_before_starts_are_judged(case: Case) -> None:
+    halved = Case(**{**vars(case), "starts_factor": 2.0})
+    wanted = Case(**{**vars(case), "starts_required": 800.0})
+    settings = ToleranceSettings(30, 5)
+
+    def probability(of: Case) -> float:
+        rows = tolerances(of, ROWS, settings).probabilities
+        return next(p.probability for p in rows if p.check == "starts")
+
+    assert 0.0 < probability(halved) < 1.0
+    assert probability(halved) == probability(wanted)
+
+
+def test_progress_and_cancel(case: Case) -> None:
+    seen: list[tuple[int, int]] = []
+    stopped = tolerances(
+        case,
+        ROWS,
+        ToleranceSettings(200, 5),
+        on_progress=lambda done, of: seen.append((done, of)),
+        should_stop=lambda: len(seen) == 2,
+    )
+    factors = len(names_with(case, "stiffness")) + 2
+    assert seen == [(50, 200 + 2 * factors), (100, 200 + 2 * factors)]
+    assert stopped.samples == 100
+    assert any("Stopped after 100 of 200 samples" in s for s in stopped.sentences)
+    assert all(d.at_low is None for d in stopped.drivers)  # those runs come last
+
+
+# --- starts of other kinds ------------------------------------------------------------------------
+
+
+def test_starts_that_stall_are_in_no_percentile_and_meet_no_demand(case: Case) -> None:
+    rows = [ScatterRow(quantity="average torque", from_=0.1, to=1.2)]
+    got = tolerances(case, rows, ToleranceSettings(40, 1))
+    completed = next(p for p in got.probabilities if p.check == "start completed")
+    assert 0.0 < completed.probability < 1.0
+    row = got.percentile("allowable starts", "HP compressor shaft")
+    assert row is not None
+    assert row.samples == round(40 * completed.probability) == len(got.starts)
+    enough = next(p for p in got.probabilities if p.check == "starts")
+    assert enough.samples == 40
+    assert enough.probability == pytest.approx(float(np.sum(got.starts >= 400.0)) / 40)
+    assert any("did not come to their end" in s and "stalled" in s for s in got.sentences)
+
+
+def test_unlimited_starts_are_told_as_unlimited(case: Case) -> None:
+    """An S-N line four times as high: nothing damages; 2.3 times: some samples do."""
+
+    def raised(by: float) -> Tolerances:
+        strong = replace(
+            CaseData(**vars(case)),
+            sn_points=tuple(replace(p, stress=by * (p.stress or 0.0)) for p in case.sn_points),
+            materials=tuple(
+                replace(m, endurance=by * (m.endurance or 0.0)) for m in case.materials
+            ),
+        )
+        return tolerances(Case(**vars(strong)), ROWS, ToleranceSettings(60, 1))
+
+    never = raised(4.0)
+    row = never.percentile("allowable starts", "HP compressor shaft")
+    assert row is not None
+    assert row.unlimited == 1.0
+    assert row.nominal == math.inf
+    assert never.driven == "peak stress"
+    (told,) = tolerance_tables(never)["ToleranceStarts"]
+    assert told["p_10"] == told["nominal"] == "unlimited"
+    assert tolerance_tables(never)["ToleranceHistogram"] == [{"starts": "unlimited", "share": 1.0}]
+    some = raised(2.3).percentile("allowable starts", "HP compressor shaft")
+    assert some is not None
+    assert 0.0 < some.unlimited < 1.0
+    assert math.isfinite(some.percentiles[0].value)
+
+
+def test_a_train_without_a_motor_has_frequencies_and_margins(case: Case) -> None:
+    still = Case(**{**vars(case), "motor_torque": (), "load_torque": ()})
+    got = tolerances(still, ROWS, ToleranceSettings(50, 1))
+    assert {r.quantity for r in got.percentiles} == {"frequency", "margin"}
+    assert got.driven == "least margin"
+    assert any("no start was calculated" in s for s in got.sentences)
+
+
+def _with_gap(case: Case, gap: float = 5e-4) -> Case:
+    mesh = next(e for e in case.elements if e.kind == "gear mesh")
+    ratio = {s.station: s.speed_ratio or 1.0 for s in case.stations}
+    driven = 0.3 * ratio[mesh.from_] / ratio[mesh.to]
+    row = MeshRow(mesh.element, None, 0.3, driven, backlash=gap)
+    return Case(**{**vars(case), "meshes": (row,)})
+
+
+def test_a_plan_with_clearances_is_kept_for_every_sample(case: Case) -> None:
+    gap = _with_gap(case)
+    plain = run(gap)
+    recipe = recipe_of(gap, plain)
+    assert recipe.start == PLANNED
+    got = near_start(gap, recipe, near_train(gap, recipe))
+    assert plain.start is not None
+    assert got.largest == pytest.approx(
+        [max(abs(p.maximum), abs(p.minimum)) for p in plain.start.peaks], rel=1e-12
+    )
+
+
+def test_a_sample_that_reverses_where_the_plan_has_no_gap_is_told(case: Case) -> None:
+    """The modified train hardly reverses; with more pulsation some samples do."""
+    gap = _with_gap(sample_case("modified"))
+    gap = Case(**{**vars(gap), "motor_torque": tuple(
+        replace(p, pulsating=0.5 * (p.pulsating or 0.0)) for p in gap.motor_torque
+    )})  # fmt: skip
+    assert recipe_of(gap, run(gap)).start == LINEAR
+    rows = [ScatterRow(quantity="pulsating torque", from_=1.0, to=1.8)]
+    settings = ToleranceSettings(30, 1)
+    plan = plan_tolerances(gap, rows, settings)
+    got = evaluate(units_of(plan, 30)[0])
+    assert 0 < np.sum(got.reversed) < 30
+    told = gather(plan, [got])
+    assert any(
+        "reverses where the plan of the plain run simulates no gap" in s for s in told.sentences
+    )
+    again = plan_tolerances(gap, rows, replace(settings, replan=True))
+    first = int(np.flatnonzero(got.reversed)[0])
+    (redone,) = [evaluate(u) for u in units_of(again, 1)[first : first + 1]]
+    assert not redone.reversed[0] or redone.torque[0] != pytest.approx(got.torque[first], rel=1e-6)
+
+
+# --- rows and refusals ----------------------------------------------------------------------------
+
+
+def test_the_rows_are_plain_json(found: Tolerances) -> None:
+    tables = tolerance_tables(found)
+    for told in (dict(tables), dict(tolerance_details(found))):
+        assert json.loads(json.dumps(told, allow_nan=False)) == told
+    assert all(tables.values())
+    assert sum(r["share"] for r in tables["ToleranceHistogram"]) == pytest.approx(1.0)
+    middle = tables["ToleranceDistribution"][49]
+    row = found.percentile("allowable starts", "HP compressor shaft")
+    assert row is not None
+    assert (middle["probability"], middle["starts"]) == (0.5, row.percentiles[1].value)
+
+
+def test_every_problem_at_once(case: Case) -> None:
+    rows = [ScatterRow(quantity="stiffness", spread=0.5), ScatterRow(quantity="colour")]
+    with pytest.raises(CaseError) as refused:
+        plan_tolerances(case, rows, ToleranceSettings(5, -1, "dice"))
+    columns = [p.column for p in refused.value.problems]
+    assert columns == ["Spread", "Quantity", "Spread", "Samples", "Method", "Seed"]
