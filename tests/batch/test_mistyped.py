@@ -76,7 +76,7 @@ def test_a_table_that_is_none_and_a_decimal_comma(tmp_path):
     assert said == f"{table}: it cannot be read: No such file or directory."
     table.write_bytes(b"%PDF-1.7\n\xff\xfe\xfa")
     assert "not UTF-8 text. Give a CSV saved as CSV UTF-8" in told(*words)[1]
-    table.write_text("Name;DampingRatio [%]\na;1,5\n", encoding="utf-8")
+    table.write_text('Name,DampingRatio [%]\na,"1,5"\n', encoding="utf-8")
     done = torsionbook(*words, cwd=tmp_path)
     assert done.returncode == 1
     assert (
@@ -129,7 +129,7 @@ def test_a_summary_replaces_a_summary_and_nothing_else(tmp_path):
     for _ in range(2):
         done = torsionbook(*words, "--summary", "all.xlsx", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
-    assert "Verdicts: 1 fail." in done.stdout
+    assert "Verdicts: 1 fail, 1 not judged." in done.stdout
 
 
 def test_errors_of_an_input_as_json_are_no_case(tmp_path):
