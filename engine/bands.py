@@ -121,7 +121,7 @@ def rows_of_bands(
     Returns
     -------
     list of dict
-        Keys excitation, from, to, lowest, highest [Hz] and modes_inside.
+        Keys excitation, from, to, lowest, highest [Hz] and modes_inside (None = clear).
     """
     return [
         {
@@ -130,7 +130,8 @@ def rows_of_bands(
             "to": band.to,
             "lowest": band.lowest,
             "highest": band.highest,
-            "modes_inside": ", ".join(f"mode {m}" for m, x in too_near if x == band.excitation),
+            "modes_inside": ", ".join(f"mode {m}" for m, x in too_near if x == band.excitation)
+            or None,
         }
         for band in bands
     ]

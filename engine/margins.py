@@ -176,8 +176,6 @@ def separation_margins(
     for mode, f in enumerate(modes.elastic_frequency.tolist(), start=1):
         for x in known if twists[mode - 1] else ():
             f_exc = nearest_frequency(x, f, speeds)
-            if f_exc != f:  # 2 × 1800 rpm is 1 × 60 Hz: rounding must not choose the nearer of them
-                f_exc = float(f"{f_exc:.14g}")
             margin = abs(f - f_exc) / f_exc
             speed = None
             if x.order is not None:
@@ -204,10 +202,12 @@ def nearest_frequency(
     Returns
     -------
     float
-        The given frequency if it lies in the range, else that of the nearer end. [Hz]
+        The given frequency if it lies in the range, else that of the nearer end, to 14 digits. [Hz]
     """
     low, high = speeds or (0.0, 0.0)
-    return min(max(frequency, excitation.frequency_at(low)), excitation.frequency_at(high))
+    nearest = min(max(frequency, excitation.frequency_at(low)), excitation.frequency_at(high))
+    # 2 × 1800 rpm is 1 × 60 Hz: rounding must not choose the nearer of them.
+    return nearest if nearest == frequency else float(f"{nearest:.14g}")
 
 
 def _warnings(
