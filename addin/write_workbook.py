@@ -249,9 +249,7 @@ def write_study(
     PackageError
         When the workbook cannot be saved; nothing has been written then.
     """
-    workbook.allow_saving(ignore_lock=ignore_lock)
-    units, problems = read_shown_units(workbook, rated_torque)
-    workbook.notes += problems
+    units = _units_to_write(workbook, rated_torque, ignore_lock)
     spec = fields.result_table("AccuracyCost")
     chart = next(table for table in CHART_TABLES if table.name == "ChartAccuracy")
     wanted = [
@@ -265,9 +263,7 @@ def write_study(
         "run_AccuracyInputs": f"Study of the inputs with SHA-256 {stamp.sha256[:12]}…, "
         f"{stamp.day} UTC, {stamp.software}",
     }
-    for name, text in facts.items():
-        if name in workbook.defined_names:
-            workbook.set_name(name, text)
+    _set_facts(workbook, facts)
     labels = workbook.tables.get("ChartLabels")
     if labels is not None and _has_label(labels, _ACCURACY_TITLE):
         cell = _label_cell(labels, _ACCURACY_TITLE)
@@ -312,19 +308,32 @@ def write_study_results(
     PackageError
         When the workbook cannot be saved; nothing has been written then.
     """
-    workbook.allow_saving(ignore_lock=ignore_lock)
-    units, problems = read_shown_units(workbook, rated_torque)
-    workbook.notes += problems
+    units = _units_to_write(workbook, rated_torque, ignore_lock)
     wanted = [
         _result_block(fields.result_table(name), rows, units) for name, rows in tables.items()
     ]
     present = _present(workbook, wanted)
     workbook.write_tables(present)
     _fit_rows(workbook, present)
+    _set_facts(workbook, facts)
+    return workbook.save(destination, in_place=destination is None)
+
+
+def _units_to_write(
+    workbook: Workbook, rated_torque: float | None, ignore_lock: bool
+) -> ShownUnits:
+    """The units a study is written in; the workbook may be saved from now on."""
+    workbook.allow_saving(ignore_lock=ignore_lock)
+    units, problems = read_shown_units(workbook, rated_torque)
+    workbook.notes += problems
+    return units
+
+
+def _set_facts(workbook: Workbook, facts: Mapping[str, str]) -> None:
+    """Words behind defined names, where the workbook has them."""
     for name, text in facts.items():
         if name in workbook.defined_names:
             workbook.set_name(name, text)
-    return workbook.save(destination, in_place=destination is None)
 
 
 def read_shown_units(
