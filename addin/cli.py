@@ -24,7 +24,7 @@ from addin.studies.calibration_command import calibrate
 from addin.studies.starts_command import starts
 from addin.studies.tolerance_commands import sensitivities, tolerances
 from addin.studies.tuning_command import tune
-from addin.terminal import Refused, list_problems, progress, refuse_clashes
+from addin.terminal import Refused, list_problems, progress, refuse_clashes, study_targets
 from addin.verify.commands import verify
 
 if TYPE_CHECKING:
@@ -174,12 +174,15 @@ def new(
 def check(files: Files) -> None:
     """Read and check inputs without calculating: every error with its sheet and cell.
 
+    Where there is none, it says which answers cannot be given yet, and which input is missing for each.
+
     Example: `torsionbook check train.xlsx`
     """
     from addin.problems import printable
     from addin.recalc import Unreadable, read_checked
     from addin.studies.every import of_studies
     from engine.plausibility import implausible
+    from engine.unanswered import unanswered
 
     wrong = 0
     for file in files:
@@ -193,6 +196,8 @@ def check(files: Files) -> None:
             list_problems(file, problems)
         else:
             typer.echo(f"{file}: no errors.")
+            if open_answers := unanswered(read.case()):  # type: ignore[union-attr]
+                typer.echo(f"  Not answered yet. {' '.join(open_answers)}")
     if wrong:
         raise typer.Exit(WRONG_INPUT)
 
@@ -235,11 +240,14 @@ def recalc(
     overrides = _overrides(method, tolerance)
     targets = [_targets(file, out, json, len(files) > 1) for file in files]
     refuse_clashes(files, targets, in_place)
+    histories = _histories(files, targets, in_place)
     done: list[Recalculated] = []
     with progress() as tell:
-        for file, (destination, json_file) in zip(files, targets, strict=True):
+        for file, (target, json_file), history in zip(files, targets, histories, strict=True):
             done.append(
-                _recalculate(file, destination, json_file, in_place, overrides, ignore_lock, tell)
+                _recalculate(
+                    file, target, json_file, in_place, overrides, ignore_lock, tell, history
+                )
             )
     for one in done:
         list_problems(one.source, one.problems, bool(one.written))
@@ -301,30 +309,30 @@ def accuracy(
 
     Example: `torsionbook accuracy train.xlsx` writes train.accuracy.xlsx.
     """
-    from addin.accuracy import QUICK_ROUNDS, ROUNDS, study
+    from addin.problems import printable
+    from addin.studies.accuracy import ACCURACY, QUICK_ROUNDS, ROUNDS
+    from addin.studies.spread import alone
+    from addin.studies.study import study_one
 
-    if out is not None and in_place:
-        raise typer.BadParameter("--out and --in-place exclude each other.")
-    destination = None if out is None else out / file.name
-    if json is not None and json.is_dir():
-        json = json / f"{file.stem}.accuracy.json"
-    refuse_clashes([file], [(destination, json)], in_place)
+    destination, json = study_targets(file, "accuracy", out, json, in_place)
     with progress() as tell:
-        done = study(
+        done = study_one(
+            ACCURACY,
             file,
+            alone(),
+            {"rounds": QUICK_ROUNDS if quick else ROUNDS},
             destination=destination,
             in_place=in_place,
             json_file=json,
-            rounds=QUICK_ROUNDS if quick else ROUNDS,
             ignore_lock=ignore_lock,
             on_stage=lambda stage: tell(f"{file.name}: {stage}"),
         )
     for sentence in done.warnings:
-        typer.echo(f"{file}: note: {sentence}", err=True)
+        typer.echo(f"{file}: note: {printable(sentence)}", err=True)
     if done.found is None:
-        list_problems(file, done.problems)
+        list_problems(file, done.problems, bool(done.written))
         raise typer.Exit(WRONG_INPUT)
-    _show_study(done.found)
+    _show_study(done.found.result)
     for path in done.written:
         typer.echo(f"written: {path}")
 
@@ -405,6 +413,7 @@ def _recalculate(
     overrides: dict[str, Any],
     ignore_lock: bool,
     tell: Callable[[str], None],
+    history: str,
 ) -> Recalculated:
     from addin.recalc import recalculate
 
@@ -416,7 +425,23 @@ def _recalculate(
         overrides=overrides,
         ignore_lock=ignore_lock,
         on_stage=lambda stage: tell(f"{file.name}: {stage}"),
+        history=history,
     )
+
+
+def _histories(
+    files: Sequence[Path], targets: Sequence[tuple[Path | None, Path | None]], in_place: bool
+) -> list[str]:
+    """Names of histories before ``.history``; empty for the usual one, which no other result has."""
+    from addin.history_file import history_stems
+    from addin.recalc import beside
+
+    results = [
+        str(file if in_place else target or beside(file))
+        for file, (target, _) in zip(files, targets, strict=True)
+    ]
+    stems = history_stems(results)
+    return [Path(one).name if stems[one] == one else "" for one in results]
 
 
 def _overall(one: Recalculated) -> str:

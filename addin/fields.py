@@ -24,7 +24,7 @@ from addin.field_kinds import number as _number
 from addin.field_kinds import table as _table
 from addin.field_kinds import text as _text
 from addin.study_fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES
-from addin.traces import TRACES
+from addin.traces import SHARE_MODES, TRACES
 from engine.effects import CHOICES, CONTACT_LAWS, EFFECTS
 
 __all__ = [
@@ -38,6 +38,7 @@ __all__ = [
     "SCALARS",
     "SCALAR_SHEET",
     "SCALAR_TABLE",
+    "SHARE_MODES",
     "STUDY_INPUT_TABLES",
     "STUDY_RESULT_TABLES",
     "TEMPLATE_VERSION",
@@ -841,6 +842,30 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = traced(
             _text("Station", "The gear.", kind="station"),
             _number("Force", "force", "Largest vibratory and transmitted force together."),
             _number("Time", "time", "When."),
+        ),
+        _table(
+            "EnergyShares",
+            "Frequencies",
+            1,
+            "What the change above does: ± ½ × share × change × f, + of stiffnesses, − of inertias.",
+            _text("Quantity", "stiffness or inertia; bearing stiffness, sideways mass of gears."),
+            _text("Of", "Element or station."),
+            *(
+                _number(
+                    f"Share {mode}",
+                    "count",
+                    f"Its share of the strain or kinetic energy of mode {mode}.",
+                )
+                for mode in range(1, SHARE_MODES + 1)
+            ),
+            extra_columns=tuple(
+                _number(
+                    f"Shift {mode}",
+                    "frequency",
+                    f"Live formula: ± 1/2 × Share {mode} × change × frequency of mode {mode}, in Hz.",
+                )
+                for mode in range(1, SHARE_MODES + 1)
+            ),
         ),
         _table(
             "Plans",

@@ -195,6 +195,19 @@ def diff_schema() -> dict[str, Any]:
             "anyOf": [changes, {"type": "null"}],
         },
         "results": changes,
+        "studies": _whole(
+            {
+                "notes": {
+                    "description": "Studies that are not compared, and why.",
+                    "type": "array",
+                    "items": text,
+                },
+                "same_inputs": count,
+                "same_results": count,
+                "inputs": changes,
+                "results": changes,
+            }
+        ),
     }
     return _schema("torsionbook diff", "What changed between two files.", properties)
 
@@ -223,6 +236,7 @@ _FINDINGS = (
     "row missing",
     "row added",
     "not shown",
+    "not compared",
     "old value",
     "chart",
     "digest",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from addin.fields import Field, TableSpec
+from addin.fields import SHARE_MODES, Field, TableSpec
 from addin.tuning_fields import LINES, MAP_ROWS
 from engine.effects import EFFECTS
 
@@ -35,23 +35,24 @@ WRAPPED: Mapping[tuple[str, str], float] = {
     ("TorqueReversals", "Note"): 48.0,
     ("Effects", "Why"): 96.0,
     ("Plans", "Reason"): 96.0,
-    ("TuningResults", "Combination"): 44.0,
-    ("TuningResults", "Reason"): 88.0,
+    ("TuningResults", "Combination"): 36.0,
+    ("TuningResults", "Reason"): 54.0,
     ("TuningResults", "Broken"): 30.0,
     ("TuningResults", "Note"): 60.0,
-    ("TuningCrossings", "Combination"): 44.0,
-    ("TuningCrossings", "Note"): 60.0,
+    ("TuningCrossings", "Combination"): 36.0,
+    ("TuningCrossings", "Note"): 50.0,
     ("TuningAxes", "First variable"): 22.0,
     ("TuningAxes", "Second variable"): 11.0,
     **{("TuningAxes", f"Line {k}"): 11.0 for k in range(1, LINES + 1)},
-    ("Sensitivities", "Note"): 60.0,
+    ("Sensitivities", "Method"): 16.0,
+    ("Sensitivities", "Note"): 37.0,
     ("StartMatrix", "Note"): 56.0,
-    ("DamageLedger", "Reason"): 60.0,
-    ("RemainingStarts", "Reason"): 60.0,
-    ("FrequencyFit", "Note"): 62.0,
-    ("PeakFit", "Note"): 62.0,
-    ("CalibratedFrequencies", "Why"): 62.0,
-    ("CalibratedParameters", "Note"): 62.0,
+    ("DamageLedger", "Reason"): 32.0,
+    ("RemainingStarts", "Reason"): 32.0,
+    ("FrequencyFit", "Note"): 22.0,
+    ("PeakFit", "Note"): 22.0,
+    ("CalibratedFrequencies", "Why"): 22.0,
+    ("CalibratedParameters", "Note"): 22.0,
 }
 
 #: Starts are rounded down to whole ones; a count nearer than this to the next one is that one. [1]
@@ -108,7 +109,7 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
 )
 
 
-#: Defined name of the cell with the change whose shifts of frequency table `FrequencySensitivities` shows.
+#: Defined name of the cell with the change whose shifts of frequency are shown as live formulas.
 CHANGE_NAME = "SensitivityChange"
 
 
@@ -159,6 +160,16 @@ def _check_formulas() -> dict[tuple[str, str], str]:
                 f'MATCH({mode},NaturalFrequencies[Mode],0)),"")'
             )
             for mode in (1, 2, 3)
+        },
+        **{
+            ("EnergyShares", f"Shift {mode}"): (
+                f"=IF(ISNUMBER({_row('EnergyShares', f'Share {mode}')}),"
+                f'IFERROR(IF(RIGHT({_row("EnergyShares", "Quantity")},9)="stiffness",0.5,-0.5)*'
+                f"{_row('EnergyShares', f'Share {mode}')}*N({CHANGE_NAME})*"
+                "INDEX(NaturalFrequencies[Frequency],"
+                f'MATCH({mode},NaturalFrequencies[Mode],0))*run_HzPerFrequency,""),"")'
+            )
+            for mode in range(1, SHARE_MODES + 1)
         },
         ("AllowableStarts", "Starts to judge"): (
             f"=IF(AND({counted},N(run_StartsFactor)>0),"

@@ -30,6 +30,7 @@ __all__ = [
     "COMPILING",
     "is_compiling",
     "WORKBOOK_ENDINGS",
+    "beside",
     "calculate_read",
     "of_case",
     "of_file",
@@ -138,6 +139,8 @@ def of_file(source: Path, wrong: Exception) -> CellProblem:
         sentence = f"{wrong.filename} cannot be made there. Name another folder for the results."
     elif isinstance(wrong, FileNotFoundError):
         sentence = f"there is no file {wrong.filename or source}."
+    elif isinstance(wrong, IsADirectoryError) and _is_elsewhere(wrong, source):
+        sentence = f"{wrong.filename} is a folder. Name a file in it for the result."
     elif isinstance(wrong, IsADirectoryError):
         sentence = f"{source} is a folder; name the workbooks in it."
     elif isinstance(wrong, PermissionError):
@@ -152,8 +155,8 @@ def of_file(source: Path, wrong: Exception) -> CellProblem:
     )
 
 
-def _is_elsewhere(wrong: FileNotFoundError, source: Path) -> bool:
-    """Whether it is not the file itself that is missing, but a place to write to."""
+def _is_elsewhere(wrong: OSError, source: Path) -> bool:
+    """Whether it is not the file itself that is missing or a folder, but a place to write to."""
     return isinstance(wrong.filename, str) and Path(wrong.filename).absolute() != source.absolute()
 
 
@@ -169,6 +172,7 @@ def recalculate(
     on_written: Callable[[Workbook], None] | None = None,
     read: CaseInput | Unreadable | None = None,
     known: Results | None = None,
+    history: str = "",
 ) -> Recalculated:
     """Calculate one input and write its results.
 
@@ -195,6 +199,8 @@ def recalculate(
         The input, where `read_checked` has read it already. [SI]
     known : Results, optional
         Results of the same case: they are shown in place of a calculation. [SI]
+    history : str
+        Name of the history before ``.history``; empty for that of the result. [name]
 
     Returns
     -------
@@ -220,7 +226,7 @@ def recalculate(
         calculation, problems = calculate_read(read, overrides or {}, tell, known)
     if calculation is not None:
         tell("writing")
-        target = source if in_place else destination or _beside(source)
+        target = source if in_place else destination or beside(source)
         try:
             for place in (target, json_file):
                 if place is not None:
@@ -231,11 +237,11 @@ def recalculate(
                 files.append(target)
                 if on_written is not None:
                     on_written(read.workbook)
-            files += _write_history(calculation, target)
+            files += _write_history(calculation, target, history)
         except (PackageError, HistoryUnavailable, OSError) as wrong:
             calculation, problems, cause = None, (of_file(source, wrong),), wrong
     if json_file is None and source.suffix.lower() not in WORKBOOK_ENDINGS:
-        json_file = destination or _beside(source)
+        json_file = destination or beside(source)
     if json_file is not None:
         version = product_version()
         content = (
@@ -253,8 +259,19 @@ def recalculate(
     return Recalculated(source, calculation, problems, warnings, tuple(files), cause)
 
 
-def _beside(source: Path) -> Path:
-    """Default name of the results: train.out.xlsx, case.results.json."""
+def beside(source: Path) -> Path:
+    """Default name of the results: train.out.xlsx, case.results.json.
+
+    Parameters
+    ----------
+    source : Path
+        The input. [path]
+
+    Returns
+    -------
+    Path
+        Beside it. [path]
+    """
     if source.suffix.lower() in WORKBOOK_ENDINGS:
         return source.with_name(f"{source.stem}.out{source.suffix}")
     return source.with_name(f"{source.stem}.results.json")
@@ -402,13 +419,13 @@ def _some(cells: list[str], most: int = 10) -> str:
     return ", ".join(cells[:most]) + more
 
 
-def _write_history(calculation: Calculation, beside: Path) -> Iterable[Path]:
+def _write_history(calculation: Calculation, beside: Path, stem: str) -> Iterable[Path]:
     kind = calculation.case.keep_history or "no"
     if kind == "no":
         return ()
     from addin.history_file import write_history
 
-    done = write_history(calculation, beside, kind)
+    done = write_history(calculation, beside, kind, stem)
     return () if done is None else (done[0],)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from addin.fields import SHARE_MODES
 from engine.case import CaseData
 
 if TYPE_CHECKING:
@@ -52,6 +53,8 @@ class RunView:
         Tooth and bearing forces at the times of `speed_time`, where they were calculated. [N]
     load_angle : tuple of ndarray or None
         Time, unwrapped load angle and slip, where the field was applied. [s, rad, 1]
+    energies : sequence of mapping
+        Energy shares of every stiffness and inertia in the first modes. [1]
     """
 
     case: CaseData
@@ -66,6 +69,7 @@ class RunView:
     contact_law: str | None = None
     forces: ForceHistories | None = None
     load_angle: tuple[Floats, Floats, Floats] | None = None
+    energies: Rows = ()
 
 
 def view_of(results: Results, audit: Rows = ()) -> RunView:
@@ -83,7 +87,7 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
     RunView
         What the workbook shows.
     """
-    from engine.report import plan_details, result_tables, start_summary
+    from engine.report import energy_rows, plan_details, result_tables, start_summary
 
     start = results.start
     effects = results.plans[-1].effects if results.plans else None
@@ -101,6 +105,7 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
         contact_law=effects.contact_law if effects is not None and effects.clearances else None,
         forces=None if start is None else start.forces,
         load_angle=_load_angle(results),
+        energies=energy_rows(results, SHARE_MODES),
     )
 
 

@@ -27,28 +27,32 @@ STARTS_SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Start matrix",
         "result",
-        {"A": 1.5, "B": 30, "C:E": 9.5, "F": 10, "G": 26, "H:J": 9.5, "K:L": 21, "M:Q": 11.5,
+        {"A": 1.5, "B": 30, "C:E": 9.5, "F": 10, "G": 26, "H:J": 9.5, "K:L": 18, "M:Q": 11.5,
          "R": 56},
         "R",
         {"StartsByVoltage": "M7", "StartMatrix": f"B{8 + _CHART_ROWS}"},
         (
-            ChartAt("starts-voltage", "B7", 500, 330),
-            ChartAt("stress-voltage", "G7", 690, 330),
+            ChartAt("starts-voltage", "C7", 460, 330),
+            ChartAt("stress-voltage", "H7", 470, 330),
         ),
         freeze="",
+        breaks=("M",),
+        repeated="B:B",
     ),
     Sheet(
         "Damage ledger",
         "result",
-        {"A": 1.5, "B": 24, "C": 34, "D:J": 11.5, "K": 12, "L": 60},
+        {"A": 1.5, "B": 20, "C": 26, "D:J": 10, "K": 10, "L": 32},
         "L",
         {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER_BELOW}"},
         freeze="",
+        side=0.25,
     ),
     Sheet(
         "Calibration",
         "result",
-        {"A": 1.5, "B": 24, "C": 22, "D:L": 11.5, "M": 62, "N": 13, "O:P": 10},
+        {"A": 1.5, "B": 18, "C": 13, "D:E": 12, "F:G": 9, "H:I": 8, "J:L": 9, "M": 22, "N": 12, "O": 8.5,
+         "P": 6},
         "P",
         {
             "FrequencyFit": "B7",
@@ -58,10 +62,12 @@ STARTS_SHEETS: tuple[Sheet, ...] = (
             "CalibratedParameters": f"B{_PARAMETERS_AT}",
         },
         (
-            ChartAt("fit", f"B{_FITS_AT}", 560, 320),
-            ChartAt("change", f"H{_FITS_AT}", 800, 320),
+            ChartAt("fit", f"B{_FITS_AT}", 460, 320),
+            ChartAt("change", f"G{_FITS_AT}", 740, 320),
         ),
         freeze="",
+        row_breaks=(_FITS_AT - 1, _MARGINS_AT - 1),
+        side=0.25,
     ),
 )  # fmt: skip
 

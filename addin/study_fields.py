@@ -55,8 +55,8 @@ STUDY_INPUT_TABLES: tuple[TableSpec, ...] = (
         number(
             "Inertia",
             "inertia",
-            "Inertia of the whole coupling: half of it at each end, instead of the fitted one's.",
-            blank="0",
+            "Inertia of the whole coupling: half of it at each end, instead of the fitted one's; given "
+            "for all couplings of an element, or for none.",
         ),
         number("Damping", "torsional damping", "Viscous damping across it.", blank=_OF_CASE),
         number("Loss factor", "ratio", "Hysteretic loss factor.", blank=_OF_CASE),

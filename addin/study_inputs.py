@@ -12,7 +12,16 @@ from typing import Any
 
 from addin.fields import STUDY_INPUT_TABLES
 from addin.problems import CellProblem, shortened
-from addin.typed_case import Bases, Entry, Findings, Place, TypedCase, ratios_of, rows_in_si
+from addin.typed_case import (
+    Bases,
+    Entry,
+    Findings,
+    Place,
+    Typed,
+    TypedCase,
+    ratios_of,
+    rows_in_si,
+)
 from addin.units import UnitError, UnitScale, parse_unit
 from engine.case import CaseData
 from engine.errors import Problem
@@ -21,13 +30,16 @@ from engine.studies import (
     DAMPING,
     DIAMETER,
     INERTIA,
+    MEASURED_FREQUENCY,
+    MEASURED_TORQUE,
     STIFFNESS,
     STUDY_TABLES,
     StudyInputs,
     TuningRow,
+    WordUnit,
 )
 
-__all__ = ["StudiesRead", "studies_read"]
+__all__ = ["StudiesRead", "studies_read", "study_rows", "units_for_words"]
 
 #: Dimensions that a unit of a quantity may have beside a ratio.
 _DIMENSIONS = {
@@ -127,7 +139,35 @@ def studies_read(
     """
     ratings = _ratings(case)
     bases = Bases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(case))
-    rows: dict[str, tuple[Any, ...]] = {}
+    return StudiesRead(
+        replace(study_rows(typed, bases, findings), units=units_for_words(typed, case)),
+        frozenset(tables),
+        tuple(findings.problems),
+        warnings,
+        findings.bad_cells,
+        locate,
+        typed,
+    )
+
+
+def study_rows(typed: TypedCase, bases: Bases, findings: Findings) -> StudyInputs:
+    """The rows of all study tables in SI.
+
+    Parameters
+    ----------
+    typed : TypedCase
+        What is typed in them. [as typed]
+    bases : Bases
+        What relative units refer to. [SI]
+    findings : Findings
+        Takes what cannot be read. [problems]
+
+    Returns
+    -------
+    StudyInputs
+        The rows. [SI]
+    """
+    rows: dict[str, Any] = {}
     for spec in STUDY_INPUT_TABLES:
         key, row_class = STUDY_TABLES[spec.name]
         if spec.name == "Tuning":
@@ -137,15 +177,61 @@ def studies_read(
             )
         else:
             rows[key] = rows_in_si(spec, row_class, typed, bases, findings)
-    return StudiesRead(
-        StudyInputs(**rows),
-        frozenset(tables),
-        tuple(findings.problems),
-        warnings,
-        findings.bad_cells,
-        locate,
-        typed,
-    )
+    return StudyInputs(**rows)
+
+
+#: Quantity → tables and columns of the case or study that hold it, and how their rows are called.
+_TYPED_IN = {
+    STIFFNESS: (("Elements", "Stiffness", "Element"),),
+    DAMPING: (("Elements", "Damping", "Element"),),
+    INERTIA: (("Stations", "Inertia", "Station"),),
+    DIAMETER: (("Elements", "OD", "Element"),),
+    BACKLASH: (("Meshes", "Backlash", "Element"), ("Meshes", "Angular backlash", "Element")),
+    "stress": (("Materials", "UTS", ""), ("SNPoints", "Stress", "")),
+    "torque": (("MotorTorque", "Pulsating", ""), ("MotorTorque", "Average", "")),
+    MEASURED_FREQUENCY: (("MeasuredFrequencies", "Frequency", ""),),
+    MEASURED_TORQUE: (("MeasuredPeaks", "Maximum torque", ""),),
+}
+
+
+def units_for_words(typed: TypedCase, case: TypedCase) -> dict[tuple[str, str], WordUnit]:
+    """The units that the engineer typed, for the words of a study.
+
+    Parameters
+    ----------
+    typed : TypedCase
+        The study tables. [as typed]
+    case : TypedCase
+        The case. [as typed]
+
+    Returns
+    -------
+    dict of (str, str) to WordUnit
+        See `StudyInputs`: the unit of a row of `Tuning` first, then that of its cell in the case. [units]
+    """
+    found: dict[tuple[str, str], WordUnit] = {}
+    for quantity, places in _TYPED_IN.items():
+        for table, column, named in places:
+            for row in (*case.tables.get(table, ()), *typed.tables.get(table, ())):
+                entry, name = row.get(column), row.get(named)
+                if not isinstance(entry, Typed) or entry.scale.base:
+                    continue
+                unit = _word_unit(entry.unit, entry.scale)
+                if isinstance(name, str):
+                    found.setdefault((name, quantity), unit)
+                if quantity != BACKLASH:  # a gap of teeth is a length, that of a coupling an angle
+                    found.setdefault(("", quantity), unit)
+    for line in typed.tables.get("Tuning", ()):
+        whose, what, unit_text = (line.get(key) for key in ("Element", "Quantity", "Unit"))
+        if isinstance(whose, str) and isinstance(what, str) and isinstance(unit_text, str):
+            scale, relative = _scale(unit_text, what, 0, Findings())
+            if not relative:
+                found[whose, what] = _word_unit(unit_text, scale)
+    return found
+
+
+def _word_unit(name: str, scale: UnitScale) -> WordUnit:
+    return WordUnit(name.replace("*", " ").replace("^2", "²"), scale.factor)
 
 
 def _ratings(case: TypedCase) -> Any:

@@ -58,6 +58,13 @@ def _list(items: dict[str, Any], says: str = "") -> dict[str, Any]:
     return ({"description": says} if says else {}) | {"type": "array", "items": items}
 
 
+def _cut_short(what: str) -> dict[str, Any]:
+    """How far a study came that Ctrl-C ended."""
+    part = {"calculated": {"description": what, **_COUNT}, "planned": _COUNT}
+    told = {"description": "Absent where the study came to its end."} | closed_object(part)
+    return {"cut_short": told}
+
+
 def _tuning() -> dict[str, Any]:
     option = closed_object({"label": _TEXT, "value": _NUMBER})
     variable = {
@@ -82,6 +89,7 @@ def _tuning() -> dict[str, Any]:
     }
     cells = closed_object(cell) | {"patternProperties": {"^mode_[1-9][0-9]*$": _NUMBER}}
     return {
+        **_cut_short("Combinations."),
         "variables": _list(closed_object(variable)),
         "choices": _list(
             closed_object(choice), "Values of the variables of each combination, by rank."
@@ -132,7 +140,7 @@ def _tolerances() -> dict[str, Any]:
         "percentiles": _list(closed_object(answer)),
         "probabilities": _list(closed_object(share)),
     }
-    return {"tolerances": closed_object(told)}
+    return _cut_short("Samples.") | {"tolerances": closed_object(told)}
 
 
 def _sensitivities() -> dict[str, Any]:
@@ -156,6 +164,7 @@ def _sensitivities() -> dict[str, Any]:
 
 def _starts() -> dict[str, Any]:
     return {
+        **_cut_short("Starts; one that is aborted in the standard matrix is eight."),
         "standard": {"description": "The standard matrix is in it.", **_FLAG},
         "starts_factor": _NUMBER,
         "assumption": {"description": "The rule behind the ledger.", **_TEXT},

@@ -61,6 +61,8 @@ class StudyOnSheet:
         Of the line that says what was found. [points]
     also : tuple of (str, str)
         Further sheets of its results with the last columns of their lines. [names, letters]
+    first : str
+        First column of its lines; right of those that are repeated on every printed page. [letters]
     """
 
     key: str
@@ -69,6 +71,7 @@ class StudyOnSheet:
     command: str
     height: float = 42.0
     also: tuple[tuple[str, str], ...] = ()
+    first: str = "B"
 
     @property
     def not_yet(self) -> str:
@@ -81,11 +84,11 @@ class StudyOnSheet:
 
 #: Every study, in the order of its sheets.
 STUDIES: tuple[StudyOnSheet, ...] = (
-    StudyOnSheet("tuning", "Tuning results", "J", "tune"),
-    StudyOnSheet("tolerances", "Tolerance results", "R", "tolerances"),
+    StudyOnSheet("tuning", "Tuning results", "J", "tune", 84.0),
+    StudyOnSheet("tolerances", "Tolerance results", "R", "tolerances", 56.0),
     StudyOnSheet("sensitivities", "Sensitivities", "M", "sensitivities"),
-    StudyOnSheet("starts", "Start matrix", "R", "starts", 56.0, (("Damage ledger", "L"),)),
-    StudyOnSheet("calibration", "Calibration", "P", "calibrate", 96.0),
+    StudyOnSheet("starts", "Start matrix", "L", "starts", 70.0, (("Damage ledger", "L"),), "C"),
+    StudyOnSheet("calibration", "Calibration", "P", "calibrate", 84.0),
 )
 
 #: Rows of table `StudyFacts`: what was found in words, and which inputs it belongs to.
@@ -96,6 +99,7 @@ STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
         ("Sentence", "what was found, in words"),
         ("Stamp", "who calculated it, when, from which inputs"),
         ("SHA256", "SHA-256 of the inputs of its case"),
+        ("Tables", "SHA-256 of what was written into each of its tables, shortened"),
     )
 )
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import datetime as dt
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -84,12 +85,18 @@ from .template_text import (
     SHORT_CAPTIONS,
 )
 
-__all__ = ["TEMPLATES", "build_all", "build_template", "main"]
+__all__ = ["STUDY_TEMPLATES", "TEMPLATES", "build_all", "build_template", "main"]
 
 #: Rows of the lists behind the drop-downs.
 _LISTED = 60
 _CREATED = dt.datetime(2026, 1, 1)
 _LETTER, _A4 = 1, 9
+#: Headers of at most so many letters stand in one line. [characters]
+_SHORT_HEADER = 8
+#: Width of the paper on its side. [in]
+_PAPER = {"us": 11.0, "si": 11.69}
+#: Programs measure columns a little differently. [1]
+_PRINT_SLACK = 0.94
 #: Room of the overall verdict at the right end of the strip. [characters]
 _VERDICT_WIDTH = 54.0
 #: A last column wider than this leaves no room for the overall verdict. [characters]
@@ -119,6 +126,9 @@ TEMPLATES: Mapping[str, tuple[str, str | None]] = {
     "example_backlash.xlsx": ("us", "backlash"),
 }
 
+#: The same with the sheets of the studies filled.
+STUDY_TEMPLATES: Mapping[str, tuple[str, str]] = {"example_studies.xlsx": ("us", "proposed")}
+
 # --- the builder ----------------------------------------------------------------------------------
 
 
@@ -136,7 +146,13 @@ def build_all(folder: Path) -> list[Path]:
         The workbooks.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    return [build_template(folder / name, *kind) for name, kind in TEMPLATES.items()]
+    return [
+        *(build_template(folder / name, *kind) for name, kind in TEMPLATES.items()),
+        *(
+            build_template(folder / name, *kind, studies=True)
+            for name, kind in STUDY_TEMPLATES.items()
+        ),
+    ]
 
 
 def build_template(
@@ -272,6 +288,7 @@ class _Builder:
         self._chart_data()
         self._chosen_elements()
         self._frequencies_note()
+        self._change_cell()
         self._cycle_facts()
         self._fact_lines()
         self._sheet_notes()
@@ -350,12 +367,21 @@ class _Builder:
     def _print_set_up(self, page: Any, sheet: Sheet) -> None:
         page.set_landscape()
         page.set_paper(_LETTER if self.system == "us" else _A4)
-        page.set_margins(left=0.4, right=0.4, top=0.45, bottom=0.6)
+        page.set_margins(left=sheet.side, right=sheet.side, top=0.45, bottom=0.6)
         page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
         page.repeat_rows(0, sheet.header_rows - 1)
-        page.fit_to_pages(1, 1 if sheet.one_page else 0)
-        if sheet.printed:
-            page.print_area(f"A1:{sheet.printed}{_LAST_ROW}")
+        if sheet.breaks or sheet.row_breaks:
+            page.set_v_pagebreaks([_column(letters) for letters in sheet.breaks])
+            page.set_print_scale(_print_scale(sheet, _PAPER[self.system]))
+            page.print_across()
+            if sheet.row_breaks:
+                page.set_h_pagebreaks([row - 1 for row in sheet.row_breaks])
+        else:
+            page.fit_to_pages(1, 1 if sheet.one_page else 0)
+        if sheet.repeated:
+            page.repeat_columns(sheet.repeated)
+        if sheet.printed or sheet.breaks or sheet.row_breaks:
+            page.print_area(f"A1:{sheet.printed or sheet.last}{_LAST_ROW}")
 
     # -- functions in cells ------------------------------------------------------------------------
 
@@ -393,7 +419,11 @@ class _Builder:
         self.places[spec.name] = Place(
             sheet.name, first, last, {field.name: left + k for k, field in enumerate(columns)}
         )
-        page.set_row(header, 38 if has_units else 24)
+        # A row among those of a table beside it, which began above, stays low where its words allow that.
+        begun = [xl_cell_to_rowcol(cell) for cell in sheet.tables.values()]
+        is_beside = any(above < row and column != left for above, column in begun)
+        if not is_beside or max(len(field.name) for field in columns) > _SHORT_HEADER:
+            page.set_row(header, 38 if has_units else 24)
         page.add_table(
             header,
             left,
@@ -444,7 +474,7 @@ class _Builder:
             return self.style("input" if field.is_number else "input_text")
         if (spec.name, field.name) in WRAPPED:
             return self.style("result_wrap")
-        if field.name == "Verdict":
+        if field.name.startswith("Verdict"):
             return self.style("verdict")
         if field in spec.extra_columns:
             return self.style("check", number_format(field.name, field.dimension))
@@ -713,11 +743,11 @@ class _Builder:
             for sheet, last in ((study.sheet, study.last), *study.also):
                 page = self.sheets[sheet]
                 for row, (formula, style, height) in enumerate(study_lines(study), 3):
-                    page.merge_range(row, 1, row, _column(last), "", self.style(style))
+                    first = _column(study.first)
+                    page.merge_range(row, first, row, _column(last), "", self.style(style))
                     shown = study.not_yet if row == 3 else ""
-                    page.write_formula(row, 1, formula, self.style(style), shown)
+                    page.write_formula(row, first, formula, self.style(style), shown)
                     page.set_row(row, height)
-        self._change_cell()
         for table, column in STUDY_VERDICTS:
             place = self.places[table]
             at = place.columns[column]
@@ -751,13 +781,25 @@ class _Builder:
         page.conditional_format(*area, dict(COLOUR_SCALE))
 
     def _change_cell(self) -> None:
-        """The change whose shifts of frequency sheet Sensitivities shows: the engineer's to type."""
-        place = self.places["FrequencySensitivities"]
+        """The change whose shifts of frequency are shown: typed above table `EnergyShares`."""
+        place = self.places["EnergyShares"]
         page, left = self.sheets[place.sheet], place.columns["Quantity"]
-        page.write_string(4, left, "Change of the quantity", self.style("note"))
-        page.write_number(4, left + 1, 0.01, self.style("input", "0.0%"))
-        cell = xl_rowcol_to_cell(4, left + 1, True, True)
+        row = place.first - 5
+        page.write_string(row, left, "Change", self.style("key_label"))
+        page.write_number(row, left + 1, 0.01, self.style("input", "0.0%"))
+        words = "of one stiffness or inertia at a time; type another"
+        page.write_string(row, left + 2, words, self.style("note_beside"))
+        cell = xl_rowcol_to_cell(row, left + 1, True, True)
         self.workbook.define_name(CHANGE_NAME, f"='{place.sheet}'!{cell}")
+        if self.studies:
+            place = self.places["FrequencySensitivities"]
+            page, left = self.sheets[place.sheet], place.columns["Quantity"]
+            page.write_string(4, left, "Change of the quantity", self.style("note"))
+            page.write_formula(4, left + 1, f"={CHANGE_NAME}", self.style("check", "0.0%"), 0.01)
+            link = self.style("note_beside")
+            page.write_url(
+                4, left + 2, f"internal:'Frequencies'!{cell}", link, "typed on sheet Frequencies"
+            )
 
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""
@@ -968,6 +1010,21 @@ def _widths(sheet: Sheet) -> dict[int, float]:
         begin, _, end = columns.partition(":")
         widths |= dict.fromkeys(range(_column(begin), _column(end or begin) + 1), each)
     return widths
+
+
+def _print_scale(sheet: Sheet, paper: float) -> int:
+    """Scale at which the widest page of a sheet fits a landscape paper so wide. [%]"""
+    pixels = {k: math.trunc(7.0 * each + 5.0) for k, each in _widths(sheet).items()}
+    begin, _, end = sheet.repeated.partition(":")
+    repeated = range(_column(begin), _column(end) + 1) if sheet.repeated else range(0)
+    edges = [0, *(_column(letters) for letters in sheet.breaks)]
+    ends = [*edges[1:], _column(sheet.printed or sheet.last) + 1]
+    widest = max(
+        sum(pixels[k] for k in {*range(first, end), *(repeated if first else ())})
+        for first, end in zip(edges, ends, strict=True)
+    )
+    room = 96.0 * (paper - 2.0 * sheet.side)
+    return min(sheet.largest, math.floor(100.0 * _PRINT_SLACK * room / widest))
 
 
 def _begin_of(sheet: Sheet, width: float) -> int:

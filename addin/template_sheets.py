@@ -106,6 +106,17 @@ class Sheet:
         Whether it holds nothing but numbers behind charts. [flag]
     printed : str
         Last column on paper; empty = all of them. [letters]
+    breaks : tuple of str
+        Columns at which another page begins; the print is then as large as the widest page allows,
+        not fitted to one page. [letters]
+    repeated : str
+        Columns repeated on every page, such as ``A:C``; empty = none. [letters]
+    row_breaks : tuple of int
+        Rows, counted from 1, at which another page begins. [count]
+    largest : int
+        Scale of a print in pieces at the most. [%]
+    side : float
+        Margin left and right of a printed page. [in]
     """
 
     name: str
@@ -119,6 +130,11 @@ class Sheet:
     one_page: bool = False
     hidden: bool = False
     printed: str = ""
+    breaks: tuple[str, ...] = ()
+    repeated: str = ""
+    row_breaks: tuple[int, ...] = ()
+    largest: int = 100
+    side: float = 0.4
 
 
 #: Row of the cell above each history chart; the chart begins one row below.
@@ -251,10 +267,12 @@ SHEETS: tuple[Sheet, ...] = (
         "Frequencies",
         "result",
         {"A": 1.5, "B": 7, "C:D": 11, "E:F": 10, "G": 24, "H": 9, "I": 11, "J": 2, "K": 18,
-         "L:U": 8.5},
-        "U",
-        {"NaturalFrequencies": "B24", "ModeShapes": "K24"},
-        (ChartAt("shapes", "B5", 1464, 362),),
+         "L:U": 8.5, "V": 2, "W": 18, "X": 24, "Y:AH": 8.5},
+        "AH",
+        {"NaturalFrequencies": "B5", "ModeShapes": "K24", "EnergyShares": "W5"},
+        (ChartAt("shapes", "K5", 768, 362),),
+        breaks=("K", "W"),
+        largest=80,
     ),
     Sheet(
         "Margins",

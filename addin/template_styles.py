@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from addin.traces import SHARE_MODES
+
 __all__ = ["FONT", "PALETTE", "SPEED_GROUPS", "Styles", "number_format"]
 
 #: Metric-compatible fonts exist on every system, so that nothing is clipped on another computer.
@@ -279,6 +281,7 @@ _COLUMN_FORMATS: Mapping[str, str] = {
     "Mesh minimum torque": _SIGNED,
     "Average torque": _SIGNED,
     "Load torque": _SIGNED,
+    **dict.fromkeys((f"Share {mode}" for mode in range(1, SHARE_MODES + 1)), "0.0000"),
     "Damage": "0.000E+00",
     "Damage check": "0.000E+00",
     "Damage low": "0.000E+00",

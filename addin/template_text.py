@@ -41,6 +41,7 @@ CAPTIONS: Mapping[str, str] = {
     "StartCycles": "Cycles of one start",
     "TorqueReversals": "Torque reversals",
     "BearingForces": "Bearing forces",
+    "EnergyShares": "Sensitivities",
     "Effects": "Effects",
     "Plans": "Plans",
     "AccuracyCost": "Accuracy and its cost",

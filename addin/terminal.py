@@ -15,7 +15,15 @@ if TYPE_CHECKING:
 
     from addin.problems import CellProblem
 
-__all__ = ["Refused", "list_problems", "progress", "refuse_clashes"]
+__all__ = [
+    "Refused",
+    "list_problems",
+    "progress",
+    "refuse_clashes",
+    "refuse_no_folder",
+    "refuse_no_place",
+    "study_targets",
+]
 
 
 class Refused(Exception):
@@ -56,6 +64,85 @@ def refuse_clashes(
                 raise typer.BadParameter(
                     f"{seen[place]} and {file} would both be written to {target}."
                 )
+
+
+def refuse_no_place(target: Path | None) -> None:
+    """Refuse a result that no file could be, before the work that would be lost.
+
+    Parameters
+    ----------
+    target : Path or None
+        File to be written; None is none. [path]
+
+    Raises
+    ------
+    typer.BadParameter
+        With the sentence.
+    """
+    if target is None:
+        return
+    if target.is_dir():
+        raise typer.BadParameter(f"{target} is a folder; name a file in it.")
+    refuse_no_folder(target.parent)
+
+
+def refuse_no_folder(folder: Path | None) -> None:
+    """Refuse a folder for results that is a file, or lies in one, before any work.
+
+    Parameters
+    ----------
+    folder : Path or None
+        There or still to be made; None is none. [path]
+
+    Raises
+    ------
+    typer.BadParameter
+        With the sentence.
+    """
+    if folder is None:
+        return
+    for place in (folder, *folder.parents):
+        if place.exists() and not place.is_dir():
+            raise typer.BadParameter(f"{place} is a file; a folder is needed there.")
+
+
+def study_targets(
+    file: Path, command: str, out: Path | None, json: Path | None, in_place: bool
+) -> tuple[Path | None, Path | None]:
+    """Where a study of one input is written.
+
+    Parameters
+    ----------
+    file : Path
+        The input. [path]
+    command : str
+        Of the study: the middle of the name of its JSON. [word]
+    out : Path or None
+        Folder for the result. [path]
+    json : Path or None
+        File or folder for the JSON. [path]
+    in_place : bool
+        Whether the input itself is written. [flag]
+
+    Returns
+    -------
+    destination, json : Path or None
+        Files; None = the default beside the input, and no JSON. [paths]
+
+    Raises
+    ------
+    typer.BadParameter
+        If options exclude each other or a result would lie on the input.
+    """
+    if out is not None and in_place:
+        raise typer.BadParameter("--out and --in-place exclude each other.")
+    destination = None if out is None else out / file.name
+    if json is not None and (json.is_dir() or json == out):
+        json = json / f"{file.stem}.{command}.json"
+    refuse_clashes([file], [(destination, json)], in_place)
+    for target in (destination, json):
+        refuse_no_place(target)
+    return destination, json
 
 
 @contextmanager

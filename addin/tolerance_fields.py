@@ -10,7 +10,7 @@ from addin.traces import Trace
 __all__ = ["TOLERANCE_RESULT_TABLES", "TOLERANCE_TRACES"]
 
 
-def _percentiles(dimension: str) -> tuple[Field, ...]:
+def _percentiles(dimension: str, head: str = "", us: str = "") -> tuple[Field, ...]:
     """P10, P50, P90, each with the ends of its interval; words where starts may be unlimited."""
     fields = []
     for p in (10, 50, 90):
@@ -19,8 +19,10 @@ def _percentiles(dimension: str) -> tuple[Field, ...]:
             (" low", f"Lower end of the 95 % interval of P{p}."),
             (" high", f"Upper end of the 95 % interval of P{p}."),
         ):
-            name = f"P{p}{end}"
-            fields.append(mixed(name, words) if not dimension else number(name, dimension, words))
+            name = f"{head}P{p}{end}"
+            fields.append(
+                mixed(name, words) if not dimension else number(name, dimension, words, us=us)
+            )
     return tuple(fields)
 
 
@@ -78,26 +80,20 @@ _TOLERANCE_RESULTS: tuple[TableSpec, ...] = (
         integer("Mode", "Elastic mode."),
         text("Excitation", "Name of the excitation."),
         number("Nominal", "fraction", "Margin of the plain run."),
-        number("P10", "fraction", "10 % of the samples are at or below it."),
-        number("P50", "fraction", "Half of the samples are at or below it."),
-        number("P90", "fraction", "90 % of the samples are at or below it."),
+        *_percentiles("fraction"),
         number("Required", "fraction", "Required margin."),
         *_MET,
     ),
     table(
         "TolerancePeaks",
-        "Tolerance tables",
+        "Tolerance peaks",
         1,
         "Largest torques and nominal stresses of the start, zero-to-peak.",
         text("Element", "Element.", kind="element"),
         number("Nominal torque", "torque", "Of the plain run.", us="lbf*ft"),
-        number("Torque P10", "torque", "10 % of the samples are at or below it.", us="lbf*ft"),
-        number("Torque P50", "torque", "Half of the samples are at or below it.", us="lbf*ft"),
-        number("Torque P90", "torque", "90 % of the samples are at or below it.", us="lbf*ft"),
+        *_percentiles("torque", "Torque ", us="lbf*ft"),
         number("Nominal stress", "pressure", "Of the plain run, without SCF."),
-        number("Stress P10", "pressure", "10 % of the samples are at or below it."),
-        number("Stress P50", "pressure", "Half of the samples are at or below it."),
-        number("Stress P90", "pressure", "90 % of the samples are at or below it."),
+        *_percentiles("pressure", "Stress "),
     ),
     table(
         "ToleranceDistribution",

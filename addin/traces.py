@@ -10,7 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-__all__ = ["GROUPS", "PAPER", "TRACES", "Trace"]
+__all__ = ["GROUPS", "PAPER", "SHARE_MODES", "TRACES", "Trace"]
+
+#: Modes whose energy shares sheet `Frequencies` shows; sheet `Frequency sensitivities` has more.
+SHARE_MODES = 5
 
 
 @dataclass(frozen=True)
@@ -620,6 +623,26 @@ TRACES: Mapping[tuple[str, str], Trace] = {
     ("BearingForces", "Time"): Trace(
         "When", "docs/method.md, Clearances", of_row=("BearingForces.Force",), of_case=_START
     ),
+    # -- EnergyShares ------------------------------------------------------------------------------
+    ("EnergyShares", "Quantity"): Trace("Stiffness or inertia", _SVD, of_case=_MODAL),
+    ("EnergyShares", "Of"): Trace("Element or station, as typed", _SVD, of_case=_MODAL),
+    **{
+        ("EnergyShares", f"Share {mode}"): Trace(
+            "k (Bφ)² of the element, J φ² of the station, over the sum of all; modes as good as equal "
+            "together",
+            "docs/nomenclature.md, strain-energy share; Lancaster, Numer. Math. 6 (1964) 377",
+            of_case=_MODAL,
+        )
+        for mode in range(1, SHARE_MODES + 1)
+    },
+    **{
+        ("EnergyShares", f"Shift {mode}"): Trace(
+            "± ½ × share × change × f, + of stiffnesses, − of inertias, calculated by the spreadsheet",
+            "Rayleigh, Theory of Sound I, § 88; docs/tolerances.md",
+            of_row=(f"EnergyShares.Share {mode}", "NaturalFrequencies.Frequency"),
+        )
+        for mode in range(1, SHARE_MODES + 1)
+    },
     # -- Plans -------------------------------------------------------------------------------------
     ("Plans", "Plan"): Trace("Counted from 1; the last one is reported", "docs/method.md, The plan"),
     ("Plans", "Reason"): Trace("Why it was made", "docs/method.md, The plan"),

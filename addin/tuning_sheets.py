@@ -50,7 +50,7 @@ TUNING_SHEETS: tuple[Sheet, ...] = (
     Sheet(
         "Tuning results",
         "result",
-        {"A": 1.5, "B": 6, "C": 44, "D:E": 7, "F": 24, "G": 8, "H": 12, "I": 9, "J": 88, "K": 30,
+        {"A": 1.5, "B": 6, "C": 36, "D:E": 7, "F": 20, "G": 8, "H": 12, "I": 9, "J": 54, "K": 30,
          "L": 9, "M": 22, "N": 28, "O:Q": 9, "R": 8, "S:V": 10.5, "W:X": 10.5, "Y": 22, "Z": 9,
          "AA": 22, "AB": 11, "AC": 9, "AD": 13, "AE": 60},
         "J",
@@ -58,11 +58,12 @@ TUNING_SHEETS: tuple[Sheet, ...] = (
         freeze="D10",
         header_rows=9,
         printed="J",
+        side=0.25,
     ),
     Sheet(
         "Tuning map",
         "result",
-        {"A": 1.5, "B": 26, "C": 16, "D:I": 13, "J": 11, "K": 2, "L:S": 10},
+        {"A": 1.5, "B": 26, "C": 16, "D:I": 13, "J": 11, "K": 2, "L:S": 11},
         "S",
         {
             "TuningAxes": "B5",
@@ -74,18 +75,22 @@ TUNING_SHEETS: tuple[Sheet, ...] = (
         (
             ChartAt("tuning-starts", f"L{_STARTS}", 640, 350),
             ChartAt("tuning-margins", f"L{_MARGINS}", 640, 350),
-            ChartAt("tuning-modes", f"L{_MODES}", 640, 480),
+            ChartAt("tuning-modes", f"L{_MODES}", 640, 350),
         ),
-        one_page=True,
+        breaks=("L",),
+        row_breaks=(_MARGINS - 1, _BANDS - 1),
+        largest=80,
     ),
     Sheet(
         "Tuning crossings",
         "result",
-        {"A": 1.5, "B": 6, "C": 44, "D": 6, "E:G": 9, "H:L": 11, "M": 22, "N:P": 12, "Q": 60},
+        {"A": 1.5, "B": 6, "C": 36, "D": 6, "E:G": 9, "H:L": 11, "M": 22, "N:P": 12, "Q": 50},
         "Q",
         {"TuningCrossings": "B5"},
         freeze="D8",
         header_rows=7,
+        breaks=("M",),
+        repeated="B:D",
     ),
     Sheet(
         "StudyData",

@@ -10,7 +10,7 @@ from __future__ import annotations
 import datetime as dt
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +50,7 @@ from addin.package.references import Rect, cell_name
 from addin.run_view import RunView
 from addin.shown_units import shown_units
 from addin.start_cycles import start_cycle_facts, start_cycle_rows
+from addin.study_digests import stated_digests, twelve_digits
 
 __all__ = [
     "ANALYSES",
@@ -279,6 +280,7 @@ def write_study_results(
     facts: Mapping[str, str],
     rated_torque: float | None,
     *,
+    recorded: str = "",
     ignore_lock: bool = False,
 ) -> SaveReport:
     """Write the results of a study into its sheets, and nothing else.
@@ -295,6 +297,8 @@ def write_study_results(
         Defined names and their words, see `study_sheets.STUDY_FACTS`. [text]
     rated_torque : float or None
         Base of pu. [N m]
+    recorded : str
+        Defined name that takes digests of what is written, so that edits are seen. [name]
     ignore_lock : bool
         Write although a lock file says somebody has the workbook open. [flag]
 
@@ -312,9 +316,15 @@ def write_study_results(
     wanted = [
         _result_block(fields.result_table(name), rows, units) for name, rows in tables.items()
     ]
-    present = _present(workbook, wanted)
+    present = [
+        replace(one, rows=[tuple(map(twelve_digits, row)) for row in one.rows])
+        for one in _present(workbook, wanted)
+    ]
     workbook.write_tables(present)
     _fit_rows(workbook, present)
+    if recorded:
+        specs = [fields.result_table(one.name) for one in present]
+        facts = {**facts, recorded: "; ".join(stated_digests(workbook, specs, units))}
     _set_facts(workbook, facts)
     return workbook.save(destination, in_place=destination is None)
 
@@ -388,6 +398,7 @@ def result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
         "StartCycles": start_cycle_rows(run),
         "Plans": [{"plan": plan["number"], "reason": plan["reason"]} for plan in run.plans],
         "BearingForces": (run.startup or {}).get("bearing_forces", ()),
+        "EnergyShares": run.energies,
     }
     return [_result_block(spec, tables.get(spec.name, ()), units) for spec in specs]
 

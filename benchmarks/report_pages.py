@@ -15,7 +15,7 @@ from PIL import Image
 from addin.report.make import report
 from addin.template_files import template_path
 
-PAGES = (1, 3, 11, 15, 18, 22)
+PAGES = (1, 3, 12, 16, 18, 22)
 PICTURE = Path(__file__).resolve().parents[1] / "docs" / "images" / "report.png"
 
 

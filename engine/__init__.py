@@ -10,6 +10,7 @@ module              responsibility
 `case`              what the engineer states, frozen
 `validation`        every check of a case, all problems at once
 `plausibility`      possible numbers that look like a slip
+`unanswered`        what a case cannot answer yet, and which input is missing
 `train`             shaft line, gears and branches as masses, stiffnesses and incidence
 `modal`             natural frequencies, mode shapes, energies, modal damping
 `torque_curve`      a smooth curve through torque-speed points

@@ -12,12 +12,13 @@ easily arise in the determination of shaft stiffness, mass inertia, degree of co
 Those inaccuracies are what a calibration takes away, but only from the modes it reaches. So each mode
 whose margin is below the 20 % of calculated ones (for the others both rules agree) must be *known*:
 
-- measured directly, or its prior variance reduced to a quarter or less by the other measurements,
+- measured directly to 2 % or better, or its prior variance reduced to a quarter or less by the
+  measurements,
 - and in either case known to a posterior standard deviation of at most 2 %: then the ten points given
   up are five standard deviations of what is still unknown;
 
 and nothing that was measured may be left unexplained, as a model that contradicts a measurement says
-nothing of the modes between. `MarginRequired` overrules either basis, as it does everywhere.
+nothing of the modes between; nor may a measurement fit another mode almost as well. `MarginRequired` overrules either basis, as it does everywhere.
 """
 
 from __future__ import annotations
@@ -373,7 +374,10 @@ class _Found:
         changed = self.unknowns.changed(case, solution.z)
         calculated = at_speed(Case(**(vars(changed) | {"margin_basis": "calculated"})))
         frequencies = self._frequencies(calculated.margins)
-        justified, reason = _basis(case, frequencies, calculated.margins, explained, complete)
+        doubt = self._doubt(rivals)
+        justified, reason = _basis(
+            case, frequencies, calculated.margins, explained, complete, doubt
+        )
         calibrated = replace(changed, margin_basis="measured") if justified else changed
         before, after = at_speed(Case(**vars(case))), at_speed(Case(**vars(calibrated)))
         parameters = self._parameters()
@@ -479,7 +483,8 @@ class _Found:
         at = int(self.solution.order[mode])
         prior, posterior = float(self.prior_spread[mode]), float(self.posterior[mode])
         reduction = 1.0 - (posterior / prior) ** 2 if prior > 0.0 else 0.0
-        known, why = _known(reading is not None, posterior, reduction)
+        uncertainty = None if reading is None else reading.uncertainty
+        known, why = _known(uncertainty, posterior, reduction)
         return CalibratedFrequency(
             mode=mode + 1,
             calibrated_mode=at + 1,
@@ -493,6 +498,17 @@ class _Found:
             known=known,
             why=why,
         )
+
+    def _doubt(self, rivals: dict[int, tuple[int | None, float]]) -> str:
+        """Which measurement could be of another mode as well; empty where none could."""
+        said = [
+            f"the {self.plan.frequencies[i].frequency:.4g} Hz of row {self.plan.frequencies[i].row} "
+            f"could be mode {rival + 1} as well as mode {mode + 1}"
+            for i, mode in sorted(self.solution.modes.items())
+            if (rival := rivals.get(i, (None, math.inf))[0]) is not None
+            and rivals[i][1] < AMBIGUOUS
+        ]
+        return "; ".join(said)
 
     # --- measurements -----------------------------------------------------------------------------
 
@@ -589,7 +605,13 @@ class _Found:
                 f"spread brings it there ({off}). Correct Mode or Frequency, or widen Scatter."
             )
         if near[mode] <= GATE:
-            taken = next(k for k, m in self.solution.modes.items() if m == mode)
+            taken = next((k for k, m in self.solution.modes.items() if m == mode), None)
+            if taken is None:
+                return (
+                    f"Not used: the mode nearest to it, mode {mode + 1}, is calculated at {calculated} "
+                    f"({off}), but the changes that bring it there, beside all else that was measured, "
+                    "are less likely than a wrong value. Check it, state its mode, or widen Scatter."
+                )
             other = self.plan.frequencies[taken]
             return (
                 f"Not used: the mode nearest to it, mode {mode + 1} at {calculated}, is taken by the "
@@ -660,18 +682,20 @@ def _determined(reduction: float) -> str:
     return "partly" if reduction >= UNTOUCHED else "not determined"
 
 
-def _known(measured: bool, deviation: float, reduction: float) -> tuple[bool, str]:
-    """Whether a mode counts as measured, and why."""
-    sure = f"known to ±{100.0 * deviation:.2g} %"
-    if measured and deviation <= KNOWN_FREQUENCY:
-        return True, f"measured, {sure}"
-    if measured:
+def _known(uncertainty: float | None, deviation: float, reduction: float) -> tuple[bool, str]:
+    """Whether a mode counts as measured, and why; a small prior spread alone makes none known."""
+    sure, measured = f"known to ±{100.0 * deviation:.2g} %", uncertainty is not None
+    close = uncertainty is not None and uncertainty <= KNOWN_FREQUENCY
+    how = "measured" if measured else "determined by the other measurements"
+    if close or reduction >= DETERMINED:
+        if deviation <= KNOWN_FREQUENCY:
+            return True, f"{how}, {sure}"
+        return False, f"{how}, but {sure} only"
+    if uncertainty is None:
+        return False, f"not measured, {sure}"
+    if deviation > KNOWN_FREQUENCY:
         return False, f"measured, but {sure} only"
-    if reduction >= DETERMINED and deviation <= KNOWN_FREQUENCY:
-        return True, f"determined by the other measurements, {sure}"
-    if reduction >= DETERMINED:
-        return False, f"determined by the other measurements, but {sure} only"
-    return False, f"not measured, {sure}"
+    return False, f"measured to ±{100.0 * uncertainty:.2g} % only; it is {sure} by Scatter alone"
 
 
 def _tail(chi_square: float, degrees: int) -> float:
@@ -687,6 +711,7 @@ def _basis(
     margins: SeparationMargins,
     explained: bool,
     complete: bool,
+    doubt: str,
 ) -> tuple[bool, str]:
     """Whether MarginBasis becomes measured, and why."""
     if case.margin_required is not None:
@@ -712,6 +737,11 @@ def _basis(
     if not least:
         return False, (
             f"MarginBasis stays as it is: every margin keeps the {limit:.0%} of calculated frequencies."
+        )
+    if doubt:
+        return (
+            False,
+            f"{stays}: {doubt}. State its mode, from measured phases or the sensor's place.",
         )
     said = [
         f"mode {at[m].mode} ({at[m].after:.4g} Hz, margin {margin:.1%}): {at[m].why}"
@@ -745,7 +775,8 @@ def _sentence(
     largest = max(parameters, key=lambda p: abs(p.change))
     sure = [p for p in parameters if p.determined == "determined"]
     said = [
-        f"{len(used)} of {len(measurements)} measurements are used.",
+        f"{len(used)} of {len(measurements)} measurement"
+        f"{' is' if len(measurements) == 1 else 's are'} used.",
         f"Largest change: {largest.quantity} of {largest.name}, {largest.change:+.1%}."
         if abs(largest.change) >= 5e-4
         else "The case explains them as it is: nothing changes.",

@@ -289,7 +289,7 @@ def _starts_error(results: Results, starts: float | None) -> float | None:
 
 
 def _rated(results: Results) -> tuple[Verdict, ...]:
-    """Torque in continuous operation against the makers' rated torque, the worst of them."""
+    """Torque in continuous operation against the makers' rated torque: all that it exceeds, else the worst."""
     transmitted = transmitted_torque(results.case, results.train).element.tolist()
     rows = [
         (abs(torque), e.rated_torque, str(e.element))
@@ -298,6 +298,7 @@ def _rated(results: Results) -> tuple[Verdict, ...]:
     ]
     if not rows:
         return ()
-    torque, limit, element = max(rows, key=lambda r: r[0] / r[1])
-    verdict = PASS if torque <= limit else FAIL
-    return (Verdict("Rated torque", torque, limit, "torque", verdict, element),)
+    exceeded = [r for r in rows if r[0] > r[1]]
+    shown = exceeded or [max(rows, key=lambda r: r[0] / r[1])]
+    verdict = FAIL if exceeded else PASS
+    return tuple(Verdict("Rated torque", *r[:2], "torque", verdict, r[2]) for r in shown)

@@ -97,6 +97,8 @@ AGREED = 0.03
 DOUBTFUL = 0.1
 #: A deviation at ± 1 % smaller than this is not worth a note. [1]
 SEEN = 1e-3
+#: Modes whose derivatives are listed at least, where the train has so many. [count]
+LISTED_MODES = 10
 #: Words of the column Method.
 ENERGIES = "energies"
 BY_DIFFERENCES = "differences"
@@ -928,7 +930,9 @@ def derivative_rows(found: Derivatives) -> list[dict[str, Any]]:
 
 
 def frequency_rows(found: Derivatives) -> list[dict[str, Any]]:
-    """Derivatives of the frequencies under their JSON keys, the strongest first.
+    """Derivatives of the frequencies under their JSON keys, the strongest in the start first.
+
+    The energies tell of every mode, so the rows go on to the tenth, where there are as many.
 
     Parameters
     ----------
@@ -948,7 +952,10 @@ def frequency_rows(found: Derivatives) -> list[dict[str, Any]]:
         {
             "quantity": r.quantity,
             "of": r.name,
-            **{f"mode_{i}": v for i, v in enumerate(r.value[:n].tolist(), start=1)},
+            **{
+                f"mode_{i}": v
+                for i, v in enumerate(r.value[: max(n, LISTED_MODES)].tolist(), start=1)
+            },
         }
         for r in rows
     ]

@@ -307,7 +307,7 @@ def _model(case: CaseData, recipe: Recipe, lateral: bool) -> Model:
     return Model(train, modes, modal_damping(case, train, modes))
 
 
-def near_start(case: CaseData, recipe: Recipe, near: NearTrain) -> NearStart:
+def near_start(case: CaseData, recipe: Recipe, near: NearTrain, refined: float = 1.0) -> NearStart:
     """The start of a train near to the planned one.
 
     Parameters
@@ -318,6 +318,8 @@ def near_start(case: CaseData, recipe: Recipe, near: NearTrain) -> NearStart:
         What the plain run decided; its start is not ``none``. [mixed]
     near : NearTrain
         Its modes. [SI]
+    refined : float, optional
+        Share of the usual step that a linear start takes. [1]
 
     Returns
     -------
@@ -337,7 +339,7 @@ def near_start(case: CaseData, recipe: Recipe, near: NearTrain) -> NearStart:
         prepared = prepared_start(case, model.train, model.modes, model.damping, recipe.effects)
         if recipe.held is not None:
             prepared = _held(prepared, recipe.held)
-        step = min(recipe.step, prepared.model.largest_step)
+        step = refined * min(recipe.step, prepared.model.largest_step)
         prepared, run = prepared.to_its_end(step)
         return _read(case, recipe, model, prepared.outcome(run), run)
     if recipe.start != PLANNED:

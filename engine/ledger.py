@@ -321,6 +321,13 @@ def _verdict(
             "data."
         )
         verdict = NOT_JUDGED if verdict == PASS else verdict
+    yielding = [r.condition.name for r in duty if (s := _shaft(r, name)) and s.yields]
+    if yielding:
+        said.append(
+            f"Nominal peak above shear yield in '{yielding[0]}': its damage is not that of an elastic "
+            "count."
+        )
+        verdict = NOT_JUDGED if verdict == PASS else verdict
     if not starts_yearly:
         said.append("No starts a year are stated: no time is calculated.")
     return verdict, " ".join(said)

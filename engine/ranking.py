@@ -18,17 +18,20 @@ location"). So, one after the other:
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 from engine.combination import Answers, Tried
 from engine.crossings import Crossing
 from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS
+from engine.studies import WordUnit
 from engine.tuning_options import Variable
 
 __all__ = ["SAME", "chosen", "is_better", "merit", "ranked", "reason"]
 
 #: The check of separation margins, as `engine.verdicts` names it.
 MARGIN_CHECK = "Separation margin"
+_MEGAPASCAL, _NEWTON_METRE = WordUnit("MPa", 1e6), WordUnit("N m", 1.0)
 #: Changes smaller than this share are told as "as is". [1]
 SAME = 0.005
 #: Margins kept by themselves, accepted, not kept; a case without excitations keeps them.
@@ -135,7 +138,12 @@ def chosen(tried: Tried, variables: tuple[Variable, ...]) -> str:
     return "; ".join(parts) + (" (as is)" if c.as_is else "")
 
 
-def reason(tried: Tried, as_is: Tried | None, rated_torque: float | None) -> str:
+def reason(
+    tried: Tried,
+    as_is: Tried | None,
+    rated_torque: float | None,
+    units: Mapping[tuple[str, str], WordUnit] = MappingProxyType({}),
+) -> str:
     """Why a combination stands where it stands, against the case as it is.
 
     Parameters
@@ -146,6 +154,8 @@ def reason(tried: Tried, as_is: Tried | None, rated_torque: float | None) -> str
         The case as it stands; None = nothing to compare with. [SI]
     rated_torque : float or None
         RatedTorque. [N m]
+    units : mapping of (str, str) to WordUnit, optional
+        Of stress and torque, as in `StudyInputs`; default MPa and N m. [units]
 
     Returns
     -------
@@ -161,8 +171,9 @@ def reason(tried: Tried, as_is: Tried | None, rated_torque: float | None) -> str
         return f"{a.sentence} {said[0]}".strip()
     crossing = a.governing
     if crossing is not None:
-        said.append(_crossing(crossing, None if b is None else b.governing, rated_torque))
-    said.append(_severity(a, b))
+        torque = units.get(("", "torque"), _NEWTON_METRE)
+        said.append(_crossing(crossing, None if b is None else b.governing, rated_torque, torque))
+    said.append(_severity(a, b, units.get(("", "stress"), _MEGAPASCAL)))
     return " ".join(s for s in said if s)
 
 
@@ -175,21 +186,27 @@ def _limits(a: Answers) -> str:
         names = [f"{n} ({near})" if n == MARGIN_CHECK else n for n in dict.fromkeys(a.broken)]
         many = "limit" if len(a.broken) == 1 else "limits"
         return f"Breaks {len(a.broken)} {many}: {', '.join(names)}."
+    unjudged = dict.fromkeys(c.check for c in a.checks if c.verdict == NOT_JUDGED)
+    unjudged.pop(MARGIN_CHECK, None)
+    said = f"Not judged: {', '.join(unjudged)}." if unjudged else ""
+    kept = "Keeps all limits that are judged" if unjudged else "Keeps all limits"
     if not near:
-        return "Keeps all limits; no separation margin was judged."
-    if a.margin_verdict == ACCEPTED:
-        return f"Keeps all limits, the separation margin ({near}) by forced response."
-    return f"Keeps all limits (least separation margin: {near})."
+        kept += "; no separation margin was judged."
+    elif a.margin_verdict == ACCEPTED:
+        kept += f", the separation margin ({near}) by forced response."
+    else:
+        kept += f" (least separation margin: {near})."
+    return f"{kept} {said}".strip()
 
 
 def _percent(share: float) -> str:
     return f"{round(100.0 * share, 1):g} %"
 
 
-def _crossing(c: Crossing, before: Crossing | None, rated: float | None) -> str:
+def _crossing(c: Crossing, before: Crossing | None, rated: float | None, torque: WordUnit) -> str:
     """Where the worst mode is crossed, and what it meets there."""
     pulsating = c.pulsating_torque or 0.0
-    size = f"{_percent(pulsating / rated)} of rated" if rated else f"{pulsating:.4g} N m"
+    size = f"{_percent(pulsating / rated)} of rated" if rated else torque.told(pulsating, 4)
     text = f"Mode {c.mode} at {c.frequency:.4g} Hz governs the start: crossed"
     if c.percent_speed is not None:
         text += f" at {_percent(0.01 * c.percent_speed)} speed"
@@ -213,7 +230,7 @@ def _against(now: float, before: float | None, less: str = "less", more: str = "
     return f" ({100.0 * abs(change):.2g} % {less if change < 0.0 else more} than as is)"
 
 
-def _severity(a: Answers, b: Answers | None) -> str:
+def _severity(a: Answers, b: Answers | None, stress: WordUnit) -> str:
     """Starts, or without them the peak torque; stress."""
     parts = []
     if a.unlimited:
@@ -224,7 +241,7 @@ def _severity(a: Answers, b: Answers | None) -> str:
             text += _times(a.starts / b.starts)
         parts.append(text)
     if a.peak_stress is not None:
-        text = f"largest stress {a.peak_stress / 1e6:.3g} MPa peak-to-peak"
+        text = f"largest stress {stress.told(a.peak_stress, 3)} peak-to-peak"
         parts.append(text + ("" if b is None else _against(a.peak_stress, b.peak_stress)))
     elif a.peak_over_rated is not None:
         text = f"largest torque {a.peak_over_rated:.3g} × rated"

@@ -14,6 +14,7 @@ import numpy as np
 
 from engine.effects import EffectDecision
 from engine.fatigue import shear_stress
+from engine.frequency_derivatives import frequency_derivatives
 from engine.margins import percent_speed
 from engine.results import AccuracyRow, AtSpeed, Results
 from engine.reversals import Reversal
@@ -22,6 +23,7 @@ from engine.start_fatigue import is_counted
 __all__ = [
     "accuracy_rows",
     "effect_rows",
+    "energy_rows",
     "modal_details",
     "plan_details",
     "result_tables",
@@ -125,6 +127,38 @@ def plan_details(results: Results) -> Row:
     if results.sensitivity is not None:
         details["sensitivity"] = asdict(results.sensitivity)
     return details
+
+
+def energy_rows(results: AtSpeed, most_modes: int) -> list[Row]:
+    """Energy shares of every stiffness and inertia, from which frequencies follow a small change.
+
+    ∂ln f/∂ln k = ½ × share of the strain energy, ∂ln f/∂ln J = −½ × share of the kinetic energy
+    (`engine.frequency_derivatives`, where modes as good as equal are treated as well).
+
+    Parameters
+    ----------
+    results : AtSpeed
+        A complete run, or one without a start. [SI]
+    most_modes : int
+        Elastic modes that are told. [count]
+
+    Returns
+    -------
+    list of dict
+        quantity, of, share_1, share_2, …: stiffnesses first, in the order of the case. [1]
+    """
+    found = frequency_derivatives(results.case, results.train, results.modes)
+    return [
+        {
+            "quantity": row.quantity,
+            "of": row.name,
+            **{
+                f"share_{k}": 2.0 * abs(value)
+                for k, value in enumerate(row.value[:most_modes].tolist(), 1)
+            },
+        }
+        for row in found.rows
+    ]
 
 
 def modal_details(results: AtSpeed) -> Row:

@@ -196,8 +196,8 @@ class Convergence:
     sentence: str
 
 
-def convergence(values: Floats, what: str) -> Convergence:
-    """Whether a sample was large enough: by the interval of its P10, and by its two halves.
+def convergence(values: Floats, what: str, probability: float = 0.1) -> Convergence:
+    """Whether a sample was large enough: by the interval of a percentile, and by its two halves.
 
     Parameters
     ----------
@@ -205,6 +205,8 @@ def convergence(values: Floats, what: str) -> Convergence:
         The answer in the order of the samples; may be infinite. [any unit]
     what : str
         Its name. [words]
+    probability : float, optional
+        The percentile at its harmful end. [1]
 
     Returns
     -------
@@ -213,16 +215,17 @@ def convergence(values: Floats, what: str) -> Convergence:
     """
     if len(values) < FEWEST_SAMPLES:
         return Convergence(False, f"Not converged: only {len(values)} samples tell the {what}.")
-    if np.all(values == values[0]):
+    told = percentile_interval(np.sort(values), probability)
+    unbounded = math.isinf(told.value) and told.low is None
+    if np.all(values == values[0]) and not unbounded:
         return Convergence(
             True, f"Converged: the {what} of every sample is the same, {_number(float(values[0]))}."
         )
-    p10 = percentile_interval(np.sort(values), 0.1)
     half = len(values) // 2
     first, second = (
-        percentile_interval(np.sort(part), 0.1) for part in (values[:half], values[half:])
+        percentile_interval(np.sort(part), probability) for part in (values[:half], values[half:])
     )
-    width, agree = _reach(p10), _overlap(first, second)
+    width, agree = _reach(told), _overlap(first, second)
     reached = width <= SETTLED and agree
     interval = (
         f"its {100.0 * CONFIDENCE:.0f} % interval reaches {_percent(width)} from it"
@@ -231,8 +234,8 @@ def convergence(values: Floats, what: str) -> Convergence:
     )
     return Convergence(
         reached,
-        f"{'Converged' if reached else 'Not converged'}: P10 of the {what} is "
-        f"{_number(p10.value)}; {interval} (allowed {_percent(SETTLED)}), and the two halves of the "
+        f"{'Converged' if reached else 'Not converged'}: P{100.0 * probability:.0f} of the {what} is "
+        f"{_number(told.value)}; {interval} (allowed {_percent(SETTLED)}), and the two halves of the "
         f"sample give {_number(first.value)} and {_number(second.value)}, whose intervals "
         f"{'overlap' if agree else 'do not overlap'}."
         + ("" if reached else " Take four times as many samples to halve the interval."),
@@ -241,6 +244,8 @@ def convergence(values: Floats, what: str) -> Convergence:
 
 def _reach(p: Percentile) -> float:
     """How far the interval of a percentile reaches from it, over its size."""
+    if p.low is not None and p.low == p.value == p.high:
+        return 0.0  # unlimited from end to end, too
     if p.low is None or p.high is None or math.isinf(p.high) or p.value == 0.0:
         return math.inf
     return max(p.high - p.value, p.value - p.low) / abs(p.value)

@@ -177,7 +177,7 @@ def scatter_problems(case: CaseData, rows: Sequence[ScatterRow]) -> list[Problem
 
 def _row_problems(case: CaseData, number: int, row: ScatterRow) -> Iterator[Problem]:
     def problem(column: str, value: object, allowed: str, message: str) -> Problem:
-        return Problem(TABLE, number, column, value, allowed, f"Scatter, row {number}: {message}")
+        return Problem(TABLE, number, column, value, allowed, message)
 
     quantities = ", ".join(SCATTERED)
     if row.quantity is None:
@@ -230,26 +230,26 @@ def _distribution_problems(row: ScatterRow, problem: object) -> Iterator[Problem
     if kind == FROM_TO:
         for column, value in (("From", row.from_), ("To", row.to)):
             if value is None or not (math.isfinite(value) and value > 0.0):
-                said = "blank" if value is None else f"{value:g}"
+                said = "blank" if value is None else _percent(value)
                 yield tell(
                     column,
                     value,
                     "above 0",
-                    f"{column} is {said}; from-to needs two positive factors, such as 0.9 and 1.2.",
+                    f"{column} is {said}; from-to needs two positive factors, such as 90 % and 120 %.",
                 )
         if row.from_ is not None and row.to is not None and row.from_ > row.to > 0.0:
             yield tell(
                 "To",
                 row.to,
                 "at least From",
-                f"To is {row.to:g}, below From, {row.from_:g}. Exchange them.",
+                f"To is {_percent(row.to)}, below From, {_percent(row.from_)}. Exchange them.",
             )
         if row.spread is not None:
             yield tell(
                 "Spread",
                 row.spread,
                 "blank with from-to",
-                f"Spread is {row.spread:g} beside From and To. Clear it, or choose another "
+                f"Spread is {_percent(row.spread)} beside From and To. Clear it, or choose another "
                 "distribution.",
             )
         return
@@ -259,7 +259,7 @@ def _distribution_problems(row: ScatterRow, problem: object) -> Iterator[Problem
                 column,
                 value,
                 "blank unless Distribution is from-to",
-                f"{column} is {value:g}, but the distribution is {kind}. Clear it, or choose from-to.",
+                f"{column} is {_percent(value)}, but the distribution is {kind}. Clear it, or choose from-to.",
             )
     limit = 1.0 / CUT if kind == NORMAL else 1.0
     if row.spread is None:
@@ -269,7 +269,14 @@ def _distribution_problems(row: ScatterRow, problem: object) -> Iterator[Problem
             f"from 0 to below {limit:g}",
             "Spread is blank; give it as a share of what the case says, such as 5 %.",
         )
-    elif not 0.0 <= row.spread < limit:
+    elif row.spread < 0.0:
+        yield tell(
+            "Spread",
+            row.spread,
+            f"from 0 to below {limit:g}",
+            f"Spread is {_percent(row.spread)}; a scatter has no sign. Give it as a positive share.",
+        )
+    elif not row.spread < limit:
         why = (
             f"a normal distribution is cut at {CUT:g} standard deviations, and from "
             f"{100.0 * limit:g} % on that would reach zero"
@@ -280,9 +287,13 @@ def _distribution_problems(row: ScatterRow, problem: object) -> Iterator[Problem
             "Spread",
             row.spread,
             f"from 0 to below {limit:g}",
-            f"Spread is {100.0 * row.spread:g} %; {why}. Give a smaller one, or from-to with two "
+            f"Spread is {_percent(row.spread)}; {why}. Give a smaller one, or from-to with two "
             "positive factors.",
         )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.10g} %"
 
 
 def _distribution(row: ScatterRow) -> str:
@@ -306,8 +317,7 @@ def _repeated(rows: Sequence[ScatterRow]) -> Iterator[Problem]:
                 "Name",
                 row.name,
                 "one row for each name and quantity",
-                f"Scatter, row {number}: {row.quantity} of {whose} has a row already, row "
-                f"{first[key]}. Delete one of them.",
+                f"{row.quantity} of {whose} has a row already, row {first[key]}. Delete one of them.",
             )
         first.setdefault(key, number)
 

@@ -189,6 +189,8 @@ class ConditionShaft:
         Whether the damage says how many such starts are allowed. [flag]
     extended : bool
         Cycles above the first S-N point: their life is its slope extended, not test data. [flag]
+    yields : bool, optional
+        Nominal peak above shear yield: elastic stress and its count do not hold. [flag]
     """
 
     element: str
@@ -200,6 +202,7 @@ class ConditionShaft:
     unlimited: bool
     judged: bool
     extended: bool
+    yields: bool = False
 
 
 @dataclass(frozen=True)
@@ -701,6 +704,7 @@ def _shafts(case: CaseData, results: Results) -> tuple[ConditionShaft, ...]:
                 unlimited=whole and shaft.unlimited,
                 judged=whole,
                 extended=shaft.above_first_point > 0.0,
+                yields=bool(shaft.above_shear_yield),
             )
         )
     return tuple(found)
@@ -743,8 +747,7 @@ def _notes(
     extended = [s.element for s in shafts if s.extended]
     if extended:
         yield f"Cycles above the first S-N point ({', '.join(extended)}): its slope is extended."
-    yielding = [s.element for s in (results.starts.shafts if results.starts else ())
-                if s.above_shear_yield]  # fmt: skip
+    yielding = [s.element for s in shafts if s.yields]
     if yielding:
         yield f"Nominal peak above shear yield ({', '.join(yielding)}): the count does not hold."
     if start.is_sensitive:

@@ -1155,9 +1155,12 @@ def worst_outputs(
 
 
 def _difference(
-    a: tuple[Floats, Floats], b: tuple[Floats, Floats], until_largest: bool = False
+    a: tuple[Floats, Floats],
+    b: tuple[Floats, Floats],
+    until_largest: bool = False,
+    guard_share: float = 1.0,
 ) -> float:
-    """Largest difference of the extremes of two runs, the next smaller ones included.
+    """Largest difference of the extremes of two runs, a share of that of the next smaller ones included.
 
     Two curves that differ may by chance share their largest value; they hardly share six. Those
     after the largest are compared with the nearest of the other run, not rank by rank: where one
@@ -1171,8 +1174,8 @@ def _difference(
         worst = max(
             worst,
             abs(float(x[0] - y[0])),
-            _distance(x[:COMPARED_EXTREMES], y[: 2 * COMPARED_EXTREMES]),
-            _distance(y[:COMPARED_EXTREMES], x[: 2 * COMPARED_EXTREMES]),
+            guard_share * _distance(x[:COMPARED_EXTREMES], y[: 2 * COMPARED_EXTREMES]),
+            guard_share * _distance(y[:COMPARED_EXTREMES], x[: 2 * COMPARED_EXTREMES]),
         )
     return worst
 
@@ -1597,6 +1600,7 @@ def element_peaks(
     output: NDArray[np.int64],
     *,
     until_largest: bool = False,
+    guard_share: float = 1.0,
 ) -> tuple[ElementPeak, ...]:
     """Extremes of every element; the error is the change from h to h/2 plus the truncation.
 
@@ -1616,6 +1620,9 @@ def element_peaks(
         Output that stands for each element; −1 where there is none. [index]
     until_largest : bool, optional
         True: extremes after the largest do not count for the error (runs with impacts). [flag]
+    guard_share : float, optional
+        How much of the change of the next smaller extremes is taken for the error of the finer run;
+        default all of it, as always of the change of the extremes themselves. [1]
 
     Returns
     -------
@@ -1625,7 +1632,9 @@ def element_peaks(
     trajectory, _, turning = fine
     judged = [(element, int(i)) for element, i in enumerate(output) if i >= 0]
     size = np.array([float(np.max(np.abs(turning[i][1]))) for _, i in judged])
-    change = np.array([_difference(turning[i], coarse[2][i], until_largest) for _, i in judged])
+    change = np.array(
+        [_difference(turning[i], coarse[2][i], until_largest, guard_share) for _, i in judged]
+    )
     floor = np.maximum(size, NEGLIGIBLE * np.max(size, initial=0.0))
     relative = change / np.where(floor > 0.0, floor, 1.0)
     least = max(SHARED_ERROR * float(np.max(relative, initial=0.0)), LEAST_ERROR)

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 
 __all__ = [
     "AVERAGE_TORQUE",
@@ -20,6 +21,8 @@ __all__ = [
     "DIAMETER",
     "INERTIA",
     "LOAD_TORQUE",
+    "MEASURED_FREQUENCY",
+    "MEASURED_TORQUE",
     "MeasuredFrequencyRow",
     "MeasuredPeakRow",
     "PULSATING_TORQUE",
@@ -32,6 +35,7 @@ __all__ = [
     "StudyInputs",
     "TUNED",
     "TuningRow",
+    "WordUnit",
     "study_digest",
 ]
 
@@ -39,6 +43,7 @@ STIFFNESS, DAMPING, INERTIA, DIAMETER = "stiffness", "damping", "inertia", "diam
 BACKLASH, DAMPING_RATIO = "backlash", "damping ratio"
 AVERAGE_TORQUE, PULSATING_TORQUE = "average torque", "pulsating torque"
 LOAD_TORQUE, SN_LINE = "load torque", "S-N line"
+MEASURED_FREQUENCY, MEASURED_TORQUE = "measured frequency", "measured torque"
 
 #: Quantities that a designer may choose.
 TUNED = (STIFFNESS, DAMPING, INERTIA, DIAMETER, BACKLASH)
@@ -219,6 +224,39 @@ class MeasuredPeakRow:
 
 
 @dataclass(frozen=True)
+class WordUnit:
+    """A unit in which a sentence names a quantity.
+
+    Parameters
+    ----------
+    name : str
+        As it stands in the sentence. [unit]
+    size : float
+        What one of it is worth. [SI]
+    """
+
+    name: str
+    size: float
+
+    def told(self, value: float, digits: int = 6) -> str:
+        """A number with the unit.
+
+        Parameters
+        ----------
+        value : float
+            The quantity. [SI]
+        digits : int, optional
+            Significant digits. [count]
+
+        Returns
+        -------
+        str
+            Such as ``2,647,550 lbf in/rad``. [words]
+        """
+        return f"{float(f'{value / self.size:.{digits}g}'):,.10g} {self.name}".rstrip()
+
+
+@dataclass(frozen=True)
 class StudyInputs:
     """Every table of the study sheets, unchecked.
 
@@ -226,6 +264,9 @@ class StudyInputs:
     ----------
     tuning, catalogue, scatter, start_conditions, measured_frequencies, measured_peaks : tuple
         Rows of the tables of the same name. [rows]
+    units : mapping of (str, str) to WordUnit
+        What the engineer typed in: element and quantity, or an empty name and the quantity, ``stress``,
+        ``torque``, ``measured frequency`` or ``measured torque``, → its unit. For words alone: no number and no digest depends on it. [units]
     """
 
     tuning: tuple[TuningRow, ...] = ()
@@ -234,6 +275,7 @@ class StudyInputs:
     start_conditions: tuple[StartConditionRow, ...] = ()
     measured_frequencies: tuple[MeasuredFrequencyRow, ...] = ()
     measured_peaks: tuple[MeasuredPeakRow, ...] = ()
+    units: Mapping[tuple[str, str], WordUnit] = field(default_factory=dict, compare=False)
 
 
 #: Input table of the study sheets → (field of `StudyInputs`, row class).

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from engine.case import CaseData
 from engine.errors import CaseError, ModelError, Problem
 from engine.lean_start import (
+    LINEAR,
     NO_START,
     PLANNED,
     NearStart,
@@ -50,6 +51,11 @@ Mask = NDArray[np.bool_]
 
 #: Most samples.
 MOST_SAMPLES = 1_000_000
+#: One in so many linear starts is calculated at half the step, too: the error that the plain run states
+#: for its step is that of its own train, and a train far from it may err more.
+CHECKED_EVERY = 50
+#: Torques below this share of the train's largest do not count for what the step changes.
+_NEGLIGIBLE = 1e-3
 #: Samples of one unit of work, of starts without events; one with events takes a second and more.
 UNIT_SIZE = 50
 
@@ -169,6 +175,10 @@ class Evaluated:
         Largest torque of each element. [N m]
     starts : ndarray, shape (n, n_judged)
         Allowable starts of each judged shaft; infinite = unlimited. [1]
+    checked : ndarray of bool, shape (n,)
+        Whether its start was calculated at half the step, too. [mask]
+    by_step : ndarray, shape (n, 2)
+        What that changed, relatively: the most of any torque, and the starts of the train. [1]
     outcomes : tuple of (str, int)
         How many starts ended in each way. [count]
     troubles : tuple of str
@@ -184,6 +194,8 @@ class Evaluated:
     margin: Floats
     torque: Floats
     starts: Floats
+    checked: Mask
+    by_step: Floats
     outcomes: tuple[tuple[str, int], ...] = ()
     troubles: tuple[str, ...] = ()
 
@@ -322,16 +334,19 @@ def units_of(plan: TolerancePlan, size: int | None = None) -> tuple[Unit, ...]:
     """
     if size is None:
         size = 1 if plan.recipe.start == PLANNED else UNIT_SIZE
+    # no piece has samples and runs of one factor at a time
+    kinds = ((0, plan.n_samples), (plan.n_samples, plan.n_runs))
     return tuple(
         Unit(
             plan.case,
             plan.recipe,
             plan.factors,
             first,
-            plan.values[first : first + size],
+            plan.values[first : min(first + size, end)],
             plan.settings.replan,
         )
-        for first in range(0, plan.n_runs, size)
+        for begin, end in kinds
+        for first in range(begin, end, size)
     )
 
 
@@ -363,6 +378,8 @@ def evaluate(unit: Unit) -> Evaluated:
         np.zeros((n, len(recipe.margins))),
         np.zeros((n, len(unit.case.elements))),
         np.full((n, judged), math.inf),
+        np.zeros(n, dtype=np.bool_),
+        np.zeros((n, 2)),
     )
     outcomes: dict[str, int] = {}
     troubles: list[str] = []
@@ -373,6 +390,9 @@ def evaluate(unit: Unit) -> Evaluated:
             found.frequency[i], found.margin[i] = near.frequency, near.margin
             if recipe.start != NO_START:
                 start = near_start(case, recipe, near)
+                if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
+                    found.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
+                    found.checked[i] = start.counted
                 if start.reversed and unit.replan:
                     start = read_start(case, recipe, *replanned_start(case))
                 _enter(found, i, start)
@@ -382,6 +402,18 @@ def evaluate(unit: Unit) -> Evaluated:
         except ModelError as wrong:
             troubles.append(str(wrong))
     return replace(found, outcomes=tuple(outcomes.items()), troubles=tuple(troubles))
+
+
+def _change(fine: NearStart, coarse: NearStart) -> tuple[float, float]:
+    """Relative change of the worst torque and of the starts of the train from one step to half of it."""
+    size = fine.largest
+    counts = size > _NEGLIGIBLE * np.max(size, initial=0.0)
+    off = np.abs(size - coarse.largest)[counts] / size[counts]
+    torque = float(np.max(off, initial=0.0))
+    a, b = (float(np.min(start.starts, initial=math.inf)) for start in (fine, coarse))
+    if math.isinf(a) and math.isinf(b):
+        return torque, 0.0
+    return torque, abs(a - b) / min(a, b)
 
 
 def _enter(found: Evaluated, i: int, start: NearStart) -> None:

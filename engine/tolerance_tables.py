@@ -101,13 +101,15 @@ def _plain(value: Any) -> Any:
     return UNLIMITED if isinstance(value, float) and math.isinf(value) else value
 
 
-def _percentiles(percentiles: tuple[Percentile, ...], head: str = "", ends: bool = True) -> Row:
+def _percentiles(percentiles: tuple[Percentile, ...], head: str = "") -> Row:
     row: Row = {}
     for p in percentiles:
         key = f"{head}p_{100.0 * p.probability:.0f}"
-        row[key] = _plain(p.value)
-        if ends:
-            row |= {f"{key}_low": _plain(p.low), f"{key}_high": _plain(p.high)}
+        row |= {
+            key: _plain(p.value),
+            f"{key}_low": _plain(p.low),
+            f"{key}_high": _plain(p.high),
+        }
     return row
 
 
@@ -238,7 +240,7 @@ def _margins(found: Tolerances) -> Iterator[Row]:
             "mode": int(mode.removeprefix("mode ")),
             "excitation": excitation,
             "nominal": r.nominal,
-            **_percentiles(r.percentiles, ends=False),
+            **_percentiles(r.percentiles),
             **_met(_probability(found, "margin", r.of)),
         }
     every = _probability(found, "all margins", "train")
@@ -250,9 +252,9 @@ def _peaks(found: Tolerances) -> Iterator[Row]:
     stress = {r.of: r for r in _of(found, STRESS)}
     for r in _of(found, "peak torque"):
         row: Row = {"element": r.of, "nominal_torque": r.nominal}
-        row |= _percentiles(r.percentiles, "torque_", ends=False)
+        row |= _percentiles(r.percentiles, "torque_")
         if r.of in stress:
             own = stress[r.of]
             row |= {"nominal_stress": own.nominal}
-            row |= _percentiles(own.percentiles, "stress_", ends=False)
+            row |= _percentiles(own.percentiles, "stress_")
         yield row

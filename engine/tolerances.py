@@ -32,7 +32,7 @@ from engine.sample_statistics import (
     share_interval,
 )
 from engine.scatter import METHODS, sample_size
-from engine.start_fatigue import judged_shafts
+from engine.start_fatigue import is_counted, judged_shafts
 from engine.studies import ScatterRow
 from engine.tolerance_sample import (
     Evaluated,
@@ -179,6 +179,10 @@ class Tolerances:
         Whether the sample was large enough. [flag]
     sentences : tuple of str
         What a reader must know, the judgement on convergence first. [sentences]
+    unfinished : int
+        Samples whose start did not come to its end: they are in no percentile of it. [count]
+    lost : int
+        Samples that could not be calculated: they are in no number. [count]
     starts : ndarray, shape (n,)
         Allowable starts of the train in every judged sample; infinite = unlimited. [1]
     first_frequency : ndarray, shape (n,)
@@ -197,6 +201,8 @@ class Tolerances:
     explained: float | None
     converged: bool
     sentences: tuple[str, ...]
+    unfinished: int
+    lost: int
     starts: Floats = field(repr=False)
     first_frequency: Floats = field(repr=False)
 
@@ -253,7 +259,7 @@ def gather(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Tolerances:
     has_starts = plan.recipe.start != NO_START and whole.starts.shape[1] > 0
     judged = sample.known & sample.counted
     least = np.min(sample.starts[judged], axis=1) if has_starts else np.zeros(0)
-    settled = convergence(answer[usable], driven)
+    settled = convergence(*_settling(plan, sample, driven, answer, usable))
     return Tolerances(
         case_digest(plan.case),
         plan.digest,
@@ -267,6 +273,8 @@ def gather(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Tolerances:
         explained,
         settled.reached,
         (settled.sentence, *_sentences(plan, sample, evaluated, percentiles)),
+        int(np.sum(sample.known & ~sample.counted)) if plan.recipe.start != NO_START else 0,
+        sum(len(e.troubles) for e in evaluated if e.first < plan.n_samples),
         least,
         sample.frequency[sample.known][:, 0] if plan.recipe.n_modes else np.zeros(0),
     )
@@ -296,6 +304,8 @@ def _joined(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Evaluated:
         put("margin"),
         put("torque"),
         put("starts"),
+        put("checked"),
+        put("by_step"),
     )
 
 
@@ -310,6 +320,8 @@ def _part(whole: Evaluated, rows: slice) -> Evaluated:
         whole.margin[rows],
         whole.torque[rows],
         whole.starts[rows],
+        whole.checked[rows],
+        whole.by_step[rows],
     )
 
 
@@ -347,13 +359,13 @@ def _percentile_rows(plan: TolerancePlan, sample: Evaluated) -> Iterator[Percent
         return
     whole, unit = known & sample.counted, unit_stress(plan.case)
     peaks = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in nominal.start.peaks}
+    stands = is_counted(nominal.start)  # else its peaks are those of a part of a start
     for quantity, factor in (("peak torque", np.ones(len(unit))), (STRESS, unit)):
         for i, e in enumerate(plan.case.elements):
             if factor[i] > 0.0 and e.element in peaks:
                 at = factor[i]
-                yield _percentile_row(
-                    quantity, str(e.element), at * peaks[e.element], at * sample.torque[whole, i]
-                )
+                peak = at * peaks[e.element] if stands else None
+                yield _percentile_row(quantity, str(e.element), peak, at * sample.torque[whole, i])
     yield from _start_rows(plan, sample, whole)
 
 
@@ -371,11 +383,13 @@ def _start_rows(plan: TolerancePlan, sample: Evaluated, whole: Mask) -> Iterator
 
 
 def _nominal_starts(plan: TolerancePlan) -> dict[str, float]:
-    """Allowable starts of the plain run; infinite = unlimited."""
+    """Allowable starts of the plain run; infinite = unlimited, none where it is not judged."""
     starts = plan.nominal.starts
+    if starts is None or not is_counted(plan.nominal.start):
+        return {}
     return {
         s.element: math.inf if s.allowable_starts is None else s.allowable_starts
-        for s in (() if starts is None else starts.shafts)
+        for s in starts.shafts
     }
 
 
@@ -441,6 +455,19 @@ def _answers(plan: TolerancePlan, part: Evaluated, driven: str) -> tuple[Floats,
         unit = unit_stress(plan.case)[worst]
         return unit * part.torque[:, worst], part.known & part.counted
     return np.min(part.margin, axis=1, initial=math.inf), part.known
+
+
+def _settling(
+    plan: TolerancePlan, sample: Evaluated, driven: str, answer: Floats, usable: Mask
+) -> tuple[Floats, str, float]:
+    """By which answer and percentile the sample is judged: the P10 of the starts wherever there are any.
+
+    Of the stress that stands in for them its P90: its P10 is the harmless end.
+    """
+    if plan.recipe.start != NO_START and sample.starts.shape[1]:
+        starts, judged = _answers(plan, sample, STARTS)
+        return starts[judged], STARTS, PERCENTILES[0]
+    return answer[usable], driven, PERCENTILES[-1] if driven == STRESS else PERCENTILES[0]
 
 
 def _worst_stress(plan: TolerancePlan) -> int:
@@ -527,19 +554,20 @@ def _sentences(
     n = int(np.sum(sample.known))
     asked, drawn = plan.settings.samples, plan.n_samples
     kind = "Latin hypercube" if plan.settings.method == METHODS[0] else "scrambled Sobol sequence"
+    missing = drawn - n - sum(len(e.troubles) for e in evaluated if e.first < drawn)
     yield (
         f"{n} samples of {len(plan.factors)} factors, {kind}, seed {plan.settings.seed}. Intervals "
-        f"hold with {100.0 * CONFIDENCE:.0f} % confidence for independent samples; for these, which "
-        "fill the space more evenly, they are on the safe side."
+        f"hold with {100.0 * CONFIDENCE:.0f} % confidence for independent samples"
+        + (
+            "."
+            if missing > 0
+            else "; for these, which fill the space more evenly, they are on the safe side."
+        )
     )
     if sample_size(asked, plan.settings.method) != asked:
         yield f"{asked} samples were asked for; a Sobol sequence is balanced at {drawn} only."
-    missing = drawn - n - sum(len(e.troubles) for e in evaluated if e.first < drawn)
     if missing > 0:
-        yield (
-            f"Stopped after {n} of {drawn} samples: they are a random part of the whole sample, so "
-            "the numbers hold with the wider intervals stated."
-        )
+        yield _about_the_part(plan.settings.method, n, drawn)
     troubles = [t for e in evaluated for t in e.troubles]
     if troubles:
         yield (
@@ -547,6 +575,24 @@ def _sentences(
             f"{troubles[0]}"
         )
     yield from _about_the_starts(plan, sample, evaluated, percentiles)
+
+
+def _about_the_part(method: str, n: int, drawn: int) -> str:
+    """What the first samples are worth without the rest.
+
+    Rows of a Latin hypercube are exchangeable (the columns are permuted each for itself), so its
+    first rows are a random part of it: each is drawn from the distribution that is stated, and any two
+    differ rather more than independent ones. A Sobol sequence fills the space from its first point on.
+    """
+    if method == METHODS[0]:
+        return (
+            f"Stopped after {n} of {drawn} samples. A part of a Latin hypercube is none: they are a "
+            "random part of it, to be judged as independent samples, as the intervals do."
+        )
+    return (
+        f"Stopped after {n} of {drawn} samples: the first of the sequence, which is balanced at powers "
+        "of two only; the intervals hold as for independent samples."
+    )
 
 
 def _about_the_starts(
@@ -561,7 +607,7 @@ def _about_the_starts(
         return
     n = int(np.sum(known))
     if recipe.start == LINEAR:
-        yield _step_sentence(recipe, percentiles)
+        yield _step_sentence(recipe, sample, percentiles)
     else:
         what = ", ".join(f"'{name}'" for name in recipe.effects.clearances)
         yield (
@@ -600,7 +646,7 @@ def _about_the_starts(
         )
 
 
-def _step_sentence(recipe: Recipe, percentiles: Sequence[PercentileRow]) -> str:
+def _step_sentence(recipe: Recipe, sample: Evaluated, percentiles: Sequence[PercentileRow]) -> str:
     """Step error of each start beside the sampling error of the percentiles."""
     widths = [
         max(p.high - p.value, p.value - p.low) / abs(p.value)
@@ -613,19 +659,31 @@ def _step_sentence(recipe: Recipe, percentiles: Sequence[PercentileRow]) -> str:
         f"Each start was calculated once, at a step of {recipe.step:.3g} s, for which the plain run "
         f"states an error of {_percent(recipe.step_error)} of the peak torques"
     )
-    if recipe.starts_error is None:
-        return text + "."
-    text += f" and {_percent(recipe.starts_error)} of the starts"
-    if not widths:
+    counts_starts = recipe.starts_error is not None
+    error = recipe.starts_error or 0.0
+    if counts_starts:
+        text += f" and {_percent(error)} of the starts"
+    checked = sample.checked & sample.known
+    if np.any(checked):
+        torque, starts = np.max(sample.by_step[checked], axis=0)
+        times = int(np.sum(checked))
+        text += (
+            f"; half that step, tried on {times} of them, changes peak torques by "
+            f"{_percent(float(torque))} at most"
+        )
+        if counts_starts:
+            text += f", starts by {_percent(float(starts))}"
+            error = max(error, float(starts))
+    if not counts_starts or not widths:
         return text + "."
     sampling = max(widths)
-    if sampling > 3.0 * recipe.starts_error:
+    if sampling > 3.0 * error:
         return (
-            f"{text}; the sampling error of the P10 of the starts, {_percent(sampling)}, is far above "
+            f"{text}. The sampling error of the P10 of the starts, {_percent(sampling)}, is far above "
             "it."
         )
     return (
-        f"{text}; the sampling error of the P10 of the starts, {_percent(sampling)}, is not far above "
+        f"{text}. The sampling error of the P10 of the starts, {_percent(sampling)}, is not far above "
         "it: tighten TolerancePeak and ToleranceStarts for more."
     )
 

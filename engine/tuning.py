@@ -10,8 +10,8 @@ one result of the units, whoever calculated them; `tune` does all three one afte
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from engine.bands import Band, Window, forbidden_bands, free_windows, rows_of_bands
@@ -20,10 +20,10 @@ from engine.combination import Answers, Tried, calculate_combination
 from engine.excitation import excitations_of
 from engine.margins import required_margin
 from engine.ranking import chosen, is_better, ranked, reason
-from engine.studies import StudyInputs
+from engine.studies import StudyInputs, WordUnit
 from engine.train import build_train
 from engine.tuning_maps import TuningMap, tuning_map
-from engine.tuning_options import Variable, case_of
+from engine.tuning_options import Combination, Variable, case_of, in_units
 from engine.tuning_plan import TuningPlan, plan_tuning
 
 __all__ = [
@@ -33,12 +33,17 @@ __all__ = [
     "best_cases",
     "crossing_rows",
     "gather",
+    "in_typed_units",
     "map_rows",
     "ranked_rows",
     "tune",
+    "uncalculated_rows",
 ]
 
 Row = dict[str, Any]
+
+#: Verdict and outcome of what a study that was stopped did not come to.
+NOT_CALCULATED = "not calculated"
 
 
 @dataclass(frozen=True)
@@ -202,6 +207,59 @@ def gather(case: CaseData, plan: TuningPlan, tried: Iterable[Tried]) -> TuningRe
     )
 
 
+def in_typed_units(
+    case: CaseData, result: TuningResult, units: Mapping[tuple[str, str], WordUnit]
+) -> TuningResult:
+    """The same result, its words in the units that the engineer typed.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case as it stands. [SI]
+    result : TuningResult
+        The study. [SI]
+    units : mapping of (str, str) to WordUnit
+        As in `StudyInputs`. [units]
+
+    Returns
+    -------
+    TuningResult
+        Labels, reasons and the sentence told anew; numbers and order are the same. [SI]
+    """
+    if not units:
+        return result
+    variables = tuple(in_units(v, units) for v in result.variables)
+    named = {v.title: v for v in variables}
+    stands = None if result.as_is is None else result.as_is.tried
+
+    def told(row: Ranked) -> Ranked:
+        combination = row.tried.combination
+        if combination.picked:
+            options = tuple(
+                v.options[i] for v, i in zip(variables, combination.picked, strict=True)
+            )
+            combination = replace(combination, options=options)
+        tried = replace(row.tried, combination=combination)
+        words = reason(tried, stands, case.ratings.rated_torque, units)
+        return replace(row, combination=chosen(tried, variables), tried=tried, reason=words)
+
+    rows = tuple(told(row) for row in result.rows)
+    as_is = next((r for r in rows if r.tried.combination.as_is), None)
+    up = result.map.up
+    return replace(
+        result,
+        variables=variables,
+        rows=rows,
+        as_is=as_is,
+        map=replace(
+            result.map,
+            across=named[result.map.across.title],
+            up=None if up is None else named[up.title],
+        ),
+        sentence=_sentence(rows, as_is, result.planned),
+    )
+
+
 def best_cases(
     case: CaseData, result: TuningResult, top: int
 ) -> tuple[tuple[Ranked, CaseData], ...]:
@@ -241,10 +299,12 @@ def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> s
         said += f", {impossible:,} of them cannot be"
     better = sum(r.better for r in rows)
     kept = sum(r.tried.answers is not None and not r.tried.answers.broken for r in rows)
-    said += f"; {kept:,} keep all limits"
+    said += f"; {kept:,} {'keeps' if kept == 1 else 'keep'} all limits that are judged"
     if as_is is None:
         return f"{said}. The case as it stands was not among them."
-    said += f", {better:,} are better than the case as it stands (rank {as_is.rank:,})."
+    said += f", {better:,} {'is' if better == 1 else 'are'} better than the case as it stands (rank {as_is.rank:,})."
+    if better and len(rows) < planned:  # short: what was not calculated may be better
+        return f"{said} The best of them is {rows[0].combination}."
     if better:
         return f"{said} The best is {rows[0].combination}. {rows[0].reason}"
     return f"{said} Nothing that was tried is better."
@@ -271,6 +331,43 @@ def ranked_rows(result: TuningResult) -> list[Row]:
     stands = None if result.as_is is None else result.as_is.tried.answers
     usual = frozenset(() if stands is None else stands.warnings)
     return [_ranked_row(row, usual) for row in result.rows]
+
+
+def uncalculated_rows(plan: TuningPlan, result: TuningResult) -> list[Row]:
+    """Rows of `TuningResults` for what a study that was stopped did not come to.
+
+    Parameters
+    ----------
+    plan : TuningPlan
+        What was to be tried. [SI]
+    result : TuningResult
+        What was; its variables name the options, in their units. [SI]
+
+    Returns
+    -------
+    list of dict
+        Without rank, in the order of the plan. [words]
+    """
+    done = {row.tried.combination.picked for row in result.rows}
+
+    def words(one: Combination) -> str:
+        named = tuple(
+            v.options[i] for v, i in zip(result.variables, one.picked, strict=bool(one.picked))
+        )
+        return chosen(Tried(replace(one, options=named), None), result.variables)
+
+    return [
+        {
+            "combination": words(one),
+            "as_is": one.as_is,
+            "better": False,
+            "verdict": NOT_CALCULATED,
+            "outcome": NOT_CALCULATED,
+            "reason": "Not calculated: the study was cut short.",
+        }
+        for one in plan.combinations
+        if one.picked not in done
+    ]
 
 
 def _ranked_row(row: Ranked, usual: frozenset[str]) -> Row:

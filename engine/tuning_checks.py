@@ -72,6 +72,8 @@ def tuning_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]
 
 
 _Where = tuple[str, int | None, str]
+#: Larger numbers are slips of the pen; products with what stands in the case must stay finite. [SI]
+LARGEST = 1e30
 
 
 def _problem(where: _Where, found: object, allowed: str, sentence: str) -> Problem:
@@ -122,8 +124,7 @@ def _tuning_row(case: CaseData, number: int, row: TuningRow) -> Iterator[Problem
     for column, values in (("Values", row.values), ("From", (row.from_,)), ("To", (row.to,))):
         bad = [v for v in values if v is not None and not _fits(v, zero)]
         if bad:
-            allowed = "zero or positive" if zero else "positive"
-            yield _wrong(where(column), bad[0], allowed, "Correct the cell.", unit)
+            yield _wrong(where(column), bad[0], _allowed(zero, bad[0]), "Correct the cell.", unit)
 
 
 def _names(case: CaseData, quantity: str | None) -> list[str]:
@@ -133,7 +134,13 @@ def _names(case: CaseData, quantity: str | None) -> list[str]:
 
 
 def _fits(value: float, zero_allowed: bool) -> bool:
-    return math.isfinite(value) and (value > 0.0 or (zero_allowed and value == 0.0))
+    return value <= LARGEST and (value > 0.0 or (zero_allowed and value == 0.0))
+
+
+def _allowed(zero_allowed: bool, found: float) -> str:
+    if found > LARGEST:
+        return f"at most {LARGEST:g}"
+    return "zero or positive" if zero_allowed else "positive"
 
 
 def _range(
@@ -163,8 +170,8 @@ def _range(
     if row.from_ is None or row.to is None:
         return
     if row.from_ > row.to:
-        allowed = f"at least From, {row.from_:.6g}"
-        yield _wrong(to, row.to, allowed, "Exchange the two ends of the range.")
+        said = "To is less than From. Exchange the two ends of the range."  # in any unit
+        yield _problem(to, row.to, "at least From", said)
     least = 1 if row.from_ == row.to else 2
     if row.from_ == row.to and row.steps not in (None, 1):
         allowed = f"above From, {row.from_:.6g}, where Steps is {row.steps}"
@@ -195,8 +202,7 @@ def _offer_row(case: CaseData, number: int, row: CatalogueRow) -> Iterator[Probl
     for column, key, unit, zero in _OFFER_NUMBERS:
         value = getattr(row, key)
         if value is not None and not _fits(value, zero):
-            allowed = "zero or positive" if zero else "positive"
-            yield _wrong(where(column), value, allowed, "Correct the cell.", unit)
+            yield _wrong(where(column), value, _allowed(zero, value), "Correct the cell.", unit)
 
 
 _OFFER_NUMBERS = (

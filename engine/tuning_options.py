@@ -8,13 +8,13 @@ marked ``fitted``, which is taken off; without such a row they contain none.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from engine.case import GROUND, CaseData, ElementRow
-from engine.studies import CatalogueRow, StudyInputs, TuningRow
+from engine.studies import CatalogueRow, StudyInputs, TuningRow, WordUnit
 from engine.substitution import (
     BACKLASH,
     DAMPING,
@@ -36,8 +36,10 @@ __all__ = [
     "Variable",
     "case_of",
     "element_of",
+    "in_units",
     "offered",
     "offers_by_element",
+    "unit_for",
     "variables_of",
     "with_options",
 ]
@@ -253,11 +255,59 @@ def _tuned(case: CaseData, row: TuningRow) -> Variable:
     options = []
     for number in dict.fromkeys(_numbers(row)):
         value = number * (stands or 0.0) if row.relative else number
-        label = f"{float(f'{value:.6g}'):,.10g} {UNITS[quantity]}".rstrip()
-        if row.relative:
-            label = f"{number:.6g} × ({label})"
-        options.append(Option(label, value, Change(quantity, name, number, row.relative)))
+        change = Change(quantity, name, number, row.relative)
+        options.append(Option(_label(change, value, WordUnit(UNITS[quantity], 1.0)), value, change))
     return Variable(name, quantity, stands, _sorted(options))
+
+
+def _label(change: Change, value: float, unit: WordUnit) -> str:
+    told = unit.told(value)
+    return f"{change.value:.6g} × ({told})" if change.relative else told
+
+
+def in_units(variable: Variable, units: Mapping[tuple[str, str], WordUnit]) -> Variable:
+    """A variable whose options are named in the units that the engineer typed.
+
+    Parameters
+    ----------
+    variable : Variable
+        Named in SI. [SI]
+    units : mapping of (str, str) to WordUnit
+        As in `StudyInputs`. [units]
+
+    Returns
+    -------
+    Variable
+        The same options in the same order. [SI]
+    """
+    unit = unit_for(units, variable.name, variable.quantity)
+    if unit is None:
+        return variable
+    options = tuple(
+        o if o.change is None else replace(o, label=_label(o.change, o.value, unit))
+        for o in variable.options
+    )
+    return replace(variable, options=options)
+
+
+def unit_for(
+    units: Mapping[tuple[str, str], WordUnit], name: str, quantity: str
+) -> WordUnit | None:
+    """The unit of a quantity: that of its row, else the usual one of the workbook.
+
+    Parameters
+    ----------
+    units : mapping of (str, str) to WordUnit
+        As in `StudyInputs`. [units]
+    name, quantity : str
+        Element or station, and what of it. [names]
+
+    Returns
+    -------
+    WordUnit or None
+        None where nothing was typed. [unit]
+    """
+    return units.get((name, quantity)) or units.get(("", quantity))
 
 
 def _numbers(row: TuningRow) -> tuple[float, ...]:

@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Generator
 from pathlib import Path
 
@@ -60,10 +61,23 @@ REQUIREMENTS = {
 }
 
 
+def _slow_beyond_the_first(items: list[pytest.Item]) -> None:
+    """Where a test is marked `first_ones(n)`, all its parameters but the first n are slow."""
+    seen: Counter[str] = Counter()
+    for item in items:
+        marker = item.get_closest_marker("first_ones")
+        if marker is not None:
+            name = item.nodeid.partition("[")[0]
+            seen[name] += 1
+            if seen[name] > marker.args[0]:
+                item.add_marker("slow")
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
         if "soffice" in getattr(item, "fixturenames", ()):
             item.add_marker("needs_libreoffice")
+    _slow_beyond_the_first(items)
     if not RUN_SLOW:
         slow = [item for item in items if item.get_closest_marker("slow")]
         if slow:

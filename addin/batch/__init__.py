@@ -15,8 +15,10 @@ module                  responsibility
 ``conductor``           a batch from its inputs to its summary
 ``summary``             the records as workbook and CSV
 ``summary_file``        whether a file is such a summary
+``json_file``           whether a JSON is results, or errors, that torsionbook wrote
 ``watch``               recalculation when a file is saved
 ``vary``                one case, many values: a programme from a table, streamed to Parquet
+``result_file``         whether a file is the result of such a programme
 ``commands``            ``torsionbook batch``
 ======================  ====================================================================================
 """

@@ -44,6 +44,8 @@ class Cluster(Workers):
         Of the scheduler, such as ``tcp://10.0.0.5:8786``. [address]
     patience : float
         How long it is waited for. [s]
+    when_lost : str
+        What a user is told where the scheduler is gone in the middle. [sentences]
 
     Raises
     ------
@@ -53,7 +55,12 @@ class Cluster(Workers):
 
     here = False
 
-    def __init__(self, address: str, patience: float = PATIENCE) -> None:
+    def __init__(
+        self,
+        address: str,
+        patience: float = PATIENCE,
+        when_lost: str = "What was done is kept; run again with --resume.",
+    ) -> None:
         try:
             from distributed import Client
         except ImportError:
@@ -71,6 +78,7 @@ class Cluster(Workers):
                 "them, or check the address."
             ) from wrong
         self.address = address
+        self._when_lost = when_lost
         #: Whether files go to the workers as bytes.
         self.sends_bytes = False
         self._waiting: deque[Task] = deque()
@@ -174,10 +182,7 @@ class Cluster(Workers):
         return Crashed(f"the cluster answered with {problem!r}")
 
     def _lost(self) -> Stopped:
-        return Stopped(
-            f"The Dask scheduler at {self.address} is lost. What was done is kept; run again with "
-            "--resume."
-        )
+        return Stopped(f"The Dask scheduler at {self.address} is lost. {self._when_lost}")
 
     def close(self) -> None:
         """Give up what the cluster still has of this batch; the cluster goes on."""

@@ -241,6 +241,7 @@ def _varied(
     from addin.batch.conductor import Abandoned, Stopped
     from addin.batch.folder import FolderRefused, OutFolder
     from addin.batch.records import DONE
+    from addin.batch.result_file import in_the_way
     from addin.batch.vary import TableRefused, run_programme
 
     try:
@@ -251,6 +252,11 @@ def _varied(
         raise typer.BadParameter(
             f"Results would be written to {table}, which is the table itself. Name another folder with "
             "--out."
+        )
+    if (place := next(in_the_way(out, as_csv), None)) is not None:
+        raise typer.BadParameter(
+            f"{place} is there already, and torsionbook did not write it: results of --vary would replace "
+            "it. Rename it, or name another folder with --out."
         )
     began = time.monotonic()
     try:

@@ -20,11 +20,14 @@ from typing import Any
 from addin.batch.folder import OutFolder, digest_of, stamp_of
 from addin.batch.inputs import Input, json_name, result_name
 from addin.batch.journal import Journal
+from addin.batch.json_file import holds_results
 from addin.batch.pool import Crashed, Task, Workers
 from addin.batch.records import (
+    AN_EARLIER,
     CHANGED,
     CRASHED,
     DISK_FULL,
+    NOT_RENAMED,
     OUTDATED,
     Output,
     Record,
@@ -327,6 +330,7 @@ class Batch:
             may_be_open=self.may_be_open,
             overrides=self.overrides,
             json=self._json_of(one.name),
+            history=one.history,
             **more,
         )
         if self.send == "files":
@@ -376,10 +380,12 @@ class Batch:
     def _settle(self, record: Record) -> Record:
         """Record what became of a file, then put its results in place."""
         record = replace(record, version=record.version or self._version, settings=self.overrides)
-        if self.json is not None and not record.done:
+        if self.json is not None and not record.done and not self._keeps_json(record):
             record = self._with_errors(record)
         if not record.done:
             record = self._with_old_results_told(record)
+        else:
+            record = self._without_old_histories(record)
         self._write(record)
         try:
             self.folder.put(record.outputs)
@@ -395,6 +401,11 @@ class Batch:
         if record.outcome == DISK_FULL and not self.stop.reason:
             self.stop.reason = "The disk is full. Free some space, then run again with --resume."
         return record
+
+    def _keeps_json(self, record: Record) -> bool:
+        """Whether the JSON of an earlier calculation stays, as the reason passes by itself."""
+        place = self.folder.place(self._json_of(record.name))
+        return record.outcome not in OUTDATED and holds_results(place)
 
     def _with_errors(self, record: Record) -> Record:
         """A file without results: its errors as JSON, staged, so that no earlier results stay there."""
@@ -420,9 +431,18 @@ class Batch:
         """Results of an earlier calculation of a file that are in place, by their names."""
         earlier = self._earlier.get(name)
         known = earlier.outputs if earlier is not None and earlier.done else ()
-        names = {result_name(name): None, **{one.name: None for one in known}}
-        names.pop(self._json_of(name), None)  # it has the errors now
-        return [one for one in names if self.folder.place(one).is_file()]
+        names = dict.fromkeys((result_name(name), *(one.name for one in known)))
+        if self.json is not None:
+            names[self._json_of(name)] = None
+        for one in self.folder.elsewhere.get(name, ()):
+            # A journal that somebody made up shall not have files renamed that are none of ours.
+            if one.name.endswith(Path(json_name(name)).name) and self.folder.holds((one,)):
+                names[one.name] = None
+        return [one for one in names if self._is_there(one) and self._has_results(one)]
+
+    def _has_results(self, name: str) -> bool:
+        """Whether a file holds results; a JSON may hold errors."""
+        return not name.endswith(".json") or holds_results(self.folder.place(name))
 
     def _with_old_results_told(self, record: Record) -> Record:
         """A file without results, whose earlier ones must not be taken for those of what it holds now.
@@ -437,15 +457,28 @@ class Batch:
                 continue
             try:
                 aside = self.folder.set_aside(name)
-                said.append(
-                    f"{name} was the result of an earlier calculation; it is now called {aside.name}."
-                )
+                said.append(AN_EARLIER.format(name, aside.name))
             except OSError as wrong:
-                said.append(
-                    f"{name} is the result of an earlier calculation and not of this input; it could not "
-                    f"be renamed ({wrong.strerror or wrong}). Do not use it."
-                )
+                said.append(NOT_RENAMED.format(name, wrong.strerror or wrong))
         return replace(record, sentence=" ".join([record.sentence, *said]).strip())
+
+    def _without_old_histories(self, record: Record) -> Record:
+        """A file with results, whose histories of another kind or name are no longer true."""
+        earlier = self._earlier.get(record.name)
+        old = {one.name for one in earlier.outputs if ".history." in one.name} if earlier else set()
+        old -= {one.name for one in record.outputs}
+        if not old:
+            return record
+        others = (other for other in self.records.values() if other.done)
+        old -= {one.name for other in others for one in other.outputs}
+        said = []
+        for name in sorted(filter(self._is_there, old)):
+            with contextlib.suppress(OSError):  # open elsewhere: the record names the right one
+                said.append(AN_EARLIER.format(name, self.folder.set_aside(name).name))
+        return replace(record, warnings=(*record.warnings, *said))
+
+    def _is_there(self, name: str) -> bool:
+        return self.folder.place(name).is_file()
 
     def _write(self, record: Record) -> None:
         try:

@@ -91,6 +91,8 @@ class OutFolder:
         if path.is_file():
             raise FolderRefused(f"{path} is a file; --out names a folder.")
         self.path = path.absolute()  # as processes with another working folder see it too
+        #: Recorded results in other folders than those of this batch, by the file's name in its batch.
+        self.elsewhere: dict[str, tuple[Output, ...]] = {}
         self._own = self.path / OWN
         try:
             self._own.mkdir(parents=True, exist_ok=True)
@@ -146,6 +148,7 @@ class OutFolder:
             outputs = record.outputs
             if all(self._is_staged(one.staged) and self._is_place(one.name) for one in outputs):
                 kept = tuple(one for one in outputs if self._is_asked_for(one.name, json))
+                self.elsewhere[name] = tuple(one for one in outputs if one not in kept)
                 believed[name] = replace(record, outputs=kept)
             else:
                 refused.append(

@@ -7,9 +7,12 @@ import json
 import os
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from addin.batch.json_file import is_result_json
+from addin.history_file import KINDS, history_stems
 
 __all__ = [
     "Input",
@@ -28,8 +31,6 @@ ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")
 OURS = (".out.xlsx", ".out.xlsm", ".accuracy.xlsx", ".accuracy.xlsm", ".results.json", ".accuracy.json")  # fmt: skip
 #: Folder of a batch inside that of its results, and the usual name of its summary there.
 OWN, SUMMARY = ".torsionbook-batch", "summary.xlsx"
-#: Kinds of files that a history may be kept in.
-_HISTORIES = ("csv", "parquet")
 #: A JSON file is looked into up to this size to see whether it is a case. [bytes]
 _LOOKED_INTO = 4 * 2**20
 _DIGITS = re.compile(r"(\d+)")
@@ -49,10 +50,13 @@ class Input:
         The file. [path]
     name : str
         Its path relative to where the batch begins, with ``/``; results get the same. [path]
+    history : str
+        Name of its histories before ``.history``, where that of its result is another's too. [name]
     """
 
     path: Path
     name: str
+    history: str = ""
 
 
 def find_inputs(
@@ -189,9 +193,15 @@ def _named(found: dict[Path, Path], json: bool) -> list[Input]:
             f"{clash[0]} and {clash[1]} would both be written to {clash[2]}. "
             "Rename one, or calculate them in two batches."
         )
-    return sorted(
-        (Input(path, name) for path, name in names.items()), key=lambda one: natural_key(one.name)
-    )
+    stems = history_stems(map(result_name, names.values()))
+    inputs = (Input(path, name, _own_stem(name, stems)) for path, name in names.items())
+    return sorted(inputs, key=lambda one: natural_key(one.name))
+
+
+def _own_stem(name: str, stems: Mapping[str, str]) -> str:
+    """The name of its histories, where it is that of the whole result."""
+    result = result_name(name)
+    return Path(result).name if stems[result] == result and Path(result).suffix else ""
 
 
 def _relative(path: Path, root: Path) -> str:
@@ -209,28 +219,29 @@ def _clash(names: dict[Path, str], json: bool) -> tuple[Path, Path, str] | None:
     return None
 
 
-def results_of(name: str) -> tuple[str, ...]:
+def results_of(one: Input) -> tuple[str, ...]:
     """Names that results of a file may have in the folder of results.
 
     Parameters
     ----------
-    name : str
-        The file, relative. [path]
+    one : Input
+        The file.
 
     Returns
     -------
     tuple of str
         Its results, and histories beside them. [paths]
     """
-    result = result_name(name)
-    stem = result[: -len(Path(result).suffix)] if Path(result).suffix else result
-    return result, *(f"{stem}.history.{kind}" for kind in _HISTORIES)
+    result = Path(result_name(one.name))
+    stem = one.history or result.stem
+    beside = (result.with_name(f"{stem}.history.{kind}") for kind in KINDS)
+    return tuple(place.as_posix() for place in (result, *beside))
 
 
 def check_places(
     inputs: Sequence[Input], out: Path, json: Path | None = None, summary: Path | None = None
 ) -> None:
-    """Refuse results that would land on an input or on the summary, before any work.
+    """Refuse results that would land on an input, on the summary or on somebody's own JSON, before any work.
 
     Parameters
     ----------
@@ -246,7 +257,8 @@ def check_places(
     Raises
     ------
     InputsRefused
-        If two files would have the same place; the sentence says what to do.
+        If two files would have the same place, or a file there is none of ours; the sentence says what
+        to do.
     """
     sources: dict[str, list[Path]] = defaultdict(list)
     for one in inputs:
@@ -254,7 +266,7 @@ def check_places(
             sources[_key(place)].append(one.path)
     ours = {_key(place): place for place in _with_csv(summary)}
     for one in inputs:
-        places = [(out / name, "--out") for name in results_of(one.name)]
+        places = [(out / name, "--out") for name in results_of(one)]
         if json is not None:
             places.append((json / json_name(one.name), "--json"))
         for place, option in places:
@@ -268,6 +280,11 @@ def check_places(
                 raise InputsRefused(
                     f"Results of {one.path} and the summary of the batch would both be written to "
                     f"{place}. Name another place for the summary with --summary."
+                )
+            if place.suffix == ".json" and place.is_file() and not is_result_json(place):
+                raise InputsRefused(
+                    f"{place} is there already, and torsionbook did not write it: results of {one.path} "
+                    f"would replace it. Rename it, or name another folder with {option}."
                 )
 
 

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 __all__ = [
+    "AN_EARLIER",
     "CHANGED",
     "CRASHED",
     "DISK_FULL",
@@ -15,6 +16,7 @@ __all__ = [
     "FAULT",
     "LOCKED",
     "MISSING",
+    "NOT_RENAMED",
     "NO_ACCESS",
     "OUTDATED",
     "UNREADABLE",
@@ -42,6 +44,13 @@ SETTLED = frozenset({DONE, WRONG_INPUT, UNREADABLE})
 
 #: Outcomes after which results of an earlier calculation are not true any more, or may not be.
 OUTDATED = frozenset({WRONG_INPUT, UNREADABLE, CRASHED, FAULT})
+
+#: What became of a result that is not true any more: its name, its new one; its name, why.
+AN_EARLIER = "{} was the result of an earlier calculation; it is now called {}."
+NOT_RENAMED = (
+    "{} is the result of an earlier calculation and not of this input; it could not be renamed ({}). "
+    "Do not use it."
+)
 
 _FULL = (errno.ENOSPC, errno.EDQUOT) if hasattr(errno, "EDQUOT") else (errno.ENOSPC,)
 _FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)

@@ -29,7 +29,24 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from addin.batch.conductor import Listener, Stop, Stopped
 from addin.batch.folder import OWN, OutFolder, digest_of
 from addin.batch.pool import Crashed, Task, Workers
-from addin.batch.records import CRASHED, DONE, FAULT, WRONG_INPUT
+from addin.batch.records import (
+    AN_EARLIER,
+    CRASHED,
+    DONE,
+    FAULT,
+    NOT_RENAMED,
+    OUTDATED,
+    WRONG_INPUT,
+    outcome_of,
+)
+from addin.batch.result_file import (
+    RESULT,
+    RESULT_COLUMNS,
+    RESULT_CSV,
+    is_result,
+    is_result_csv,
+    stated_columns,
+)
 from addin.batch.work import compiles
 from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
 from addin.problems import nearest, shortened
@@ -52,33 +69,6 @@ AHEAD = 3
 REASONS = 20
 #: Chunks that become one row group of the result. [count]
 _GROUPED = 50
-
-#: Columns of the result after those of the table. Units are SI and in the names.
-RESULT_COLUMNS: tuple[tuple[str, str], ...] = (
-    ("outcome", "string"),
-    ("reason", "string"),
-    ("verdict", "string"),
-    ("checks_not_judged", "int64"),
-    ("start", "string"),
-    ("mode_1_Hz", "double"),
-    ("mode_2_Hz", "double"),
-    ("mode_3_Hz", "double"),
-    ("worst_margin", "double"),
-    ("worst_margin_at", "string"),
-    ("peak_torque_N_m", "double"),
-    ("peak_torque_over_rated", "double"),
-    ("peak_torque_at", "string"),
-    ("peak_to_peak_stress_Pa", "double"),
-    ("peak_to_peak_stress_at", "string"),
-    ("torque_reversals", "int64"),
-    ("torque_reverses_at", "string"),
-    ("allowable_starts", "double"),
-    ("starts_unlimited", "bool"),
-    ("starts_governed_by", "string"),
-    ("warnings", "string"),
-    ("case_sha256", "string"),
-    ("seconds", "double"),
-)
 
 
 class TableRefused(Exception):
@@ -699,7 +689,7 @@ def run_programme(
     Abandoned, Stopped
         As of `Batch.process`.
     """
-    typed = _base(base)
+    typed = _base(base, folder)
     read = Table(table)
     columns, names = read_columns(read.headers(), typed)
     varied = tuple(one for one in columns if one is not None)
@@ -708,9 +698,9 @@ def run_programme(
     parts = _Parts(folder, _schema(varied))
     settings = dict(overrides or {})
     parts.begin(_fingerprint(base, table) | {"settings": settings}, resume)
-    programme = Programme(folder.place("results.parquet"), total)
+    programme = Programme(folder.place(RESULT), total)
     if as_csv:
-        programme.csv = folder.place("results.csv")
+        programme.csv = folder.place(RESULT_CSV)
         programme.form = read.form()
         programme.comma = comma
     listener.begin("calculating", total)
@@ -737,13 +727,27 @@ def run_programme(
     return programme
 
 
-def _base(path: Path) -> TypedCase:
+def _base(path: Path, folder: OutFolder) -> TypedCase:
     from addin.recalc import Unreadable, read_checked
 
     read = read_checked(path)
     if isinstance(read, Unreadable) or read.problems:
-        raise TableRefused([f"base case {path}: {one.message}" for one in read.problems])
+        cause = read.cause if isinstance(read, Unreadable) else None
+        outdated = cause is None or outcome_of(cause) in OUTDATED
+        sentences = [f"base case {path}: {one.message}" for one in read.problems]
+        raise TableRefused([*sentences, *(_set_aside(folder) if outdated else ())])
     return read.typed
+
+
+def _set_aside(folder: OutFolder) -> Iterator[str]:
+    """Rename results of an earlier base case, which must not be taken for those of this one."""
+    for name, is_ours in ((RESULT, is_result), (RESULT_CSV, is_result_csv)):
+        if not is_ours(folder.place(name)):
+            continue
+        try:
+            yield AN_EARLIER.format(name, folder.set_aside(name).name)
+        except OSError as wrong:
+            yield NOT_RENAMED.format(name, wrong.strerror or wrong)
 
 
 def _fingerprint(base: Path, table: Path) -> dict[str, Any]:
@@ -822,17 +826,13 @@ def _schema(columns: Sequence[Varied]) -> pa.Schema:
     import pyarrow as pa
 
     kinds = {"string": pa.string(), "double": pa.float64(), "int64": pa.int64(), "bool": pa.bool_()}
-    return pa.schema(
-        [
-            pa.field("row", pa.int64()),
-            pa.field("name", pa.string()),
-            *(
-                pa.field(c.header, kinds["double" if c.spec.is_number else "string"])
-                for c in columns
-            ),
-            *(pa.field(name, kinds[kind]) for name, kind in RESULT_COLUMNS),
-        ]
-    )
+    fields = [
+        pa.field("row", pa.int64()),
+        pa.field("name", pa.string()),
+        *(pa.field(c.header, kinds["double" if c.spec.is_number else "string"]) for c in columns),
+        *(pa.field(name, kinds[kind]) for name, kind in RESULT_COLUMNS),
+    ]
+    return pa.schema(fields, metadata=stated_columns([one.name for one in fields]))
 
 
 class _Parts:

@@ -126,6 +126,8 @@ class Work:
         Fields of the case that the command line sets. [SI]
     json : str
         Name of the results as JSON, as in `Output`; empty if they are not wanted. [path]
+    history : str
+        As in `Input`. [name]
     """
 
     name: str
@@ -144,6 +146,7 @@ class Work:
     may_be_open: bool = False
     overrides: Mapping[str, Any] = field(default_factory=dict)
     json: str = ""
+    history: str = ""
 
 
 @dataclass(frozen=True)
@@ -286,6 +289,7 @@ def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
         ignore_lock=task.ignore_lock or task.may_be_open,
         read=read,
         known=known,
+        history=task.history,
     )
     seconds = time.perf_counter() - began
     if done.calculation is None or done.problems:

@@ -11,6 +11,7 @@ module        responsibility
 ``units``     the unit in which a quantity is shown
 ``inputs``    inputs matched by station, element, material: changed, added, removed, renamed
 ``results``   results matched the same way; verdicts first
+``studies``   rows of study sheets, and what studies found where both files hold them
 ``compare``   the conductor
 ``told``      as JSON, and a number in words
 ``terminal``  as tables on the terminal

@@ -12,6 +12,7 @@ import xlsxwriter
 from addin.diff.changes import Change, Differences
 from addin.diff.sides import Side
 from addin.diff.told import in_words
+from addin.study_sheets import STUDY_CAPTIONS
 from addin.template_text import CAPTIONS
 
 __all__ = ["write_book"]
@@ -108,6 +109,11 @@ def write_book(found: Differences, target: Path) -> None:
             results = book.add_worksheet("Results")
             said = f"{found.same_results} results are the same. Stresses, torques and frequencies in the unit shown."
             _changes(results, formats, "Results", found.results, said)
+            if found.studies.anything or found.studies.same_results:
+                studies = book.add_worksheet("Studies")
+                both = (*found.studies.inputs, *found.studies.results)
+                _changes(studies, formats, "Studies", both, _of_studies(found))
+                studies.set_row(1, 13 * (2 + len(found.studies.notes)))
         temporary.replace(target)
     except xlsxwriter.exceptions.FileCreateError as wrong:
         cause = wrong.args[0] if wrong.args else wrong
@@ -123,6 +129,14 @@ def _of_inputs(found: Differences) -> str:
         f"{found.same_inputs} input quantities are the same, whatever unit they are typed in. Title block "
         "and descriptions, which change no result, are grey."
     )
+
+
+def _of_studies(found: Differences) -> str:
+    said = (
+        f"{found.studies.same_inputs} quantities on the study sheets and {found.studies.same_results} "
+        "results of studies are the same. Sentences, maps and numbers behind charts are not compared."
+    )
+    return "\n".join([said, *found.studies.notes])
 
 
 def _cover(page: Any, formats: _Formats, found: Differences) -> None:
@@ -193,7 +207,7 @@ def _changes(
 
 def _change(page: Any, formats: _Formats, row: int, one: Change) -> None:
     words = formats.quiet if one.administrative else formats.text
-    table = CAPTIONS.get(one.table, one.table)
+    table = CAPTIONS.get(one.table) or STUDY_CAPTIONS.get(one.table, one.table)
     for k, text in enumerate((table, one.row, one.column, "" if one.unit == "1" else one.unit)):
         page.write_string(row, k, text, words)
     before, after = one.shown(one.before), one.shown(one.after)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from addin.diff.sides import Side
+    from addin.diff.studies import StudyDifferences
 
 __all__ = ["Change", "Differences", "Value", "VerdictChange"]
 
@@ -123,6 +124,8 @@ class Differences:
         By table.
     same_inputs, same_results : int
         Quantities that are the same in both. [count]
+    studies : StudyDifferences
+        What differs on the study sheets.
     """
 
     first: Side
@@ -132,10 +135,13 @@ class Differences:
     results: tuple[Change, ...]
     same_inputs: int
     same_results: int
+    studies: StudyDifferences
 
     @property
     def anything(self) -> bool:
         """Whether anything differs that is more than administrative."""
+        if self.studies.inputs or self.studies.results:
+            return True
         return bool(self.results) or any(not c.administrative for c in self.inputs or ())
 
     def changed_verdicts(self) -> Iterator[VerdictChange]:

@@ -9,6 +9,7 @@ from addin.diff.changes import Change, Differences
 from addin.diff.inputs import Renamed, compare_inputs
 from addin.diff.results import compare_results, compare_verdicts
 from addin.diff.sides import Side, read_side
+from addin.diff.studies import compare_studies
 from addin.diff.units import Units
 
 __all__ = ["compare_files", "compare_sides"]
@@ -76,6 +77,7 @@ def compare_sides(first: Side, second: Side) -> Differences:
         tuple(results),
         same_inputs,
         same_results,
+        compare_studies(first, second, units, renamed),
     )
 
 

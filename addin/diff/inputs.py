@@ -12,7 +12,7 @@ from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec, 
 from addin.matching import ROW_NAMES, match_rows, row_name
 from engine.case import ADMINISTRATIVE, TABLES, CaseData
 
-__all__ = ["Renamed", "compare_inputs"]
+__all__ = ["Renamed", "compare_inputs", "compare_table"]
 
 #: Share of the stated cells that must be the same for a row under another name to be the same row. [1]
 _ALIKE = 0.7
@@ -96,7 +96,7 @@ def compare_inputs(
             )
         )  # fmt: skip
     for spec in INPUT_TABLES:
-        more, count = _compare_table(spec, _rows(first, spec), _rows(second, spec), units, renamed)
+        more, count = compare_table(spec, _rows(first, spec), _rows(second, spec), units, renamed)
         changes += more
         same += count
     return changes, renamed, same
@@ -114,9 +114,29 @@ def _rows(data: CaseData, spec: TableSpec) -> list[dict[str, Any]]:
     return found
 
 
-def _compare_table(
+def compare_table(
     spec: TableSpec, first: Sequence[Row], second: Sequence[Row], units: Units, renamed: Renamed
 ) -> tuple[list[Change], int]:
+    """What differs in one input table.
+
+    Parameters
+    ----------
+    spec : TableSpec
+        The table.
+    first, second : sequence of mapping
+        Its rows by header. [SI]
+    units : Units
+        Units to show.
+    renamed : Renamed
+        Names of the first file in the second.
+
+    Returns
+    -------
+    changes : list of Change
+        Row by row.
+    same : int
+        Quantities that are the same. [count]
+    """
     translated = [_translated(spec, row, renamed) for row in first]
     pairs = match_rows(
         [row_name(spec.name, row) for row in translated],

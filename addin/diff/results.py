@@ -16,7 +16,7 @@ from addin.matching import ROW_NAMES, match_rows, row_name
 from addin.verify.recorded import DIGEST_ITEM, is_own_of_each_run
 from addin.write_workbook import VERDICT_UNITS
 
-__all__ = ["compare_results", "compare_verdicts"]
+__all__ = ["compare_results", "compare_rows", "compare_verdicts"]
 
 #: Relative size of what rounding, other units and other processors change. [1]
 _ROUNDING = 1e-9
@@ -50,7 +50,7 @@ def compare_results(
     for spec in COMPARED:
         if spec.name == "Verdicts":
             continue
-        more, count = _compare_table(
+        more, count = compare_rows(
             spec, first.get(spec.name, ()), second.get(spec.name, ()), units, renamed
         )
         changes += more
@@ -58,13 +58,33 @@ def compare_results(
     return changes, same
 
 
-def _compare_table(
+def compare_rows(
     spec: TableSpec,
     first: Sequence[Mapping[str, Any]],
     second: Sequence[Mapping[str, Any]],
     units: Units,
     renamed: Renamed,
 ) -> tuple[list[Change], int]:
+    """What differs in one result table.
+
+    Parameters
+    ----------
+    spec : TableSpec
+        The table.
+    first, second : sequence of mapping
+        Its rows by header. [SI]
+    units : Units
+        Units to show.
+    renamed : Renamed
+        Names of the first file in the second.
+
+    Returns
+    -------
+    changes : list of Change
+        Row by row.
+    same : int
+        Quantities that are the same. [count]
+    """
     fields = [
         one
         for one in workbook_columns(spec)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from addin.problems import CellProblem
 from addin.read_workbook import WorkbookInput
 from addin.recalc import Unreadable, of_file, read_checked
 from addin.standing_results import standing_rows
+from addin.standing_studies import StudyThere, studies_there
 from addin.typed_case import CaseInput, TypedCase
 from addin.units import UnitError, parse_unit
 from addin.verify.again import calculated_again
@@ -22,6 +23,7 @@ from addin.verify.json_file import header_rows, read_results_json
 from addin.verify.recorded import of_results_json, of_workbook
 from addin.write_workbook import read_shown_units
 from engine.case import CaseData, case_digest
+from engine.studies import StudyInputs
 
 __all__ = ["CannotBeCompared", "COMPARED", "Judged", "Side", "read_side", "side_of"]
 
@@ -94,6 +96,10 @@ class Side:
         Digest of the inputs. [hex]
     settings : dict
         Settings of the command line they were calculated with. [SI]
+    study_inputs : StudyInputs or None
+        Rows of its study sheets; None of a result JSON. [SI]
+    studies : tuple of StudyThere
+        Studies that stand in a workbook. [SI]
     """
 
     source: Path
@@ -105,6 +111,8 @@ class Side:
     software: str
     digest: str
     settings: Mapping[str, Any] = field(default_factory=dict)
+    study_inputs: StudyInputs | None = None
+    studies: tuple[StudyThere, ...] = ()
 
     @property
     def revision(self) -> str:
@@ -156,9 +164,13 @@ def read_side(
     read = read_checked(source)
     if isinstance(read, Unreadable) or read.problems:
         raise CannotBeCompared(source, read.problems)
+    asked = StudyInputs() if read.studies is None else read.studies.inputs
     if isinstance(read, WorkbookInput):
-        return _of_workbook(source, read, recalculate, on_stage)
-    return _calculated(source, read, None, {}, "calculated now, a case holds none", on_stage)
+        side = _of_workbook(source, read, recalculate, on_stage)
+        there = () if side.units is None else studies_there(read, side.units)
+        return replace(side, study_inputs=asked, studies=there)
+    side = _calculated(source, read, None, {}, "calculated now, a case holds none", on_stage)
+    return replace(side, study_inputs=asked)
 
 
 def _of_results(source: Path, content: Mapping[str, Any]) -> Side:

@@ -11,6 +11,7 @@ from rich.text import Text
 from addin.diff.changes import Change, Differences, VerdictChange
 from addin.diff.sides import Side
 from addin.diff.told import change_in_words, in_words, telling
+from addin.study_sheets import STUDY_CAPTIONS
 from addin.template_text import CAPTIONS
 
 __all__ = ["show"]
@@ -38,6 +39,7 @@ def show(found: Differences, everything: bool = False) -> None:
     _verdicts(console, found)
     _inputs(console, found)
     _results(console, found, everything)
+    _studies(console, found, everything)
 
 
 def _about(letter: str, side: Side) -> Text:
@@ -127,8 +129,14 @@ def _results(console: Console, found: Differences, everything: bool) -> None:
     if not found.results:
         console.print(f"Results: no difference in {found.same_results} quantities.")
         return
+    left = _by_table(console, found.results, everything)
+    console.print(f"{found.same_results} results are the same.{_further(left)}")
+
+
+def _by_table(console: Console, results: Sequence[Change], everything: bool) -> int:
+    """Results table by table; how many are not shown."""
     by_table: dict[str, list[Change]] = {}
-    for one in found.results:
+    for one in results:
         by_table.setdefault(one.table, []).append(one)
     told = 0
     for name, changes in by_table.items():
@@ -137,18 +145,34 @@ def _results(console: Console, found: Differences, everything: bool) -> None:
         if shown:
             console.print(_changes(_of_table(name, changes, shown), shown))
             console.print()
-    left = len(found.results) - told
-    more = (
-        f" {left} further differences: --all shows them, --xlsx and --json hold them."
-        if left
-        else ""
-    )
-    console.print(f"{found.same_results} results are the same.{more}")
+    return len(results) - told
+
+
+def _further(left: int) -> str:
+    if not left:
+        return ""
+    return f" {left} further differences: --all shows them, --xlsx and --json hold them."
+
+
+def _studies(console: Console, found: Differences, everything: bool) -> None:
+    """What differs on the study sheets; nothing where no file has any."""
+    studies = found.studies
+    if not (studies.anything or studies.same_results):
+        return
+    console.print()
+    for note in studies.notes:
+        console.print(f"Studies: {note}", highlight=False)
+    if studies.inputs:
+        title = f"Study inputs that differ ({studies.same_inputs} quantities are the same)"
+        console.print(_changes(title, studies.inputs))
+        console.print()
+    left = _by_table(console, studies.results, everything)
+    console.print(f"{studies.same_results} results of studies are the same.{_further(left)}")
 
 
 def _of_table(name: str, changes: Sequence[Change], shown: Sequence[Change]) -> str:
     """Title of a table of results."""
-    parts = [f"{CAPTIONS[name]}: {len(changes)} differences"]
+    parts = [f"{CAPTIONS.get(name) or STUDY_CAPTIONS[name]}: {len(changes)} differences"]
     for kind, words in (("row removed", "only in A"), ("row added", "only in B")):
         count = sum(one.kind == kind for one in changes)
         if count:

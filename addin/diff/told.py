@@ -26,6 +26,15 @@ TELLING: Mapping[str, tuple[str, ...]] = {
     "TorqueReversals": ("Minimum torque", "Reversals", "Impacts", "Tooth force"),
     "Effects": ("On",),
     "BearingForces": ("Force",),
+    "TuningResults": ("Rank", "Allowable starts", "Worst margin"),
+    "ToleranceStarts": ("P10", "P50", "P90", "Probability"),
+    "ToleranceDrivers": ("Share",),
+    "ToleranceMargins": ("Probability",),
+    "Sensitivities": ("Starts change", "Peak change"),
+    "StartMatrix": ("Outcome", "Allowable starts"),
+    "DamageLedger": ("Used", "Remaining years", "Verdict"),
+    "CalibratedFrequencies": ("After",),
+    "CalibratedParameters": ("Change",),
 }
 #: JSON keys of the kinds of change.
 _KINDS = {
@@ -159,6 +168,13 @@ def as_json(found: Differences) -> dict[str, Any]:
         ],
         "inputs": None if found.inputs is None else [_change(one) for one in found.inputs],
         "results": [_change(one) for one in found.results],
+        "studies": {
+            "notes": list(found.studies.notes),
+            "same_inputs": found.studies.same_inputs,
+            "same_results": found.studies.same_results,
+            "inputs": [_change(one) for one in found.studies.inputs],
+            "results": [_change(one) for one in found.studies.results],
+        },
     }
 
 

@@ -15,6 +15,7 @@ module                  responsibility
 ``table_writing``       rows into tables, with all that follows them and all that may be in the way
 ``written``             what was written, to be found again before the file is put in place
 ``charts``              chart ranges and the values that charts carry
+``drawn_charts``        what charts draw and carry, for reading
 ``chart_titles``        titles of charts that lost their cell
 ``values``              what a cell may hold, and its XML
 ``formula_text``        references inside a formula
@@ -32,6 +33,7 @@ module                  responsibility
 
 from .chart_titles import TitleLink
 from .container import Limits
+from .drawn_charts import Drawn, DrawnChart, DrawnSeries, drawn_charts
 from .errors import (
     CellRefused,
     Obstacle,
@@ -55,6 +57,9 @@ __all__ = [
     "CacheReport",
     "CellRefused",
     "DefinedName",
+    "Drawn",
+    "DrawnChart",
+    "DrawnSeries",
     "ErrorValue",
     "Formula",
     "Limits",
@@ -71,6 +76,7 @@ __all__ = [
     "WorkbookLocked",
     "WorkbookMismatch",
     "WorkbookRefused",
+    "drawn_charts",
     "open_workbook",
     "refresh_formula_caches",
 ]

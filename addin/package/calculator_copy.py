@@ -4,7 +4,7 @@ formualizer refuses a workbook in which a cell of a calculated column holds a va
 that states too small an extent of a sheet (some programs do), one with a data table, one in which any cell shows a rich value
 (a picture, a linked data type), and one whose tables have more than 256 columns together. And it reads all cells, where histories take longer
 than everything else. Hence column formulas, extents, data tables and links to rich values are taken out, and on sheets without formulas
-the last rows that none reads; and everywhere the tables that no formula reads.
+the last rows that none reads; and everywhere the tables that no formula names: for ``A1:B9`` cells are enough.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from collections.abc import Collection
 from html import unescape
 from typing import TYPE_CHECKING
 
+from .formula_text import parse_formula
 from .references import Rect, absolute_range, quoted_sheet
 from .tables import Table
 from .workbook_part import SIGNATURES
@@ -54,6 +55,7 @@ def calculator_copy(
     with_formulas: Collection[str],
     read: Collection[tuple[str, Rect]] | None,
     left_out: Collection[str] = (),
+    named: Collection[str] | None = None,
 ) -> tuple[dict[str, bytes], set[str]]:
     """Parts of the copy that differ from the file as it was opened.
 
@@ -67,6 +69,8 @@ def calculator_copy(
         What formulas read; None when some formula may read anything.
     left_out : collection of str
         Formulas that are not to be calculated; their cells keep their values.
+    named : collection of str, optional
+        Tables that formulas name; by default those that they read.
 
     Returns
     -------
@@ -76,7 +80,7 @@ def calculator_copy(
         Parts left out.
     """
     parts = workbook.changed_parts()
-    unread = [] if read is None else _unread_tables(workbook, read)
+    unread = [] if read is None else _unread_tables(workbook, read, named)
     rich, parts_without_rich = _without_rich_data(workbook)
     parts |= parts_without_rich
     # The calculator takes no signed package; what is signed is the file, not this copy.
@@ -145,14 +149,27 @@ def _plain_range(workbook: Workbook, text: str) -> str | None:
     return f"{quoted_sheet(table.sheet)}!{absolute_range(cells)}"
 
 
-def _unread_tables(workbook: Workbook, read: Collection[tuple[str, Rect]]) -> list[Table]:
-    """Tables that no formula reads, those of their own columns included, and no defined name mentions."""
-    names = [name.text.casefold() for name in workbook.structure.names]
+def _unread_tables(
+    workbook: Workbook, read: Collection[tuple[str, Rect]], named: Collection[str] | None
+) -> list[Table]:
+    """Tables that no formula needs, those of their own columns included, and no defined name mentions."""
+    # Those of parts of tables become plain ranges, or are left out.
+    plain = [one.text for one in workbook.structure.names if not _STRUCTURED.search(one.text)]
+    of_names = {one.name.casefold() for text in plain for one in parse_formula(text).names}
+    unclear = [text.casefold() for text in plain if parse_formula(text).unclear]
+
+    def is_needed(table: Table) -> bool:
+        name = table.name.casefold()
+        if name in of_names or any(name in text for text in unclear):
+            return True
+        if named is not None:
+            return table.name in named
+        return any(sheet == table.sheet and rect.meets(table.ref) for sheet, rect in read)
+
     return [
         table
         for table in workbook.tables.values()
-        if not any(sheet == table.sheet and rect.meets(table.ref) for sheet, rect in read)
-        and not any(table.name.casefold() in text for text in names)
+        if not is_needed(table)
         # A table of a query leads to further parts.
         and not workbook.structure.relationships(table.part)
     ]

@@ -210,7 +210,7 @@ class ReferenceResolver:
                 return None
             return self._reads(defined.text, scope or sheet, at, (0, 0), depth + 1)
         table = self._tables.get(key)
-        return None if table is None else [(table.sheet, table.ref)]
+        return None if table is None else [(table.sheet, table.read_by("", at))]
 
 
 def _written_cells(text: str) -> Iterator[Reference]:

@@ -16,13 +16,20 @@ import io
 import math
 import re
 import zipfile
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from .calculator_copy import calculator_copy, reads_other_workbook
 from .dependents import ChangedCells, DependencyGraph, FormulaCell, ReferenceResolver, spill_rect
-from .formula_text import CHANGES_BY_ITSELF, LOOKS_AT_HIDDEN_ROWS, parse_formula
+from .formula_text import (
+    CHANGES_BY_ITSELF,
+    LOOKS_AT_HIDDEN_ROWS,
+    Reference,
+    TableReference,
+    parse_formula,
+)
 from .references import Rect, cell_name
 from .sheet_part import SheetPart
 from .values import MAX_FORMULA, Constant, ErrorValue
@@ -36,8 +43,16 @@ _HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
 _HAS_RICH_VALUE = re.compile(rb"""\svm=["']""")
 
 _PARENTHESES = re.compile(r"[()]")
+# How the calculator calls a structured reference that it does not know.
+_NAMED_REFERENCE = re.compile(r"[^\s\[\]]*\[.*\]")
+# The calculator takes no more columns of tables in all.
+MOST_COLUMNS = 256
 # Spreadsheet programs take 64 levels of functions; a calculator that is given far more may run out of stack.
 MAX_DEPTH = 256
+
+# What may be spent on finding formulas that the calculator refuses: calculations, and formulas calculated in all of them.
+_MOST_TRIES = 50
+_MOST_TRIED = 20_000
 
 # Results that tell of the data rather than of a calculator's shortcomings.
 _HONEST_ERRORS = frozenset(["#DIV/0!", "#N/A", "#NUM!"])
@@ -218,6 +233,46 @@ def _home(cell: FormulaCell) -> Rect:
     return Rect(cell.rect.top, cell.rect.left, cell.rect.top, cell.rect.left)
 
 
+def _naming(
+    workbook: Workbook, cells: Sequence[FormulaCell], left_out: Collection[str] = ()
+) -> dict[str, list[FormulaCell]]:
+    """Tables that formulas name, and the formulas; one without a name is the table around its formula."""
+    tables = {table.name.casefold(): table for table in workbook.tables.values()}
+    found: dict[str, list[FormulaCell]] = defaultdict(list)
+    for cell in cells:
+        if cell.text in left_out:
+            continue
+        parsed = parse_formula(cell.text)
+        ends = [span.within for span in parsed.spans]
+        words = {
+            one.table if isinstance(one, TableReference) else one.name
+            for one in (*parsed.tables, *parsed.names, *ends)
+            if not isinstance(one, Reference)
+        }
+        named = [table for word in words if (table := tables.get(word.casefold()))]
+        if "" in words:
+            named += (
+                t for t in tables.values() if t.sheet == cell.sheet and t.ref.meets(cell.rect)
+            )
+        for table in named:
+            found[table.name].append(cell)
+    return found
+
+
+def _beyond_the_limit(
+    workbook: Workbook, naming: dict[str, list[FormulaCell]]
+) -> dict[str, list[FormulaCell]]:
+    """Tables that are too many for the calculator, those that the fewest formulas name; and these formulas."""
+    left, beyond = MOST_COLUMNS, {}
+    for name in sorted(naming, key=lambda one: len(naming[one]), reverse=True):
+        columns = len(workbook.tables[name].columns)
+        if columns > left:
+            beyond[name] = naming[name]
+        else:
+            left -= columns
+    return beyond
+
+
 class _Refresh:
     """One renewal of cached values: recalculate, judge, replace or remove."""
 
@@ -261,7 +316,10 @@ class _Refresh:
         areas = [self.reads(cell) for cell in self.everything]
         known = {area for found in areas for area in found or ()}
         read = None if None in areas else known
-        recalculated, reason = _recalculate(self.workbook, self.everything, with_formulas, read)
+        naming = _naming(self.workbook, self.everything)
+        recalculated, reason = _recalculate(
+            self.workbook, self.everything, with_formulas, read, named=naming
+        )
         if recalculated is not None:
             return recalculated, reason
         # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
@@ -277,11 +335,64 @@ class _Refresh:
         left_out |= {
             cell.text for cell, area in zip(self.everything, areas, strict=True) if area is None
         }
+        crowded = _beyond_the_limit(
+            self.workbook, _naming(self.workbook, self.everything, left_out)
+        )
+        left_out |= {cell.text for cells in crowded.values() for cell in cells}
+
+        def calculated_without(texts: Collection[str]) -> tuple[_Recalculated | None, str]:
+            naming = _naming(self.workbook, self.everything, texts)
+            return _recalculate(self.workbook, self.everything, with_formulas, known, texts, naming)
+
         if left_out:
-            self.left_out = left_out
-            again = _recalculate(self.workbook, self.everything, with_formulas, known, left_out)
+            again = calculated_without(left_out)
             recalculated, reason = again[0], again[1] or reason
+        if recalculated is None:
+            refused = self._refused(left_out, calculated_without, reason)
+            if refused:
+                left_out |= refused
+                again = calculated_without(left_out)
+                recalculated, reason = again[0], again[1] or reason
+        self.left_out = left_out
         return recalculated, reason
+
+    def _refused(
+        self,
+        left_out: set[str],
+        calculated_without: Callable[[Collection[str]], tuple[_Recalculated | None, str]],
+        reason: str,
+    ) -> set[str]:
+        """Formulas that the calculator does not take, of which it refuses the whole workbook; found by halving them.
+
+        Those that are not told from their neighbours in the tries allowed are among them.
+        """
+        texts = dict.fromkeys(cell.text for cell in self.everything)
+        asked = [text for text in texts if text not in left_out]
+        tries = min(_MOST_TRIES, _MOST_TRIED // max(len(self.everything), 1))
+
+        def refusal(of: Collection[str]) -> str | None:
+            calculated, why = calculated_without((texts.keys() - set(of)).union(left_out))
+            return why if calculated is None else None
+
+        if not asked or not tries or refusal([]) is not None:
+            return set()  # it is no formula that it refuses
+        refused: set[str] = set()
+        doubtful = [(asked, reason)]
+        while doubtful:
+            group, reason = doubtful.pop()
+            if len(group) == 1 or tries <= 0:
+                refused.update(group)
+                continue
+            first, second = _parted(group, reason)
+            tries -= 2
+            why = refusal(first)
+            if why is None:
+                doubtful.append((second, reason))
+                continue
+            doubtful.append((first, why))
+            if (why := refusal(second)) is not None:
+                doubtful.append((second, why))
+        return refused
 
     def _over_hidden_rows(self) -> Iterator[FormulaCell]:
         """Formulas that pass over rows which are hidden, which the calculator cannot."""
@@ -437,6 +548,15 @@ def _spellings(name: str) -> Iterator[str]:
     yield name.upper().rpartition(".")[2]
 
 
+def _parted(texts: Sequence[str], reason: str) -> tuple[list[str], list[str]]:
+    """Two groups of formulas, those last that hold the reference which the calculator names as its reason."""
+    named = _NAMED_REFERENCE.search(reason)
+    holding = [text for text in texts if named and named[0] in text]
+    if holding and len(holding) < len(texts):
+        return [text for text in texts if text not in set(holding)], holding
+    return list(texts[: len(texts) // 2]), list(texts[len(texts) // 2 :])
+
+
 def _is_beyond_programs(text: str) -> bool:
     """Whether a formula is longer, or its parentheses are deeper, than any program takes."""
     if len(text) > MAX_FORMULA or text.count("(") <= MAX_DEPTH:
@@ -454,6 +574,7 @@ def _recalculate(
     with_formulas: Collection[str],
     read: Collection[tuple[str, Rect]] | None,
     left_out: Collection[str] = (),
+    named: Collection[str] | None = None,
 ) -> tuple[_Recalculated | None, str]:
     """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
     try:
@@ -462,7 +583,7 @@ def _recalculate(
         return None, "The package formualizer is not installed, so formulas were not recalculated."
     if any(_is_beyond_programs(cell.text) for cell in everything if cell.text not in left_out):
         return None, "A formula is longer or deeper than a spreadsheet program takes."
-    fed, dropped = calculator_copy(workbook, with_formulas, read, left_out)
+    fed, dropped = calculator_copy(workbook, with_formulas, read, left_out, named)
     package = io.BytesIO()
     # Not compressed, as it lives for milliseconds.
     workbook.container.write(package, fed, dropped, compress=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 from .errors import WorkbookMismatch, WorkbookRefused
@@ -52,7 +52,7 @@ class Table:
     calculated: tuple[str | None, ...]
     part: str
 
-    @property
+    @cached_property
     def data(self) -> Rect:
         """The data rows."""
         return Rect(
@@ -99,12 +99,31 @@ class Table:
         at : Rect
             Cells of the formula.
         """
+        if inside not in self._read:
+            self._read[inside] = _names_this_row(inside), self._area(inside)
+        this_row, area = self._read[inside]
+        if this_row and self.ref.top <= at.top and at.bottom <= self.ref.bottom:
+            return Rect(at.top, area.left, at.bottom, area.right)
+        return area
+
+    @cached_property
+    def _read(self) -> dict[str, tuple[bool, Rect]]:
+        """What the references met so far read: a workbook repeats the same few in thousands of formulas."""
+        return {}
+
+    def _area(self, inside: str) -> Rect:
+        """Cells that a structured reference reads outside the table."""
         columns = _named_columns(inside, self.columns)
         left = self.ref.left + min(columns, default=0)
         right = self.ref.left + max(columns, default=len(self.columns) - 1)
-        if _names_this_row(inside) and self.ref.top <= at.top and at.bottom <= self.ref.bottom:
-            return Rect(at.top, left, at.bottom, right)
-        return Rect(self.ref.top, left, self.ref.bottom, right)
+        # Plain columns are data for certain: a totals row that adds them up does not read itself.
+        special = _special_words(inside)
+        rows = self.ref
+        if special <= {"#data"} and self.data.top <= self.data.bottom:
+            rows = self.data
+        elif special == {"#totals"} and self.has_totals:
+            rows = Rect(self.ref.bottom, self.ref.left, self.ref.bottom, self.ref.right)
+        return Rect(rows.top, left, rows.bottom, right)
 
 
 @lru_cache(maxsize=4096)
@@ -121,6 +140,14 @@ def _named_columns(inside: str, columns: tuple[str, ...]) -> tuple[int, ...]:
             return ()
         positions.append(known[name])
     return tuple(positions)
+
+
+@lru_cache(maxsize=4096)
+def _special_words(inside: str) -> frozenset[str]:
+    """``#All``, ``#Data`` and the like, in small letters; ``@`` is one of them."""
+    words = _INNER.findall(inside) or [inside]
+    found = {word.strip().lower() for word in words if word.strip().startswith("#")}
+    return frozenset(found | ({"@"} if inside.lstrip().startswith("@") else set()))
 
 
 @lru_cache(maxsize=4096)

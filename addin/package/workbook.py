@@ -515,6 +515,16 @@ class Workbook:
             notes=notes,
         )
 
+    def chart_areas(self, text: str) -> list[Area] | None:
+        """Sheets and cells of a chart's reference; None when it cannot be followed.
+
+        Parameters
+        ----------
+        text : str
+            The reference as written; names of the workbook are followed.
+        """
+        return self._areas(text)
+
     # ---- used by the modules of this package -------------------------------------------------------------------
 
     @property

@@ -16,6 +16,7 @@ module             responsibility
 ``modes``          natural frequencies, damping, energies, shapes
 ``operation``      margins, steady state
 ``starting``       start, reversals, fatigue
+``studies``        studies that stand in the workbook
 ``closing``        effects, accuracy, equations, checks, audit
 ``build``          all of it in order, numbered
 ``pdf``            the PDF, set by typst with ``report.typ``

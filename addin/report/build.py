@@ -6,7 +6,7 @@ from addin.calculation import Calculation
 from addin.chart_data import accuracy_block, chart_blocks
 from addin.diff.changes import Differences
 from addin.problems import shortened
-from addin.report import changes, closing, inputs, modes, opening, operation, starting
+from addin.report import changes, closing, inputs, modes, opening, operation, starting, studies
 from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
@@ -14,6 +14,7 @@ from addin.report.numbers import clean
 from addin.report.shown import Shown, shown_of
 from addin.report.subject import Subject
 from addin.standing_results import StandingStudy, standing_study
+from addin.standing_studies import StudyThere, studies_there
 from addin.typed_case import CaseInput
 
 __all__ = ["build_document"]
@@ -65,6 +66,7 @@ def build_document(
     pictures = Pictures(Charts.of(blocks), vectors, pixels)
     told = (*alerts, *(clean(note) for note in shown.notes))
     subject = Subject(name, calculation, read, shown, pictures, told, show_times, study, against)
+    there = _studies(read, shown)
     sections = (
         opening.summary(subject),
         opening.scope(subject),
@@ -76,6 +78,7 @@ def build_document(
         starting.start(subject),
         starting.reversals(subject),
         starting.fatigue(subject),
+        *((studies.studies(subject, there),) if there else ()),
         closing.effects(subject),
         closing.accuracy(subject),
         closing.equations(subject),
@@ -100,6 +103,13 @@ def _study(read: CaseInput, shown: Shown) -> StandingStudy | None:
     from addin.read_workbook import WorkbookInput
 
     return standing_study(read.workbook, shown.units) if isinstance(read, WorkbookInput) else None
+
+
+def _studies(read: CaseInput, shown: Shown) -> tuple[StudyThere, ...]:
+    """Studies that stand on sheets of their own in a workbook."""
+    from addin.read_workbook import WorkbookInput
+
+    return studies_there(read, shown.units) if isinstance(read, WorkbookInput) else ()
 
 
 def _chosen(read: CaseInput) -> list[str | None]:

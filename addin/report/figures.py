@@ -508,6 +508,69 @@ class Pictures:
             _legend_below(drawing, ax, 2)
             return self._picture(drawing, "Error of the answers against wall time, as studied")
 
+    # ---- studies -------------------------------------------------------------------------------
+
+    def curves(
+        self,
+        series: Sequence[tuple[str, Sequence[float], Sequence[float]]],
+        across: str,
+        up: str,
+        caption: str,
+        *,
+        log: bool = False,
+        log_x: bool = False,
+        markers: bool = True,
+    ) -> Figure | None:
+        """Some curves of a study, each with its name; None where there is none. [shown units]"""
+        if not series:
+            return None
+        with _style():
+            drawing, (ax,) = _new(1, 78.0)
+            for k, (name, x, y) in enumerate(series):
+                dash = ("-", "--", ":", "-.")[k // len(_COLOURS)]
+                ax.plot(
+                    x, y, dash, color=_COLOURS[k % len(_COLOURS)], marker="o" if markers else "",
+                    markersize=3, label=clean(name),
+                )  # fmt: skip
+            for axis, scale, wanted in (
+                (ax.xaxis, ax.set_xscale, log_x),
+                (ax.yaxis, ax.set_yscale, log),
+            ):
+                if wanted:
+                    scale("log")
+                    axis.set_major_formatter(_plain_number)
+                    axis.set_minor_formatter(_some_plain_numbers)
+            ax.tick_params(which="minor", labelsize=6)
+            ax.set(xlabel=clean(across), ylabel=clean(up))
+            if any(name for name, _, _ in series):
+                _legend_below(drawing, ax, 3)
+            return self._picture(drawing, clean(caption))
+
+    def tornado(
+        self,
+        bars: Sequence[tuple[str, float, float]],
+        ends: tuple[str, str],
+        across: str,
+        caption: str,
+    ) -> Figure | None:
+        """Two bars a factor, the widest on top; None where there is none. [shown units]"""
+        if not bars:
+            return None
+        with _style():
+            drawing, (ax,) = _new(1, 26.0 + 6.0 * len(bars))
+            places = range(len(bars) - 1, -1, -1)
+            for k, colour in ((1, "rust"), (2, "navy")):
+                ax.barh(
+                    places, [bar[k] for bar in bars], 0.62, color=PALETTE[colour], linewidth=0,
+                    label=ends[k - 1],
+                )  # fmt: skip
+            ax.axvline(0.0, color="#606060", linewidth=0.6)
+            ax.set_yticks(list(places), [_short(clean(bar[0]), 44) for bar in bars])
+            ax.grid(False, axis="y")
+            ax.set(xlabel=across)
+            _legend_below(drawing, ax, 2)
+            return self._picture(drawing, caption)
+
     # ---- files ---------------------------------------------------------------------------------
 
     def _picture(self, drawing: Drawing, caption: str) -> Figure:

@@ -9,14 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import takewhile
 
-from addin.report.document import Block, Column, Section, Table
+from addin.report.document import Block, Column, Paragraph, Section, Table
 
 __all__ = [
     "TEXT_WIDTH",
     "column_widths",
     "fitted",
     "folded",
+    "held_paragraphs",
     "room",
     "soft",
     "stays_together",
@@ -169,6 +171,30 @@ def stays_together(table: Table) -> bool:
         for row in table.rows
     )
     return table.together or sum(max(n, 1) for n in lines) <= _SHORT
+
+
+#: Paragraphs that open a section stay with what follows where they are together no longer. [characters]
+_OPENING = 600
+
+
+def held_paragraphs(section: Section) -> int:
+    """How many paragraphs below a heading stay on the page of what they lead to, as the heading does.
+
+    Parameters
+    ----------
+    section : Section
+        A section.
+
+    Returns
+    -------
+    int
+        The first so many of its blocks; 0 where nothing but text follows. [count]
+    """
+    opening = [*takewhile(lambda block: isinstance(block, Paragraph), section.blocks)]
+    if len(opening) == len(section.blocks) and not section.parts:
+        return 0
+    length = sum(len(block.text) for block in opening if isinstance(block, Paragraph))
+    return len(opening) if length <= _OPENING else 0
 
 
 def fitted(sections: Sequence[Section]) -> tuple[Section, ...]:

@@ -24,7 +24,14 @@ from addin.report.document import (
     Table,
     tone_of,
 )
-from addin.report.layout import TEXT_WIDTH, column_widths, room, soft, stays_together
+from addin.report.layout import (
+    TEXT_WIDTH,
+    column_widths,
+    held_paragraphs,
+    room,
+    soft,
+    stays_together,
+)
 from addin.report.numbers import clean
 
 __all__ = ["pdf_of"]
@@ -89,10 +96,11 @@ def _document(document: Document) -> dict[str, Any]:
 
 
 def _section(section: Section) -> dict[str, Any]:
+    held = held_paragraphs(section)
     return {
         "number": section.number,
         "title": clean(section.title),
-        "blocks": [_block(block) for block in section.blocks],
+        "blocks": [{**_block(block), "held": k < held} for k, block in enumerate(section.blocks)],
         "parts": [_section(part) for part in section.parts],
     }
 

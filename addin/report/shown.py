@@ -113,7 +113,8 @@ def template_units(system: str) -> dict[tuple[str, str], str]:
         Table and column → unit. [units]
     """
     names = {}
-    for table in (*fields.INPUT_TABLES, *fields.RESULT_TABLES, *fields.WORKBOOK_TABLES):
+    every = (fields.INPUT_TABLES, fields.RESULT_TABLES, fields.WORKBOOK_TABLES)
+    for table in (one for tables in (*every, fields.STUDY_RESULT_TABLES) for one in tables):
         repeated = () if table.repeated is None else (table.repeated,)
         for field in (*table.columns, *repeated, *table.extra_columns):
             if field.has_unit:

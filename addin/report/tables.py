@@ -10,7 +10,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from addin.fields import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, Field, TableSpec
+from addin.fields import (
+    INPUT_TABLES,
+    RESULT_TABLES,
+    STUDY_RESULT_TABLES,
+    WORKBOOK_TABLES,
+    Field,
+    TableSpec,
+)
 from addin.report.document import Column, Table
 from addin.report.numbers import clean, of_dimension, pretty_unit
 from addin.report.shown import Shown, entry_text
@@ -22,6 +29,7 @@ __all__ = [
     "input_tables",
     "left_out",
     "result_table",
+    "standing_table",
     "turned",
     "with_column",
     "without_blanks",
@@ -31,7 +39,12 @@ Rows = Sequence[Mapping[str, Any]]
 
 #: Most rows of a long table (pairs of mode and excitation, couplings) shown in full.
 FULL = 40
-_SPECS = {spec.name: spec for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES)}
+_SPECS = {
+    spec.name: spec
+    for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES, *STUDY_RESULT_TABLES)
+}
+#: A margin below this is the rounding of a frequency on the line. [1]
+_NOTHING = 1e-7
 #: Columns of sentences, which take the width that is left.
 _SENTENCES = frozenset({"Description", "Where", "Note", "Why", "Reason", "Value"})
 #: Headers as printed, where the name of the contract needs its context.
@@ -166,6 +179,62 @@ def result_table(
     heads = tuple(_column(f, shown.unit(name, _base(spec, f))) for f in chosen)
     body = tuple(tuple(_cell(spec, f, row, shown) for f in chosen) for row in rows)
     return without_blanks(Table(caption, heads, body, note))
+
+
+def standing_table(
+    name: str,
+    rows: Rows,
+    shown: Shown,
+    caption: str,
+    columns: Sequence[str],
+    note: str = "",
+) -> Table:
+    """Rows of a result table as they stand in a workbook, words in place of numbers as they are.
+
+    Parameters
+    ----------
+    name : str
+        Result table. [name]
+    rows : sequence of mapping
+        Its rows by header. [SI]
+    shown : Shown
+        The units of the document.
+    caption : str
+        Caption. [text]
+    columns : sequence of str
+        Columns shown, in their order. [headers]
+    note : str
+        Small print. [text]
+
+    Returns
+    -------
+    Table
+        Without columns that hold nothing.
+    """
+    spec = _SPECS[name]
+    chosen = [spec.column(column) for column in columns]
+    heads = tuple(_column(f, shown.unit(name, f.name)) for f in chosen)
+    body = tuple(
+        tuple(_standing_cell(spec, f, row.get(f.name), shown) for f in chosen) for row in rows
+    )
+    return without_blanks(Table(caption, heads, body, note))
+
+
+def _standing_cell(spec: TableSpec, field: Field, value: Any, shown: Shown) -> str:
+    if value is None or value is False:
+        return ""
+    if value is True:
+        return "yes"
+    if isinstance(value, str):
+        return _with_unit(clean(value))
+    unit = shown.units.name(spec.name, field.name)
+    factor = shown.units.factor(spec.name, field.name) if field.is_number else 1.0
+    number = int(value) if field.kind == "integer" else value / factor
+    if field.dimension == "fraction" and abs(value) < _NOTHING:
+        return "0"
+    if field.dimension == "count" and number == round(number):
+        return f"{number:,.0f}"
+    return of_dimension(number, field.name, field.dimension, unit)
 
 
 def _fields(spec: TableSpec, rows: Rows) -> list[Field]:

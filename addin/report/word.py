@@ -35,7 +35,7 @@ from addin.report.document import (
     tone_of,
 )
 from addin.report.formula import Node
-from addin.report.layout import TEXT_WIDTH, column_widths, stays_together
+from addin.report.layout import TEXT_WIDTH, column_widths, held_paragraphs, stays_together
 from addin.template_styles import PALETTE
 
 __all__ = ["docx_of"]
@@ -230,8 +230,9 @@ class _Writer:
         """A heading and what stands below it."""
         heading = self.file.add_heading(level=level)
         self._bookmark(heading, _anchor(section), f"{section.number}  {section.title}")
-        for block in section.blocks:
-            self._block(block)
+        held = held_paragraphs(section)
+        for k, block in enumerate(section.blocks):
+            self._block(block, held=k < held)
         for part in section.parts:
             self.section(part, level + 1)
 
@@ -247,9 +248,9 @@ class _Writer:
             else:
                 paragraph._p.append(mark)
 
-    def _block(self, block: Block) -> None:
+    def _block(self, block: Block, *, held: bool) -> None:
         if isinstance(block, Paragraph):
-            self._sentences(block)
+            self._sentences(block).paragraph_format.keep_with_next = held or None
         elif isinstance(block, Listing):
             for item in block.items:
                 paragraph = self.file.add_paragraph()
@@ -270,19 +271,16 @@ class _Writer:
         elif isinstance(block, SignatureBox):
             self.signatures(block, 12.0)
 
-    def _sentences(self, block: Paragraph) -> None:
+    def _sentences(self, block: Paragraph) -> Any:
         if block.kind == "alert":
-            _run(
-                self._box(_TONES["bad"][1], _TONES["bad"][0], 2.0),
-                block.text,
-                10.0,
-                _TONES["bad"][0],
-            )
-            return
+            paragraph = self._box(_TONES["bad"][1], _TONES["bad"][0], 2.0)
+            _run(paragraph, block.text, 10.0, _TONES["bad"][0])
+            return paragraph
         paragraph = self._paragraph("Report note" if block.kind == "note" else "Normal")
         paragraph.add_run(block.text)
         if block.kind == "lead":
             _border(paragraph._p.get_or_add_pPr(), "left", _NAVY, 14, 6)
+        return paragraph
 
     def _caption(self, kind: str, number: int, words: str, *, above: bool) -> None:
         paragraph = self._paragraph("Report caption")

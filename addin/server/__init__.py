@@ -5,6 +5,7 @@
 | `settings` | addresses, keys, certificates and limits, fixed when the server starts |
 | `work` | long calculations in processes of their own: queue, progress, time limit, cancel |
 | `starts` | one calculation of a start for everybody who waits for it |
+| `studies` | a study of a case that is sent as JSON |
 | `calls` | a list of function calls → their answers in the same order |
 | `stream` | long calls over a WebSocket: stages, results as they come, cancel |
 | `uploads` | a workbook in, the same workbook recalculated out; or a model of it |

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from addin.server.studies import Asked
 from addin.server.work import Cancelled, Job, Work
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
 from addin.worksheet.registry import FunctionError
@@ -138,6 +139,28 @@ class Starts:
         """
         job = self._work.submit("view", (model.handle, model.case, model.system))
         return await waited_for(job)
+
+    async def study(self, asked: Asked, tell: Tell) -> dict[str, Any]:
+        """A study, made for the one who asks; cancelling this call gives it up.
+
+        Parameters
+        ----------
+        asked : Asked
+            What is asked for.
+        tell : callable
+            Called with each stage. [words]
+
+        Returns
+        -------
+        dict
+            Key ``value``, or ``error`` and ``errors``. [SI]
+
+        Raises
+        ------
+        Busy, TooLong, RuntimeError, FunctionError
+            If there is no result.
+        """
+        return dict(await waited_for(self._work.submit("study", asked), tell))
 
     def _begin(self, model: Model, what: str) -> _Shared:
         job = self._work.submit(TASK[what], model.case)

@@ -2,7 +2,7 @@
 
 A message is one JSON object. From the client: ``{"key": ...}`` first where keys are asked for, then
 ``{"id", "name", "arguments"}`` for a function, ``{"id", "view": handle}`` for what the page draws,
-``{"id", "cancel": true}``. To the client, always with the ``id``: ``stage``, ``partial``, and at the
+``{"id", "study", "case", "settings"}`` for a study, ``{"id", "cancel": true}``. To the client, always with the ``id``: ``stage``, ``partial``, and at the
 end one of ``value``, ``error`` or ``cancelled``.
 """
 
@@ -22,6 +22,7 @@ from addin.server.calls import Calls, Room, error, is_large, read_call
 from addin.server.guard import Door, Refused, encoded, is_key, key_of, parsed
 from addin.server.settings import LARGE, Settings
 from addin.server.starts import Starts
+from addin.server.studies import Asked, read_study
 from addin.server.view import speed_view, start_view
 from addin.server.work import OURS, Busy, TooLong
 from addin.worksheet.models import MODELS
@@ -219,6 +220,8 @@ class Stream:
             if not isinstance(message["view"], str):
                 raise Refused(400, "view is no text. Give the handle of a model.")
             work = partial(self._view, message["view"])
+        elif "study" in message:
+            work = partial(self._study, read_study(message))
         else:
             work = partial(self._call, message, size)
         answering = _Answering(identity, self._calls.new_room())
@@ -279,6 +282,12 @@ class Stream:
             raise found
         await self._turn(answering)
         return {"value": await self._calls.in_thread(start_view, model, found)}
+
+    async def _study(self, asked: Asked, answering: _Answering) -> dict[str, Any]:
+        """The JSON of a study of a case."""
+        found = await self._starts.study(asked, self._teller(answering.identity))
+        await self._turn(answering)
+        return found
 
     def _teller(self, identity: Identity) -> Any:
         return lambda stage: self._out.put_nowait(({"id": identity, "stage": stage}, None))

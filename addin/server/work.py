@@ -433,6 +433,13 @@ def _view(model: tuple[str, Any, str], tell: Callable[[str], None]) -> Any:
     return speed_view(Model(*model))
 
 
+def _study(asked: Any, tell: Callable[[str], None]) -> Any:
+    """A study of a case; see `addin.server.studies`."""
+    from addin.server.studies import study_of
+
+    return study_of(asked, tell)
+
+
 def _wait(seconds: float, tell: Callable[[str], None]) -> float:
     """Be busy for a while: for measurements and tests of the pool."""
     tell("waiting")
@@ -449,5 +456,6 @@ TASKS: dict[str, Callable[[Any, Callable[[str], None]], Any]] = {
     "read": _read,
     "speed": _speed,
     "view": _view,
+    "study": _study,
     "wait": _wait,
 }

@@ -14,6 +14,7 @@ sensitivities       what a small change of each input does
 tolerance_commands  ``torsionbook tolerances`` and ``torsionbook sensitivities``
 starts              start matrix and damage ledger: its units of work and its rows
 starts_command      ``torsionbook starts``
+accuracy            what accuracy costs in time: error against wall time of one case
 calibration         measured frequencies and peak torques: its starts and its rows
 calibration_command ``torsionbook calibrate``
 =================== ================================================================================

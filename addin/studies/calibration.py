@@ -66,6 +66,7 @@ def _calculate(
             "margin_basis_reason": found.basis_reason,
             "starts": found.starts,
         },
+        units=inputs.units,
     )
 
 

@@ -17,10 +17,11 @@ from addin.studies.commands import (
     SchedulerOption,
     run_study,
 )
-from addin.terminal import Refused
+from addin.terminal import Refused, refuse_no_place
 
 if TYPE_CHECKING:
     from addin.studies.study import Found
+    from engine.studies import WordUnit
 
 __all__ = ["calibrate"]
 
@@ -58,7 +59,13 @@ def calibrate(
 
     if case is not None and case.resolve() == file.resolve():
         raise typer.BadParameter("--case would write over the input.")
-    found = run_study(
+    refuse_no_place(case)
+
+    def save(found: Found) -> None:
+        if case is not None:
+            _write_case(case, found)
+
+    run_study(
         CALIBRATION,
         file,
         {},
@@ -69,9 +76,8 @@ def calibrate(
         scheduler=scheduler,
         ignore_lock=ignore_lock,
         show=_show,
+        then=save,
     )
-    if case is not None:
-        _write_case(case, found)
 
 
 def _write_case(path: Path, found: Found) -> None:
@@ -85,10 +91,21 @@ def _write_case(path: Path, found: Found) -> None:
     typer.echo(f"written: {path}")
 
 
+def _told(value: float | None, unit: WordUnit) -> str:
+    """A measured or calculated number in the unit that was typed."""
+    return "–" if value is None else unit.told(value, 4)
+
+
 def _show(found: Found) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from engine.studies import MEASURED_FREQUENCY, MEASURED_TORQUE, WordUnit
+
+    units = {
+        "frequency": found.units.get(("", MEASURED_FREQUENCY), WordUnit("Hz", 1.0)),
+        "peak torque": found.units.get(("", MEASURED_TORQUE), WordUnit("N m", 1.0)),
+    }
     table = Table(show_edge=False, pad_edge=False)
     for header in ("Measured", "Row"):
         table.add_column(header, no_wrap=True)
@@ -98,7 +115,7 @@ def _show(found: Found) -> None:
         table.add_row(
             m.of or "–",
             str(m.row),
-            *("–" if v is None else f"{v:,.4g}" for v in (m.measured, m.before, m.after)),
+            *(_told(v, units[m.kind]) for v in (m.measured, m.before, m.after)),
             "–" if m.residual is None else f"{m.residual:+.2f}",
             m.note,
         )

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from addin.terminal import Refused, list_problems, progress, refuse_clashes
+from addin.terminal import Refused, list_problems, progress, study_targets
 
 if TYPE_CHECKING:
+    from addin.batch.conductor import Stop
     from addin.studies.study import Found, Study
 
 __all__ = [
@@ -67,7 +68,8 @@ def run_study(
     scheduler: str | None = None,
     ignore_lock: bool = False,
     show: Callable[[Found], None] = lambda found: None,
-) -> Found:
+    then: Callable[[Found], None] = lambda found: None,
+) -> None:
     """Run a study from the command line and tell what became of it.
 
     Parameters
@@ -82,29 +84,22 @@ def run_study(
         The options of the same names. [options]
     show : callable, optional
         Prints the tables of what was found.
-
-    Returns
-    -------
-    Found
-        What was found and written.
+    then : callable, optional
+        Does what the command does with it besides.
 
     Raises
     ------
     typer.Exit
-        With 1 for wrong input, 130 after Ctrl-C; everything has been told.
+        With 1 for wrong input, 130 after Ctrl-C, whether or not the part that was calculated could be
+        written; everything has been told.
     """
     from addin.batch.cluster import ClusterRefused
-    from addin.batch.conductor import Stop, Stopped
+    from addin.batch.conductor import Abandoned, Stop, Stopped
     from addin.problems import printable
     from addin.studies.spread import Cancelled, UnitLost, spread_over
     from addin.studies.study import study_one
 
-    if out is not None and in_place:
-        raise typer.BadParameter("--out and --in-place exclude each other.")
-    destination = None if out is None else out / file.name
-    if json is not None and json.is_dir():
-        json = json / f"{file.stem}.{study.command}.json"
-    refuse_clashes([file], [(destination, json)], in_place)
+    destination, json = study_targets(file, study.command, out, json, in_place)
     stop = Stop()
     try:
         with (
@@ -121,10 +116,11 @@ def run_study(
                 in_place=in_place,
                 json_file=json,
                 ignore_lock=ignore_lock,
-                on_stage=lambda stage: tell(f"{file.name}: {stage}"),
+                on_stage=lambda stage: tell(_progress(file, stage, stop)),
             )
-    except (Cancelled, KeyboardInterrupt):
-        typer.echo(f"{file}: ended by Ctrl-C. Nothing was written.", err=True)
+    except (Abandoned, Cancelled, KeyboardInterrupt) as ended:
+        why = f" {ended.why}" if isinstance(ended, Cancelled) and ended.why else ""
+        typer.echo(f"{file}: ended by Ctrl-C.{why} Nothing was written.", err=True)
         raise typer.Exit(_INTERRUPTED) from None
     except (ClusterRefused, Stopped, UnitLost) as wrong:
         raise Refused(f"{file}: {wrong}") from wrong
@@ -137,4 +133,10 @@ def run_study(
     typer.echo(printable(done.found.sentence))
     for path in done.written:
         typer.echo(f"written: {path}")
-    return done.found
+    then(done.found)
+    if done.found.cut_short is not None:
+        raise typer.Exit(_INTERRUPTED)
+
+
+def _progress(file: Path, stage: str, stop: Stop) -> str:
+    return f"{file.name}: {stage}" + (" (stopping)" if stop.asked else "")

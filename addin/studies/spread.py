@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from addin.batch.pool import Crashed, Task, Workers
 
-__all__ = ["Cancelled", "Spread", "UnitLost", "alone", "over_workers", "spread_over"]
+__all__ = ["Cancelled", "Spread", "UnitLost", "alone", "as_far", "over_workers", "spread_over"]
 
 Payload = TypeVar("Payload")
 Answer = TypeVar("Answer")
@@ -23,7 +23,19 @@ AHEAD = 3
 
 
 class Cancelled(Exception):
-    """Ctrl-C: what was asked for is not there, and nothing is written."""
+    """Ctrl-C: what was asked for is not there.
+
+    Parameters
+    ----------
+    answers : sequence of object, optional
+        Of the payloads before the first that has none.
+    why : str, optional
+        Why these are not enough to be written. [sentence]
+    """
+
+    def __init__(self, answers: Sequence[Any] = (), why: str = "") -> None:
+        super().__init__(why)
+        self.answers, self.why = list(answers), why
 
 
 class UnitLost(Exception):
@@ -47,10 +59,10 @@ def alone(stopped: Callable[[], bool] = lambda: False) -> Spread:
     def spread(
         do: Callable[[Any], Any], payloads: Sequence[Any], done: Callable[[int], None]
     ) -> list[Any]:
-        answers = []
+        answers: list[Any] = []
         for number, payload in enumerate(payloads):
             if stopped():
-                raise Cancelled
+                raise Cancelled(answers)
             done(number)
             answers.append(do(payload))
         done(len(payloads))
@@ -90,10 +102,50 @@ def over_workers(workers: Workers, stopped: Callable[[], bool] = lambda: False) 
             done(len(answers))
             _add(workers, do, waiting)
         if len(answers) < len(payloads):
-            raise Cancelled
+            raise Cancelled(_first(answers))
         return [answers[number] for number in range(len(payloads))]
 
     return spread
+
+
+def _first(answers: dict[int, Any]) -> list[Any]:
+    """Answers up to the first that is missing: whether one is there never hangs on what it says."""
+    found = []
+    for number in range(len(answers)):
+        if number not in answers:
+            break
+        found.append(answers[number])
+    return found
+
+
+def as_far(
+    spread: Spread,
+    do: Callable[[Any], Any],
+    payloads: Sequence[Any],
+    done: Callable[[int], None],
+) -> list[Any]:
+    """As `spread`, but after Ctrl-C the answers of the first payloads, as many as there are.
+
+    Parameters
+    ----------
+    spread : Spread
+        Where units of work are done.
+    do : callable
+        A function of a module.
+    payloads : sequence of object
+        What it is called with.
+    done : callable
+        Told how many are done. [count]
+
+    Returns
+    -------
+    list of object
+        Shorter than `payloads` after Ctrl-C.
+    """
+    try:
+        return spread(do, payloads, done)
+    except Cancelled as cut:
+        return cut.answers
 
 
 def _add(workers: Workers, do: Callable[[Any], Any], waiting: Iterator[tuple[int, Any]]) -> None:
@@ -135,7 +187,7 @@ def spread_over(
     if scheduler is not None:
         from addin.batch.cluster import Cluster
 
-        workers = Cluster(scheduler)
+        workers = Cluster(scheduler, when_lost="Nothing was written.")
     else:
         from addin.batch.pool import Pool
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from addin.studies.study import Found, Study
+from addin.studies.study import CutShort, Found, Study
 
 if TYPE_CHECKING:
     from addin.studies.spread import Spread
@@ -37,16 +37,20 @@ def _calculate(
     spread: Spread,
     tell: Callable[[str], None],
 ) -> Found:
+    from addin.studies.spread import Cancelled, as_far
     from engine.ledger import damage_ledger, ledger_rows, remaining_rows
     from engine.start_matrix import gather_matrix, plan_matrix, start_rows, voltage_rows
 
     plan = plan_matrix(case, inputs, with_standard=bool(settings.get("standard")))
     number = len(plan.units)
-    rows = spread(
+    rows = as_far(
+        spread,
         _one,
         [(case, condition) for condition in plan.units],
         lambda done: tell(f"start {min(done + 1, number)} of {number}"),
     )
+    if not rows:
+        raise Cancelled(why=f"None of {number} starts was calculated.")
     matrix = gather_matrix(case, inputs, plan, rows)
     ledger = damage_ledger(matrix)
     has_duty = any(row.condition.has_duty for row in matrix.rows)
@@ -72,7 +76,18 @@ def _calculate(
             "assumption": ledger.assumption,
             "verdict": ledger.verdict,
         },
+        cut_short=None if matrix.complete else _cut_short(len(rows), number, has_duty),
     )
+
+
+def _cut_short(calculated: int, planned: int, has_duty: bool) -> CutShort:
+    sentence = (
+        f"Cut short by Ctrl-C: {calculated} of {planned} starts were calculated; the others are named "
+        "'not calculated'."
+    )
+    if has_duty:
+        sentence += " What a duty uses up is told only if all of its starts were calculated."
+    return CutShort(calculated, planned, sentence)
 
 
 STARTS = Study(

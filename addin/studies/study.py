@@ -7,7 +7,8 @@ them, and writes its own result tables and nothing else.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,9 +20,26 @@ if TYPE_CHECKING:
     from addin.typed_case import CaseInput
     from engine.case import Case
     from engine.errors import Problem
-    from engine.studies import StudyInputs
+    from engine.studies import StudyInputs, WordUnit
 
-__all__ = ["Found", "Study", "Studied", "study_one"]
+__all__ = ["CutShort", "Found", "Study", "Studied", "made_of", "study_one", "to_json"]
+
+
+@dataclass(frozen=True)
+class CutShort:
+    """How far a study came before Ctrl-C, where a part of it may be told.
+
+    Parameters
+    ----------
+    calculated, planned : int
+        Of what the sentence names. [count]
+    sentence : str
+        The same in words, and what it means for the results. [sentences]
+    """
+
+    calculated: int
+    planned: int
+    sentence: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +62,10 @@ class Found:
         More for the JSON alone, or in place of a table that the sheet shows in part. [SI]
     charts : mapping of str to sequence of mapping
         Rows of tables that the workbook alone has: maps, and numbers behind charts. [SI]
+    cut_short : CutShort or None
+        How far it came, if it did not come to its end. [count]
+    units : mapping of (str, str) to WordUnit
+        What the engineer typed in, for the terminal; see `StudyInputs`. [units]
     """
 
     result: Any
@@ -53,6 +75,8 @@ class Found:
     warnings: tuple[str, ...] = ()
     details: Mapping[str, Any] = field(default_factory=dict)
     charts: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
+    cut_short: CutShort | None = None
+    units: Mapping[tuple[str, str], WordUnit] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -75,6 +99,11 @@ class Study:
         Case, inputs, settings, `Spread` and what is told the stage → `Found`.
     charts : tuple of str
         Tables that the workbook alone has: maps, and numbers behind charts. [names]
+    write : callable or None
+        Input, destination, `Found` and whether locks are ignored → sentences, where it has no sheets
+        of its own as studies have.
+    as_json : callable or None
+        `Found`, input and warnings → its JSON, where that has another form.
     """
 
     key: str
@@ -86,6 +115,8 @@ class Study:
         [Case, StudyInputs, Mapping[str, Any], Spread, Callable[[str], None]], Found
     ]
     charts: tuple[str, ...] = ()
+    write: Callable[[CaseInput, Path | None, Found, bool], tuple[str, ...]] | None = None
+    as_json: Callable[[Found, CaseInput, tuple[str, ...]], dict[str, Any]] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,43 +187,30 @@ def study_one(
     Raises
     ------
     addin.studies.spread.Cancelled
-        After Ctrl-C; nothing is written.
+        After Ctrl-C, where what was calculated is not enough to be told; nothing is written.
     """
     from addin.package.errors import PackageError
-    from engine.errors import CaseError, ModelError
-    from engine.studies import StudyInputs
 
     on_stage("reading")
     read = read_checked(source)
     if isinstance(read, Unreadable):
         return Studied(source, None, read.problems, read.warnings)
     is_workbook = source.suffix.lower() in WORKBOOK_ENDINGS
-    problems = list(read.problems)
-    if is_workbook and json_file is None:
-        problems += _missing_sheets(read, study)
-    inputs = StudyInputs() if read.studies is None else read.studies.inputs
-    warnings = list(read.warnings)
-    if read.studies is not None:
-        warnings += read.studies.warnings
-        problems += read.studies.told(study.inputs)
-    if problems:
-        return Studied(source, None, tuple(problems), tuple(warnings))
-    try:
-        case = read.case()
-        wrong = study.check(case, inputs, settings)
-        if wrong:
-            return Studied(source, None, _told(read, study, wrong), tuple(warnings))
-        found = study.calculate(case, inputs, settings, spread, on_stage)
-    except (CaseError, ModelError) as refused:
-        return Studied(source, None, of_case(refused), tuple(warnings))
-    warnings += found.warnings
+    missing = _missing_sheets(read, study) if is_workbook else []
+    if missing and json_file is None:
+        return Studied(source, None, (*_unread(study, read), *missing), _warned(read))
+    found, problems, told = made_of(study, read, spread, settings, on_stage)
+    if found is None:
+        return Studied(source, None, problems, told)
+    warnings = list(told)
     on_stage("writing")
     files: list[Path] = []
     try:
-        if is_workbook and not _missing_sheets(read, study):
+        if is_workbook and not missing:
             target = source if in_place else destination or beside(source, study)
             target.parent.mkdir(parents=True, exist_ok=True)
-            warnings += _write(study, read, None if in_place else target, found, ignore_lock)
+            write = study.write or partial(_write, study)
+            warnings += write(read, None if in_place else target, found, ignore_lock)
             files.append(target)
         elif is_workbook:
             warnings.append(
@@ -201,12 +219,79 @@ def study_one(
         elif json_file is None:
             json_file = destination or beside(source, study)
         if json_file is not None:
-            write_json(json_file, to_json(study, found, read, tuple(warnings)))
+            as_json = study.as_json or partial(to_json, study)
+            write_json(json_file, as_json(found, read, tuple(warnings)))
             files.append(json_file)
     except (PackageError, OSError) as failed:
         problem = of_file(source, failed)
         return Studied(source, None, (problem,), tuple(warnings), tuple(files))
     return Studied(source, found, (), tuple(warnings), tuple(files))
+
+
+def made_of(
+    study: Study,
+    read: CaseInput,
+    spread: Spread,
+    settings: Mapping[str, Any],
+    on_stage: Callable[[str], None],
+) -> tuple[Found | None, tuple[CellProblem, ...], tuple[str, ...]]:
+    """Make a study of an input that has been read; nothing is written.
+
+    Parameters
+    ----------
+    study : Study
+        What is asked.
+    read : CaseInput
+        The input. [SI]
+    spread : Spread
+        Where units of work are done.
+    settings : mapping
+        Of the command line. [names and values]
+    on_stage : callable
+        Called with a word on what is being done.
+
+    Returns
+    -------
+    found : Found or None
+        None if something is wrong. [SI]
+    problems : tuple of CellProblem
+        Everything wrong. [problems]
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+    """
+    from engine.errors import CaseError, ModelError
+    from engine.studies import StudyInputs
+
+    inputs = StudyInputs() if read.studies is None else read.studies.inputs
+    warnings, unread = _warned(read), _unread(study, read)
+    if read.problems:
+        return None, unread, warnings
+    try:
+        case = read.case()
+        wrong = study.check(case, inputs, settings)
+        if unread or wrong:
+            return None, _told(read, study, wrong), warnings
+        found = _said(study.calculate(case, inputs, settings, spread, on_stage))
+    except (CaseError, ModelError) as refused:
+        return None, (*unread, *of_case(refused)), warnings
+    return found, (), (*warnings, *found.warnings)
+
+
+def _unread(study: Study, read: CaseInput) -> tuple[CellProblem, ...]:
+    """What cannot be read of the case, and of the tables of the study."""
+    more = () if read.studies is None else read.studies.told(study.inputs)
+    return (*read.problems, *more)
+
+
+def _warned(read: CaseInput) -> tuple[str, ...]:
+    return (*read.warnings, *(() if read.studies is None else read.studies.warnings))
+
+
+def _said(found: Found) -> Found:
+    """That a study was cut short stands before anything else it says."""
+    if found.cut_short is None:
+        return found
+    return replace(found, sentence=f"{found.cut_short.sentence} {found.sentence}")
 
 
 def beside(source: Path, study: Study) -> Path:
@@ -247,12 +332,14 @@ def to_json(
     -------
     dict
         Keys format, study, case_sha256, study_sha256, version, sentence, warnings, errors, one a
-        result table, and the details of the study.
+        result table, the details of the study, and cut_short where it was.
     """
     from addin.results_json import FORMAT, table_rows
     from addin.version import product_version
     from engine.case import case_digest
 
+    cut = found.cut_short
+    part = {} if cut is None else {"calculated": cut.calculated, "planned": cut.planned}
     return {
         "format": FORMAT,
         "study": study.key,
@@ -262,6 +349,7 @@ def to_json(
         "sentence": found.sentence,
         "warnings": list(warnings),
         "errors": [],
+        **({"cut_short": part} if part else {}),
         **{_key(name): table_rows(name, rows) for name, rows in found.tables.items()},
         **found.details,
     }
@@ -311,16 +399,19 @@ def _write(
     """Write a study into the workbook it was read from; sentences the user should read."""
     from addin.audit import Stamp
     from addin.read_workbook import WorkbookInput
+    from addin.standing_studies import rows_digest
     from addin.write_workbook import write_study_results
     from engine.case import case_digest
+    from engine.studies import StudyInputs
 
     assert isinstance(read, WorkbookInput)
     made, digest = Stamp.now(), case_digest(read.data)
+    rows = rows_digest(study.inputs, StudyInputs() if read.studies is None else read.studies.inputs)
     facts = {
         f"{study.key}_Sentence": found.sentence,
         f"{study.key}_Stamp": (
             f"Made by {made.software} on {made.date:%Y-%m-%d %H:%M} UTC from the inputs with SHA-256 "
-            f"{digest[:12]}… and study rows {found.digest[:12]}…"
+            f"{digest[:12]}… and study rows {rows[:12]}…"
         ),
         f"{study.key}_SHA256": digest,
     }
@@ -330,6 +421,7 @@ def _write(
         {**found.tables, **found.charts},
         facts,
         read.data.ratings.rated_torque,
+        recorded=f"{study.key}_Tables",
         ignore_lock=ignore_lock,
     )
     return report.notes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from addin.studies.study import Found, Study
+from addin.studies.study import CutShort, Found, Study
 
 if TYPE_CHECKING:
     from addin.studies.spread import Spread
@@ -30,19 +30,32 @@ def _calculate(
     spread: Spread,
     on_stage: Callable[[str], None],
 ) -> Found:
+    from itertools import accumulate
+
+    from addin.studies.spread import Cancelled, as_far
+    from engine.sample_statistics import FEWEST_SAMPLES
     from engine.tolerance_sample import ToleranceSettings, evaluate, plan_tolerances, units_of
     from engine.tolerance_tables import tolerance_details, tolerance_tables
     from engine.tolerances import gather
 
     on_stage("plain run")
     plan = plan_tolerances(case, inputs.scatter, ToleranceSettings(**settings))
-    units = units_of(plan)
-
-    def done(count: int) -> None:
-        runs = units[count].first if count < len(units) else plan.n_runs
-        on_stage(f"{runs:,} of {plan.n_runs:,} trains")
-
-    found = gather(plan, spread(evaluate, units, done))
+    # the runs of one factor at a time first: without them a study that is cut short has no tornado
+    units = sorted(units_of(plan), key=lambda unit: unit.first < plan.n_samples)
+    runs = [0, *accumulate(len(unit.values) for unit in units)]
+    parts = as_far(
+        spread, evaluate, units, lambda n: on_stage(f"{runs[n]:,} of {plan.n_runs:,} trains")
+    )
+    drawn = plan.n_samples - (plan.n_runs - runs[len(parts)])
+    cut = None
+    if len(parts) < len(units):
+        if drawn < FEWEST_SAMPLES:
+            raise Cancelled(
+                why=f"{max(drawn, 0)} of {plan.n_samples:,} samples were calculated; fewer than "
+                f"{FEWEST_SAMPLES} bound no P10."
+            )
+        cut = CutShort(drawn, plan.n_samples, _cut_short(drawn, plan.n_samples))
+    found = gather(plan, parts)
     return Found(
         found,
         tolerance_tables(found),
@@ -50,6 +63,14 @@ def _calculate(
         plan.digest,
         found.sentences[1:],
         tolerance_details(found),
+        cut_short=cut,
+    )
+
+
+def _cut_short(drawn: int, planned: int) -> str:
+    return (
+        f"Cut short by Ctrl-C: {drawn:,} of {planned:,} samples were calculated, and convergence is "
+        "judged with these."
     )
 
 
@@ -64,9 +85,16 @@ def _sentence(found: Tolerances) -> str:
             f"Allowable starts of {least.of}: P10 {p10}, P50 {p50}, P90 {p90} of {least.samples} "
             "samples."
         )
+    if found.unfinished:
+        said.append(
+            f"{found.unfinished:,} of {found.samples:,} starts did not come to their end: they are in no "
+            "percentile, and meet no demand for starts."
+        )
+    if found.lost:
+        said.append(f"{found.lost:,} samples could not be calculated: they are in no number.")
     margins = [r for r in found.probabilities if r.check == "all margins"]
     said += [
-        f"All margins are kept in {100.0 * r.probability:.3g} % of them "
+        f"All margins are kept in {100.0 * r.probability:.3g} % of {r.samples:,} samples "
         f"({100.0 * r.low:.3g} to {100.0 * r.high:.3g} %)."
         for r in margins
     ]

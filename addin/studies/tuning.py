@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from addin.studies.study import Found, Study
+from addin.studies.study import CutShort, Found, Study
 
 if TYPE_CHECKING:
     from addin.studies.spread import Spread
@@ -40,8 +40,17 @@ def _calculate(
     tell: Callable[[str], None],
 ) -> Found:
     from addin.results_json import table_rows
+    from addin.studies.spread import Cancelled, as_far
     from addin.studies.tuning_tables import map_tables
-    from engine.tuning import band_rows, crossing_rows, gather, map_rows, ranked_rows
+    from engine.tuning import (
+        band_rows,
+        crossing_rows,
+        gather,
+        in_typed_units,
+        map_rows,
+        ranked_rows,
+        uncalculated_rows,
+    )
     from engine.tuning_plan import plan_tuning
 
     plan = plan_tuning(case, inputs)
@@ -53,21 +62,29 @@ def _calculate(
     def done(count: int) -> None:
         tell(f"{min(count * _TOGETHER, len(every)):,} of {len(every):,} combinations")
 
-    tried = [one for batch in spread(calculate_batch, batches, done) for one in batch]
+    tried = [one for batch in as_far(spread, calculate_batch, batches, done) for one in batch]
+    if not tried:
+        raise Cancelled(why=f"None of {len(every):,} combinations was calculated.")
     result = gather(case, plan, tried)
-    ranked, crossings = ranked_rows(result), crossing_rows(result)
-    shown = [row for row in ranked if row["rank"] <= SHOWN or row["as_is"]]
+    missing = uncalculated_rows(plan, result)
+    ranked, crossings = [*ranked_rows(result), *missing], crossing_rows(result)
+    as_typed = in_typed_units(case, result, inputs.units)
+    every_row = [*ranked_rows(as_typed), *uncalculated_rows(plan, as_typed)]
+    shown = [row for place, row in enumerate(every_row) if place < SHOWN or row["as_is"]]
+    cut = _cut_short(len(tried), len(every)) if missing else None
+    in_si = result.sentence if cut is None else f"{cut.sentence} {result.sentence}"
     return Found(
         (case, result),
         {
             "TuningResults": shown,
-            "TuningCrossings": crossing_rows(result, SHOWN_CROSSINGS),
+            "TuningCrossings": crossing_rows(as_typed, SHOWN_CROSSINGS),
             "ForbiddenBands": band_rows(result),
         },
-        result.sentence,
+        as_typed.sentence,
         result.study_digest,
-        _warnings(len(ranked)),
+        _warnings(len(ranked), len(missing)),
         {
+            "sentence": in_si,
             "tuning_results": table_rows("TuningResults", ranked),
             "tuning_crossings": table_rows("TuningCrossings", crossings),
             "variables": [_variable(v) for v in result.variables],
@@ -75,7 +92,8 @@ def _calculate(
             "free_windows": [_without_blanks({"from": w.from_, "to": w.to}) for w in result.windows],
             "tuning_map": [_without_blanks(row) for row in map_rows(result)],
         },
-        map_tables(result),
+        map_tables(as_typed),
+        cut,
     )  # fmt: skip
 
 
@@ -98,12 +116,21 @@ def calculate_batch(batch: Batch) -> list[Tried]:
     return [calculate_combination(case, one) for one in combinations]
 
 
-def _warnings(count: int) -> tuple[str, ...]:
+def _cut_short(calculated: int, planned: int) -> CutShort:
+    return CutShort(
+        calculated,
+        planned,
+        "Cut short by Ctrl-C: what is better may be among the combinations not calculated.",
+    )
+
+
+def _warnings(count: int, missing: int) -> tuple[str, ...]:
     if count <= SHOWN:
         return ()
+    rest = f", {missing:,} of them not calculated," if missing else ""
     return (
-        f"Sheet Tuning results shows the best {SHOWN} of {count:,} combinations and the case as it "
-        "stands; --json writes all of them.",
+        f"Sheet Tuning results shows the best {SHOWN} of {count:,} combinations{rest} and the case as "
+        "it stands; --json writes all of them.",
     )
 
 

@@ -17,6 +17,7 @@ from addin.studies.commands import (
     SchedulerOption,
     run_study,
 )
+from addin.terminal import refuse_no_folder
 
 if TYPE_CHECKING:
     from addin.studies.study import Found
@@ -53,7 +54,13 @@ def tune(
     """
     from addin.studies.tuning import TUNING
 
-    found = run_study(
+    refuse_no_folder(cases)
+
+    def save(found: Found) -> None:
+        if cases is not None:
+            _save(found.result, top, cases, file.stem)
+
+    run_study(
         TUNING,
         file,
         {},
@@ -64,9 +71,8 @@ def tune(
         scheduler=scheduler,
         ignore_lock=ignore_lock,
         show=lambda one: _show(one, top),
+        then=save,
     )
-    if cases is not None:
-        _save(found.result, top, cases, file.stem)
 
 
 def _show(found: Found, top: int) -> None:
@@ -74,7 +80,7 @@ def _show(found: Found, top: int) -> None:
     from addin.problems import printable
 
     for row in found.tables["TuningResults"]:
-        if row["rank"] > top and not row["as_is"]:
+        if "rank" not in row or (row["rank"] > top and not row["as_is"]):
             continue
         typer.echo(printable(f"{row['rank']:>3}  {row['combination']}"))
         typer.echo(printable(f"     {row['reason']}"))

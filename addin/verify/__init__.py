@@ -16,7 +16,9 @@ module          responsibility
 ``workbook``    a workbook
 ``shape``       whether its tables are tables still, under their headers
 ``formulas``    its live formulas: typed over, or showing an old value
-``charts``      what its charts draw
+``charts``      the numbers behind its charts
+``drawings``    which cells its charts draw, and the copies of their values
+``key_units``   units beside key numbers
 ``json_file``   a result JSON beside its case
 ``trace``       what a result is, by which equation, from which inputs
 ``told``        all of it in words and as JSON

@@ -48,7 +48,7 @@ class Finding:
     kind : str
         ``different``, ``edited``, ``row missing``, ``row added``, ``not shown``, ``old value``,
         ``chart``, ``digest``, ``never calculated``, ``settings``, ``table missing``,
-        ``not judged``. [word]
+        ``not judged``, ``not compared`` (a study). [word]
     sheet, cell : str
         Where; of a JSON file the table's key and the path. [names]
     table, row, column : str
@@ -122,7 +122,7 @@ class Verification:
     counts : tuple of Counts
         One a table.
     findings : tuple of Finding
-        What fails first, notes last.
+        What fails first, notes last; of each the headline answers first.
     problems : tuple of CellProblem
         What is wrong with the inputs. [problems]
     """
@@ -161,6 +161,44 @@ class Verification:
         return sum(one.of[agreement] for one in self.counts)
 
 
+#: Results in the order in which engineers ask: verdicts, frequencies, margins, steady state, start-up,
+#: reversals, starts, then what explains them, and what is long at the end.
+_ASKED = (
+    ("Verdicts",),
+    ("NaturalFrequencies", "ModeShapes"),
+    ("SeparationMargins",),
+    ("SteadyState",),
+    ("StartupPeaks", "StartupCrossings"),
+    ("TorqueReversals", "BearingForces"),
+    ("AllowableStarts",),
+    ("RunFacts", "Effects", "Plans", "AccuracyCost", "Audit"),
+)
+_RANKS = {table: rank for rank, tables in enumerate(_ASKED) for table in tables}
+_ELSEWHERE, _AT_THE_END = len(_ASKED), len(_ASKED) + 1
+#: What is said of the file as a whole comes before all results.
+_OF_THE_FILE = frozenset({"digest", "settings", "table missing", "not judged"})
+
+
+def _in_order(findings: Sequence[Finding], counts: Sequence[Counts]) -> list[Finding]:
+    """What fails first; of that what engineers ask first, not what the file happens to hold first."""
+    sheets: dict[str, int] = {}
+    for one in counts:
+        asked = _RANKS.get(one.table, _AT_THE_END)
+        sheets[one.sheet] = min(asked, sheets.get(one.sheet, asked))
+
+    def rank(finding: Finding) -> int:
+        if finding.kind in _OF_THE_FILE:
+            return -1
+        if finding.kind == "chart" or finding.table.startswith("Chart"):
+            return _AT_THE_END
+        if finding.table == "StartCycles":
+            return _AT_THE_END
+        known = _RANKS.get(finding.table)
+        return sheets.get(finding.sheet, _ELSEWHERE) if known is None else known
+
+    return sorted(findings, key=lambda finding: (not finding.fails, rank(finding)))
+
+
 def concluded(about: Verification, counts: list[Counts], findings: list[Finding]) -> Verification:
     """The outcome of everything found, what fails first.
 
@@ -178,7 +216,7 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
     Verification
         Complete.
     """
-    ordered = sorted(findings, key=lambda finding: not finding.fails)
+    ordered = _in_order(findings, counts)
     wrong = sum(finding.fails and finding.kind != "not judged" for finding in ordered)
     unjudged = any(finding.kind == "not judged" for finding in ordered)
     results = sum(sum(one.of) for one in counts)

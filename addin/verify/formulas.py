@@ -427,8 +427,19 @@ def old_values(
             yield Finding(
                 kind, sheet, cell_name(row, column),
                 f"{what} shows {_shown(shows)}, {_shown(follows)} follows",
-                found=_plain(shows), expected=_plain(follows),
+                _table_at(standing, sheet, row, column), found=_plain(shows),
+                expected=_plain(follows),
             )  # fmt: skip
+
+
+def _table_at(workbook: Workbook, sheet: str, row: int, column: int) -> str:
+    """The table in which a cell lies; empty beside all tables."""
+    around = (
+        table.name
+        for table in workbook.tables.values()
+        if table.sheet == sheet and table.ref.has(row, column)
+    )
+    return next(around, "")
 
 
 def unjudged(standing: Workbook, fresh: Workbook | None) -> list[OwnFormula]:

@@ -9,16 +9,26 @@ from typing import Any
 from addin.calculation import Calculation
 from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
 from addin.layout import workbook_columns
-from addin.package import Formula, ObstaclesFound, PackageError, Table, TableData, Workbook
+from addin.package import (
+    Formula,
+    ObstaclesFound,
+    PackageError,
+    Table,
+    TableData,
+    Workbook,
+    drawn_charts,
+)
 from addin.package.references import Rect, cell_name
 from addin.package.xml_part import main, parse_part
 from addin.problems import shortened
 from addin.read_workbook import WorkbookInput, read_workbook
+from addin.standing_studies import studies_there
 from addin.template_styles import number_format
 from addin.verify.again import calculated_again
 from addin.verify.allowances import Allowances
 from addin.verify.charts import compare_charts, drawn_elements
 from addin.verify.compare import Standing, agreement, shown_step
+from addin.verify.drawings import compare_copies, compare_drawings
 from addin.verify.findings import (
     Agreement,
     Counts,
@@ -28,6 +38,7 @@ from addin.verify.findings import (
     not_calculated,
 )
 from addin.verify.formulas import old_values, restore, typed_over, unjudged
+from addin.verify.key_units import compare_units
 from addin.verify.recorded import Recorded, of_workbook
 from addin.verify.shape import missing_tables, odd_columns
 from addin.verify.tables import Expected, Stands, compare_tables
@@ -83,6 +94,7 @@ def verify_workbook(
             about,
             outcome="never calculated",
             sentence="No result table holds anything. torsionbook recalc calculates it.",
+            findings=tuple(_on_studies(read)),
         )
     findings += _on_digest(workbook, recorded, inputs)
     run, problems = calculated_again(read, recorded.settings, on_stage)
@@ -90,6 +102,7 @@ def verify_workbook(
         return not_calculated(about, problems, findings)
     counts, more = _compared(workbook, run, about)
     findings += more
+    findings += _on_studies(read)
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
     findings += typed_over(workbook, about.made_by == about.this or not _is_known(about))
@@ -141,9 +154,9 @@ def _recorded(workbook: Workbook) -> tuple[Recorded, list[Finding]]:
     return replace(audit, digest=audit.digest or digest, software=software), findings
 
 
-def _facts(workbook: Workbook) -> dict[str, tuple[str, str, Any]]:
-    """Sheet, cell and value of each row of `RunFacts`."""
-    table = workbook.tables.get("RunFacts")
+def _facts(workbook: Workbook, name: str = "RunFacts") -> dict[str, tuple[str, str, Any]]:
+    """Sheet, cell and value of each row of `RunFacts`, or of the facts of the studies."""
+    table = workbook.tables.get(name)
     if table is None:
         return {}
     rows = _rows(workbook, table, ("Name", "Value"))
@@ -170,6 +183,37 @@ def _on_digest(workbook: Workbook, recorded: Recorded, inputs: str) -> list[Find
             "digest", sheet, cell, said, "RunFacts", "run_SHA256", "Value", recorded.digest, inputs
         )
     ]
+
+
+def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
+    """Studies are not made again; whether each is one of the inputs and rows in the file is told."""
+    units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
+    facts = _facts(read.workbook, "StudyFacts")
+    for study in studies_there(read, units):
+        name, command = f"{study.key}_SHA256", study.on_sheet.command
+        sheet, cell, digest = facts.get(name, (study.on_sheet.sheet, "", None))
+        if study.outdated:
+            said = (
+                f"the study on sheet {study.on_sheet.sheet} is out of date: {study.outdated}. Run "
+                f"torsionbook {command} again"
+            )
+            yield Finding("digest", sheet, cell, said, "StudyFacts", name, "Value", digest)
+        else:
+            said = (
+                f"the study on sheet {study.on_sheet.sheet} names the inputs and rows that are in the "
+                f"file; its numbers are not calculated again here, but by torsionbook {command}"
+            )
+            if not study.is_recorded:
+                said += "; what it wrote is not recorded: numbers edited by hand are not seen"
+            yield Finding("not compared", sheet, cell, said, "StudyFacts", name, fails=False)
+        for table in study.edited:
+            there = read.workbook.tables.get(table)
+            said = (
+                f"table {table} does not hold what torsionbook {command} wrote: a cell, a row, a column "
+                "or the unit above one was changed by hand"
+            )
+            where = study.on_sheet.sheet if there is None else there.sheet
+            yield Finding("edited", where, "", said, table)
 
 
 def _holds_results(workbook: Workbook) -> bool:
@@ -235,8 +279,20 @@ def _compared(
     for one, finding in compare_charts(workbook, written, same_version or not known):
         counts.append(one)
         findings += [finding] if finding else []
+    findings += _drawings(workbook, same_version or not known)
+    findings += compare_units(workbook, same_version or not known)
     findings += _formulas_compared(workbook, fresh, written, pairs)
     return counts, findings
+
+
+def _drawings(workbook: Workbook, same_version: bool) -> list[Finding]:
+    """Charts that draw other cells, or carry other values than their cells have."""
+    try:
+        charts = drawn_charts(workbook)
+        drawings = compare_drawings(workbook, charts, same_version)
+        return [*drawings, *compare_copies(workbook, charts)]
+    except PackageError as wrong:  # a chart that nobody can read is no result either
+        return [Finding("not shown", "", "", f"charts were not judged: {wrong}", fails=False)]
 
 
 def _rows(

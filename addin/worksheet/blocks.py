@@ -12,6 +12,7 @@ from dataclasses import replace
 from addin.cells import Cell as SheetCell
 from addin.cells import Fault, read_number, read_text
 from addin.fields import (
+    EVERY_INPUT,
     INPUT_TABLES,
     SCALAR_TABLE,
     SCALARS,
@@ -20,7 +21,9 @@ from addin.fields import (
     input_table,
 )
 from addin.problems import CellProblem, nearest
+from addin.study_inputs import study_rows, units_for_words
 from addin.typed_case import (
+    Bases,
     CaseInput,
     Entry,
     Findings,
@@ -34,8 +37,11 @@ from addin.typed_case import (
 )
 from addin.units import UnitError, UnitScale, parse_unit
 from addin.worksheet.registry import Block, Cell, FunctionError
+from engine.case import Case
+from engine.errors import Problem
+from engine.studies import StudyInputs
 
-__all__ = ["case_of", "problems_in_words"]
+__all__ = ["case_of", "problems_in_words", "study_inputs_of"]
 
 #: A header is looked for in so many rows from the top: title, units, headers.
 HEADER_ROWS = 3
@@ -70,6 +76,41 @@ def case_of(blocks: Mapping[str, Block]) -> CaseInput:
         else:
             reading.table(input_table(name), block)
     return reading.result()
+
+
+def study_inputs_of(
+    case: Case, blocks: Mapping[str, Block]
+) -> tuple[StudyInputs, tuple[Problem, ...]]:
+    """Read study tables from ranges.
+
+    Parameters
+    ----------
+    case : Case
+        The case that they belong to. [SI]
+    blocks : mapping of str to rows of cells
+        Name of a study table → its range. [as typed]
+
+    Returns
+    -------
+    inputs : StudyInputs
+        Their rows. [SI]
+    problems : tuple of Problem
+        Cells that cannot be read; rows are counted below the headers. [as typed]
+
+    Raises
+    ------
+    FunctionError
+        If a range is no such table at all.
+    """
+    reading = _Reading()
+    for name, block in blocks.items():
+        reading.table(input_table(name), block)
+    ratings = case.ratings
+    ratios = {str(row.station): row.speed_ratio or 1.0 for row in case.stations}
+    bases = Bases(ratings.rated_torque, ratings.synchronous_speed, ratios)
+    inputs = study_rows(reading.typed, bases, reading.findings)
+    units = units_for_words(reading.typed, TypedCase())
+    return replace(inputs, units=units), tuple(reading.findings.problems)
 
 
 def problems_in_words(found: CaseInput) -> str:
@@ -355,7 +396,7 @@ def _hits(row: list[Cell], known: set[str]) -> int:
 def _other(name: str, block: Block) -> str:
     """That a range holds another table, if it fits that one better."""
     likeness = {SCALAR_TABLE: _hits([row[0] for row in block], {_folded(s.name) for s in SCALARS})}
-    for spec in INPUT_TABLES:
+    for spec in EVERY_INPUT:
         known = {_folded(column.name) for column in spec.columns}
         likeness[spec.name] = max((_hits(row, known) for row in block[:HEADER_ROWS]), default=0)
     best = max(likeness, key=lambda one: likeness[one])

@@ -807,3 +807,7 @@ def _meant(unit: str, others: Iterable[str]) -> str:
 
 def _named(dimension: str) -> str:
     return f"{'an' if dimension[0] in 'aeiou' else 'a'} {dimension}"
+
+
+# The functions of the studies take their tables from here, so they are entered last.
+from addin.worksheet import studies  # noqa: E402, F401

@@ -42,6 +42,7 @@ def checked(path: Path) -> tuple[int, str]:
     return done.exit_code, done.output
 
 
+@pytest.mark.first_ones(3)
 @pytest.mark.parametrize(
     ("changes", "place", "words"),
     [
@@ -85,6 +86,7 @@ def test_a_wrong_input_has_its_cell_and_its_sentence(
     assert words in line
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     ("changes", "column", "said", "unsaid"),
     [

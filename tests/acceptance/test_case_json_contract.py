@@ -142,6 +142,7 @@ def test_voltage_of_eighty_is_questioned(tmp_path: Path) -> None:
     assert out["errors"][0]["column"] == "Voltage"
 
 
+@pytest.mark.slow
 def test_start_that_would_take_hours_ends_in_time(tmp_path: Path) -> None:
     """An inertia typed in the wrong unit must not hang the command: time out, or an error."""
     stations = [*TRAIN["stations"][:3], {"station": "C", "inertia": 1e4, "speed_ratio": 5}]

@@ -21,6 +21,7 @@ def torsionbook(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     "words",
     [

@@ -222,6 +222,7 @@ CASES = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(CASES)
 def test_any_case_survives_the_way_through_json(data):

@@ -15,6 +15,8 @@ import pytest
 
 from addin import recalc
 from addin.json_schemas import results_schema
+from addin.package import open_workbook
+from addin.package.references import cell_name
 from addin.recalc import COMPILING
 from addin.template_files import template_path
 from addin.terminal import progress
@@ -103,6 +105,7 @@ def test_sheet_and_json_show_the_same_numbers(example):
     )
 
 
+@pytest.mark.slow
 def test_export_and_recalc_of_the_case_json_give_the_same_digest(example, tmp_path):
     out = torsionbook("export", example / "train.xlsx", "case.json", cwd=tmp_path)
     assert out.returncode == 0, out.stderr
@@ -135,6 +138,7 @@ def test_a_wrong_number_is_named_with_its_cell_and_nothing_is_written(tmp_path):
     assert ("Torque", "MotorTorque", 4, "Speed") in places
 
 
+@pytest.mark.slow
 def test_one_wrong_file_does_not_stop_the_others(tmp_path):
     edited(
         template_path("example_modified.xlsx"),
@@ -150,6 +154,7 @@ def test_one_wrong_file_does_not_stop_the_others(tmp_path):
     assert "missing.xlsx does not exist" in done.stderr
 
 
+@pytest.mark.slow
 def test_in_place_keeps_a_backup(tmp_path):
     book = tmp_path / "train.xlsx"
     original = template_path("example_modified.xlsx").read_bytes()
@@ -160,6 +165,7 @@ def test_in_place_keeps_a_backup(tmp_path):
     assert (tmp_path / "train.xlsx.bak").read_bytes() == original
 
 
+@pytest.mark.slow
 def test_a_workbook_open_in_excel_is_refused_by_name(tmp_path):
     (tmp_path / "train.xlsx").write_bytes(template_path("example_modified.xlsx").read_bytes())
     name = "A. Engineer"
@@ -171,6 +177,7 @@ def test_a_workbook_open_in_excel_is_refused_by_name(tmp_path):
     assert "A. Engineer" in done.stderr
 
 
+@pytest.mark.first_ones(4)
 @pytest.mark.parametrize(
     "words",
     [
@@ -221,12 +228,39 @@ def test_a_blank_template_says_what_it_wants(tmp_path):
     assert "at least one station" in done.stderr
 
 
+@pytest.mark.slow
+def test_check_says_what_an_almost_empty_workbook_cannot_answer(tmp_path):
+    torsionbook("new", "x.xlsx", "--units", "si", cwd=tmp_path)
+    book = open_workbook(tmp_path / "x.xlsx")
+    stations, elements = book.table("Stations"), book.table("Elements")
+    for table, rows in (
+        (stations, [{"Station": "Motor", "Inertia": 10.0}, {"Station": "Fan", "Inertia": 40.0}]),
+        (elements, [{"Element": "Shaft", "Kind": "shaft", "From": "Motor", "To": "Fan", "Stiffness": 1.0}]),
+    ):  # fmt: skip
+        for k, row in enumerate(rows):
+            for name, value in row.items():
+                at = table.ref.left + table.column_index(name)
+                book.set_cell(table.sheet, cell_name(table.data.top + k, at), value)
+    book.save(in_place=True)
+    done = torsionbook("check", "x.xlsx", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    first, *more = done.stdout.splitlines()[-2:]
+    assert first == "x.xlsx: no errors."
+    assert "No separation margins and no forced response" in more[0]
+    assert "No start: table MotorTorque is empty" in more[0]
+    whole = torsionbook("new", "y.xlsx", "--example", "proposed", cwd=tmp_path)
+    whole = torsionbook("check", "y.xlsx", cwd=tmp_path)
+    assert "No start" not in whole.stdout
+
+
+@pytest.mark.slow
 def test_strict_turns_a_failed_verdict_into_one(example):
     done = torsionbook("recalc", "train.xlsx", "--strict", "--out", "strict", cwd=example)
     assert done.returncode == 1
     assert (example / "strict" / "train.xlsx").is_file()
 
 
+@pytest.mark.slow
 def test_newmark_and_tolerance_are_recorded_in_the_audit(example):
     done = torsionbook(
         "recalc", "train.xlsx", "--method", "newmark", "--tolerance", "2%",
@@ -243,6 +277,7 @@ def test_newmark_and_tolerance_are_recorded_in_the_audit(example):
         assert row["maximum_torque"] == pytest.approx(ours[row["element"]], rel=0.04)
 
 
+@pytest.mark.slow
 def test_two_runs_with_a_fixed_date_are_byte_identical_but_for_the_times_spent(example, tmp_path):
     results = []
     for name in ("a", "b"):
@@ -310,6 +345,7 @@ def test_json_holds_energy_shares_and_nodes_of_every_mode(example):
     assert "damped_eigenvalues" not in results  # proportional damping
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["npz", "parquet"])
 def test_the_full_history_is_written_beside_the_results_on_request(example, tmp_path, kind):
     done = torsionbook("export", example / "train.xlsx", "case.json", cwd=tmp_path)
@@ -334,6 +370,19 @@ def test_the_full_history_is_written_beside_the_results_on_request(example, tmp_
         assert sampled <= peak["maximum_torque"] * (1.0 + peak["error"])
 
 
+@pytest.mark.slow
+def test_results_that_differ_in_the_ending_only_have_a_history_each(example, tmp_path):
+    done = torsionbook("export", example / "train.xlsx", "a.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    case = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    (tmp_path / "a.json").write_text(json.dumps(case | {"keep_history": "npz"}), encoding="utf-8")
+    torsionbook("new", "a.results.xlsx", "--from", "a.json", cwd=tmp_path)
+    done = torsionbook("recalc", "a.json", "a.results.xlsx", "--out", "r", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    histories = sorted(p.name for p in (tmp_path / "r").glob("*.npz"))
+    assert histories == ["a.results.json.history.npz", "a.results.xlsx.history.npz"]
+
+
 def test_plan_effects_and_reversals_are_in_the_json_of_a_plain_recalculation(example):
     results = json.loads((example / "train.json").read_text(encoding="utf-8"))
     assert [row["effect"] for row in results["effects"]] == list(EFFECTS)
@@ -356,6 +405,7 @@ def studied(example) -> Path:
     return example
 
 
+@pytest.mark.slow
 def test_the_study_prints_its_table_and_one_line_in_words(studied):
     said = (studied / "study.txt").read_text(encoding="utf-8")
     content = json.loads((studied / "study.json").read_text(encoding="utf-8"))
@@ -372,6 +422,7 @@ def test_the_study_prints_its_table_and_one_line_in_words(studied):
     assert content["case_sha256"] == plain["case_sha256"]
 
 
+@pytest.mark.slow
 def test_the_study_changes_its_own_sheet_and_no_other_result(studied):
     before, after = (
         openpyxl.load_workbook(studied / name, data_only=True)
@@ -401,6 +452,7 @@ def test_the_study_of_a_wrong_workbook_names_its_cells(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["bad.xlsx"]
 
 
+@pytest.mark.slow
 def test_the_study_of_a_case_json_is_a_json(example, tmp_path):
     out = torsionbook("export", example / "train.xlsx", "case.json", cwd=tmp_path)
     assert out.returncode == 0, out.stderr

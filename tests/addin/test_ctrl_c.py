@@ -38,6 +38,7 @@ def folder(tmp_path) -> Path:
     return tmp_path
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     ("when", "words"),
     [
@@ -46,7 +47,9 @@ def folder(tmp_path) -> Path:
             "addin.calculation.run", "recalc a.xlsx --json a.json", marks=pytest.mark.slow
         ),
         ("os.replace", "recalc a.xlsx --json a.json"),
-        pytest.param("addin.accuracy.study", "accuracy a.xlsx --quick", marks=pytest.mark.slow),
+        pytest.param(
+            "addin.studies.study.study_one", "accuracy a.xlsx --quick", marks=pytest.mark.slow
+        ),
         ("engine.accuracy.accuracy_study", "accuracy a.xlsx --quick"),
         ("addin.verify.file.verify_file", "verify a.xlsx --json a.json"),
         pytest.param(

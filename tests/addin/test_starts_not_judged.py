@@ -55,6 +55,7 @@ def test_a_whole_number_of_starts_is_never_rounded_up(cut_short: Path) -> None:
     assert " 436 " in line
 
 
+@pytest.mark.slow
 def test_report(cut_short: Path) -> None:
     target = cut_short.with_name("short.docx")
     said("report", cut_short, "--docx", target)

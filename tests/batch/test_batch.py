@@ -184,6 +184,7 @@ def test_the_csv_says_the_same(whole):
     pd.testing.assert_frame_equal(book, table, check_dtype=False)
 
 
+@pytest.mark.slow
 def test_resuming_does_nothing_twice_but_what_may_succeed_now(whole):
     """On a copy: the locked file is free now, the others are not touched."""
     folder, _ = whole
@@ -206,6 +207,7 @@ def test_resuming_does_nothing_twice_but_what_may_succeed_now(whole):
 # --- identical cases ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_identical_cases_are_calculated_once_and_keep_their_own_title_block(
     trains, tmp_path, counted
 ):
@@ -260,12 +262,14 @@ def test_resume_redoes_what_changed_and_nothing_else(trains, tmp_path, counted):
         openpyxl.load_workbook(out / name)
 
 
+@pytest.mark.slow
 def test_without_resume_everything_is_done_again(few, tmp_path, counted):
     run(few, tmp_path / "out")
     run(few, tmp_path / "out")
     assert len(counted) == 4
 
 
+@pytest.mark.slow
 def test_an_earlier_version_is_no_record(few, tmp_path, counted, monkeypatch):
     run(few, tmp_path / "out")
     monkeypatch.setattr("addin.version.product_version", lambda: "99.0")
@@ -280,6 +284,7 @@ def outcomes(records: dict[str, Record]) -> dict[str, str]:
     return {name: one.outcome for name, one in records.items()}
 
 
+@pytest.mark.slow
 def test_a_result_that_is_open_in_excel_is_named_and_the_old_one_stays(few, tmp_path):
     out = tmp_path / "out"
     run(few, out)
@@ -295,6 +300,7 @@ def test_a_result_that_is_open_in_excel_is_named_and_the_old_one_stays(few, tmp_
     assert run(few, out, resume=True)["train 8.xlsx"].done
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("bad", ["wrong input", "unreadable"])
 @pytest.mark.parametrize("resume", [False, True])
 def test_an_earlier_result_never_stands_for_an_input_that_has_none_now(few, tmp_path, bad, resume):
@@ -340,6 +346,7 @@ def test_an_earlier_result_that_cannot_be_renamed_is_told_and_tried_again(
     assert not (out / "twin.xlsx").exists()
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_the_batch_cleanly(few, tmp_path, monkeypatch):
     out = tmp_path / "out"
     real = os.fsync
@@ -371,6 +378,7 @@ def test_a_full_disk_ends_the_batch_cleanly(few, tmp_path, monkeypatch):
     assert len(after) == 3
 
 
+@pytest.mark.slow
 def test_a_file_saved_while_it_is_calculated_is_tried_once_more(few, tmp_path, monkeypatch):
     import addin.recalc
 
@@ -414,6 +422,7 @@ def test_a_folder_that_may_not_be_written(trains, tmp_path, monkeypatch):
         OutFolder(tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_a_result_that_cannot_be_put_in_place_is_named(few, tmp_path, monkeypatch):
     real = os.replace
 
@@ -542,6 +551,7 @@ def test_numbers_are_not_guarded(tmp_path):
 # --- words of the command line --------------------------------------------------------------------
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     ("words", "status", "said"),
     [
@@ -559,6 +569,7 @@ def test_wrong_words(tmp_path, words, status, said):
     assert not (tmp_path / "o" / OWN / "journal.jsonl").exists() or words[0] == "nothing"
 
 
+@pytest.mark.slow
 def test_strict_exits_with_one_where_a_verdict_fails(tmp_path):
     make_train(tmp_path / "a.xlsx")  # fails
     words = ("batch", "a.xlsx", "--out", "o", "--summary", "s/all.xlsx")
@@ -570,6 +581,7 @@ def test_strict_exits_with_one_where_a_verdict_fails(tmp_path):
 # --- what is told ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_verdict_says_what_was_not_judged(tmp_path):
     """In the cell, in the CSV and in the closing line, as sheet Summary says it."""
     make_train(tmp_path / "in" / "a.xlsx", example="modified")
@@ -592,6 +604,7 @@ def test_an_unreadable_file_is_told_by_its_name_in_the_batch(tmp_path):
     assert str(tmp_path) not in errors.to_csv()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("last", [False, True])
 def test_ctrl_c_while_the_last_file_runs_interrupts_nothing(few, tmp_path, last):
     from addin.batch import commands
@@ -647,6 +660,7 @@ def test_lines_of_a_log_say_when_and_end_with_all(monkeypatch, capsys):
     assert all(line[2] == ":" and line[5] == ":" for line in said)  # the time of day
 
 
+@pytest.mark.slow
 def test_the_summary_prints_on_pages_that_can_be_read(few, tmp_path):
     torsionbook("batch", "trains", "--out", "out", "--jobs", 1, cwd=tmp_path)
     sheet = openpyxl.load_workbook(tmp_path / "out" / "summary.xlsx")["Files"]

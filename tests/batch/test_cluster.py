@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
-import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,57 +19,12 @@ from addin.batch.cluster import Cluster, ClusterRefused
 from addin.batch.folder import OWN
 from addin.batch.journal import read_journal
 from addin.batch.pool import Crashed, Task
-
-
-class Dask:
-    """A scheduler and workers."""
-
-    def __init__(self, place: Path) -> None:
-        self.place = place
-        place.mkdir()
-        self.processes: list[subprocess.Popen[bytes]] = []
-        self.log = open(place / "log", "wb")
-        found = place / "scheduler.json"
-        self._start("dask_scheduler", "--port", "0", "--scheduler-file", str(found))
-        self._wait(found.exists)
-        time.sleep(0.2)
-        self.address = json.loads(found.read_text())["address"]
-        self.workers = [self.worker() for _ in range(3)]
-
-    def _start(self, program: str, *words: str) -> subprocess.Popen[bytes]:
-        here = environment() | {"OPENBLAS_NUM_THREADS": "1"}
-        here["PYTHONPATH"] += os.pathsep + str(Path(__file__).parent)
-        process = subprocess.Popen(
-            [sys.executable, "-m", f"distributed.cli.{program}", "--host", "127.0.0.1",
-             "--no-dashboard", *words],
-            cwd=self.place,
-            env=here,
-            stdout=self.log,
-            stderr=self.log,
-        )  # fmt: skip
-        self.processes.append(process)
-        return process
-
-    def worker(self) -> subprocess.Popen[bytes]:
-        return self._start("dask_worker", self.address, "--nthreads", "1", "--no-nanny")
-
-    def stop(self) -> None:
-        for process in reversed(self.processes):
-            process.kill()
-            process.wait()
-        self.log.close()
-
-    @staticmethod
-    def _wait(happens) -> None:
-        until = time.monotonic() + 60
-        while not happens():
-            assert time.monotonic() < until
-            time.sleep(0.05)
+from tests.dask_cluster import Dask, wait_until
 
 
 @pytest.fixture(scope="module")
 def dask(tmp_path_factory) -> Iterator[Dask]:
-    running = Dask(tmp_path_factory.mktemp("dask") / "cluster")
+    running = Dask(tmp_path_factory.mktemp("dask") / "cluster", Path(__file__).parent)
     yield running
     running.stop()
 
@@ -96,6 +48,7 @@ def die(_: object) -> None:
     os._exit(9)
 
 
+@pytest.mark.slow
 def test_tasks_run_in_the_processes_of_the_cluster(dask):
     with joined(dask) as work:
         work._client.wait_for_workers(3)
@@ -124,7 +77,7 @@ def test_a_worker_killed_in_the_middle_loses_nothing(dask, tmp_path, send):
         text=True,
     )
     out = tmp_path / "out"
-    Dask._wait(lambda: len(list(out.rglob("t*.xlsx"))) > 1 or batch.poll() is not None)
+    wait_until(lambda: len(list(out.rglob("t*.xlsx"))) > 1 or batch.poll() is not None)
     victim = dask.workers.pop()
     victim.send_signal(signal.SIGKILL)
     said, _ = batch.communicate(timeout=300)
@@ -165,6 +118,7 @@ def test_results_are_those_of_this_machine(dask, tmp_path):
     assert shown[0] == shown[1] == shown[2] == shown[3]
 
 
+@pytest.mark.slow
 def test_a_programme_of_cases_on_the_cluster(dask, tmp_path):
     make_train(tmp_path / "base.xlsx")
     lines = ["DampingRatio [%]", *(f"{1 + 0.01 * n}" for n in range(12)), "-1"]
@@ -187,7 +141,7 @@ def test_a_folder_that_workers_do_not_see_is_found_out(dask, tmp_path, monkeypat
 @pytest.mark.slow
 def test_a_task_that_kills_every_worker_is_given_up_and_named(tmp_path):
     """On a cluster of its own, whose workers it ends."""
-    own = Dask(tmp_path / "cluster")
+    own = Dask(tmp_path / "cluster", Path(__file__).parent)
     try:
         with joined(own) as work:
             work.add(Task(die, None, tag="bad"))

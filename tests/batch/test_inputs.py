@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from addin.batch.inputs import InputsRefused, find_inputs, natural_key, result_name
+from addin.batch.inputs import InputsRefused, find_inputs, natural_key, result_name, results_of
 
 
 def put(folder: Path, *names: str, text: str = "x") -> None:
@@ -72,6 +72,22 @@ def test_two_files_with_one_result_are_refused(tmp_path):
         pytest.skip("this disk does not tell capitals apart")  # then nothing can clash
     with pytest.raises(InputsRefused, match="would both be written to"):
         names(tmp_path, tmp_path)
+
+
+def test_each_input_has_a_history_of_its_own_and_the_usual_name_where_nobody_else_has_it(tmp_path):
+    put(tmp_path, "a.xlsx", "A.xlsm", "b.xlsx", "a.xlsx.xlsx", "sub/a.xlsx", "c.results.xlsx")
+    put(tmp_path, "c.json", text='{"format": 1}')
+    found = find_inputs([str(tmp_path)], tmp_path / "out")
+    parquet = {one.name: results_of(one)[1] for one in found}
+    assert parquet == {
+        "a.xlsx": "a.xlsx.history.parquet",
+        "A.xlsm": "A.xlsm.history.parquet",
+        "a.xlsx.xlsx": "a.xlsx.xlsx.history.parquet",
+        "b.xlsx": "b.history.parquet",
+        "c.json": "c.results.json.history.parquet",
+        "c.results.xlsx": "c.results.xlsx.history.parquet",
+        "sub/a.xlsx": "sub/a.history.parquet",
+    }
 
 
 @pytest.mark.parametrize("what", ["nothing/*.xlsx", "empty"])

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 from batch_helpers import make_train, torsionbook
 from typer.testing import CliRunner
 
 from addin.batch.folder import OWN
 from addin.batch.inputs import Input, InputsRefused, check_places, find_inputs
+from addin.batch.json_file import holds_results, is_result_json
 from addin.batch.summary import write_summary
 from addin.batch.summary_file import is_summary, is_summary_csv
 from addin.cli import app
@@ -59,6 +62,7 @@ def test_the_summary_of_an_earlier_batch_is_no_input(tmp_path):
     assert [one.name for one in named] == ["summary.xlsx"]
 
 
+@pytest.mark.slow
 def test_one_file_is_no_files_and_odd_names_are_kept(tmp_path):
     make_train(tmp_path / "Züge – neu" / "-Zug 1 (Müller).xlsx")
     done = torsionbook("batch", "Züge – neu", "--out", "Ergebnis", "--jobs", 1, cwd=tmp_path)
@@ -67,6 +71,7 @@ def test_one_file_is_no_files_and_odd_names_are_kept(tmp_path):
     assert (tmp_path / "Ergebnis" / "-Zug 1 (Müller).xlsx").is_file()
 
 
+@pytest.mark.slow
 def test_a_table_that_is_none_and_a_decimal_comma(tmp_path):
     book = make_train(tmp_path / "a.xlsx")
     table = tmp_path / "t.csv"
@@ -117,6 +122,7 @@ def test_a_json_on_top_of_what_is_verified_is_refused(tmp_path):
     assert book.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_summary_replaces_a_summary_and_nothing_else(tmp_path):
     mine = make_train(tmp_path / "mine.xlsx")
     before = mine.read_bytes()
@@ -159,6 +165,51 @@ def test_a_json_on_top_of_an_input_is_refused(tmp_path):
     assert not (tmp_path / "o").exists()
 
 
+FOREIGN = (
+    '{"format": 1, "results": [1, 2]}',
+    '{"format": 1, "version": 2, "warnings": []}',
+    "[1, 2]",
+    "my notes",
+    "",
+)
+
+
+@pytest.mark.parametrize("text", FOREIGN)
+def test_a_json_of_somebody_else_is_not_replaced(tmp_path, text):
+    book = make_train(tmp_path / "t" / "a.xlsx")
+    (tmp_path / "t" / "c.json").write_text('{"format": 1}', encoding="utf-8")
+    for name, words in (
+        ("j/a.results.json", (book, "--json", tmp_path / "j")),
+        ("o/c.results.json", (tmp_path / "t" / "c.json",)),
+    ):
+        mine = tmp_path / name
+        mine.parent.mkdir()
+        mine.write_text(text, encoding="utf-8")
+        said = refused(*words, "--out", tmp_path / "o")
+        assert f"{mine} is there already, and torsionbook did not write it" in said
+        assert mine.read_text(encoding="utf-8") == text
+        mine.unlink()
+        mine.parent.rmdir()
+
+
+def test_results_and_errors_that_torsionbook_wrote_are_told_from_other_json(tmp_path):
+    case = tmp_path / "c.json"
+    case.write_text('{"format": 1, "poles": 4}', encoding="utf-8")
+    told("recalc", case, "--json", tmp_path / "errors.json")
+    told("export", make_train(tmp_path / "a.xlsx"), tmp_path / "a.json")
+    told("recalc", tmp_path / "a.json", "--json", tmp_path / "results.json")
+    for name in ("errors", "results"):
+        path = tmp_path / f"{name}.json"
+        for _ in range(2):
+            assert is_result_json(path)
+            assert holds_results(path) == (name == "results")
+            # as another program saves it: in another order, on one line
+            content = json.loads(path.read_text(encoding="utf-8"))
+            path.write_text(json.dumps(dict(sorted(content.items()))), encoding="utf-8")
+    assert not is_result_json(case)
+    assert not is_result_json(tmp_path / "a.json")
+
+
 def test_results_through_a_link_onto_the_inputs_are_refused(tmp_path):
     book = make_train(tmp_path / "in" / "sub" / "a.xlsx")
     (tmp_path / "o").mkdir()
@@ -187,6 +238,7 @@ def test_capitals_count_only_where_the_disk_tells_them_apart(tmp_path):
             check_places(inputs, tmp_path / "o", tmp_path)
 
 
+@pytest.mark.slow
 def test_an_input_called_summary_and_the_summary_are_told_apart(tmp_path):
     make_train(tmp_path / "in" / "summary.xlsx")
     out = tmp_path / "o"
@@ -204,7 +256,7 @@ def test_an_input_called_summary_and_the_summary_are_told_apart(tmp_path):
 def test_a_summary_on_any_result_is_refused(tmp_path):
     make_train(tmp_path / "in" / "sub" / "A.xlsx")
     out = tmp_path / "o"
-    for place in (out / "sub" / "A.xlsx", out / "sub" / "a.XLSX", out / "sub" / "A.history.xlsx"):
+    for place in (out / "sub" / "A.xlsx", out / "sub" / "a.XLSX"):
         said = refused(tmp_path / "in", "--out", out, "--summary", place)
         assert "and the summary of the batch would both be written to" in said
     assert not out.exists()

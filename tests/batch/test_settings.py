@@ -8,14 +8,16 @@ import os
 import shutil
 from pathlib import Path
 
+import numpy as np
 import openpyxl
 import pytest
-from batch_helpers import Here, spoil, torsionbook
+from batch_helpers import Here, make_train, spoil, torsionbook
 
 from addin.batch.conductor import Batch
 from addin.batch.folder import OutFolder
 from addin.batch.inputs import InputsRefused, find_inputs
 from addin.batch.records import Record
+from addin.package import open_workbook
 
 NEWMARK = {"method": "newmark", "tolerance_peak": 0.01}
 #: Keys of a result JSON that belong to one run.
@@ -50,10 +52,20 @@ def audit(path: Path) -> dict[str, str]:
     return {row[0].value: row[1].value for row in sheet[sheet.tables["Audit"].ref]}
 
 
+def table_rows(path: Path, name: str) -> list[dict]:
+    """A table of a workbook, by an independent reader."""
+    for sheet in openpyxl.load_workbook(path, data_only=True):
+        if name in sheet.tables:
+            header, *rows = [[cell.value for cell in row] for row in sheet[sheet.tables[name].ref]]
+            return [dict(zip(header, row, strict=True)) for row in rows]
+    raise LookupError(name)
+
+
 def read(path: Path) -> dict:
     return json.loads(path.read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_settings_reach_every_file_and_are_written_where_verify_looks(few, tmp_path, counted):
     records = run(few, tmp_path / "out", overrides=NEWMARK)
     assert len(records) == 3
@@ -111,6 +123,7 @@ def test_json_is_that_of_recalc(few, tmp_path):
     assert (tmp_path / "j" / "train 9.results.json").is_file()
 
 
+@pytest.mark.slow
 def test_an_input_with_errors_gets_them_in_place_of_its_results(few, tmp_path, counted):
     out, there = tmp_path / "out", tmp_path / "json"
     run(few, out, json=there)
@@ -118,13 +131,48 @@ def test_an_input_with_errors_gets_them_in_place_of_its_results(few, tmp_path, c
     spoil(few / "twin.xlsx")
     done = torsionbook("recalc", few / "twin.xlsx", "--json", "its.json", cwd=tmp_path)
     assert done.returncode == 1
-    run(few, out, json=there, resume=True)
+    first = (there / "twin.results.json").read_bytes()
+    record = run(few, out, json=there, resume=True)["twin.xlsx"]
     assert read(there / "twin.results.json") == read(tmp_path / "its.json")
+    assert (there / "twin.results.json.old").read_bytes() == first
+    assert "it is now called twin.results.json.old." in record.sentence
     counted.clear()
-    run(few, out, json=there, resume=True)
+    again = run(few, out, json=there, resume=True)["twin.xlsx"]
     assert counted == []
+    assert again == record  # and the errors are no results to be set aside
+    run(few, out, json=there)
+    assert len(list(there.glob("twin*"))) == 2
 
 
+def test_a_json_of_an_earlier_run_elsewhere_does_not_stand_for_an_input_that_turned_bad(
+    few, tmp_path
+):
+    out, there = tmp_path / "out", tmp_path / "json"
+    run(few, out, json=there)
+    spoil(few / "twin.xlsx")
+    (there / "train 8.results.json").write_text("mine", encoding="utf-8")
+    spoil(few / "train 8.xlsx")
+    records = run(few, out, resume=True)  # without --json this time
+    assert "twin.results.json.old" in records["twin.xlsx"].sentence
+    assert not (there / "twin.results.json").exists()
+    assert read(there / "twin.results.json.old")["natural_frequencies"]
+    assert (there / "train 8.results.json").read_text(encoding="utf-8") == "mine"
+    assert (there / "train 9.results.json").is_file()
+
+
+@pytest.mark.slow
+def test_a_json_stays_where_the_reason_passes_by_itself(few, tmp_path):
+    out, there = tmp_path / "out", tmp_path / "json"
+    run(few, out, json=there)
+    first = (there / "train 9.results.json").read_bytes()
+    (few / "~$train 9.xlsx").write_bytes(b"\x03Ada")
+    record = run(few, out, json=there)["train 9.xlsx"]
+    assert record.outcome == "locked"
+    assert "train 9.results.json is still the result of an earlier calculation." in record.sentence
+    assert (there / "train 9.results.json").read_bytes() == first
+
+
+@pytest.mark.slow
 def test_json_asked_for_later_is_made(few, tmp_path, counted):
     out = tmp_path / "out"
     run(few, out)
@@ -132,6 +180,41 @@ def test_json_asked_for_later_is_made(few, tmp_path, counted):
     run(few, out, resume=True, json=out)
     assert len(counted) == 2
     assert (out / "twin.results.json").is_file()
+
+
+@pytest.mark.slow
+def test_a_workbook_with_macros_and_one_without_do_not_share_a_history(tmp_path):
+    trains, out = tmp_path / "in", tmp_path / "out"
+    make_train(trains / "a.xlsx", KeepHistory="npz")
+    torsionbook("new", "a.xlsm", "--example", "modified", cwd=trains)
+    book = open_workbook(trains / "a.xlsm", ignore_lock=True)
+    book.set_name("KeepHistory", "npz")
+    book.save(in_place=True)
+    make_train(trains / "b.xlsx", 1, KeepHistory="npz")
+    records = run(trains, out)
+    assert {one.outcome for one in records.values()} == {"done"}
+    names = ["a.xlsm.history.npz", "a.xlsx.history.npz", "b.history.npz"]
+    assert sorted(p.name for p in out.glob("*.npz")) == names
+    for name in ("a.xlsm", "a.xlsx"):  # each holds the coupling of its own train
+        peak = next(
+            r for r in table_rows(out / name, "StartupPeaks") if r["Element"] == "LS coupling"
+        )
+        highest = np.load(out / f"{name}.history.npz")["torque_N_m: LS coupling"].max()
+        assert highest == pytest.approx(1.3558179483314004 * peak["Maximum torque"], rel=0.05)
+    assert {one.name for one in records["a.xlsm"].outputs} == {"a.xlsm", names[0]}
+
+
+@pytest.mark.slow
+def test_a_history_that_is_not_wanted_any_more_is_set_aside(few, tmp_path):
+    train, out = make_train(few / "twin.xlsx", 1, KeepHistory="npz"), tmp_path / "out"
+    run(few, out)
+    first = (out / "twin.history.npz").read_bytes()
+    make_train(train, 2, KeepHistory="no")
+    record = run(few, out, resume=True)["twin.xlsx"]
+    assert record.done
+    assert "it is now called twin.history.npz.old." in record.warnings[-1]
+    assert not (out / "twin.history.npz").exists()
+    assert (out / "twin.history.npz.old").read_bytes() == first
 
 
 def test_json_on_another_disk(few, tmp_path, monkeypatch):
@@ -156,6 +239,7 @@ def test_two_files_with_one_json_are_refused_only_where_json_is_asked_for(few, t
         find_inputs([str(few)], tmp_path / "out", json=True)
 
 
+@pytest.mark.slow
 def test_a_programme_of_cases_respects_settings(few, tmp_path):
     pd = pytest.importorskip("pandas")
     (tmp_path / "t.csv").write_text("Name,DampingRatio\na,0.015\n", encoding="utf-8")
@@ -174,6 +258,7 @@ def test_a_programme_of_cases_respects_settings(few, tmp_path):
     assert "--method or --tolerance" in done.stderr
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

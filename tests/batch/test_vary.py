@@ -20,6 +20,7 @@ from addin.batch import vary
 from addin.batch.conductor import Listener, Stop
 from addin.batch.folder import OWN, OutFolder
 from addin.batch.pool import Crashed
+from addin.batch.result_file import is_result, is_result_csv
 from addin.batch.vary import Programme, TableRefused, run_programme
 from addin.recalc import recalculate
 
@@ -214,6 +215,93 @@ def test_a_base_case_with_errors_is_told(tmp_path, base):
         run(base, csv(tmp_path, "DampingRatio", "0.02"), tmp_path / "out")
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("bad", ['{"format": 1, "poles": 3}', "no case"])
+def test_results_of_a_base_case_that_turned_bad_are_set_aside(base, tmp_path, bad):
+    table, out = csv(tmp_path, "DampingRatio;Name", "0,02;a"), tmp_path / "out"
+    words = ("batch", base, "--vary", table, "--out", out, "--csv", "--jobs", 1)
+    assert torsionbook(*words, cwd=tmp_path).returncode == 0
+    first = {name: (out / name).read_bytes() for name in ("results.parquet", "results.csv")}
+    good = base.read_bytes()
+    base.rename(tmp_path / "away.json")  # that passes by itself
+    assert torsionbook(*words, cwd=tmp_path).returncode == 1
+    assert {name: (out / name).read_bytes() for name in first} == first
+    base.write_text(bad, encoding="utf-8")
+    done = torsionbook(*words, cwd=tmp_path)
+    assert done.returncode == 1
+    for name, content in first.items():
+        said = f"{name} was the result of an earlier calculation; it is now called {name}.old."
+        assert said in done.stderr
+        assert not (out / name).exists()
+        assert (out / f"{name}.old").read_bytes() == content
+    base.write_bytes(good)
+    assert torsionbook(*words, "--resume", cwd=tmp_path).returncode == 0
+    assert pd.read_parquet(out / "results.parquet")["outcome"].tolist() == ["done"]
+
+
+def test_a_file_of_somebody_else_is_not_set_aside(base, tmp_path):
+    (tmp_path / "out").mkdir()
+    mine = tmp_path / "out" / "results.parquet"
+    pd.DataFrame({"row": [1]}).to_parquet(mine)
+    (tmp_path / "out" / "results.csv").write_text("row,name,mine\n", encoding="utf-8")
+    base.write_text("no case", encoding="utf-8")
+    with pytest.raises(TableRefused) as told:
+        run(base, csv(tmp_path, "DampingRatio", "0.02"), tmp_path / "out")
+    assert "earlier" not in str(told.value)
+    assert sorted(p.name for p in mine.parent.glob("r*")) == ["results.csv", "results.parquet"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["results.parquet", "results.csv"])
+def test_a_file_of_somebody_else_is_not_replaced(base, tmp_path, name):
+    table, out = csv(tmp_path, "DampingRatio", "0.02"), tmp_path / "out"
+    words = ("batch", base, "--vary", table, "--out", out, "--csv", "--jobs", 1)
+    out.mkdir()
+    mine = out / name
+    if name.endswith("csv"):
+        mine.write_text("row,name,outcome,mine\n", encoding="utf-8")
+    else:
+        pd.DataFrame({"row": [1], "name": ["a"], "outcome": ["mine"]}).to_parquet(mine)
+    before = mine.read_bytes()
+    done = torsionbook(*words, cwd=tmp_path)
+    assert done.returncode == 2
+    said = " ".join(done.stderr.replace("│", " ").split())
+    assert f"{name} is there already, and torsionbook did not write it" in said
+    assert mine.read_bytes() == before
+    assert [one.name for one in out.iterdir()] == [name]
+    mine.rename(out / "mine")
+    assert torsionbook(*words, cwd=tmp_path).returncode == 0
+    assert torsionbook(*words, cwd=tmp_path).returncode == 0  # its own it replaces
+    assert is_result(out / "results.parquet")
+    assert is_result_csv(out / "results.csv")
+    # a column of somebody's own beside ours makes it his
+    if name.endswith("csv"):
+        mine.write_text(
+            mine.read_text("utf-8-sig").replace("seconds", "seconds,my note", 1), encoding="utf-8"
+        )
+    else:
+        read = pq.read_table(mine)
+        pq.write_table(read.append_column("my note", read["reason"]), mine)
+    assert torsionbook(*words, cwd=tmp_path).returncode == 2
+
+
+def test_results_are_known_by_their_columns(base, tmp_path):
+    done, _ = run(base, csv(tmp_path, "DampingRatio", "0.02"), tmp_path / "out")
+    read = pq.read_table(done.result)
+    for table, ours in (
+        (read, True),
+        (read.replace_schema_metadata(None), True),  # as files were before they stated them
+        (read.drop_columns(["seconds"]), False),
+        (read.drop_columns(["seconds"]).replace_schema_metadata(None), False),
+        (read.slice(0, 0), True),
+    ):
+        pq.write_table(table, tmp_path / "one.parquet")
+        assert is_result(tmp_path / "one.parquet") is ours
+    (tmp_path / "one.parquet").write_bytes(b"PAR1 not at all PAR1")
+    assert not is_result(tmp_path / "one.parquet")
+    assert not is_result(tmp_path)
+
+
 def test_a_row_whose_process_dies_does_not_take_its_chunk_along(base, tmp_path):
     class Crashing(Here):
         def answers(self, stopped):
@@ -256,6 +344,7 @@ def test_resume_calculates_only_chunks_that_are_missing(base, tmp_path, monkeypa
     pd.testing.assert_frame_equal(first.drop(columns="seconds"), second.drop(columns="seconds"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changed", ["table", "base"])
 def test_resume_refuses_another_programme(base, tmp_path, changed):
     table = many(tmp_path)
@@ -316,6 +405,7 @@ def test_ended_in_the_middle_it_goes_on(base, tmp_path, how):
     assert list(rows["mode_1_Hz"]) == pytest.approx(exact, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_words_of_the_command_line(base, tmp_path):
     shutil.copy(base, tmp_path / "second.json")
     csv(tmp_path, "DampingRatio", "0.02", "-1")
@@ -373,6 +463,7 @@ def test_a_comma_that_may_stand_between_thousands_is_refused(base, tmp_path):
     assert "decimal sign as a point" in rows["reason"][0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lines", "separator", "decimal"),
     [

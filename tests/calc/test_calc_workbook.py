@@ -8,7 +8,7 @@ import struct
 
 import pytest
 from flat_sheets import Formula, write_sheets
-from sheet_ranges import model_arguments
+from sheet_ranges import CATALOGUE, SCATTER, TUNING, model_arguments
 from xls_cells import read_cells
 
 from addin.calc.names import programmatic_name
@@ -36,6 +36,9 @@ CALLS = {
     "TV_STARTS": [("", []), (";;4", [None, None, 4.0])],
     "TV_VERDICTS": [("", [])],
     "TV_CALIBRATE": [("30.1", [30.1])],
+    "TV_TUNE": [("[.AD1:.AG2]", [TUNING]), ("[.Z1:.Z1];[.AD4:.AH7]", [None, CATALOGUE])],
+    "TV_TOLERANCES": [('[.AD9:.AF11];"margins";30', [SCATTER, "margins", 30.0])],
+    "TV_SENSITIVITIES": [("", [])],
     "TV_EFFECTS": [("", [])],
 }
 #: The others: formula after the name, and what the registry gets.
@@ -121,6 +124,9 @@ def calculated(calc, expected, tmp_path_factory):
         (1, 25): 100.1,
         (1, 27): 31000.7,
     }
+    for top, block in ((0, TUNING), (3, CATALOGUE), (8, SCATTER)):
+        for i, row in enumerate(block):
+            results |= {(top + i, 29 + j): v for j, v in enumerate(row) if v is not None}
     for at, (formula, rows) in expected[1].items():
         results[at] = Formula(formula, len(rows), len(rows[0]))
     told = {(i, 0): Formula(formula) for i, formula in enumerate(WRONG)}
@@ -205,6 +211,7 @@ def test_an_answer_of_one_cell_can_be_calculated_with(calculated):
     assert calculated["Told"][4, 2] == 3601.0
 
 
+@pytest.mark.slow
 def test_the_names_people_type_are_those_of_the_contract(calc, tmp_path):
     """Calc shows what a file calls by its programmatic name under the name of the registry."""
     path = write_sheets(tmp_path / "one.fods", {"S": {(0, 0): Formula('TV_CONVERT(2;"m";"mm")')}})

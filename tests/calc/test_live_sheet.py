@@ -101,6 +101,7 @@ def calculated(calc, shipped):
     return live(calc, shipped)
 
 
+@pytest.mark.slow
 def test_it_shows_what_the_registry_says_of_the_same_inputs(calculated, shipped):
     cells = calculated
     agrees_with_the_registry(cells, shipped)

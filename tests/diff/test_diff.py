@@ -266,6 +266,7 @@ def test_names_that_look_like_formulas_stay_words(folder, tmp_path):
     assert cell.data_type == "s"
 
 
+@pytest.mark.slow
 def test_the_workbook_opens_elsewhere(folder, tmp_path, soffice):
     book = tmp_path / "diff.xlsx"
     a, b = folder / "proposed.xlsx", folder / "modified.xlsx"

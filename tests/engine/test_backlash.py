@@ -49,6 +49,7 @@ def compared(seed: int, bearings: bool, law: str) -> None:
             assert contact.recontact_speed_angular == pytest.approx(fastest / scale, rel=5e-3)
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("law", CONTACT_LAWS)
 @pytest.mark.parametrize(("seed", "bearings"), [(11, False), (23, False), (25, True)])
 def test_random_starts(seed: int, bearings: bool, law: str) -> None:
@@ -158,6 +159,7 @@ def test_bearings_of_light_gears_carry_the_tooth_force() -> None:
         assert bearing.force == pytest.approx(transverse, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_chatter_is_sensitive_and_a_calm_start_is_not() -> None:
     """The answer of a train that chatters long depends on the ninth digit of its torques."""
     wild = replace(

@@ -331,6 +331,22 @@ def test_impossible_measurements_get_their_sentence(case: Case, frequencies: np.
     assert [p.change for p in stated.parameters] == [0.0] * 10
 
 
+@pytest.mark.slow
+def test_a_frequency_that_no_mode_takes_although_one_is_near_gets_its_sentence(
+    case: Case, frequencies: np.ndarray
+) -> None:
+    """72 Hz between modes 2 (53 Hz) and 3 (86 Hz): alone within reach, beside mode 1 at 34.5 Hz not."""
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.2),)
+    first = M(1, 1.15 * float(frequencies[0]), 0.01)
+    for frequency in np.arange(66.0, 78.0, 0.5):
+        found = calibrate(case, asked(first, M(None, float(frequency), 0.01), scatter=scatter))
+        assert found.measurements[1].used or found.measurements[1].note.startswith("Not used: ")
+    found = calibrate(case, asked(first, M(None, 72.0, 0.01), scatter=scatter))
+    assert not found.measurements[1].used
+    assert "less likely than a wrong value" in found.measurements[1].note
+    assert not found.basis_justified
+
+
 def test_a_measurement_that_contradicts_the_others_is_told(
     case: Case, frequencies: np.ndarray
 ) -> None:
@@ -487,6 +503,35 @@ def test_a_small_prior_is_no_measurement(case: Case, frequencies: np.ndarray) ->
     assert two.posterior_deviation < 0.005
     assert not two.known
     assert not found.basis_justified
+
+
+def test_a_poor_measurement_beside_a_small_prior_is_no_measurement(
+    case: Case, frequencies: np.ndarray
+) -> None:
+    """Everything ±1 %, measured to ±30 %: what is known to 0.5 % was typed, not measured."""
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.01),)
+    found = calibrate(
+        case, asked(*(M(None, float(f), 0.3) for f in frequencies[:2]), scatter=scatter)
+    )
+    assert all(f.posterior_deviation < 0.006 for f in found.frequencies[:2])
+    assert not any(f.known for f in found.frequencies)
+    assert not found.basis_justified
+    assert found.calibrated.margin_basis is None
+    assert "measured to ±30 % only" in found.basis_reason
+
+
+def test_a_measurement_that_could_be_another_mode_makes_none_known() -> None:
+    """Half way between modes 2 and 3; taken for mode 2, which line frequency is 15 % away from."""
+    case = chain(1e5, 1.05e5, 1e5, inertia=(50.0, 1.0, 1.0, 50.0))
+    between = math.sqrt(float(np.prod(elastic(case)[1:3])))
+    case = Case(**(vars(case) | {"line_frequency": 1.15 * between}))
+    scatter = (ScatterRow(None, "stiffness", "normal", 0.4),)
+    found = calibrate(case, asked(M(None, between), scatter=scatter))
+    assert found.explained
+    assert not found.basis_justified
+    assert "could be mode 3 as well as mode 2" in found.basis_reason
+    stated = calibrate(case, asked(M(2, between), scatter=scatter))
+    assert stated.basis_justified
 
 
 def test_a_mode_may_be_known_through_others(case: Case, frequencies: np.ndarray) -> None:

@@ -361,6 +361,7 @@ def errors_of(start: Any, truth: np.ndarray) -> np.ndarray:
     return np.max(np.abs(got - true), axis=1) / np.max(np.abs(truth), axis=1)
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_coupled_damping_against_the_full_state_space(seed: int) -> None:
     case = strongly_damped(seed)
@@ -374,6 +375,7 @@ def test_coupled_damping_against_the_full_state_space(seed: int) -> None:
     assert np.max(errors_of(modal, truth)) > 5e-3  # damping each mode for itself is not enough
 
 
+@pytest.mark.slow
 def test_coupled_damping_where_gears_are_rigid() -> None:
     """Dampers to ground on both gears of a rigid mesh, and the torque of the mesh itself.
 

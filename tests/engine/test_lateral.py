@@ -598,6 +598,7 @@ def test_the_torque_of_a_rigid_mesh_in_time_is_that_of_a_stiff_one():
     assert found[0] == pytest.approx(found[1], abs=1e-4 * np.max(np.abs(found[1])))
 
 
+@pytest.mark.slow
 def test_energies_name_the_bearing_where_it_holds_most():
     case = pair(damping_ratio=0.02, orientation=0.3)
     found = natural_modes(case)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from engine.case import Case
 from engine.ledger import damage_ledger, ledger_rows, remaining_rows
 from engine.start_matrix import (
     NOT_CALCULATED,
@@ -31,13 +32,14 @@ def kind(
     error: float = 0.01,
     judged: bool = True,
     extended: bool = False,
+    yields: bool = False,
     shaft: str = "Shaft",
 ) -> ConditionResult:
     """A kind of start that does a given damage to one shaft."""
     starts = 1.0 / damage if judged and damage else None
     one = ConditionShaft(
         shaft, 1e8, damage, damage * (1 - error), damage * (1 + error), starts,
-        judged and damage == 0.0, judged, extended,
+        judged and damage == 0.0, judged, extended, yields,
     )  # fmt: skip
     words = "reached at 97.0 % speed" if judged else "stalled at 91.0 % speed"
     return ConditionResult(
@@ -144,6 +146,24 @@ def test_extended_line_is_not_a_pass() -> None:
     assert row.verdict == "not judged"
     assert row.remaining_years is not None
     assert "above the first S-N point" in row.reason
+
+
+def test_a_shaft_that_yields_is_not_a_pass() -> None:
+    """Beside a kind of start that does not; without a duty of it nothing changes."""
+    hard, soft = kind("hard", 1e-3, per_year=1, yields=True), kind("soft", 1e-4, per_year=1)
+    row = damage_ledger(matrix(soft, hard)).rows[0]
+    assert row.verdict == "not judged"
+    assert "above shear yield in 'hard'" in row.reason
+    assert damage_ledger(matrix(soft, kind("hard", 1e-3, yields=True))).rows[0].verdict == "pass"
+
+
+def test_a_start_above_shear_yield_is_told_to_the_ledger() -> None:
+    case = sample_case("proposed")
+    weak = tuple(replace(m, yield_=0.02 * (m.uts or 0.0)) for m in case.materials)
+    duty = StudyInputs(start_conditions=(StartConditionRow("a", per_year=1.0),))
+    found = damage_ledger(start_matrix(Case(**(vars(case) | {"materials": weak})), duty))
+    assert found.verdict == "not judged"
+    assert "above shear yield" in found.sentence
 
 
 def test_a_verdict_that_hangs_on_the_error_says_so() -> None:

@@ -209,6 +209,7 @@ def test_bearings_forced_off_leave_the_modes_torsional():
     assert run(plain).train.bodies
 
 
+@pytest.mark.slow
 def test_the_shock_is_followed_unless_it_is_too_small_to_see():
     case = geared(shock_amplitude=RATED, shock_time_constant=0.05)
     assert planned(case).plan.effects.breaker_closing

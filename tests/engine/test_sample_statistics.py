@@ -108,3 +108,23 @@ def test_convergence_is_said_with_its_numbers() -> None:
     assert "do not overlap" in convergence(drifting, "answer").sentence
     assert not convergence(drifting, "answer").reached
     assert convergence(np.full(40, math.inf), "allowable starts").reached
+
+
+def test_unlimited_starts_settle_only_where_the_interval_is_bounded() -> None:
+    """0.9³⁵ > 2.5 % > 0.9³⁶: of 35 unlimited samples every tenth might still be limited."""
+    assert not convergence(np.full(35, math.inf), "allowable starts").reached
+    assert convergence(np.full(36, math.inf), "allowable starts").reached
+    mostly = np.full(1000, math.inf)
+    mostly[::50] = 400.0  # 2 %: P10 unlimited from end to end
+    assert convergence(mostly, "allowable starts").reached
+    mostly[::11] = 400.0  # 10.7 %: it may be either
+    assert not convergence(mostly, "allowable starts").reached
+
+
+def test_the_percentile_that_is_asked_for_decides() -> None:
+    rng = np.random.default_rng(3)
+    tail = 1.0 + np.where(rng.uniform(size=400) > 0.8, 50.0 * rng.uniform(size=400), 0.0)
+    assert convergence(tail, "peak stress").reached
+    told = convergence(tail, "peak stress", 0.9)
+    assert not told.reached
+    assert "P90 of the peak stress" in told.sentence

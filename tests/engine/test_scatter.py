@@ -114,6 +114,23 @@ def test_what_is_refused(case: CaseData, row: ScatterRow, column: str, says: str
     assert says in problem.message
 
 
+def test_messages_have_per_cents_as_typed_and_leave_the_place_to_the_reader(
+    case: CaseData,
+) -> None:
+    rows = [
+        ScatterRow(quantity="stiffness", from_=1.1, to=0.9),
+        ScatterRow(quantity="inertia", spread=-0.02),
+        ScatterRow(quantity="damping ratio", distribution="uniform", spread=0.3, to=1.2),
+        ScatterRow(quantity="stiffness", spread=0.05),
+    ]
+    said = [p.message for p in scatter_problems(case, rows)]
+    assert said[0] == "To is 90 %, below From, 110 %. Exchange them."
+    assert said[1].startswith("Spread is -2 %; a scatter has no sign.")
+    assert "standard deviations" not in said[1]
+    assert said[2].startswith("To is 120 %, but the distribution is uniform.")
+    assert not any("Scatter, row" in one for one in said)
+
+
 def test_everything_wrong_is_told_at_once(case: CaseData) -> None:
     rows = [
         ScatterRow(quantity="stiffness", spread=0.05),

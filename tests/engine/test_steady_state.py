@@ -274,6 +274,7 @@ HARD = {
 }
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("name", HARD)
 @pytest.mark.parametrize("damping", ["none", "modal", "loss and dampers", "all"])
 def test_hard_trains_against_sixty_digits(name, damping):

@@ -205,6 +205,24 @@ def test_the_rated_torque_of_a_coupling_on_offer_is_judged() -> None:
     assert "Rated torque" not in broken[f"{LOW}: strong"]
 
 
+def test_each_rated_torque_that_is_exceeded_is_a_broken_limit() -> None:
+    """Two couplings that are too weak stand below one, and above the worst of the two nothing hides."""
+    offers = (
+        CatalogueRow(LOW, "weak", stiffness=3e6, rated_torque=9_999.0),
+        CatalogueRow(LOW, "strong", stiffness=3e6, rated_torque=10_001.0),
+        CatalogueRow(HIGH, "frail", stiffness=1e6, rated_torque=1.0),
+        CatalogueRow(HIGH, "firm", stiffness=1e6, rated_torque=1e6),
+    )
+    found = tune(CASE, StudyInputs(catalogue=offers))
+    broken = {r.combination: r.tried.answers.broken for r in found.rows if r.tried.answers}
+    count = {
+        name: sum(one == "Rated torque" for one in broken[name])
+        for name in (f"{LOW}: {low}; {HIGH}: {high}" for low in ("weak", "strong")
+                     for high in ("frail", "firm"))
+    }  # fmt: skip
+    assert list(count.values()) == [2, 1, 1, 0]
+
+
 def test_a_peak_limit_of_the_catalogue_is_judged_by_the_run() -> None:
     offers = (CatalogueRow(LOW, "limited", stiffness=3e6, peak_torque_limit=1.0),)
     found = tune(CASE, StudyInputs(catalogue=offers))

@@ -214,6 +214,7 @@ def test_a_workbook_under_a_name_of_another_language(tmp_path, macro_book):
     assert b'<workbookPr codeName="ThisWorkbook" defaultThemeVersion="124226"/>' in part
 
 
+@pytest.mark.slow
 @pytest.mark.needs_libreoffice
 def test_libreoffice_loads_the_modules(macro_book, soffice):
     made = soffice.convert(macro_book, "ods")
@@ -228,6 +229,7 @@ def test_libreoffice_loads_the_modules(macro_book, soffice):
     assert "vnd.sun.star.script:VBAProject.Torsionbook.Recalculate?" in content  # the button
 
 
+@pytest.mark.slow
 @pytest.mark.needs_libreoffice
 def test_libreoffice_shows_the_same_first_sheet(macro_book, soffice):
     plain = soffice.convert(template_path("example_proposed.xlsx"), "csv")

@@ -93,6 +93,7 @@ def test_inputs_are_never_written(tmp_path, kept):
     assert book.written
 
 
+@pytest.mark.slow
 def test_a_second_time_with_fewer_rows_leaves_nothing_stale(tmp_path, kept):
     """The tables of a larger train shrink to those of a smaller one."""
     book = open_book(tmp_path, "example_backlash")
@@ -128,6 +129,7 @@ def test_progress_and_the_lost_undo_are_told_in_the_status_bar(tmp_path, kept):
     assert book.bar[-1].endswith("A macro cannot be undone in Excel.")
 
 
+@pytest.mark.slow
 def test_large_blocks_go_in_portions(tmp_path, kept, monkeypatch):
     monkeypatch.setattr(module, "PORTION", 100)
     book = open_book(tmp_path, "example_proposed")
@@ -173,6 +175,7 @@ def test_excel_is_put_back_as_it_was_whatever_happens(tmp_path, kept):
     assert book.app.state == USUAL
 
 
+@pytest.mark.slow
 def test_histories_are_kept_beside_the_workbook(tmp_path, kept):
     def keep(book):
         place = book.defined_names["KeepHistory"].attr_text

@@ -30,6 +30,7 @@ def _ours(name: str) -> tuple[Start, dict[str, ContactRecord]]:
 LONG = ("a mesh that chatters a thousand times", "two meshes that chatter together")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in CLEARANCES]
 )

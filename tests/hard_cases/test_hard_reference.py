@@ -98,6 +98,7 @@ def _free(hard: ClearanceCase, y: np.ndarray, i: int) -> bool:
     return bool(-clearance.gap <= y[row] < 0.0)
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     "hard",
     [

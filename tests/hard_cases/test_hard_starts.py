@@ -48,6 +48,7 @@ def test_peaks_are_within_the_tolerance_and_the_reported_error(name: str) -> Non
         assert truth.mean_speed == pytest.approx(start.outcome.end_speed, abs=5e-4 * synchronous)
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("name", [pytest.param(name, marks=_marks(name, LONG)) for name in STARTS])
 def test_the_truth_agrees_with_itself_at_twice_the_step(name: str) -> None:
     hard = STARTS[name]

@@ -82,6 +82,7 @@ FILES: dict[str, tuple[Callable[[], str], str]] = {
 }  # fmt: skip
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("name", FILES)
 def test_case_files(attended: Attended, tmp_path: Path, name: str) -> None:
     make, words = FILES[name]

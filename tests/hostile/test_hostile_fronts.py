@@ -50,6 +50,7 @@ def test_a_file_name_that_is_no_text(tmp_path: Path) -> None:
     assert WORDS in said.stderr
 
 
+@pytest.mark.slow
 def test_the_server() -> None:
     with TestClient(
         create_app(Settings(workers=1)), base_url="http://127.0.0.1:8765", raise_server_exceptions=False

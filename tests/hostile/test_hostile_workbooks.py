@@ -248,6 +248,7 @@ def bomb(canary: Path) -> bytes:
 PARTS = [name for name in seeds()[0].parts if name.endswith((".xml", ".rels", ".vml"))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 def test_entities_in_every_part(attended: Attended, tmp_path: Path, encoding: str) -> None:
     """A part that is read is refused; one that is not stays as it is and nothing of it is followed."""
@@ -334,6 +335,7 @@ def test_any_part_that_is_missing(attended: Attended, tmp_path: Path, name: str)
     judged(attended, tmp_path, packed(parts))
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     "kind", ["worksheet+xml", "table+xml", "sharedStrings+xml", "styles+xml", "drawingml.chart+xml"]
 )
@@ -598,6 +600,7 @@ def test_formulas_in_circles(attended: Attended, tmp_path: Path) -> None:
     assert notes["A99"].value is None
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     "formula",
     ["(" * 4000 + "A1" + ")" * 4000, "-" * 8000 + "A1", "A1" + "+A1" * 2000, "[" * 8000, "'" * 8001,
@@ -738,6 +741,7 @@ def test_units(attended: Attended, tmp_path: Path, unit: str) -> None:
     assert not said["written"], said
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("kind", ["n", "str", "b", "d", "e"])
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda text: text[:12])
 def test_numbers(attended: Attended, tmp_path: Path, number: str, kind: str) -> None:

@@ -37,6 +37,7 @@ def test_most_files_are_spoiled() -> None:
     assert {level for _, level, _ in files} == {level for level, _ in LEVELS}
 
 
+@pytest.mark.slow
 def test_the_judge_sees_faults(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each demand, broken on purpose, is noticed."""
     import time
@@ -124,6 +125,7 @@ def told(numbers: range) -> None:
     assert kinds == {"refused", "wrong input", "written"}
 
 
+@pytest.mark.slow
 def test_some_files() -> None:
     told(range(700, 760))
 

@@ -34,6 +34,7 @@ def scaled(train):
     return np.sqrt(train.stiffness)[:, None] * train.incidence / np.sqrt(train.inertia)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [450, 1000])
 def test_equal_discs_have_the_frequencies_and_shapes_of_the_closed_form(n):
     train = build_train(chain(np.full(n, 3.0), np.full(n - 1, 7e6)))
@@ -65,6 +66,7 @@ def test_long_trains_over_many_decades_are_proven_by_counting():
             assert below <= j < above
 
 
+@pytest.mark.slow
 def test_vectors_of_a_random_long_train_are_orthogonal_and_solve_the_equation():
     rng = np.random.default_rng(1)
     n = 500
@@ -82,6 +84,7 @@ def test_vectors_of_a_random_long_train_are_orthogonal_and_solve_the_equation():
     assert sigma == pytest.approx(plain, rel=1e-11)
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("apart", [1e-6, 1e-9, 1e-13])
 def test_near_twins_in_a_long_train_stay_orthogonal(apart):
     """Two equal halves joined by next to nothing: values in pairs, found by the Jacobi SVD then."""

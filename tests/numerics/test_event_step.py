@@ -37,6 +37,7 @@ L_VALUES = [0.0, *10.0 ** np.arange(-14.0, 13.0, 2.0), 0.5, 3.99, 4.01, 30.0]
 DAMPING = [0.0, 1e-8, 0.01, 0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.02, 3.0, 1e3, "1e-10", "0.3", "1.99", "2.01", "50", "1e8"]  # fmt: skip
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("L", L_VALUES)
 def test_mode_step_in_50_digits(L: float) -> None:
     """λh² over 26 decades, dh from 0 to 1e8: 2e-14 (1 + ωh), what the phase carries.

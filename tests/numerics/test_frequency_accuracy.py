@@ -132,6 +132,7 @@ def test_every_frequency(row, n, seed):
     check(row(np.random.default_rng([seed, n]), n))
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("row", ROWS)
 def test_every_frequency_of_200_stations(row):
     check(row(np.random.default_rng(200), 200))

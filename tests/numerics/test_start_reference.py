@@ -141,6 +141,7 @@ def small() -> tuple[Case, np.ndarray, np.ndarray]:
     return case, times, Reference(case).run(1.6, times)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "steps", "order", "at_1_ms"),
     [
@@ -158,6 +159,7 @@ def test_trajectory_converges_to_the_reference(small, method, steps, order, at_1
         assert coarse / fine > 0.75 * 2.0**order
 
 
+@pytest.mark.slow
 def test_first_half_second_of_the_sample() -> None:
     case = sample_case("proposed")
     times = np.arange(0.0, 0.4, 2.5e-4)
@@ -169,6 +171,7 @@ def test_first_half_second_of_the_sample() -> None:
     assert trajectory_error(case, usual, truth, times) < 1e-3
 
 
+@pytest.mark.slow
 def test_reported_peaks_are_the_references_peaks(small) -> None:
     """Run to 40 % speed, so that the same stretch is compared; the error is within the estimate."""
     case, _, _ = small
@@ -302,6 +305,7 @@ def test_phase_of_the_pulsation(phase: float) -> None:
     assert trajectory_error(case, simulated(case, 2.5e-4, 0.249), truth, times) < 2e-5
 
 
+@pytest.mark.slow
 def test_two_motors_at_different_speeds_and_two_loads() -> None:
     """A second motor on the high-speed shaft: its synchronous speed and poles follow its ratio."""
     case = geared()

@@ -62,6 +62,7 @@ DAMPING = [
 ]  # fmt: skip
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("L", STIFFNESS)
 def test_coefficients_of_the_exponential_step_in_50_digits(L: float) -> None:
     """Relative error ≤ 2e-14 (1 + ωh): beyond, the phase ωh itself carries no more digits."""

@@ -75,6 +75,7 @@ def with_motion(train: Train, found: ClearanceResponse) -> ClearanceResponse:
     return replace(found, run=Motion(train, found, modes_of(train).shape))
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(pushed, st.sampled_from(LAWS))
 def test_energy_never_rises_and_momentum_stays(p: Pushed, law: str) -> None:

@@ -190,6 +190,7 @@ def check(
     return tried, left_out
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("effect", CASES)
 def test_leaving_an_effect_out_by_plan_changes_nothing_that_counts(effect):
     tried, left_out = check(effect, range(12))
@@ -197,6 +198,7 @@ def test_leaving_an_effect_out_by_plan_changes_nothing_that_counts(effect):
     assert left_out >= 2  # else nothing was compared
 
 
+@pytest.mark.slow
 def test_leaving_out_the_shocks_of_several_motors_changes_nothing_that_counts():
     tried, left_out = check("breaker closing", range(12), shocks)
     assert tried >= 6
@@ -234,6 +236,7 @@ def check_partial(seeds: range) -> int:
     return compared
 
 
+@pytest.mark.slow
 def test_a_plan_that_models_some_clearances_answers_as_one_that_models_all():
     assert check_partial(range(16)) >= 2
 
@@ -256,6 +259,7 @@ def answers(case: Case) -> tuple[list[tuple[float, float]], list[float]]:
     )
 
 
+@pytest.mark.slow
 def test_counting_left_out_by_plan_is_exact():
     left_out = 0
     for seed in range(24):

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -32,6 +33,7 @@ def energy(train: Any, case: Case, r: TimeResponse) -> np.ndarray:
     return 0.5 * inertia @ r.station_speed**2 + stored
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(case=cases(grounded=None), seed=seeds)
 def test_energy_and_momentum_are_kept_without_damping(case: Case, seed: int) -> None:

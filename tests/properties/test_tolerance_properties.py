@@ -31,6 +31,7 @@ def test_factors_of_one_give_the_plain_run_bit_for_bit(case):
     assert list(near.margin) == kept
 
 
+@pytest.mark.slow
 @settings(max_examples=6, deadline=None)
 @given(cases(stations=(2, 8), decades=4, grounded=None), st.integers(0, 1000))
 def test_small_scatter_of_a_frequency_is_that_of_the_linear_formula(case, seed):

@@ -74,6 +74,7 @@ def test_the_rigid_mode_turns_every_station_at_its_own_speed(case):
 # --- frequencies ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @FEW
 @given(cases(grounded=None))
 def test_every_frequency_is_right_to_1e_12(case):

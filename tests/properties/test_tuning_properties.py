@@ -36,6 +36,7 @@ def _with_a_diameter(case: Case) -> Case:
     return replace(case, elements=(*case.elements[:i], new, *case.elements[i + 1 :]))
 
 
+@pytest.mark.slow
 @SLOW
 @given(seed=st.integers(0, 10_000), kind=st.sampled_from(("plain", "dampers", "clearances")), relative=st.booleans())  # fmt: skip
 def test_a_range_of_one_point_gives_the_plain_run_bit_for_bit(
@@ -74,6 +75,7 @@ def _present(case: Case, name: str, quantity: str) -> float:
 LOW, HIGH = "Low-speed shaft", "High-speed shaft"
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=6)
 @given(data=st.data())
 def test_ranking_does_not_depend_on_the_order_of_rows_or_values(data: st.DataObject) -> None:

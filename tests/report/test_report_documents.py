@@ -97,6 +97,18 @@ def test_every_section_is_there_and_every_page_is_numbered(proposed):
         assert k == 1 or "SAMPLE-PRO · rev. 0" in flat(page)
 
 
+def test_a_sentence_between_heading_and_figure_stays_with_both(proposed):
+    paragraphs = docx.Document(str(proposed.docx)).paragraphs
+    at = next(k for k, one in enumerate(paragraphs) if one.text.endswith("separation margins")
+              and one.style.name.startswith("Heading"))  # fmt: skip
+    heading, sentence, picture = paragraphs[at : at + 3]
+    assert "kept" in sentence.text
+    assert picture._p.xpath(".//pic:pic")
+    assert heading.style.paragraph_format.keep_with_next
+    assert sentence.paragraph_format.keep_with_next
+    assert picture.paragraph_format.keep_with_next  # with its caption
+
+
 def test_the_docx_has_headings_fields_and_equations(proposed):
     file = docx.Document(str(proposed.docx))
     first = [p.text for p in file.paragraphs if p.style.name == "Heading 1"]
@@ -115,6 +127,7 @@ def test_the_docx_has_headings_fields_and_equations(proposed):
     assert wanted <= set(re.findall(r'w:bookmarkStart [^>]*w:name="([^"]+)"', body))
 
 
+@pytest.mark.slow
 @pytest.mark.needs_poppler
 def test_libreoffice_opens_the_docx(proposed, soffice):
     try:
@@ -131,6 +144,7 @@ def test_libreoffice_opens_the_docx(proposed, soffice):
     assert f"Page {pages} of {pages}" in text
 
 
+@pytest.mark.slow
 @pytest.mark.needs_poppler
 def test_paper_follows_the_units(proposed, tmp_path):
     assert re.search(r'page width="612\.0+" height="792\.0+"', pdf_text(proposed.pdf, "-bbox"))
@@ -264,6 +278,7 @@ def test_control_characters_and_very_long_texts_do_no_harm(tmp_path):
 LONG = "A_very_long_name_of_a_station_without_any_blank_at_all_number_{:02d}"
 
 
+@pytest.mark.slow
 @pytest.mark.needs_poppler
 def test_nothing_runs_off_the_page(tmp_path):
     """Every word of a long train with long names lies between the margins."""
@@ -313,6 +328,7 @@ def test_wrong_inputs_are_listed_as_by_check(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["case.json"]
 
 
+@pytest.mark.slow
 def test_a_file_that_is_there_is_kept_unless_forced(tmp_path):
     (tmp_path / "case.json").write_text(json.dumps(SMALL), encoding="utf-8")
     (tmp_path / "c.pdf").write_bytes(b"mine")
@@ -354,6 +370,7 @@ def test_a_missing_package_is_said(tmp_path, monkeypatch):
 # --- a workbook with results ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.needs_poppler
 def test_results_of_other_inputs_are_told(proposed, tmp_path):
     calculated = proposed.pdf.parent / "o" / "example_proposed.xlsx"

@@ -7,9 +7,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from addin.chart_data import chart_blocks
-from addin.report.document import Column, Figure, Section, Table, blocks_of, numbered
+from addin.report.document import (
+    Column,
+    Figure,
+    Paragraph,
+    Section,
+    Table,
+    blocks_of,
+    numbered,
+)
 from addin.report.figures import WIDTH, Charts, Pictures
-from addin.report.layout import TEXT_WIDTH, column_widths, fitted, folded, soft
+from addin.report.layout import (
+    TEXT_WIDTH,
+    column_widths,
+    fitted,
+    folded,
+    held_paragraphs,
+    soft,
+)
 from addin.report.shown import template_units
 from addin.shown_units import shown_units
 from engine.case import CaseData, ElementRow, StationRow
@@ -85,6 +100,7 @@ def test_numbers_run_through_the_document():
     assert [made[0].number, made[0].parts[0].number, made[1].number] == ["1", "1.1", "2"]
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(("stations", "pictures"), [(2, 1), (38, 1), (60, 2), (1000, 2)])
 def test_a_train_of_any_length_is_drawn_on_pages(stations, pictures):
     case = CaseData(
@@ -126,3 +142,41 @@ def test_a_broken_table_leaves_three_rows_and_its_note_is_never_alone(tmp_path, 
         assert count == 0 or count >= 3
         assert "Caption" not in page or count
         assert "Note." not in page or count
+
+
+def test_a_paragraph_that_leads_to_something_is_held():
+    text, table = Paragraph("All margins are kept.", "lead"), Table("T", (Column("A"),), ())
+    long = Paragraph("x" * 601)
+    for blocks, parts, held in (
+        ((text, table), (), 1),
+        ((text, Paragraph("See below."), table), (), 2),
+        ((text,), (Section("Part", (table,)),), 1),
+        ((text,), (), 0),
+        ((long, table), (), 0),
+        ((table, text, table), (), 0),
+    ):
+        assert held_paragraphs(Section("S", blocks, parts)) == held
+
+
+@pytest.mark.parametrize("kind", ["lead", "text", "note"])
+@pytest.mark.parametrize("above", range(20, 56, 4))
+def test_a_heading_stands_on_the_page_of_its_figure(tmp_path, above, kind):
+    """However full the page is: heading, one line and the figure that they lead to."""
+    import json
+
+    import typst
+    from report_files import pdf_text
+
+    from addin.report.pdf import TEMPLATE, _section
+
+    drawing = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 170 90"/>'
+    figure = Figure("Interference", drawing, b"", 170.0, 90.0, 1)
+    section = _section(Section("Margins", (Paragraph("All kept.", kind), figure), number="5"))
+    start = TEMPLATE.read_text(encoding="utf-8").split("// --- cover")[0]
+    lines = f"#for k in range({above}) {{ par(str(k)) }}\n#show-section(data.section, 1)\n"
+    data = {"cover": {"title": "T"}, "author": "", "paper": "a4", "margin": 20, "head": "", "foot": "",
+            "short_title": "", "section": section}  # fmt: skip
+    made = typst.compile((start + lines).encode(), sys_inputs={"data": json.dumps(data)})
+    (tmp_path / "t.pdf").write_bytes(made)
+    pages = pdf_text(tmp_path / "t.pdf").split("\f")
+    assert [p for p in pages if "Margins" in p] == [p for p in pages if "Interference" in p]

@@ -43,6 +43,7 @@ def pictures(path) -> int:
     return len(docx.Document(str(path)).inline_shapes)
 
 
+@pytest.mark.slow
 @pytest.mark.needs_poppler
 def test_a_study_in_the_workbook_is_drawn_and_listed(tmp_path):
     with_study(PROPOSED, tmp_path / "a.xlsx")
@@ -61,6 +62,7 @@ def test_a_study_in_the_workbook_is_drawn_and_listed(tmp_path):
     assert pictures(tmp_path / "a.docx") == pictures(tmp_path / "b.docx") + 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("study_of", "said"),
     [
@@ -95,6 +97,7 @@ def stiffnesses(path) -> dict[str, float]:
     return {row[0]: row[at] for row in rows[1:] if row[0]}
 
 
+@pytest.mark.slow
 @pytest.mark.needs_poppler
 def test_changes_since_an_earlier_revision(tmp_path):
     done = report(MODIFIED, pdf=tmp_path / "a.pdf", docx=tmp_path / "a.docx", against=PROPOSED)
@@ -122,6 +125,7 @@ def test_changes_since_an_earlier_revision(tmp_path):
         assert "No other design is compared here" not in text
 
 
+@pytest.mark.slow
 def test_the_same_train_shows_no_change(tmp_path):
     shutil.copy(PROPOSED, tmp_path / "old.xlsx")
     report(PROPOSED, docx=tmp_path / "a.docx", against=tmp_path / "old.xlsx")
@@ -130,6 +134,7 @@ def test_the_same_train_shows_no_change(tmp_path):
     assert "Changes since old.xlsx" in text
 
 
+@pytest.mark.slow
 def test_a_wrong_earlier_revision_is_named_and_nothing_written(tmp_path):
     (tmp_path / "bad.json").write_text('{"format": 1, "stations": [{"station": "A"}]}', "utf-8")
     done = torsionbook("report", PROPOSED, "--pdf", "a.pdf", "--against", "bad.json", cwd=tmp_path)
@@ -157,6 +162,7 @@ CASE = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_conditions_tolerances_and_conclusions(tmp_path):
     (tmp_path / "case.json").write_text(json.dumps(CASE), encoding="utf-8")
     done = report(tmp_path / "case.json", docx=tmp_path / "a.docx")

@@ -9,7 +9,7 @@ import pytest
 from office_page import cell, launched, load_in_office
 from playwright import sync_api
 from servers import outside, slow_case
-from sheet_ranges import TEMPLATES, model_arguments
+from sheet_ranges import SCATTER, TEMPLATES, TUNING, model_arguments
 
 from addin.worksheet import registry
 from addin.worksheet.registry import FUNCTIONS
@@ -77,6 +77,7 @@ def picture(page, name):
 # --- functions ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_every_function_of_the_metadata_is_there_and_no_other(excel, served):
     described = excel.evaluate("fetch('/functions.json').then(said => said.json())")
     there = excel.evaluate("Object.keys(standIn.functions)")
@@ -84,6 +85,7 @@ def test_every_function_of_the_metadata_is_there_and_no_other(excel, served):
     assert len(there) == len(FUNCTIONS)
 
 
+@pytest.mark.slow
 def test_every_function_shows_the_same_doubles(excel):
     arguments = model_arguments()
     handle = cell(excel, "TV_MODEL", arguments)["value"][0][0]
@@ -102,6 +104,8 @@ def test_every_function_shows_the_same_doubles(excel):
         "TV_STARTS": [handle, None, False],
         "TV_LIFE": [[[1e-3, 2e-4]], [[12.0, None]], None, 2],
         "TV_CALIBRATE": [handle, [[30.1, 52.7]], 0.01],
+        "TV_TUNE": [handle, TUNING],
+        "TV_TOLERANCES": [handle, SCATTER, "starts", 30],
     }
     for name in FUNCTIONS:
         sent = given.get(name, [handle])
@@ -186,6 +190,7 @@ def test_what_is_given_up_is_over_at_once_whatever_the_server_says(tab, served):
     assert told is True
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     ("least", "largest"),
     [(100.0, 100.00000000000001), (1e16, 1e16 + 2.0), (0.0, 5e-324), (3.0, 3.0), (-1e308, 1e308)],
@@ -197,6 +202,7 @@ def test_an_axis_that_shows_nothing_but_noise_comes_to_its_end(tab, least, large
     assert tab.evaluate(script, [0.0, 100.0]) == [0, 20, 40, 60, 80, 100]
 
 
+@pytest.mark.slow
 def test_a_long_cell_shows_its_stages_and_can_be_cancelled(excel):
     handle = cell(excel, "TV_MODEL", slow_case())["value"][0][0]
     shown = cell(excel, "TV_PEAKS", [handle], cancelAfter=2500)
@@ -207,6 +213,7 @@ def test_a_long_cell_shows_its_stages_and_can_be_cancelled(excel):
     assert len(cell(excel, "TV_PEAKS", [other])["value"]) > 2
 
 
+@pytest.mark.slow
 def test_a_server_that_is_gone_is_told(browser):
     with outside() as address:
         context = browser.new_context(base_url=address)
@@ -223,6 +230,7 @@ def test_a_server_that_is_gone_is_told(browser):
     context.close()
 
 
+@pytest.mark.slow
 def test_the_key_is_asked_for_and_kept(browser, tmp_path):
     keys = tmp_path / "keys"
     keys.write_text(KEY)
@@ -286,6 +294,7 @@ def opened(page, path):
     page.set_input_files("#file", path)
 
 
+@pytest.mark.slow
 def test_the_page_shows_a_model_and_its_start(tab, tmp_path):
     tab.goto("/")
     picture(tab, "empty")
@@ -315,6 +324,7 @@ def test_the_page_shows_a_model_and_its_start(tab, tmp_path):
     assert tab.locator("#steady td.fail, #steady td.pass").count() >= 1
 
 
+@pytest.mark.slow
 def test_what_is_shown_fits_a_pane_and_a_page_of_paper(tab):
     tab.goto("/")
     opened(tab, TEMPLATES / "example_backlash.xlsx")
@@ -346,6 +356,7 @@ def test_what_is_shown_fits_a_pane_and_a_page_of_paper(tab):
     picture(tab, "print")
 
 
+@pytest.mark.slow
 def test_the_workbook_comes_back_recalculated(tab, tmp_path):
     import openpyxl
 
@@ -395,6 +406,7 @@ def test_wrong_cells_are_listed(tab, tmp_path):
     picture(tab, "errors")
 
 
+@pytest.mark.slow
 def test_inside_office_the_open_workbook_is_taken(excel):
     source = base64.b64encode((TEMPLATES / "example_modified.xlsx").read_bytes()).decode()
     excel.evaluate(

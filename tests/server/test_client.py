@@ -45,6 +45,7 @@ def test_what_cannot_be_sent_is_told_in_its_place(served):
         Client("http://127.0.0.1:9").call("TV_CONVERT", math.inf, "m", "mm")
 
 
+@pytest.mark.slow
 def test_a_workbook_recalculated(served, tmp_path):
     Client(served).recalculate(TEMPLATES / "example_proposed.xlsx", tmp_path / "out.xlsx")
     assert "Summary" in openpyxl.load_workbook(tmp_path / "out.xlsx").sheetnames

@@ -86,6 +86,7 @@ def post(client, path, body, kind="application/json"):
     return client.post(path, content=body, headers={"Content-Type": kind})
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quiet")
 @settings(max_examples=150)
 @given(sent=from_schema(SCHEMAS["Batch"]))
@@ -110,6 +111,7 @@ def test_other_bytes(client, path, sent):
     check(post(client, path, sent), path)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quiet")
 @settings(max_examples=60)
 @given(

@@ -531,6 +531,7 @@ def test_tasks_given_up_make_room_in_the_queue():
     work.close()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="a signal of POSIX")
 def test_a_server_that_is_told_to_end_answers_what_it_was_asked():
     with outside() as address:

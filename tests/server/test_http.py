@@ -10,7 +10,7 @@ import jsonschema
 import openpyxl
 import pytest
 from servers import inside
-from sheet_ranges import TEMPLATES, model_arguments, table
+from sheet_ranges import CATALOGUE, SCATTER, TEMPLATES, TUNING, model_arguments, table
 
 from addin.server import calls as server_calls
 from addin.server.settings import Limits, Settings
@@ -57,6 +57,9 @@ CALLS = {
     "TV_EFFECTS": [],
     "TV_VERDICTS": [],
     "TV_CALIBRATE": [[[30.1, 52.7]], 0.01, 0.08],
+    "TV_TUNE": [TUNING, CATALOGUE],
+    "TV_TOLERANCES": [SCATTER, "margins", 30, 7],
+    "TV_SENSITIVITIES": ["frequencies"],
 }
 
 
@@ -331,6 +334,7 @@ def test_a_workbook_comes_back_recalculated_and_nothing_is_kept(client, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     ("given", "back"),
     [

@@ -166,6 +166,7 @@ def test_a_client_that_is_gone_leaves_nothing_running(served):
     assert time.monotonic() - began < 30.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("route", ["/api/v1/batch", "/api/v1/workbook"])
 def test_a_connection_that_is_closed_cancels_its_request(served, tmp_path, route):
     """The one process for starts is free again at once, long before the slow start would end."""
@@ -200,6 +201,7 @@ def slow_workbook(folder):
     return folder / "slow.xlsx"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
 def test_the_processes_end_with_the_server():
     with outside() as address:
@@ -235,6 +237,7 @@ def key_file(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_a_stream_needs_a_key_where_calls_do(key_file):
     with outside("--api-key-file", str(key_file)) as address:
         assert ask(address, ["TV_CONVERT", 1, "m", "mm"], **{"X-API-Key": KEY})
@@ -270,6 +273,7 @@ def certificate(folder):
     return files
 
 
+@pytest.mark.slow
 def test_https_beyond_this_machine_with_certificate_and_keys(tmp_path, key_file, monkeypatch):
     import ssl
 

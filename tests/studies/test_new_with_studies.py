@@ -27,6 +27,7 @@ def _read(path: Path) -> CaseInput:
     return read
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["proposed", "backlash"])
 def test_inputs_of_a_workbook_are_filled_into_a_new_one_as_they_are_typed(
     name: str, tmp_path: Path

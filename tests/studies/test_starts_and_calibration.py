@@ -79,6 +79,7 @@ def read(path: Path) -> dict[str, Any]:
     return dict(json.loads(path.read_text(encoding="utf-8")))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["starts", "calibration"])
 def test_the_json_keeps_its_schema(folder: Path, name: str) -> None:
     schema = read(SCHEMA_FOLDER / f"{name}.schema.json")
@@ -101,6 +102,7 @@ def test_the_start_of_the_case_is_a_row_with_its_own_numbers(folder: Path) -> No
     assert "allowable_starts" not in rows["supply sags to 50 %"]
 
 
+@pytest.mark.slow
 def test_cells_of_the_start_matrix_equal_the_json(folder: Path) -> None:
     found, book = read(folder / "starts.json"), folder / "train.starts.xlsx"
     shown = cells(book, "StartMatrix")
@@ -119,6 +121,7 @@ def test_cells_of_the_start_matrix_equal_the_json(folder: Path) -> None:
     assert len(named(book, "starts_SHA256")) == 64
 
 
+@pytest.mark.slow
 def test_the_ledger_adds_up_from_the_cells(folder: Path) -> None:
     """An engineer's check with the numbers on the sheets: Σ n q by hand."""
     book = folder / "train.starts.xlsx"
@@ -191,6 +194,7 @@ def test_a_train_without_judged_shaft(tmp_path: Path) -> None:
 # --- calibrate ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_cells_of_the_calibration_equal_the_json(folder: Path) -> None:
     found, book = read(folder / "calibrate.json"), folder / "train.starts.xlsx"
     for cell, row in zip(
@@ -240,6 +244,21 @@ def test_margin_basis_becomes_measured_and_the_sentence_says_so(tmp_path: Path) 
     verdicts = {r["mode"]: r for r in found["calibrated_margins"]}
     assert verdicts[2]["required_before"] == 0.2
     assert verdicts[2]["required"] == 0.1
+
+
+@pytest.mark.slow
+def test_measurements_are_told_in_the_units_that_were_typed(tmp_path: Path) -> None:
+    source = write(
+        tmp_path / "case.json",
+        measured_frequencies=[{"frequency": "1776 cpm"}],
+        measured_peaks=[{"element": "HS coupling", "maximum_torque": "15000 lbf*ft"}],
+    )
+    text = said("calibrate", source)
+    assert "1,776 cpm" in text
+    assert "1,800 cpm" in text  # mode 1 of the case, 30 Hz
+    assert "15,000 lbf ft" in text
+    plain = write(tmp_path / "plain.json", measured_frequencies=[{"frequency": 29.6}])
+    assert "29.6 Hz" in said("calibrate", plain)
 
 
 def test_wrong_measurements(tmp_path: Path) -> None:

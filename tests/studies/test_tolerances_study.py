@@ -63,6 +63,7 @@ def _table(book: openpyxl.Workbook, name: str) -> list[dict[str, Any]]:
     raise KeyError(name)
 
 
+@pytest.mark.slow
 def test_a_workbook_is_sampled_and_its_cells_are_those_of_the_json(
     content: dict[str, Any], tmp_path: Path
 ) -> None:
@@ -94,6 +95,25 @@ def test_a_workbook_is_sampled_and_its_cells_are_those_of_the_json(
     }
 
 
+@pytest.mark.slow
+def test_the_sheet_says_how_many_starts_are_in_no_percentile(
+    content: dict[str, Any], tmp_path: Path
+) -> None:
+    """The words of the sheet are the only ones its reader has beside the percentiles."""
+    scatter = [{"quantity": "average torque", "distribution": "from-to", "from": 0.1, "to": 1.2}]
+    source = _written(content | {"scatter": scatter}, tmp_path)
+    done = _run("tolerances", str(source), "--samples", "40", "--jobs", "1")
+    assert done.exit_code == 0, done.output
+    told = json.loads((tmp_path / "case.tolerances.json").read_text(encoding="utf-8"))
+    completed = next(
+        r for r in told["tolerances"]["probabilities"] if r["check"] == "start completed"
+    )
+    stalled = round(40 * (1.0 - completed["probability"]))
+    assert 0 < stalled < 40
+    assert f"{stalled} of 40 starts did not come to their end" in told["sentence"]
+
+
+@pytest.mark.slow
 def test_processes_change_no_number(content: dict[str, Any], tmp_path: Path) -> None:
     source = _written(content, tmp_path)
     for jobs in ("1", "2"):
@@ -123,6 +143,20 @@ def test_wrong_scatter_gets_its_sentence_and_nothing_is_written(
     assert told.exit_code == 1
     assert says in told.output
     assert list(tmp_path.iterdir()) == [source]
+
+
+def test_what_cannot_be_read_hides_nothing_else_that_is_wrong(
+    content: dict[str, Any], tmp_path: Path
+) -> None:
+    rows = [
+        {"quantity": "stiffness", "spread": 0.4},
+        {"quantity": "inertia", "distribution": "gauss", "spread": 0.02},
+    ]
+    told = _run("tolerances", str(_written(content | {"scatter": rows}, tmp_path)))
+    assert told.exit_code == 1
+    assert "2 errors" in told.output
+    assert "would reach zero" in told.output
+    assert "found 'gauss'" in told.output
 
 
 def test_a_wrong_option_is_a_wrong_usage(content: dict[str, Any], tmp_path: Path) -> None:

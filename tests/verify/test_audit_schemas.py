@@ -37,6 +37,7 @@ def verified(path: Path, *words: str) -> dict:
     return content
 
 
+@pytest.mark.slow
 def test_verify_of_a_good_workbook_and_of_its_results(train, calculated):
     found = verified(train)
     assert found["outcome"] == "follows"

@@ -63,6 +63,7 @@ def test_other_json_is_refused_or_judged_but_never_a_crash(calculated, tmp_path,
     assert said in f"{found.outcome} {found.sentence}"
 
 
+@pytest.mark.slow
 def test_exit_status_and_json_for_machines(calculated, tmp_path, edited):
     good = calculated / "train.xlsx"
     done = RUN.invoke(app, ["verify", str(good), "--json", str(tmp_path / "good.json")])

@@ -34,6 +34,7 @@ def failing(found: Verification) -> list[Finding]:
     return [finding for finding in found.findings if finding.fails]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("table", ["AllowableStarts", "StartCycles"])
 def test_a_result_table_that_became_a_range_is_missed(tampered, table):
     found = tampered(lambda package: package.table_to_range(table))
@@ -61,6 +62,7 @@ def test_a_zero_in_place_of_a_blank_is_seen_and_a_blank_in_place_of_a_zero(train
     assert {cells["blank"][0], cells["zero"][0]} <= named
 
 
+@pytest.mark.slow
 def test_a_header_that_stops_the_calculator_leaves_the_workbook_unverified(tampered):
     """Blanks in a header are seen by nobody, but its formulas cannot be judged then."""
 
@@ -73,6 +75,7 @@ def test_a_header_that_stops_the_calculator_leaves_the_workbook_unverified(tampe
     assert [f.kind for f in failing(found)] == ["not judged"]
 
 
+@pytest.mark.slow
 def test_swapped_headers_are_seen(tampered):
     def edit(package):
         package.put_text("Starts", header_cell("Damage"), "Paper count")
@@ -87,6 +90,7 @@ def test_swapped_headers_are_seen(tampered):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Paper count ", "Count with margin"])
 def test_a_renamed_column_is_missed(tampered, name):
     def edit(package):
@@ -108,6 +112,7 @@ def header_cell(column: str) -> str:
     return cell_name(table.ref.top, table.ref.left + table.column_index(column))
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     ("sheet", "cell", "formula", "shows"),
     [
@@ -127,6 +132,7 @@ def test_another_formula_in_place_of_ours_is_judged_by_what_it_shows(
     assert (sheet, cell, "edited") in {(f.sheet, f.cell, f.kind) for f in failing(found)}
 
 
+@pytest.mark.slow
 def test_a_formula_of_ours_written_otherwise_with_the_same_value_is_a_note(edited):
     def edit(workbook):
         held = workbook.value("Summary", "C34")
@@ -151,6 +157,7 @@ def test_a_verdict_typed_where_the_name_leads_no_more_is_seen(tampered):
     assert {("Lists", "Z50"), ("Summary", "B9")} <= places
 
 
+@pytest.mark.slow
 def test_a_label_with_a_blank_more_still_tells_its_number_and_another_label_is_missed(tampered):
     def edit(package):
         package.put_text("Summary", "B34", "Largest nominal stress, p-p ")
@@ -162,6 +169,7 @@ def test_a_label_with_a_blank_more_still_tells_its_number_and_another_label_is_m
     assert any("'Least allowable starts, whole' is missing" in f.sentence for f in said)
 
 
+@pytest.mark.slow
 def test_a_version_that_never_was_loosens_nothing_in_words(edited):
     def edit(workbook):
         named = {"Software": "torsionbook 0.0.9"}
@@ -208,6 +216,7 @@ def test_a_coarser_number_format_allows_no_more(tampered):
     assert found.total(Agreement.DIFFERENT) == 1
 
 
+@pytest.mark.slow
 def test_a_workbook_saved_by_openpyxl_still_follows(train, tmp_path):
     openpyxl.load_workbook(train).save(tmp_path / "saved.xlsx")
     found = verify_file(tmp_path / "saved.xlsx")
@@ -215,6 +224,7 @@ def test_a_workbook_saved_by_openpyxl_still_follows(train, tmp_path):
     assert not found.findings
 
 
+@pytest.mark.slow
 def test_a_number_format_without_digits_is_a_note(tampered):
     """The header's style is kept; the format that the damage is shown in becomes fixed words."""
     place = header_cell("Damage")

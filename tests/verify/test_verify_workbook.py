@@ -11,13 +11,15 @@ from pathlib import Path
 import pytest
 from cells_of_tables import cell_of, unit_cell_of
 
-from addin.accuracy import study
 from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
 from addin.layout import workbook_columns
 from addin.matching import ROW_NAMES
 from addin.package import Formula, Workbook, open_workbook
 from addin.package.references import cell_name
 from addin.recalc import recalculate
+from addin.studies.accuracy import ACCURACY
+from addin.studies.spread import alone
+from addin.studies.study import study_one
 from addin.template_files import template_path
 from addin.verify.file import verify_file
 from addin.verify.findings import Agreement, Finding, Verification
@@ -57,6 +59,7 @@ def test_an_edited_number_is_named_with_its_cell(edited):
     assert finding.found == pytest.approx(0.9 * finding.expected)
 
 
+@pytest.mark.slow
 def test_an_edit_within_the_reported_error_is_an_edit_all_the_same(edited):
     def edit(workbook):
         place = cell_of(workbook, "StartupPeaks", 1, "Maximum torque")
@@ -68,6 +71,7 @@ def test_an_edit_within_the_reported_error_is_an_edit_all_the_same(edited):
     assert found.total(Agreement.DIFFERENT) == 0
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("put", ["12,345", Formula("=1+1", 2.0), None, 77.0])
 def test_whatever_stands_in_place_of_a_number_is_seen(edited, put):
     def edit(workbook):
@@ -78,6 +82,7 @@ def test_whatever_stands_in_place_of_a_number_is_seen(edited, put):
     assert {f.sheet for f in failing(found)} == {"Start-up"}
 
 
+@pytest.mark.slow
 def test_a_verdict_typed_over_is_seen_with_the_formulas_that_hang_on_it(edited):
     def edit(workbook):
         for row in (1, 2, 3):
@@ -104,6 +109,7 @@ def test_a_live_formula_typed_over_is_seen(edited):
     assert typed["B9"].sheet == "Summary"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sheet", "label", "put"),
     [("Summary", "Least separation margin", 31.4), ("Starts", "1 / sum = allowable starts", 9e6)],
@@ -158,6 +164,7 @@ def test_no_result_anywhere_can_be_edited_unseen(edited, seed):
     assert touched - named == set()
 
 
+@pytest.mark.slow
 def test_changed_inputs_are_told_from_changed_results(edited):
     def edit(workbook):
         place = cell_of(workbook, "Elements", 2, "Stiffness")
@@ -187,6 +194,7 @@ def test_the_same_input_in_another_unit_changes_nothing(edited):
     assert found.passes
 
 
+@pytest.mark.slow
 def test_results_are_compared_in_the_unit_the_engineer_chose(edited, tmp_path):
     def edit(workbook):
         workbook.set_cell(*unit_cell_of(workbook, "StartupPeaks", "Maximum torque"), "kN*m")
@@ -198,6 +206,7 @@ def test_results_are_compared_in_the_unit_the_engineer_chose(edited, tmp_path):
     assert verify_file(tmp_path / "again.xlsx").passes
 
 
+@pytest.mark.slow
 def test_rows_may_be_sorted_but_not_removed_or_added(edited):
     def rows_of(workbook):
         table = workbook.table("SteadyState")
@@ -281,6 +290,7 @@ def test_another_element_chosen_to_be_drawn_is_a_note(edited):
     assert any("LS coupling was chosen since" in f.sentence for f in found.findings)
 
 
+@pytest.mark.slow
 def test_settings_of_the_command_line_are_part_of_the_recomputation(calculated, tmp_path):
     target = tmp_path / "newmark.xlsx"
     settings = {"method": "newmark", "tolerance_peak": 0.005}
@@ -302,6 +312,7 @@ def test_settings_of_the_command_line_are_part_of_the_recomputation(calculated, 
     assert "settings" in {f.kind for f in failing(found)}
 
 
+@pytest.mark.slow
 def test_a_result_of_another_version_is_judged_by_the_reported_error(edited):
     def edit(workbook):
         workbook.set_name("run_Software", "torsionbook 0.0.1")
@@ -344,9 +355,11 @@ def test_wrong_inputs_are_listed_and_nothing_is_judged(edited):
     assert [p.cell for p in found.problems] == ["F29"]
 
 
+@pytest.mark.slow
 def test_an_accuracy_study_stays_and_is_held_against_its_inputs(train, tmp_path):
     studied = tmp_path / "studied.xlsx"
-    assert study(train, destination=studied, rounds=1).found is not None
+    done = study_one(ACCURACY, train, alone(), {"rounds": 1}, destination=studied)
+    assert done.found is not None
     assert verify_file(studied).passes
     workbook = open_workbook(studied)
     workbook.set_name("run_AccuracyInputs", "Study of the inputs with SHA-256 0123456789ab…")
@@ -355,6 +368,7 @@ def test_an_accuracy_study_stays_and_is_held_against_its_inputs(train, tmp_path)
     assert ["study belongs" in f.sentence for f in failing(found) if f.kind == "digest"] == [True]
 
 
+@pytest.mark.slow
 def test_a_workbook_saved_by_another_program_still_follows(train, soffice, tmp_path):
     saved = soffice.convert(train, "xlsx", tmp_path / "saved")
     found = verify_file(saved)
@@ -375,3 +389,28 @@ def rewritten(source: Path, target: Path, part: str, change) -> Path:
                 data = text.encode("utf-8")
             copy.writestr(entry, data)
     return target
+
+
+def test_what_engineers_ask_first_is_told_first(edited):
+    """Of a changed input: verdicts and key numbers, then frequencies ... starts; charts and cycles last."""
+
+    def edit(workbook):
+        place = cell_of(workbook, "Elements", 2, "Stiffness")
+        workbook.set_cell(*place, 1.3 * value(workbook, place))
+
+    told = failing(verify_file(edited(edit)))
+    assert told[0].kind == "digest"
+    tables = list(dict.fromkeys(f.table for f in told[1:] if f.table and f.kind != "old value"))
+    order = [
+        "Verdicts", "NaturalFrequencies", "ModeShapes", "SeparationMargins", "SteadyState",
+        "StartupPeaks", "StartupCrossings", "TorqueReversals", "AllowableStarts",
+    ]  # fmt: skip
+    asked = [table for table in tables if table in order]
+    assert set(asked) >= {"Verdicts", "NaturalFrequencies", "StartupPeaks", "AllowableStarts"}
+    assert [order.index(table) for table in asked if table != "ModeShapes"] == sorted(
+        order.index(table) for table in asked if table != "ModeShapes"
+    )
+    first = [f for f in told if f.table == "StartCycles" or f.table.startswith("Chart")][0]
+    after = told[told.index(first) :]
+    assert {f.table for f in after} <= {"StartCycles", ""} | {f.table for f in after if f.table.startswith("Chart")}  # fmt: skip
+    assert told.index(first) > max(told.index(f) for f in told if f.table in order)

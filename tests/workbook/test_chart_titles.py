@@ -65,6 +65,7 @@ def linked(path: Path) -> dict[str, list[tuple[str, str]]]:
     }
 
 
+@pytest.mark.slow
 def test_titles_that_lost_their_cell_are_linked_again(tmp_path: Path) -> None:
     first = write_results(SOURCE, tmp_path / "first.xlsx", made_up_run(), STAMP).path
     fixed = with_fixed_titles(first, tmp_path / "fixed.xlsx")

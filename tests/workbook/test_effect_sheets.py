@@ -52,6 +52,7 @@ def test_the_live_margin_follows_retyped_units(tmp_path: Path) -> None:
     assert mesh["Margin check"] == pytest.approx(mesh["Margin"], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_effects_say_on_or_off_with_number_bound_and_reason(written: Path) -> None:
     rows = {row["Effect"]: row for row in rows_of(written, "Effects")}
     assert [row["On"] for row in rows.values()] == ["on", "off"] * 5
@@ -72,6 +73,7 @@ def test_bearing_forces_stand_beside_the_reversals(written: Path) -> None:
     assert bull["Force"] == pytest.approx(312e3 / LBF)
 
 
+@pytest.mark.slow
 def test_the_chart_shows_the_worst_element_around_its_least_torque(written: Path) -> None:
     run = made_up_run()
     time, torque = run.histories["Mesh"]
@@ -156,6 +158,7 @@ def test_a_trip_is_marked_where_the_speed_is_highest(tmp_path: Path) -> None:
     assert labels_of(tmp_path / "out.xlsx")["Event 1"] == "Trip"
 
 
+@pytest.mark.slow
 def test_empty_tables_are_explained(written: Path, tmp_path: Path) -> None:
     run = made_up_run()
     empty = dict(run.tables) | {
@@ -190,6 +193,7 @@ def test_reversals_beyond_their_room_are_named_and_cut(tmp_path: Path) -> None:
     assert len(rows_of(tmp_path / "out.xlsx", "BearingForces")) == 2
 
 
+@pytest.mark.slow
 def test_the_start_says_how_it_ended(written: Path) -> None:
     sheet = openpyxl.load_workbook(written, data_only=True)["Start-up"]
     assert sheet["B4"].value == made_up_run().startup["sentence"]
@@ -208,12 +212,14 @@ STUDY = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_without_a_study_the_sheet_says_how_to_make_one(written: Path) -> None:
     sheet = openpyxl.load_workbook(written, data_only=True)["Accuracy"]
     assert sheet["B5"].value == NO_STUDY
     assert "torsionbook accuracy" in NO_STUDY
 
 
+@pytest.mark.slow
 def test_a_study_changes_nothing_but_its_own_cells(written: Path, tmp_path: Path) -> None:
     target = tmp_path / "study.xlsx"
     workbook = open_workbook(written, read_only=True)
@@ -261,6 +267,7 @@ def test_the_chart_says_that_there_is_no_study_yet(tmp_path: Path) -> None:
     assert "no study yet" in accuracy_chart(again)
 
 
+@pytest.mark.slow
 def test_a_study_without_rows_says_that_there_was_nothing_to_study(
     written: Path, tmp_path: Path
 ) -> None:

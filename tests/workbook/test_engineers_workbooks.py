@@ -312,6 +312,7 @@ def test_results_are_those_of_the_shipped_workbook_bit_for_bit(returned, tmp_pat
                 assert found[key] == shipped[key], key
 
 
+@pytest.mark.slow
 @ONE_KIND
 def test_every_result_stands_where_its_table_stands_now(returned):
     """Read back by another reader, at the places to which the engineer moved the tables."""
@@ -331,6 +332,7 @@ def test_every_result_stands_where_its_table_stands_now(returned):
     assert verify_file(once).passes
 
 
+@pytest.mark.slow
 @ONE_KIND
 def test_charts_and_sparklines_of_the_engineer_follow_the_tables(returned):
     """His chart covered the data rows of our tables as shipped, one row; now it covers all of them."""
@@ -362,6 +364,7 @@ def more_points(example: Example) -> Example:
     return replace(example, tables={**example.tables, "MotorTorque": [*longer, rows[-1]]})
 
 
+@pytest.mark.slow
 def test_a_table_longer_than_shipped_is_read_to_its_end(tmp_path):
     source = engineers_workbook(tmp_path / "long.xlsx", edit_example=more_points)
     read = read_workbook(source)
@@ -391,6 +394,7 @@ def own_values(path: Path) -> dict[str, Any]:
     return {sheet[f"A{row}"].value: sheet[f"B{row}"].value for row in range(1, 12)}
 
 
+@pytest.mark.slow
 @ONE_KIND
 def test_formulas_of_the_engineer_are_fresh_or_blank(returned):
     _, once, _ = returned
@@ -426,6 +430,7 @@ def test_formulas_of_the_engineer_are_fresh_or_blank(returned):
     assert openpyxl.load_workbook(once, data_only=True)["Our pivots"]["H3"].value is None
 
 
+@pytest.mark.slow
 @ONE_KIND
 def test_without_a_calculator_nothing_old_is_left(returned, tmp_path, monkeypatch):
     import sys

@@ -77,6 +77,7 @@ def test_every_flavour_holds_the_same_formulas(books: dict[str, Path], name: str
     assert not [text for text, _, _ in mine.values() if UNWANTED.search(text)]
 
 
+@pytest.mark.slow
 def test_each_program_finds_its_own_names(books: dict[str, Path]) -> None:
     def spelled(name: str) -> set[str]:
         texts = " ".join(text for text, _, _ in formulas(books[name]).values())
@@ -120,6 +121,7 @@ def test_the_inputs_are_those_of_the_shipped_workbook(books: dict[str, Path], na
     assert ("Live" in open_workbook(books[name]).sheet_names) == (name != "files")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["excel", "server"])
 def test_a_calculation_leaves_the_sheet_alone(
     books: dict[str, Path], name: str, tmp_path: Path
@@ -144,6 +146,7 @@ def overall_verdict(cells: dict[str, bytes]) -> str:
     return found
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("system", ["us", "si"])
 @pytest.mark.parametrize("one", WITH_FUNCTIONS, ids=lambda one: one.name)
 def test_new_makes_every_flavour(tmp_path: Path, one, system: str) -> None:
@@ -157,6 +160,7 @@ def test_new_makes_every_flavour(tmp_path: Path, one, system: str) -> None:
     assert [p.message for p in found.problems] == [p.message for p in plain.problems]
 
 
+@pytest.mark.slow
 def test_an_xlsm_is_for_excel_and_has_the_functions(tmp_path: Path) -> None:
     from addin.excel.workbook import installed_in
 

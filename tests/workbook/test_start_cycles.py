@@ -67,6 +67,7 @@ def test_only_the_line_of_the_governing_shaft_is_drawn() -> None:
     assert chart_blocks(more, units, replace(run, case=more))["ChartSN"] == one
 
 
+@pytest.mark.slow
 def test_the_sum_stands_on_the_sheet(tmp_path: Path) -> None:
     path = write_results(SOURCE, tmp_path / "out.xlsx", made_up_run(), STAMP).path
     sheet = openpyxl.load_workbook(path, data_only=True)["Starts"]
@@ -80,6 +81,7 @@ def test_the_sum_stands_on_the_sheet(tmp_path: Path) -> None:
     assert table.data.height == len(start_cycle_rows(made_up_run()))
 
 
+@pytest.mark.slow
 def test_whole_starts_are_never_rounded_up(tmp_path: Path) -> None:
     run = made_up_run()
     verdicts = [dict(row) for row in run.tables["Verdicts"]]

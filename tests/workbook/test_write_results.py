@@ -57,6 +57,7 @@ def with_unit(tmp_path: Path, table: str, column: str, unit: str) -> Path:
     return source
 
 
+@pytest.mark.slow
 def test_results_stand_in_the_units_shown(written: Path) -> None:
     peak = rows_of(written, "StartupPeaks")
     shaft = peak[-1]
@@ -74,6 +75,7 @@ def test_results_stand_in_the_units_shown(written: Path) -> None:
     assert verdicts["Separation margin, mode 2"]["Result"] == "11.67 %"
 
 
+@pytest.mark.slow
 def test_a_result_unit_the_engineer_retyped_is_honoured(tmp_path: Path) -> None:
     source = with_unit(tmp_path, "StartupPeaks", "Peak-to-peak stress", "MPa")
     write_results(source, tmp_path / "out.xlsx", made_up_run(), STAMP)
@@ -81,6 +83,7 @@ def test_a_result_unit_the_engineer_retyped_is_honoured(tmp_path: Path) -> None:
     assert stress == pytest.approx(29990.0 * PSI / 1e6)
 
 
+@pytest.mark.slow
 def test_torque_in_per_unit_is_of_the_rated_torque(tmp_path: Path) -> None:
     source = with_unit(tmp_path, "StartupPeaks", "Maximum torque", "pu")
     write_results(source, tmp_path / "out.xlsx", made_up_run(), STAMP)
@@ -95,6 +98,7 @@ def test_an_unreadable_result_unit_is_named_and_si_is_shown(tmp_path: Path) -> N
     assert rows_of(tmp_path / "out.xlsx", "StartupPeaks")[0]["Time"] == pytest.approx(5.1)
 
 
+@pytest.mark.slow
 def test_live_checks_equal_the_engines_numbers(written: Path) -> None:
     for row in rows_of(written, "NaturalFrequencies"):
         engine, check = row["Percent speed"], row["Percent speed check"]
@@ -108,6 +112,7 @@ def test_live_checks_equal_the_engines_numbers(written: Path) -> None:
     assert first["Starts check"] == pytest.approx(first["Allowable starts"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_summary_says_which_inputs_the_results_belong_to(written: Path) -> None:
     sheet = openpyxl.load_workbook(written, data_only=True)["Summary"]
     words = " ".join(str(c.value) for row in sheet.iter_rows(1, 9) for c in row if c.value)
@@ -117,6 +122,7 @@ def test_the_summary_says_which_inputs_the_results_belong_to(written: Path) -> N
     assert "FAIL: 3 of 7 checks" in words
 
 
+@pytest.mark.slow
 def test_fewer_results_leave_nothing_of_the_older_ones(written: Path, tmp_path: Path) -> None:
     run = made_up_run()
     smaller = {name: list(rows)[:2] for name, rows in run.tables.items()}
@@ -170,6 +176,7 @@ def test_chart_data_are_never_longer_than_their_limit(written: Path) -> None:
         assert len(rows_of(written, table.name)) <= HISTORY_POINTS
 
 
+@pytest.mark.slow
 def test_tables_the_engineer_removed_are_named_not_missed(tmp_path: Path) -> None:
     book = openpyxl.load_workbook(SOURCE)
     del book["ChartData"]
@@ -183,6 +190,7 @@ def test_tables_the_engineer_removed_are_named_not_missed(tmp_path: Path) -> Non
     assert rows_of(tmp_path / "out.xlsx", "StartupPeaks")[0]["Element"] == "Motor shaft"
 
 
+@pytest.mark.slow
 def test_more_crossings_than_there_is_room_for_are_cut_and_named(tmp_path: Path) -> None:
     run = made_up_run()
     many = [dict(run.tables["StartupCrossings"][0], mode=k) for k in range(1, 16)]
@@ -222,6 +230,7 @@ def test_decimation_of_cycles_all_alike() -> None:
     assert (value[keep].min(), value[keep].max()) == (-1.0, 1.0)
 
 
+@pytest.mark.slow
 def test_a_spreadsheet_program_agrees_with_every_live_formula(soffice, written: Path) -> None:
     assert assert_caches_agree(written, soffice) > 200
 

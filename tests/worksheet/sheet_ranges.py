@@ -21,6 +21,17 @@ SAME_CELLS = {
 }
 
 
+#: Small studies, as ranges: stiffnesses to try, couplings on offer, what scatters.
+TUNING = [["Element", "Quantity", "Unit", "Values"], ["HS coupling", "stiffness", "%", "33; 50"]]
+CATALOGUE = [
+    [None, None, None, "lbf*in/rad", "lb*ft^2"],
+    ["Element", "Name", "Fitted", "Stiffness", "Inertia"],
+    ["LS coupling", "as proposed", "yes", 256194000.0, 85.0],
+    ["LS coupling", "softer", None, 150000000.0, 130.0],
+]
+SCATTER = [[None, None, "%"], ["Quantity", "Distribution", "Spread"], ["stiffness", "normal", 5.0]]
+
+
 @cache
 def workbook(name):
     return openpyxl.load_workbook(TEMPLATES / f"{name}.xlsx", data_only=True)

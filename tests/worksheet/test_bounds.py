@@ -93,6 +93,7 @@ def test_lists_inside_a_row_are_no_cells(inside):
         rows_of([[1.0, inside]])
 
 
+@pytest.mark.slow
 def test_nothing_nested_deeply_makes_an_error_of_ours():
     deep = []
     for _ in range(100_000):

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from sheet_ranges import model_arguments, workbook
 
+from addin.worksheet import studies
 from addin.worksheet.registry import FUNCTIONS, call
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -27,9 +28,9 @@ def value(text, handle):
     found = RANGE.fullmatch(text)
     if found is None:
         return float(text)
-    return [
-        [cell.value for cell in row] for row in workbook("example_proposed")[found[1]][found[2]]
-    ]
+    book = workbook("example_proposed")
+    book = book if found[1] in book.sheetnames else workbook("example_studies")
+    return [[cell.value for cell in row] for row in book[found[1]][found[2]]]
 
 
 def arguments(text, handle=None):
@@ -52,8 +53,10 @@ def test_every_model_of_a_page_is_that_of_the_example(page, handle):
     assert len(set(models)) == 2, "a full call and a short one"
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("name", [name for name in FUNCTIONS if name != "TV_MODEL"])
-def test_the_example_of_each_function_answers_with_numbers(name, handle):
+def test_the_example_of_each_function_answers_with_numbers(name, handle, monkeypatch):
+    monkeypatch.setattr(studies, "TIME_LIMIT", 600.0)  # the machine may be busy
     inside = re.fullmatch(rf"={name}\((.*)\)", FUNCTIONS[name].example)[1]
     rows = call(name, arguments(inside, handle))
     assert any(isinstance(cell, float) for row in rows for cell in row)

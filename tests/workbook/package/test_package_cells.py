@@ -273,6 +273,7 @@ constants = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(st.lists(st.tuples(cells, constants), max_size=40))
 def test_random_edits_read_back(

@@ -558,11 +558,12 @@ def wide_workbook(path: Path, tables: int, *, named: bool = False, formula: bool
     if formula:
         data.write_formula("BK1", "=In!A1+1", None, 2)
     if named:
-        book.define_name("Last", f"=SUM(Wide_{tables - 1}[c1])")
+        book.define_name("Last", f"=ROWS(Wide_{tables - 1})")
     book.close()
     return path
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("formula", [False, True])
 @pytest.mark.parametrize("tables", [1, 4, 5, 9])
 def test_tables_that_no_formula_reads_do_not_limit_the_recalculation(
@@ -578,6 +579,49 @@ def test_tables_that_no_formula_reads_do_not_limit_the_recalculation(
     assert changed == {"xl/worksheets/sheet1.xml", "xl/worksheets/sheet2.xml"} | beside
 
 
+def test_tables_of_which_cells_are_read_do_not_limit_the_recalculation(tmp_path: Path) -> None:
+    """As on a sheet of ours with long tables, beside which somebody adds up what stands in them."""
+    path = wide_workbook(tmp_path / "t.xlsx", 9)
+    book = open_workbook(path)
+    book.set_cell("Out", "B1", Formula("SUM(Data!A1:BH541)+In!A1", 0.0))
+    book.set_cell("Data", "BK2", Formula("MAX(A:A)*In!A1", 0.0))
+    book.save(tmp_path / "typed.xlsx")
+    book = open_workbook(tmp_path / "typed.xlsx")
+    book.set_cell("In", "A1", 2.0)
+    report = book.refresh_formula_caches()
+    assert (report.method, report.removed) == ("recalculated", 0)
+    # nine tables of 60 columns with the numbers 0.5 to 49.5
+    assert book.value("Out", "B1").cached == 9 * 60 * 1250 + 2
+    assert book.value("Data", "BK2").cached == 49.5 * 2
+
+
+def test_tables_beyond_the_limit_cost_the_formulas_that_name_them(tmp_path: Path) -> None:
+    path = wide_workbook(tmp_path / "t.xlsx", 9)
+    book = open_workbook(path)
+    for number in range(9):
+        book.set_cell("Out", f"B{number + 1}", Formula(f"SUM(Wide_{number}[c1])+In!A1", 0.5))
+        book.set_cell("Out", f"C{number + 1}", Formula(f"B{number + 1}*2", 1.0))
+    book.set_cell("Out", "D1", Formula("SUM(Wide_0[c1])+COUNT(Wide_3)+In!A1", 0.5))
+    book.save(tmp_path / "typed.xlsx")
+    book = open_workbook(tmp_path / "typed.xlsx")
+    book.set_cell("In", "A1", 2.0)
+    report = book.refresh_formula_caches()
+    assert report.method == "recalculated"
+    shown = {c: book.value("Out", f"{c}{r}").cached for c in "BC" for r in (1,)}
+    assert shown == {"B": 1252, "C": 2504}
+    assert book.value("Out", "A1").cached == 1252
+    assert book.value("Out", "D1").cached == 1250 + 3000 + 2
+    # 256 columns are four tables of 60: five are left without a value, and what hangs on them
+    renewed = [n for n in range(9) if book.value("Out", f"B{n + 1}").cached == 1252]
+    blank = [n for n in range(9) if book.value("Out", f"B{n + 1}").cached is None]
+    assert len(renewed) == 4
+    assert {0, 3} <= set(renewed)
+    assert len(blank) == 5
+    assert report.removed == 10
+    assert all(book.value("Out", f"C{n + 1}").cached is None for n in blank)
+
+
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     "cell",
     [
@@ -608,6 +652,83 @@ def test_a_formula_that_cannot_be_calculated_costs_itself_alone(
     values, report = refreshed(with_parts(path, {}, {out: more}), {"A1": 2.0})
     assert (report.method, report.removed) == ("recalculated", 2)
     assert values == {"A1": 1252, "B1": None, "C1": None}
+
+
+#: What the calculator refuses whole workbooks for, with no circle and no function that reads anything.
+REFUSED = (
+    "Data[[#Totals],[Head]]+In!A2",
+    "SUM(Data[[#This Row],[Flow]])",
+    "SUM(Data[Nope])+In!A2",
+    "SUM((In!A2:A3,In!B2))",
+    "SUM(In:Out!A2)",
+    "In!A2+",
+)
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_a_formula_that_the_calculator_refuses_costs_itself_alone(
+    tmp_path: Path, text: str
+) -> None:
+    good = {f"C{k}": (f"=In!A2*{k}", float(k)) for k in range(1, 20)}
+    formulas = {"B1": ("=SUM(Data[Flow])", 6), "B2": (f"={text}", 7.5), "B3": ("=B2*2", 15)}
+    path = with_table(tmp_path / "t.xlsx", {**formulas, **good, "B4": ("=B1+C2", 8)}, {})
+    values, report = refreshed(path, {"A2": 10.0})
+    assert (report.method, report.removed) == ("recalculated", 2)
+    assert (values["B2"], values["B3"]) == (None, None)
+    assert (values["B1"], values["B4"]) == (15, 35)
+    assert {cell: values[cell] for cell in good} == {f"C{k}": 10 * k for k in range(1, 20)}
+
+
+def test_several_formulas_that_the_calculator_refuses_cost_themselves_alone(
+    tmp_path: Path,
+) -> None:
+    good = {f"C{k}": (f"=In!A2*{k}", float(k)) for k in range(1, 40)}
+    refused = {f"B{k}": (f"={text}", 7.5) for k, text in enumerate(REFUSED, start=1)}
+    mixed = dict(sorted({**good, **refused}.items(), key=lambda one: one[0][1:]))
+    path = with_table(tmp_path / "t.xlsx", mixed, {})
+    values, report = refreshed(path, {"A2": 10.0})
+    assert (report.method, report.removed) == ("recalculated", len(REFUSED))
+    assert {cell: values[cell] for cell in refused} == dict.fromkeys(refused)
+    assert {cell: values[cell] for cell in good} == {f"C{k}": 10 * k for k in range(1, 40)}
+
+
+@pytest.mark.parametrize("most", [0, 1, 100])
+def test_refused_formulas_that_take_long_to_find_cost_their_neighbours_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, most: int
+) -> None:
+    good = {f"C{k}": (f"=In!A2*{k}", float(k)) for k in range(1, 40)}
+    path = with_table(tmp_path / "t.xlsx", {**good, "D1": ("=SUM((In!A2:A3,In!B2))", 7.5)}, {})
+    monkeypatch.setattr("addin.package.formulas._MOST_TRIES", most)
+    values, _ = refreshed(path, {"A2": 10.0})
+    assert values["D1"] is None
+    renewed = {cell: values[cell] for cell in good if values[cell] is not None}
+    assert renewed == {cell: 10 * int(cell[1:]) for cell in renewed}
+    assert len(renewed) == {0: 0, 1: 20, 100: 39}[most]
+
+
+def test_a_totals_row_costs_itself_alone(tmp_path: Path) -> None:
+    """Its formula names a column of the table that it stands in."""
+    path = tmp_path / "t.xlsx"
+    book = xlsxwriter.Workbook(str(path))
+    source, sheet = book.add_worksheet("In"), book.add_worksheet("Out")
+    source.add_table(
+        "A1:B5",
+        {"name": "Data", "total_row": True, "data": [[1, 4], [2, 5], [3, 6]],
+         "columns": [{"header": "Flow", "total_function": "sum", "total_value": 6}, {"header": "Head"}]},
+    )  # fmt: skip
+    for cell, formula, value in (
+        ("A1", "=SUM(Data[Flow])", 6),
+        ("A2", "=Data[[#Totals],[Flow]]*2", 12),
+        ("A3", "=In!A2*7", 7),
+    ):
+        sheet.write_formula(cell, formula, None, value)
+    book.close()
+    values, report = refreshed(path, {"A2": 10.0})
+    assert report.method == "recalculated"
+    assert (values["A1"], values["A3"]) == (15, 70)
+    assert values["A2"] in (None, 30)
+    total = openpyxl.load_workbook(path.with_name("out.xlsx"), data_only=True)["In"]["A5"].value
+    assert total in (None, 15)
 
 
 @pytest.mark.parametrize("types", ["both", "pictures alone", "pictures first"])

@@ -22,6 +22,7 @@ pytestmark = [
 ]
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("count", [1, 3, 20])
 def test_libreoffice_calculates_the_cached_values(
     train: Path, soffice: Any, tmp_path: Path, count: int

@@ -323,6 +323,7 @@ def test_several_writes_to_one_table(train: Path) -> None:
     assert table_sheet(out, data_only=True)[1:4] == [*mode_rows(2), [None] * 4]
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(st.lists(st.integers(0, 30), min_size=1, max_size=4))
 def test_random_resizes(

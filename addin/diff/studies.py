@@ -1,0 +1,150 @@
+"""Studies of two workbooks: what is asked in them, and what they found where both hold."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from addin.diff.changes import Change
+from addin.diff.inputs import Renamed, compare_table
+from addin.diff.results import compare_rows
+from addin.diff.units import Units
+from addin.fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES, TableSpec
+from addin.matching import ROW_NAMES
+from addin.study_sheets import STUDIES
+from engine.studies import STUDY_TABLES
+
+if TYPE_CHECKING:
+    from addin.diff.sides import Side
+    from addin.standing_studies import StudyThere
+
+__all__ = ["StudyDifferences", "compare_studies"]
+
+#: Words that follow from the numbers beside them.
+_WORDS = frozenset({"Reason", "Note", "Why", "Broken"})
+#: Result tables that have a name for each row; the others are maps and numbers behind charts.
+_COMPARED = tuple(spec for spec in STUDY_RESULT_TABLES if spec.name in ROW_NAMES)
+#: What a combination is in numbers of its case, behind what was chosen; brackets of a maker's name stay.
+_IN_NUMBERS = re.compile(r"(?<=×) \([^()]*\)| \(as is\)$")
+
+
+@dataclass(frozen=True)
+class StudyDifferences:
+    """What differs in the studies of two files.
+
+    Parameters
+    ----------
+    notes : tuple of str
+        What is not compared, and why. [sentences]
+    inputs, results : tuple of Change
+        Rows of the study sheets; results of studies that both files have of their own inputs.
+    same_inputs, same_results : int
+        Quantities that are the same in both. [count]
+    """
+
+    notes: tuple[str, ...] = ()
+    inputs: tuple[Change, ...] = ()
+    results: tuple[Change, ...] = ()
+    same_inputs: int = 0
+    same_results: int = 0
+
+    @property
+    def anything(self) -> bool:
+        """Whether there is anything to be told."""
+        return bool(self.notes or self.inputs or self.results)
+
+
+def compare_studies(first: Side, second: Side, units: Units, renamed: Renamed) -> StudyDifferences:
+    """What differs in the studies of two files.
+
+    Parameters
+    ----------
+    first, second : Side
+        The files.
+    units : Units
+        Units to show.
+    renamed : Renamed
+        Names of the first file in the second.
+
+    Returns
+    -------
+    StudyDifferences
+        Empty where neither file has studies.
+    """
+    inputs: list[Change] = []
+    same_inputs = 0
+    if first.study_inputs is not None and second.study_inputs is not None:
+        for spec in STUDY_INPUT_TABLES:
+            more, count = compare_table(
+                spec, _rows(first, spec), _rows(second, spec), units, renamed
+            )
+            inputs += more
+            same_inputs += count
+    notes: list[str] = []
+    results: list[Change] = []
+    same_results = 0
+    there = [{one.key: one for one in side.studies} for side in (first, second)]
+    for key, sheet in ((one.key, one.sheet) for one in STUDIES):
+        pair = [side.get(key) for side in there]
+        if pair == [None, None]:
+            continue
+        why = _why_not(sheet, pair)
+        if why:
+            notes.append(why)
+            continue
+        old, new = (one for one in pair if one is not None)
+        for spec in _COMPARED:
+            if spec.name in old.tables and spec.name in new.tables:
+                more, count = compare_rows(
+                    spec,
+                    _plain(old.tables[spec.name]),
+                    _plain(new.tables[spec.name]),
+                    units,
+                    renamed,
+                )
+                results += more
+                same_results += count
+    return StudyDifferences(tuple(notes), tuple(inputs), tuple(results), same_inputs, same_results)
+
+
+def _why_not(sheet: str, pair: Sequence[StudyThere | None]) -> str:
+    """Why the results of a study are not compared; empty where they are."""
+    for letter, one in zip("AB", pair, strict=True):
+        if one is None:
+            return f"Sheet {sheet} is not compared: the study has not been made in {letter}."
+    for letter, one in zip("AB", pair, strict=True):
+        if one is not None and one.outdated:
+            return f"Sheet {sheet} is not compared: in {letter} {one.outdated}."
+    return ""
+
+
+def _rows(side: Side, spec: TableSpec) -> list[dict[str, Any]]:
+    """Rows of a study sheet by header."""
+    rows = getattr(side.study_inputs, STUDY_TABLES[spec.name][0])
+    if spec.name != "Tuning":
+        return [{one.name: getattr(row, one.attribute) for one in spec.columns} for row in rows]
+    return [
+        {
+            "Element": row.element,
+            "Quantity": row.quantity,
+            "Unit": "of what the case says" if row.relative else "SI",
+            "Values": "; ".join(f"{value:.6g}" for value in row.values) or None,
+            "From": row.from_,
+            "To": row.to,
+            "Steps": row.steps,
+        }
+        for row in rows
+    ]
+
+
+def _plain(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Rows without sentences; a combination is called by what was chosen alone."""
+    found = []
+    for row in rows:
+        kept = {name: value for name, value in row.items() if name not in _WORDS}
+        if isinstance(kept.get("Combination"), str):
+            kept["Combination"] = _IN_NUMBERS.sub("", kept["Combination"])
+        found.append(kept)
+    return found

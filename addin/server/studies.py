@@ -1,0 +1,134 @@
+"""A study of a case that a client sends as JSON: what may be asked, and the study itself.
+
+A message ``{"id", "study": "tune", "case": {...}, "settings": {...}}`` holds what a case JSON with study
+tables holds; the value is the JSON that ``torsionbook tune case.json`` writes.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from addin.server.guard import Refused
+
+__all__ = ["Asked", "COMMANDS", "read_study", "study_of"]
+
+#: Studies that may be asked for, by the names of their commands.
+COMMANDS = ("tune", "tolerances", "sensitivities", "starts", "calibrate")
+#: Most samples of one request. [count]
+MOST_SAMPLES = 100_000
+#: Settings of each study with what they may be.
+_SETTINGS: Mapping[str, Mapping[str, tuple[type, str]]] = {
+    "tolerances": {
+        "samples": (int, f"a whole number from 30 to {MOST_SAMPLES:,}"),
+        "seed": (int, "a whole number, 0 or more"),
+        "method": (str, "lhs or sobol"),
+        "replan": (bool, "true or false"),
+    },
+    "starts": {"standard": (bool, "true or false")},
+}
+_RANGES = {"samples": (30, MOST_SAMPLES), "seed": (0, 2**63 - 1)}
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A study that a client asks for.
+
+    Parameters
+    ----------
+    command : str
+        One of `COMMANDS`. [word]
+    case : mapping
+        Case JSON with study tables. [SI]
+    settings : mapping
+        As on the command line. [names and values]
+    """
+
+    command: str
+    case: Mapping[str, Any]
+    settings: Mapping[str, Any]
+
+
+def read_study(message: Mapping[str, Any]) -> Asked:
+    """What a message asks for.
+
+    Parameters
+    ----------
+    message : mapping
+        Plain values of a client.
+
+    Returns
+    -------
+    Asked
+
+    Raises
+    ------
+    Refused
+        With the sentence that says what is wrong.
+    """
+    command, case = message.get("study"), message.get("case")
+    if command not in COMMANDS:
+        raise Refused(400, f"There is no study of this name. There are {', '.join(COMMANDS)}.")
+    if not isinstance(case, dict):
+        raise Refused(400, "case is no object. Give the case JSON with the tables of the study.")
+    settings = message.get("settings", {})
+    if not isinstance(settings, dict):
+        raise Refused(400, 'settings is no object. Give one such as {"samples": 1000}.')
+    allowed = _SETTINGS.get(command, {})
+    for name, value in settings.items():
+        if name not in allowed:
+            known = f"are {', '.join(allowed)}" if allowed else "is none"
+            raise Refused(400, f"{command} has no setting '{name[:40]}'. There {known}.")
+        if not _fits(name, value, allowed[name][0]):
+            raise Refused(400, f"{name} must be {allowed[name][1]}.")
+    return Asked(command, case, settings)
+
+
+def _fits(name: str, value: Any, kind: type) -> bool:
+    if type(value) is not kind:  # a flag is no number here
+        return False
+    if isinstance(value, int) and name in _RANGES:
+        least, most = _RANGES[name]
+        return least <= value <= most
+    return name != "method" or value in ("lhs", "sobol")
+
+
+# --- in the processes -----------------------------------------------------------------------------
+
+
+def study_of(asked: Asked, tell: Callable[[str], None]) -> dict[str, Any]:
+    """Make the study; in a process of the pool, which is ended when nobody wants it any more.
+
+    Parameters
+    ----------
+    asked : Asked
+        What is asked for.
+    tell : callable
+        Told each stage. [words]
+
+    Returns
+    -------
+    dict
+        ``value``: JSON of the study; or ``errors`` as the contract has them, and ``error`` with the
+        sentence over them.
+    """
+    from addin.case_json import read_case_json
+    from addin.results_json import errors_to_json
+    from addin.studies.every import every_study
+    from addin.studies.spread import alone
+    from addin.studies.study import made_of, to_json
+    from addin.version import product_version
+
+    study = next(one for one in every_study() if one.command == asked.command)
+    tell("reading")
+    read = read_case_json(asked.case)
+    found, problems, warnings = made_of(study, read, alone(), asked.settings, tell)
+    if found is None:
+        told = errors_to_json(problems, product_version(), warnings)["errors"]
+        count = "one error" if len(told) == 1 else f"{len(told)} errors"
+        sentence = f"The input has {count}; nothing was calculated. {problems[0].message}"
+        return {"error": {"message": sentence, "code": "#VALUE!"}, "errors": told}
+    content = to_json(study, found, read, warnings)
+    return {"value": json.loads(json.dumps(content, allow_nan=False))}  # plain values alone

@@ -1,0 +1,81 @@
+"""Units that stand beside key numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from addin.package import Formula, Workbook
+from addin.package.references import Rect, cell_name
+from addin.problems import shortened
+from addin.template_sheets import CYCLE_FACTS, KEY_NUMBERS
+from addin.verify.findings import Finding
+from addin.verify.formulas import own_formulas
+
+__all__ = ["compare_units"]
+
+#: By the label of the number: a unit, or the column whose unit it has.
+_UNITS = {one[0]: one[2] for one in (*KEY_NUMBERS, *CYCLE_FACTS) if one[2]}
+
+
+def compare_units(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
+    """Units beside key numbers that are not those the numbers are in.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    same_version : bool
+        Whether this version wrote the file; another one may have written them otherwise. [flag]
+
+    Yields
+    ------
+    Finding
+        One a cell. A live formula of ours that shows an old unit is told with the formulas.
+    """
+    for own in own_formulas(workbook):
+        unit = _UNITS.get(own.what, "")
+        source, expected = _of_column(workbook, unit) if "[" in unit else ("", unit)
+        if not expected:
+            continue
+        part = workbook.sheet_part(own.sheet)
+        beside = next(
+            part.filled_cells(Rect(own.row, own.column + 1, own.row, own.column + 3)), None
+        )
+        if beside is None:
+            yield _edited(own.sheet, cell_name(own.row, own.column + 1), own.what, "", expected, same_version)  # fmt: skip
+            continue
+        shown, held = part.constant(*beside), part.value(*beside)
+        if isinstance(held, Formula) and (shown is None or _reads(held.text, source)):
+            continue
+        if not isinstance(shown, str) or shown.strip() != expected:
+            yield _edited(own.sheet, cell_name(*beside), own.what, str(shown or ""), expected, same_version)  # fmt: skip
+
+
+def _reads(formula: str, cell: str) -> bool:
+    """Whether a formula takes the unit from its cell."""
+    return bool(cell) and re.search(rf"(?<!\w){cell}(?!\w)", formula.replace("$", "")) is not None
+
+
+def _of_column(workbook: Workbook, name: str) -> tuple[str, str]:
+    """The cell above a column and the unit in it; blank where there is none."""
+    table_name, column = name.rstrip("]").split("[")
+    table = workbook.tables.get(table_name)
+    known = {} if table is None else {c.casefold(): k for k, c in enumerate(table.columns)}
+    if table is None or not table.header_row or table.header_row < 2:
+        return "", ""
+    if column.casefold() not in known:
+        return "", ""
+    cell = cell_name(table.header_row - 1, table.ref.left + known[column.casefold()])
+    shown = workbook.shown_value(table.sheet, cell)
+    return cell, shown.strip() if isinstance(shown, str) else ""
+
+
+def _edited(
+    sheet: str, cell: str, what: str, found: str, expected: str, same_version: bool
+) -> Finding:
+    return Finding(
+        "edited", sheet, cell,
+        f"{what}: the unit '{shortened(found, 30)}' stands beside the number, which is in {expected}",
+        found=found, expected=expected, fails=same_version,
+    )  # fmt: skip

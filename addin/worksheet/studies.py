@@ -1,0 +1,297 @@
+"""The studies as worksheet functions: few combinations, few samples, and an end to their time.
+
+The numbers are those of ``torsionbook tune``, ``tolerances`` and ``sensitivities``: the same plan, the
+same units of work, the same rows. A cell must not keep a spreadsheet program waiting, so what asks for
+more than the caps below is refused with the command that does it, and so is what takes too long here.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from addin.fields import Field, TableSpec, result_table
+from addin.worksheet.blocks import study_inputs_of
+from addin.worksheet.functions import (
+    HEADERS,
+    MODEL,
+    UNITS,
+    Rows,
+    _one_of,
+    _run,
+    _si,
+    _system,
+    table_cells,
+)
+from addin.worksheet.models import MODELS, Model
+from addin.worksheet.registry import Argument, Block, FunctionError, registered
+from engine.errors import ModelError, Problem
+from engine.studies import DAMPING, DIAMETER, INERTIA, STIFFNESS, StudyInputs, WordUnit
+
+__all__ = ["MOST_COMBINATIONS", "MOST_SAMPLES", "TIME_LIMIT"]
+
+#: Combinations and samples that a cell calculates. [count]
+MOST_COMBINATIONS, MOST_SAMPLES = 100, 500
+#: How long a cell may keep its spreadsheet program waiting. [s]
+TIME_LIMIT = 30.0
+#: Samples and seed unless said otherwise. [count]
+USUAL_SAMPLES, USUAL_SEED = 200, 1
+#: Columns of `TuningResults` that a formula shows.
+TUNED_COLUMNS = (
+    "Rank", "Combination", "Better", "Verdict", "Limits broken", "Allowable starts", "Worst margin",
+    "Margin where", "Mode 1", "Mode 2", "Mode 3", "Peak-to-peak stress", "Reason",
+)  # fmt: skip
+#: What `TV_TOLERANCES` is asked for → the table of the study.
+ANSWERS = {
+    "starts": "ToleranceStarts",
+    "frequencies": "ToleranceFrequencies",
+    "margins": "ToleranceMargins",
+    "peaks": "TolerancePeaks",
+    "drivers": "ToleranceDrivers",
+}
+#: What `TV_SENSITIVITIES` is asked for → the table of the study.
+FOLLOWING = {"frequencies": "FrequencySensitivities", "start": "Sensitivities"}
+#: Modes that a row of frequency sensitivities has columns for.
+_MODES = 10
+
+
+class _Clock:
+    """The time that a cell has."""
+
+    def __init__(self, command: str) -> None:
+        self._began = time.monotonic()
+        self._command = command
+
+    def each(self, work: Iterable[Any], do: Callable[[Any], Any]) -> list[Any]:
+        """Do one piece after the other, as long as there is time."""
+        pieces = list(work)
+        found: list[Any] = []
+        for piece in pieces:
+            if time.monotonic() - self._began > TIME_LIMIT:
+                raise FunctionError(
+                    f"{100 * len(found) // len(pieces)} % was calculated in {TIME_LIMIT:g} s, and a "
+                    f"cell waits no longer. Ask for less, or run: torsionbook {self._command} FILE",
+                    "#N/A",
+                )
+            found.append(do(piece))
+        return found
+
+
+def _kept(model: Model, key: str, calculate: Callable[[], Any]) -> Any:
+    """A study of a model, once; what else is asked of the model meanwhile does not wait for it."""
+    found = model.kept.get(key)
+    if found is None:
+        try:
+            found = calculate()
+        except ModelError as wrong:
+            raise FunctionError(str(wrong), "#NUM!") from None
+        MODELS.keep(model, key, found)
+    return found
+
+
+def _refuse(problems: Sequence[Problem]) -> None:
+    """Say what is wrong with the rows of a study, three sentences at the most."""
+    if not problems:
+        return
+    told = []
+    for one in problems[:3]:
+        where = [one.table, *([f"row {one.row}"] if one.row else []), *filter(None, [one.column])]
+        message = one.message
+        told.append(f"{', '.join(where)}: {message}")
+    if len(problems) > len(told):
+        told.append(f"And {len(problems) - len(told)} more.")
+    raise FunctionError(" ".join(told))
+
+
+def _read(model: Model, blocks: Mapping[str, Block | None]) -> StudyInputs:
+    """Study inputs of ranges."""
+    given = {name: block for name, block in blocks.items() if block is not None}
+    inputs, problems = study_inputs_of(model.case, given)
+    _refuse(problems)
+    return inputs
+
+
+def _usual_units(system: str) -> dict[tuple[str, str], WordUnit]:
+    """The units of the template, for words; those that a row is typed in go before."""
+    found = {}
+    for quantity, dimension in (
+        (STIFFNESS, "torsional stiffness"), (DAMPING, "torsional damping"), (INERTIA, "inertia"),
+        (DIAMETER, "length"), ("stress", "pressure"), ("torque", "torque"),
+    ):  # fmt: skip
+        unit, size = _si(dimension, system)
+        found["", quantity] = WordUnit(unit.replace("*", " ").replace("^2", "²"), size)
+    return found
+
+
+@registered(
+    "TV_TUNE",
+    MODEL,
+    Argument("Tuning", "block", "Table Tuning with headers; blank = Catalogue alone.", blank=True),
+    Argument("Catalogue", "block", "Table Catalogue with headers and units.", True),
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=len(TUNED_COLUMNS),
+    example="=TV_TUNE(A1, Tuning!B6:H18)",
+)
+def tv_tune(
+    model: str,
+    tuning: Block | None,
+    catalogue: Block | None,
+    units: str | None,
+    headers: bool | None,
+) -> Rows:
+    """Every combination of a small table Tuning as a full start, ranked, with the reason of each.
+
+    At most 100 combinations and 30 s: beyond that `torsionbook tune` does it. Order, numbers and words
+    are those of the command and of sheet Tuning results, which has more columns, maps and crossings.
+    """
+    from engine.combination import calculate_combination
+    from engine.tuning import TuningResult, gather, in_typed_units, ranked_rows
+    from engine.tuning_checks import tuning_problems
+    from engine.tuning_plan import plan_tuning
+
+    found = MODELS.of(model)
+    inputs = _read(found, {"Tuning": tuning, "Catalogue": catalogue})
+    _refuse(tuning_problems(found.case, inputs))
+    plan = plan_tuning(found.case, inputs)
+    count = len(plan.combinations)
+    if count > MOST_COMBINATIONS:
+        raise FunctionError(
+            f"Tuning: {count:,} combinations; a cell calculates {MOST_COMBINATIONS} at the most. Try "
+            "fewer values, or run: torsionbook tune FILE",
+            "#NUM!",
+        )
+
+    def calculate() -> TuningResult:
+        clock = _Clock("tune")
+        tried = clock.each(plan.combinations, lambda one: calculate_combination(found.case, one))
+        return gather(found.case, plan, tried)
+
+    result = _kept(found, f"tune {plan.study_digest}", calculate)
+    words = {**_usual_units(_system(units, found)), **inputs.units}
+    rows = ranked_rows(in_typed_units(found.case, result, words))
+    spec = result_table("TuningResults")
+    columns = [spec.column(name) for name in TUNED_COLUMNS]
+    return table_cells(spec, rows, _system(units, found), headers, columns)
+
+
+@registered(
+    "TV_TOLERANCES",
+    MODEL,
+    Argument("Scatter", "block", "Table Scatter with headers and units."),
+    Argument(
+        "Quantity",
+        "text",
+        "starts (default), frequencies, margins, peaks, or drivers of the starts.",
+        True,
+    ),
+    Argument("Samples", "count", f"30 to {MOST_SAMPLES}; blank = {USUAL_SAMPLES}.", True),
+    Argument("Seed", "count", f"The same seed draws the same trains; blank = {USUAL_SEED}.", True),
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=0,
+    example='=TV_TOLERANCES(A1, Tolerances!B6:H23, "starts", 100)',
+)
+def tv_tolerances(
+    model: str,
+    scatter: Block,
+    quantity: str | None,
+    samples: int | None,
+    seed: int | None,
+    units: str | None,
+    headers: bool | None,
+) -> Rows:
+    """P10, P50 and P90 of what the scatter of the inputs makes of starts, frequencies, margins, peaks.
+
+    A Latin hypercube of at most 500 samples, in at most 30 s: `torsionbook tolerances` takes any
+    number, and says whether they were enough. The same samples and seed give the same numbers there.
+    """
+    from engine.tolerance_sample import (
+        ToleranceSettings,
+        evaluate,
+        plan_tolerances,
+        tolerance_problems,
+        units_of,
+    )
+    from engine.tolerance_tables import tolerance_tables
+    from engine.tolerances import gather
+
+    asked = _one_of("Quantity", quantity or "starts", list(ANSWERS))
+    found, plain = _run(model)
+    if samples is not None and samples > MOST_SAMPLES:
+        raise FunctionError(
+            f"Samples: found {samples:,}; a cell calculates {MOST_SAMPLES} at the most. For more run: "
+            f"torsionbook tolerances FILE --samples {samples}",
+            "#NUM!",
+        )
+    inputs = _read(found, {"Scatter": scatter})
+    settings = ToleranceSettings(samples or USUAL_SAMPLES, USUAL_SEED if seed is None else seed)
+    _refuse(tolerance_problems(found.case, inputs.scatter, settings))
+    plan = plan_tolerances(found.case, inputs.scatter, settings, nominal=plain.results)
+
+    def calculate() -> Mapping[str, Any]:
+        clock = _Clock("tolerances")
+        size = 1 if len(units_of(plan)) == plan.n_runs else 10
+        return tolerance_tables(gather(plan, clock.each(units_of(plan, size), evaluate)))
+
+    tables = _kept(found, f"tolerances {plan.digest}", calculate)
+    rows = tables[ANSWERS[asked]]
+    if not rows:
+        raise FunctionError(f"The case has no {asked}: nothing of it scatters.", "#N/A")
+    spec = result_table(ANSWERS[asked])
+    return table_cells(spec, rows, _system(units, found), headers)
+
+
+@registered(
+    "TV_SENSITIVITIES",
+    MODEL,
+    Argument("Of", "text", "frequencies (default), or start: its peak stress and starts.", True),
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=0,
+    example="=TV_SENSITIVITIES(A1)",
+)
+def tv_sensitivities(model: str, of: str | None, units: str | None, headers: bool | None) -> Rows:
+    """How frequencies, or the peak stress and starts, follow every stiffness, inertia and the rest.
+
+    Frequencies: the relative change over that of the quantity, ± half its share of the energy. Start:
+    what + 1 % of each quantity does, by the derivative and in runs at ± 1 %, in at most 30 s.
+    """
+    from engine.derivatives import (
+        derivative_rows,
+        derivative_units,
+        differences,
+        frequency_rows,
+        gather_derivatives,
+        plan_derivatives,
+        tangent_of,
+    )
+
+    asked = _one_of("Of", of or "frequencies", list(FOLLOWING))
+    found, plain = _run(model)
+
+    def calculate() -> list[dict[str, Any]]:
+        clock = _Clock("sensitivities")
+        plan = plan_derivatives(found.case, nominal=plain.results)
+        if asked == "frequencies":
+            return frequency_rows(gather_derivatives(plan, [], None))
+        parts = clock.each(derivative_units(plan), differences)
+        return derivative_rows(gather_derivatives(plan, parts, tangent_of(plan)))
+
+    rows = _kept(found, f"sensitivities {asked}", calculate)
+    spec = result_table(FOLLOWING[asked])
+    if not rows:
+        raise FunctionError("Nothing can be told: the case has no start with a peak.", "#N/A")
+    return table_cells(spec, rows, _system(units, found), headers, _columns_of(spec, rows))
+
+
+def _columns_of(spec: TableSpec, rows: Sequence[Mapping[str, Any]]) -> list[Field]:
+    """Columns of a table, with those of the modes that there are."""
+    if spec.repeated is None:
+        return list(spec.columns)
+    modes = (spec.repeated_column(k) for k in range(1, _MODES + 1))
+    return [*spec.columns, *(field for field in modes if field.key in rows[0])]

@@ -1,0 +1,171 @@
+"""`torsionbook diff` of workbooks with studies: rows asked, results found, studies out of date."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import openpyxl
+import pytest
+from typer.testing import CliRunner
+
+from addin.case_json import case_to_json
+from addin.cli import app
+from addin.diff.changes import Differences
+from addin.diff.compare import compare_files
+from addin.diff.studies import _plain
+from addin.diff.told import as_json
+from addin.json_schemas import diff_schema
+from addin.matching import ROW_NAMES
+from addin.package import open_workbook
+from addin.package.references import cell_name
+from addin.study_fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES
+from tests.sample_case import sample_case
+
+RUN = CliRunner()
+TABLES: dict[str, Any] = {
+    "tuning": [{"element": "HS coupling", "quantity": "stiffness", "unit": "%", "values": "80; 90"}],
+    "start_conditions": [{"condition": "normal", "per_year": 10}, {"condition": "old", "voltage": 0.9}],
+}  # fmt: skip
+
+
+def said(*words: object) -> str:
+    done = RUN.invoke(app, [str(word) for word in words], env={"COLUMNS": "200"})
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("first")
+    case, book = folder / "case.json", folder / "first.xlsx"
+    case.write_text(json.dumps(case_to_json(sample_case("proposed")) | TABLES), encoding="utf-8")
+    said("new", book, "--studies", "--units", "si", "--from", case)
+    said("recalc", book, "--in-place")
+    for study in ("tune", "starts"):
+        said(study, book, "--in-place", "--jobs", "1")
+    return book
+
+
+@pytest.fixture(scope="module")
+def second(first: Path) -> Path:
+    """Other damping, another duty, a kind of start under another name; starts made again, tune not."""
+    book = Path(shutil.copy2(first, first.with_name("second.xlsx")))
+    opened = open_workbook(book, ignore_lock=True)
+    opened.set_name("DampingRatio", 0.02)
+    there = opened.table("StartConditions")
+    for row, column, value in ((0, "Per year", 12.0), (1, "Condition", "new")):
+        at = there.ref.left + there.column_index(column)
+        opened.set_cell(there.sheet, cell_name(there.data.top + row, at), value)
+    opened.save(in_place=True)
+    said("recalc", book, "--in-place")
+    said("starts", book, "--in-place", "--jobs", "1")
+    return book
+
+
+@pytest.fixture(scope="module")
+def found(first: Path, second: Path) -> Differences:
+    return compare_files(first, second)
+
+
+@pytest.mark.slow
+def test_rows_of_study_sheets_are_matched_by_their_names(found: Differences) -> None:
+    told = [(c.kind, c.table, c.row, c.column, c.before, c.after) for c in found.studies.inputs]
+    assert ("changed", "StartConditions", "normal", "Per year", 10.0, 12.0) in told
+    assert sorted((k, r) for k, _, r, *_ in told if k != "changed") == [
+        ("row added", "new"), ("row removed", "old"),
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_results_are_compared_where_both_files_have_them_of_their_inputs(
+    found: Differences, first: Path, second: Path
+) -> None:
+    """What stands in the cells of sheet Start matrix is what is told."""
+
+    def starts(book: Path) -> float:
+        sheet = openpyxl.load_workbook(book)["Start matrix"]
+        head, row, *_ = sheet[sheet.tables["StartMatrix"].ref]
+        return float(row[[c.value for c in head].index("Allowable starts")].value)
+
+    (one,) = [
+        c
+        for c in found.studies.results
+        if (c.table, c.row, c.column) == ("StartMatrix", "normal", "Allowable starts")
+    ]
+    assert (one.before, one.after) == pytest.approx((starts(first), starts(second)), rel=1e-12)
+    assert one.before < one.after  # more damping, more starts
+    kinds = {(c.kind, c.row) for c in found.studies.results if c.table == "StartMatrix"}
+    assert {("row removed", "old"), ("row added", "new")} <= kinds
+
+
+def test_a_study_that_is_out_of_date_is_named_and_not_compared(found: Differences) -> None:
+    (note,) = found.studies.notes
+    assert note.startswith(
+        "Sheet Tuning results is not compared: in B it was made from inputs with"
+    )
+    assert not [c for c in found.studies.results if c.table == "TuningResults"]
+
+
+def test_a_study_in_one_file_only_is_named(first: Path, tmp_path: Path) -> None:
+    bare = tmp_path / "bare.xlsx"
+    said("new", bare, "--studies", "--from", first)
+    notes = compare_files(first, bare).studies.notes
+    assert [n.rpartition(": ")[2] for n in notes] == ["the study has not been made in B."] * 2
+
+
+@pytest.mark.slow
+def test_the_same_studies_in_other_units_do_not_differ(first: Path, tmp_path: Path) -> None:
+    other = tmp_path / "us.xlsx"
+    said("new", other, "--studies", "--units", "us", "--from", first)
+    said("recalc", other, "--in-place")
+    for study in ("tune", "starts"):
+        said(study, other, "--in-place", "--jobs", "1")
+    found = compare_files(first, other).studies
+    assert found.notes == ()
+    assert found.inputs == ()
+    assert [c for c in found.results if c.kind != "changed"] == []
+    assert all(abs(c.relative or 0.0) < 1e-6 for c in found.results)
+    assert found.same_results > 20
+
+
+def test_makers_names_keep_their_brackets() -> None:
+    """Numbers of the case go, what tells two couplings apart stays."""
+    told = [
+        "HS coupling: CF 100 (steel); LS coupling stiffness 0.8 × (725,170 N m/rad)",
+        "HS coupling: CF 100 (bronze); LS coupling stiffness 1 × (906,463 N m/rad) (as is)",
+    ]
+    assert [row["Combination"] for row in _plain([{"Combination": one} for one in told])] == [
+        "HS coupling: CF 100 (steel); LS coupling stiffness 0.8 ×",
+        "HS coupling: CF 100 (bronze); LS coupling stiffness 1 ×",
+    ]
+
+
+def test_terminal_workbook_and_json_tell_it(first: Path, second: Path, tmp_path: Path) -> None:
+    book, content = tmp_path / "d.xlsx", tmp_path / "d.json"
+    told = said("diff", first, second, "--xlsx", book, "--json", content)
+    assert "Study inputs that differ" in told
+    assert "Start matrix: " in told
+    found = json.loads(content.read_text(encoding="utf-8"))
+    jsonschema.validate(found, diff_schema())
+    assert len(found["studies"]["notes"]) == 1
+    rows = [[c.value for c in row] for row in openpyxl.load_workbook(book)["Studies"]]
+    assert any(row[0] == "Start conditions" and row[2] == "Per year" for row in rows)
+
+
+def test_files_without_studies_have_no_part_on_them(tmp_path: Path) -> None:
+    case = tmp_path / "case.json"
+    case.write_text(json.dumps(case_to_json(sample_case("proposed"))), encoding="utf-8")
+    found = compare_files(case, case)
+    assert not found.studies.anything
+    assert as_json(found)["studies"]["results"] == []
+    assert "Studies:" not in said("diff", case, case)
+
+
+def test_every_row_name_is_a_column_of_its_table() -> None:
+    for spec in (*STUDY_INPUT_TABLES, *STUDY_RESULT_TABLES):
+        names = {one.name for one in spec.columns}
+        assert set(ROW_NAMES.get(spec.name, ())) <= names, spec.name

@@ -1,0 +1,137 @@
+"""Studies in a report: as they stand in the workbook, or named as out of date."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import docx
+import openpyxl
+import pytest
+from report_files import docx_text, flat, pdf_text
+from typer.testing import CliRunner
+
+from addin.case_json import case_to_json
+from addin.cli import app
+from addin.package import open_workbook
+from addin.package.references import cell_name
+from addin.report.make import report
+from tests.sample_case import sample_case
+
+RUN = CliRunner()
+TABLES: dict[str, Any] = {
+    "tuning": [
+        {"element": "HS coupling", "quantity": "stiffness", "unit": "%", "values": "40; 60; 80"},
+        {"element": "LS coupling", "quantity": "stiffness", "unit": "%", "values": "80; 100"},
+    ],
+    "scatter": [{"quantity": "stiffness", "spread": 0.05}, {"quantity": "S-N line", "spread": 0.05}],
+    "start_conditions": [
+        {"condition": "normal", "per_year": 10, "so_far": 40},
+        {"condition": "weak", "voltage": 0.9, "per_year": 2},
+    ],
+    "measured_frequencies": [{"mode": 1, "frequency": 29.5}],
+}  # fmt: skip
+
+
+def said(*words: object) -> str:
+    done = RUN.invoke(app, [str(word) for word in words], env={"COLUMNS": "200"})
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+@pytest.fixture(scope="module")
+def book(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A workbook in which four studies stand."""
+    folder = tmp_path_factory.mktemp("studied")
+    case, book = folder / "case.json", folder / "train.xlsx"
+    case.write_text(json.dumps(case_to_json(sample_case("proposed")) | TABLES), encoding="utf-8")
+    said("new", book, "--studies", "--units", "si", "--from", case)
+    for words in (("tune",), ("tolerances", "--samples", "40"), ("starts",), ("calibrate",)):
+        said(words[0], book, "--in-place", "--jobs", "1", *words[1:])
+    return book
+
+
+def cells(book: Path, table: str) -> list[dict[str, Any]]:
+    for sheet in openpyxl.load_workbook(book):
+        if table in sheet.tables:
+            head, *rows = [[c.value for c in row] for row in sheet[sheet.tables[table].ref]]
+            return [dict(zip(head, row, strict=True)) for row in rows]
+    raise AssertionError(table)
+
+
+def pictures(path: Path) -> int:
+    return len(docx.Document(str(path)).inline_shapes)
+
+
+@pytest.mark.slow
+@pytest.mark.needs_poppler
+def test_studies_of_these_inputs_are_printed_as_they_stand(book: Path, tmp_path: Path) -> None:
+    done = report(book, pdf=tmp_path / "a.pdf", docx=tmp_path / "a.docx")
+    assert done.problems == ()
+    texts = flat(pdf_text(tmp_path / "a.pdf")), docx_text(tmp_path / "a.docx")
+    best = cells(book, "TuningResults")[0]
+    ledger = cells(book, "DamageLedger")[0]
+    p50 = cells(book, "ToleranceFrequencies")[0]["P50"]
+    after = cells(book, "CalibratedFrequencies")[0]["After"]
+    for text in texts:
+        for words in (
+            "Couplings in every combination", "Tolerances", "Start matrix and damage ledger",
+            "Calibration against measurements", "Why they stand there", "reached at 97.0 % speed",
+            "nothing of them was calculated again", "Numbers in words have the units typed",
+        ):  # fmt: skip
+            assert words in text
+        for number in (f"{int(best['Allowable starts']):,}", f"{p50:.2f}", f"{after:.2f}",
+                       f"{ledger['Used']:.4g}"):  # fmt: skip
+            assert number in text.split(), number
+        assert best["Reason"][:60] in text
+    bare = tmp_path / "bare.xlsx"
+    said("new", bare, "--from", book)
+    report(bare, docx=tmp_path / "b.docx")
+    # starts over a coupling, tornado, distribution, starts over voltage
+    assert pictures(tmp_path / "a.docx") == pictures(tmp_path / "b.docx") + 4
+    assert "Couplings in every combination" not in docx_text(tmp_path / "b.docx")
+
+
+@pytest.mark.slow
+def test_studies_of_other_inputs_are_named_and_not_printed(book: Path, tmp_path: Path) -> None:
+    other = Path(shutil.copy2(book, tmp_path / "other.xlsx"))
+    opened = open_workbook(other, ignore_lock=True)
+    opened.set_name("DampingRatio", 0.03)
+    opened.save(in_place=True)
+    assert report(other, docx=tmp_path / "o.docx").problems == ()
+    text = docx_text(tmp_path / "o.docx")
+    assert text.count("Out of date, and not shown") == 4
+    assert "torsionbook tune FILE makes it again" in text
+    assert "Why they stand there" not in text
+    assert str(cells(book, "TuningResults")[0]["Reason"])[:60] not in text
+
+
+@pytest.mark.slow
+def test_a_study_of_other_rows_alone_is_out_of_date(book: Path, tmp_path: Path) -> None:
+    other = Path(shutil.copy2(book, tmp_path / "other.xlsx"))
+    opened = open_workbook(other, ignore_lock=True)
+    there = opened.table("Tuning")
+    at = there.ref.left + there.column_index("Values")
+    opened.set_cell(there.sheet, cell_name(there.data.top, at), "40; 70")
+    opened.save(in_place=True)
+    report(other, docx=tmp_path / "o.docx")
+    text = docx_text(tmp_path / "o.docx")
+    assert text.count("Out of date, and not shown") == 1
+    assert "other rows of tables Tuning and Catalogue" in text
+    assert "What the duty takes" in text  # the ledger still is of these rows
+
+
+@pytest.mark.slow
+def test_words_typed_over_numbers_break_no_report(book: Path, tmp_path: Path) -> None:
+    other = Path(shutil.copy2(book, tmp_path / "other.xlsx"))
+    opened = open_workbook(other, ignore_lock=True)
+    for table, column in (("TuningResults", "Rank"), ("TuningLines", "Line 1"),
+                          ("StartsByVoltage", "Voltage"), ("ToleranceTornado", "At P10"),
+                          ("CalibratedParameters", "Pull"), ("ToleranceMargins", "Mode")):  # fmt: skip
+        there = opened.table(table)
+        at = there.ref.left + there.column_index(column)
+        opened.set_cell(there.sheet, cell_name(there.data.top, at), "see \u2603 note <b>")
+    opened.save(in_place=True)
+    assert report(other, docx=tmp_path / "o.docx").problems == ()

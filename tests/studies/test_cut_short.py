@@ -1,0 +1,247 @@
+"""Ctrl-C in a study: what is calculated by then is told as a part, or nothing is written."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import openpyxl
+import pytest
+from typer.testing import CliRunner
+
+from addin.case_json import case_to_json
+from addin.cli import app
+from addin.studies.calibration import CALIBRATION
+from addin.studies.sensitivities import SENSITIVITIES
+from addin.studies.spread import Cancelled, alone, as_far, over_workers
+from addin.studies.starts import STARTS
+from addin.studies.study import Studied, Study, study_one
+from addin.studies.tolerances import TOLERANCES
+from addin.studies.tuning import TUNING
+from addin.study_schemas import study_schema
+from tests.batch.batch_helpers import Here
+from tests.dask_cluster import ROOT
+from tests.sample_case import sample_case
+from tests.trains import geared
+
+RUN = CliRunner()
+SCATTER = [
+    {"quantity": "stiffness", "spread": "5 %", "together": "together"},
+    {"quantity": "damping ratio", "distribution": "uniform", "spread": 0.3},
+]
+SAMPLED: dict[str, Any] = {"samples": 200, "seed": 2, "method": "lhs", "replan": False}
+
+
+def after(units: int) -> Callable[[], bool]:
+    """Ctrl-C before the unit of this number."""
+    asked = iter([False] * units)
+    return lambda: next(asked, True)
+
+
+def written(folder: Path, case: Any, **tables: Any) -> Path:
+    place = folder / "case.json"
+    place.write_text(json.dumps(case_to_json(case) | tables), encoding="utf-8")
+    return place
+
+
+def workbook(folder: Path, case: Any, **tables: Any) -> Path:
+    place = folder / "train.xlsx"
+    words = ["new", str(place), "--studies", "--from", str(written(folder, case, **tables))]
+    assert RUN.invoke(app, words).exit_code == 0
+    return place
+
+
+def studied(
+    study: Study, source: Path, units: int, settings: dict[str, Any], **more: Any
+) -> tuple[Studied, dict[str, Any]]:
+    place = source.with_name("part.json")
+    done = study_one(study, source, alone(after(units)), settings, json_file=place, **more)
+    assert done.problems == ()
+    found = json.loads(place.read_text(encoding="utf-8"))
+    jsonschema.validate(found, study_schema(study))
+    return done, found
+
+
+def rows_of(path: Path, table: str) -> list[dict[str, Any]]:
+    for sheet in openpyxl.load_workbook(path):
+        if table in sheet.tables:
+            head, *rows = [[c.value for c in row] for row in sheet[sheet.tables[table].ref]]
+            return [dict(zip(head, row, strict=True)) for row in rows]
+    raise KeyError(table)
+
+
+def said_in(path: Path, name: str) -> str:
+    book = openpyxl.load_workbook(path)
+    ((sheet, cell),) = book.defined_names[name].destinations
+    return str(book[sheet][cell.replace("$", "")].value)
+
+
+# --- tolerances -----------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["lhs", "sobol"])
+def test_a_part_of_a_sample_is_told_as_a_part(tmp_path: Path, method: str) -> None:
+    source = workbook(tmp_path, sample_case("proposed"), scatter=SCATTER)
+    settings = SAMPLED | {"method": method}
+    done, found = studied(TOLERANCES, source, 3, settings, in_place=True)  # 4 runs, 50, 50
+    planned = {"lhs": 200, "sobol": 256}[method]
+    assert found["cut_short"] == {"calculated": 100, "planned": planned}
+    assert found["tolerances"]["samples_calculated"] == 100
+    assert found["tolerances"]["samples_planned"] == planned
+    assert all(row["samples"] == 100 for row in found["tolerance_frequencies"])
+    start = f"Cut short by Ctrl-C: 100 of {planned} samples"
+    assert found["sentence"].startswith(start)
+    assert said_in(source, "tolerances_Sentence").startswith(start)
+    told = " ".join(done.warnings)
+    assert ("A part of a Latin hypercube is none" in told) == (method == "lhs")
+    assert "on the safe side" not in told  # which holds of the whole sample only
+    assert len(found["tolerance_tornado"]) == 2  # the runs of one factor at a time come first
+
+
+@pytest.mark.slow
+def test_a_part_holds_the_numbers_of_the_whole(tmp_path: Path) -> None:
+    """The extremes of a part lie within those of the whole, whose first samples it is."""
+    source = written(tmp_path, sample_case("proposed"), scatter=SCATTER)
+    _, part = studied(TOLERANCES, source, 3, SAMPLED)
+    _, whole = studied(TOLERANCES, source, 99, SAMPLED)
+    assert "cut_short" not in whole
+    assert part["tolerance_tornado"] == whole["tolerance_tornado"]
+    assert part["study_sha256"] == whole["study_sha256"]
+    for few, all_ in zip(
+        part["tolerance_frequencies"], whole["tolerance_frequencies"], strict=True
+    ):
+        assert few["p_10"] == pytest.approx(all_["p_10"], rel=0.02)
+
+
+def test_too_few_samples_are_no_result(tmp_path: Path) -> None:
+    source = written(tmp_path, sample_case("proposed"), scatter=SCATTER)
+    with pytest.raises(Cancelled) as ended:
+        study_one(TOLERANCES, source, alone(after(1)), SAMPLED)
+    assert ended.value.why == "0 of 200 samples were calculated; fewer than 30 bound no P10."
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["case.json"]
+
+
+# --- tune, starts ---------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_combinations_that_were_not_reached_are_named(tmp_path: Path) -> None:
+    row = {"element": "High-speed shaft", "quantity": "stiffness", "unit": "%", "from": 50, "to": 150,
+           "steps": 21}  # fmt: skip
+    source = workbook(tmp_path, geared(), tuning=[row])
+    done, found = studied(TUNING, source, 1, {}, in_place=True)  # ten of 21
+    rows = found["tuning_results"]
+    assert found["cut_short"] == {"calculated": 10, "planned": 21}
+    assert [row.get("rank") for row in rows] == [*range(1, 11), *[None] * 11]
+    assert {row["verdict"] for row in rows[10:]} == {"not calculated"}
+    assert sum(row["as_is"] for row in rows[:10]) == 1  # calculated before all others
+    assert len({row["combination"] for row in rows}) == 21
+    start = "Cut short by Ctrl-C: what is better may be among the combinations not calculated. Stopped: 10"
+    assert found["sentence"].startswith(start)
+    assert len(found["sentence"]) < 420  # the line on the sheet shows no more
+    shown = rows_of(source, "TuningResults")
+    assert [row["Rank"] for row in shown] == [*range(1, 11), *[None] * 11]
+    assert all("Not calculated" in str(row["Reason"]) for row in shown[10:])
+    assert said_in(source, "tuning_Sentence").startswith("Cut short by Ctrl-C")
+    assert done.found is not None
+
+
+def test_kinds_of_start_that_were_not_reached_are_named(tmp_path: Path) -> None:
+    kinds = [{"condition": f"kind {k}", "voltage": 1.0 + 0.01 * k, "per_year": 3} for k in range(4)]
+    source = workbook(tmp_path, sample_case("proposed"), start_conditions=kinds)
+    _, found = studied(STARTS, source, 2, {}, in_place=True)
+    assert found["cut_short"] == {"calculated": 2, "planned": 4}
+    outcomes = [row["outcome"] for row in found["start_matrix"]]
+    assert "not calculated" not in outcomes[:2]
+    assert outcomes[2:] == ["not calculated"] * 2
+    assert found["verdict"] == "not judged"  # a duty of which a part is known says nothing
+    assert found["sentence"].startswith("Cut short by Ctrl-C: 2 of 4 starts were calculated")
+    assert [row["Outcome"] for row in rows_of(source, "StartMatrix")][2:] == ["not calculated"] * 2
+
+
+@pytest.mark.parametrize(
+    ("study", "tables"),
+    [
+        (TUNING, {"tuning": [{"element": "Motor", "quantity": "inertia", "unit": "%", "values": "90"}]}),
+        (STARTS, {}),
+        (SENSITIVITIES, {}),
+        (CALIBRATION, {
+            "measured_frequencies": [{"mode": 1, "frequency": 20}],
+            "measured_peaks": [{"element": "LS coupling", "maximum_torque": 1e5}],
+            "scatter": SCATTER,
+        }),
+    ],
+)  # fmt: skip
+def test_of_nothing_nothing_is_written(study: Study, tables: Any, tmp_path: Path) -> None:
+    source = written(tmp_path, sample_case("proposed"), **tables)
+    with pytest.raises(Cancelled):
+        study_one(study, source, alone(lambda: True), {})
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["case.json"]
+
+
+# --- how far it came ------------------------------------------------------------------------------
+
+
+def double(number: int) -> int:
+    return 2 * number
+
+
+class OutOfOrder(Here):
+    """Workers that answer the second task of each pair first."""
+
+    threads = 4
+
+    def answers(self, stopped: Callable[[], bool]) -> Any:
+        waiting = list(self.waiting)
+        order = [waiting[i ^ 1] for i in range(len(waiting) // 2 * 2)]
+        for task in order:
+            if stopped():
+                return
+            yield task, task.do(task.payload)
+
+
+@pytest.mark.parametrize(
+    ("answered", "told"), [(1, []), (2, [0, 2]), (3, [0, 2]), (4, [0, 2, 4, 6])]
+)
+def test_only_answers_before_the_first_that_is_missing_count(
+    answered: int, told: Sequence[int]
+) -> None:
+    """Else what is quickly calculated would be told more often than what takes its time."""
+    spread = over_workers(OutOfOrder(), after(answered))
+    assert as_far(spread, double, range(10), lambda n: None) == told
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("times", [1, 2])
+def test_ctrl_c_on_the_command_line(times: int, tmp_path: Path) -> None:
+    """Once writes the part that is there, twice gives up; both end with 130 and a sentence."""
+    source = written(tmp_path, sample_case("proposed"), scatter=SCATTER)
+    study = subprocess.Popen(
+        [sys.executable, "-m", "addin.cli", "tolerances", str(source), "--samples", "200000",
+         "--jobs", "2", "--json", str(tmp_path / "t.json")],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    with pytest.raises(subprocess.TimeoutExpired):
+        study.wait(25.0)
+    for _ in range(times):
+        study.send_signal(signal.SIGINT)
+        time.sleep(0.2)  # two at once are one
+    said, wrong = study.communicate(timeout=120)
+    assert study.returncode == 130, said + wrong
+    assert "Traceback" not in wrong
+    if times == 1:
+        assert "Cut short by Ctrl-C" in said
+        assert json.loads((tmp_path / "t.json").read_text())["cut_short"]["calculated"] >= 30
+    else:
+        assert "Nothing was written" in wrong
+        assert not (tmp_path / "t.json").exists()

@@ -1,0 +1,62 @@
+"""The shipped workbook with study sheets: read, and each study that its rows ask for is made."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import openpyxl
+import pytest
+from openpyxl.utils import range_boundaries
+from typer.testing import CliRunner
+
+from addin.cli import app
+from addin.read_workbook import read_workbook
+from addin.template import STUDY_TEMPLATES, build_template
+from addin.template_files import template_path
+from engine.case import case_digest
+
+NAME = "example_studies.xlsx"
+
+
+def rows(path: Path, name: str) -> list[dict[str, Any]]:
+    for sheet in openpyxl.load_workbook(path, data_only=True).worksheets:
+        if name in sheet.tables:
+            left, top, right, bottom = range_boundaries(sheet.tables[name].ref)
+            head, *lines = sheet.iter_rows(top, bottom, left, right, values_only=True)
+            return [dict(zip(head, line, strict=True)) for line in lines]
+    raise AssertionError(f"no table {name}")
+
+
+def test_it_is_what_the_builder_makes(tmp_path: Path) -> None:
+    system, example = STUDY_TEMPLATES[NAME]
+    made = build_template(tmp_path / NAME, system, example, studies=True)
+    assert made.read_bytes() == template_path(NAME).read_bytes(), "run `make templates`"
+
+
+def test_its_case_is_the_proposed_train_and_its_rows_are_read() -> None:
+    read = read_workbook(template_path(NAME))
+    assert not read.problems
+    plain = read_workbook(template_path("example_proposed.xlsx"))
+    assert case_digest(read.case()) == case_digest(plain.case())
+    asked = read.studies.inputs
+    assert not read.studies.problems
+    assert [len(one) for one in (asked.tuning, asked.catalogue, asked.scatter)] == [2, 3, 7]
+    assert len(asked.start_conditions) == 7
+    assert len(asked.measured_frequencies) == 3
+
+
+@pytest.mark.parametrize(
+    ("command", "table", "column"),
+    [
+        ("tune", "TuningResults", "Rank"),
+        ("starts", "DamageLedger", "Used"),
+        ("calibrate", "CalibratedFrequencies", "After"),
+    ],
+)
+def test_its_studies_are_made(command: str, table: str, column: str, tmp_path: Path) -> None:
+    source = template_path(NAME)
+    told = CliRunner().invoke(app, [command, str(source), "--out", str(tmp_path), "--jobs", "1"])
+    assert told.exit_code == 0, told.output
+    (written,) = tmp_path.glob("*.xlsx")
+    assert all(isinstance(row[column], float | int) for row in rows(written, table))

@@ -1,0 +1,227 @@
+"""Charts that draw other cells or carry other values than they should, and units beside key numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tampered_package import Package
+
+from addin.package import Workbook, drawn_charts, open_workbook
+from addin.verify.drawings import compare_copies, compare_drawings
+from addin.verify.file import verify_file
+from addin.verify.findings import Finding
+from addin.verify.key_units import compare_units
+
+_SERIES = re.compile(r"<c:ser>.*?</c:ser>", re.DOTALL)
+_VALUES = re.compile(r"(<c:(?:val|yVal)><c:numRef><c:f>)([^<]*)(</c:f>)")
+_CATEGORIES = re.compile(r"(<c:(?:cat|xVal)><c:(?:num|str)Ref><c:f>)([^<]*)(</c:f>)")
+
+
+def found(path: Path) -> list[Finding]:
+    """What is said of charts and units."""
+    workbook = open_workbook(path, ignore_lock=True)
+    return [
+        *compare_drawings(workbook, drawn_charts(workbook), same_version=True),
+        *compare_copies(workbook, drawn_charts(workbook)),
+        *compare_units(workbook, same_version=True),
+    ]
+
+
+def charts(train: Path) -> list[str]:
+    """Chart parts of the workbook."""
+    return [name for name in Package(train).parts if name.startswith("xl/charts/chart")]
+
+
+def edited(train: Path, part: str, how: Callable[[str], str]) -> list[Finding]:
+    package = Package(train)
+    package.change(part, how)
+    return found(package.store(train.with_name("tampered.xlsx")))
+
+
+def drawn_otherwise(train: Path, how: Callable[[str], str]) -> list[str]:
+    """What is said of all charts, each changed in the same way; and how many there are."""
+    package = Package(train)
+    for part in charts(train):
+        package.change(part, how)
+    said = [f for f in found(package.store(train.with_name("tampered.xlsx"))) if "draws" in f.sentence]  # fmt: skip
+    assert {one.kind for one in said} == {"chart"}
+    assert all(one.sheet and one.cell for one in said)
+    assert len({(one.sheet, one.cell) for one in said}) == len(charts(train)) > 20
+    return [one.sentence for one in said]
+
+
+def test_what_was_written_is_clean_and_every_chart_is_known(train):
+    assert found(train) == []
+    # all its values, wherever they stand, from a sheet of words
+    drawn_otherwise(train, lambda text: _VALUES.sub(r"\1Notes!$A$5:$A$9\3", text))
+
+
+@pytest.mark.first_ones(1)
+@pytest.mark.parametrize("what", [_VALUES, _CATEGORIES])
+@pytest.mark.parametrize("number", [0, -1])
+def test_a_series_led_to_other_cells_is_told(train, what, number):
+    def other(text):
+        one = list(what.finditer(text))[number]
+        return f"{text[: one.start(2)]}ChartData!$A$5:$A$9{text[one.end(2) :]}"
+
+    assert all("ChartData!A5:A9" in said for said in drawn_otherwise(train, other))
+
+
+def test_the_end_of_a_history_cannot_be_cut_off(train):
+    workbook = open_workbook(train, ignore_lock=True)
+    history = workbook.table("ChartHistory")
+    end, cut = f"${history.data.bottom}<", f"${history.data.bottom - 400}<"
+    for part in charts(train):
+        if "ChartData!$CB$5" in Package(train).parts[part].decode():
+            said = edited(train, part, lambda text: text.replace(end, cut))
+            assert said[0].sheet == "Histories"
+            assert f"not ChartData!CB5:CB{history.data.bottom}" in said[0].sentence
+
+
+def test_a_series_that_bears_the_name_of_another_is_told(train):
+    parts = Package(train).parts
+    part = next(p for p in charts(train) if "logBase" in parts[p].decode() and len(_SERIES.findall(parts[p].decode())) == 3)  # fmt: skip
+
+    def swapped(text):
+        first, second, third = _SERIES.findall(text)
+        names = [re.search("<c:tx>.*?</c:tx>", one)[0] for one in (second, third)]
+        other = third.replace(names[1], names[0])
+        return text.replace(second, second.replace(names[0], names[1])).replace(third, other)
+
+    [said] = edited(train, part, swapped)
+    assert "names a series by" in said.sentence
+
+
+def test_the_whole_verification_tells_chart_and_cell(train, tmp_path):
+    package = Package(train)
+    part = next(p for p in charts(train) if "ChartData!$CB$5" in package.parts[p].decode())
+    package.change(part, lambda text: text.replace("$CB$", "$CD$"))
+    told = verify_file(package.store(tmp_path / "tampered.xlsx"))
+    assert told.outcome == "does not follow"
+    draws, carries = (f for f in told.findings if f.fails)
+    assert "draws ChartData!CD5:CD" in draws.sentence
+    assert "carries" in carries.sentence
+    assert {(f.kind, f.sheet, bool(f.cell)) for f in (draws, carries)} == {("chart", "Histories", True)}  # fmt: skip
+
+
+def test_a_copy_of_a_value_inside_a_chart_is_told_with_its_cell(train):
+    workbook = open_workbook(train, ignore_lock=True)
+    part = next(p for p in charts(train) if "ChartData!$CB$5" in Package(train).parts[p].decode())
+    point = re.compile(r'(<c:yVal>.*?<c:pt idx="7"><c:v>)([^<]*)(</c:v>)', re.DOTALL)
+    [said] = edited(train, part, lambda text: point.sub(r"\g<1>1.5\3", text, count=1))
+    assert (said.kind, said.sheet) == ("chart", "Histories")
+    assert "carries 1.5 for ChartData!CB12" in said.sentence
+    assert said.expected == workbook.shown_value("ChartData", "CB12")
+    assert said.fails
+
+
+def test_words_inside_a_chart_are_compared_too(train):
+    part = next(p for p in charts(train) if "ChartData!$CB$5" in Package(train).parts[p].decode())
+    said = edited(
+        train, part, lambda text: re.sub(r"(<c:strCache>.*?<c:v>)[^<]*", r"\g<1>Harmless", text)
+    )
+    assert "carries 'Harmless' for ChartData!B" in said[0].sentence
+
+
+@pytest.mark.slow
+def test_what_an_engineer_does_to_charts_is_his_affair(train, tmp_path):
+    text = Package(train).parts
+    part = next(p for p in charts(train) if "Accelerating" in text[p].decode())
+    series = _SERIES.findall(text[part].decode())
+
+    def own(text):
+        """A measured curve beside ours."""
+        mine = re.sub(r"ChartData!\$Y\$\d+:\$Y\$\d+", "Torque!$B$7:$B$9", series[0])
+        mine = re.sub("<c:numCache>.*?</c:numCache>", "", mine, flags=re.DOTALL)
+        return text.replace(series[-1], series[-1] + mine)
+
+    assert edited(train, part, own) == []
+    assert edited(train, part, lambda text: text.replace(series[-1], "")) == []
+    package = Package(train)  # sheets under other names
+    for name, data in package.parts.items():
+        if name.startswith("xl/") and name.endswith(".xml"):
+            new = data.replace(b"ChartData!", b"Behind!").replace(b'name="ChartData"', b'name="Behind"')  # fmt: skip
+            package.parts[name] = new
+    assert found(package.store(tmp_path / "renamed.xlsx")) == []
+    package = Package(train)  # a chart taken out
+    drawing = next(p for p in package.parts if p.startswith("xl/drawings/drawing"))
+    package.change(
+        drawing,
+        lambda text: re.sub(
+            r"<xdr:twoCellAnchor.*?</xdr:twoCellAnchor>", "", text, count=1, flags=re.DOTALL
+        ),  # fmt: skip
+    )
+    assert found(package.store(tmp_path / "without.xlsx")) == []
+
+
+@pytest.mark.slow
+def test_charts_stay_clean_and_known_after_another_program(train, soffice, tmp_path):
+    saved = soffice.convert(train, "xlsx", tmp_path / "saved")
+    assert found(saved) == []
+    package = Package(saved)
+    part = next(p for p in charts(saved) if "$CB$5" in package.parts[p].decode())
+    package.change(part, lambda text: text.replace("$CB$", "$CD$"))
+    said = found(package.store(tmp_path / "tampered.xlsx"))
+    assert [one.sheet for one in said if "draws" in one.sentence] == ["Histories"]
+
+
+# --- units ----------------------------------------------------------------------------------------
+
+
+def unit_cells(workbook: Workbook) -> dict[str, tuple[str, str]]:
+    """Cells right of the numbers: by what stands there, sheet and cell."""
+    found = {}
+    for sheet, label, unit in (("Summary", 2, 4), ("Starts", 11, 16)):
+        part = workbook.sheet_part(sheet)
+        for row in range(1, 60):
+            words, shown = part.constant(row, label), part.constant(row, unit)
+            if isinstance(words, str) and isinstance(shown, str) and len(shown) < 9:
+                found[words] = (sheet, f"{'DP'[sheet == 'Starts']}{row}")
+    return found
+
+
+@pytest.mark.first_ones(1)
+@pytest.mark.parametrize(
+    "label",
+    [
+        "Largest nominal stress, p-p",
+        "Duration of the start",
+        "First torsional mode",
+        "Endurance limit in torsion",
+    ],  # fmt: skip
+)
+@pytest.mark.parametrize("put", ["N·m", ""])
+def test_a_unit_typed_beside_a_key_number_is_told(train, label, put):
+    sheet, cell = unit_cells(open_workbook(train, ignore_lock=True))[label]
+    package = Package(train)
+    package.put_text(sheet, cell, put)
+    [one] = found(package.store(train.with_name("tampered.xlsx")))
+    assert (one.kind, one.sheet) == ("edited", sheet)
+    assert f"{label}: the unit '" in one.sentence
+    assert one.fails
+    if put:
+        assert (one.cell, one.found) == (cell, put)
+
+
+@pytest.mark.slow
+def test_a_unit_given_by_a_formula_that_reads_something_else_is_told(train):
+    package = Package(train)
+    package.change_cell("Summary", unit_cells(open_workbook(train))["Largest nominal stress, p-p"][1], '<f>"Pa"</f><v>Pa</v>', kind="str")  # fmt: skip
+    told = verify_file(package.store(train.with_name("tampered.xlsx")))
+    assert any("the unit 'Pa'" in one.sentence and one.fails for one in told.findings)
+
+
+def test_charts_lie_where_they_are_said_to_lie(train):
+    """By the drawings of the package, read by hand: two charts on sheet Torque, at F... and so on."""
+    places = {(one.sheet, one.cell) for one in drawn_charts(open_workbook(train, ignore_lock=True))}
+    package = Package(train)
+    corners = re.compile(r"<xdr:from><xdr:col>(\d+)</xdr:col>.*?<xdr:row>(\d+)</xdr:row>")
+    count = sum(
+        len(corners.findall(data.decode()))
+        for name, data in package.parts.items()
+        if name.startswith("xl/drawings/drawing")
+    )
+    assert len(places) == count == len(charts(train))

@@ -1,0 +1,198 @@
+"""`torsionbook verify` on workbooks with studies: made from these inputs and rows, or from others."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from addin.case_json import case_to_json
+from addin.cli import app
+from addin.package import open_workbook
+from addin.package.references import cell_name
+from tests.sample_case import sample_case
+
+RUN = CliRunner()
+TABLES: dict[str, Any] = {
+    "tuning": [{"element": "HS coupling", "quantity": "stiffness", "unit": "%", "values": "80; 90"}],
+    "start_conditions": [{"condition": "normal", "per_year": 10}],
+}  # fmt: skip
+
+
+def said(*words: object, code: int = 0) -> str:
+    done = RUN.invoke(app, [str(word) for word in words], env={"COLUMNS": "240"})
+    assert done.exit_code == code, done.output
+    return done.output
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A workbook with its results and two studies."""
+    folder = tmp_path_factory.mktemp("studied")
+    case, book = folder / "case.json", folder / "train.xlsx"
+    case.write_text(json.dumps(case_to_json(sample_case("proposed")) | TABLES), encoding="utf-8")
+    said("new", book, "--studies", "--units", "si", "--from", case)
+    said("recalc", book, "--in-place")
+    for study in ("tune", "starts"):
+        said(study, book, "--in-place", "--jobs", "1")
+    return book
+
+
+@pytest.fixture
+def book(made: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copy2(made, tmp_path / "train.xlsx"))
+
+
+def typed(book: Path, table: str, column: str, value: Any) -> None:
+    """Something else in the first row of a table, or under the name of a scalar."""
+    opened = open_workbook(book, ignore_lock=True)
+    if table:
+        there = opened.table(table)
+        at = there.ref.left + there.column_index(column)
+        opened.set_cell(there.sheet, cell_name(there.data.top, at), value)
+    else:
+        opened.set_name(column, value)
+    opened.save(in_place=True)
+
+
+def notes(book: Path, code: int) -> list[str]:
+    return [line for line in said("verify", book, code=code).splitlines() if "StudyFacts" in line]
+
+
+@pytest.mark.slow
+def test_studies_of_these_inputs_are_noted_as_not_calculated_again(book: Path) -> None:
+    told = notes(book, 0)
+    assert len(told) == 2
+    assert all("names the inputs and rows that are in the file" in line for line in told)
+
+
+def test_a_study_of_other_rows_is_out_of_date_and_named(book: Path) -> None:
+    typed(book, "StartConditions", "Per year", 12.0)
+    told = notes(book, 1)
+    (wrong,) = [line for line in told if "out of date" in line]
+    assert "sheet Start matrix" in wrong
+    assert "other rows of table StartConditions" in wrong
+    assert "torsionbook starts again" in wrong
+
+
+def test_a_cell_that_cannot_be_read_is_not_the_blank_it_was(book: Path) -> None:
+    """So far was blank and counts as blank in the digest; who typed words there meant something."""
+    typed(book, "StartConditions", "So far", "lots")
+    told = notes(book, 1)
+    (wrong,) = [line for line in told if "out of date" in line]
+    assert "table StartConditions has a cell that cannot be read (row 1, So far)" in wrong
+
+
+@pytest.mark.slow
+def test_studies_of_another_case_are_out_of_date(book: Path) -> None:
+    typed(book, "", "DampingRatio", 0.02)
+    said("recalc", book, "--in-place")
+    told = notes(book, 1)
+    assert len(told) == 2
+    assert all("out of date: it was made from inputs with SHA-256" in line for line in told)
+    said("tune", book, "--in-place", "--jobs", "1")
+    assert sum("out of date" in line for line in notes(book, 1)) == 1
+
+
+def test_rows_in_another_unit_are_the_same_rows(book: Path) -> None:
+    opened = open_workbook(book, ignore_lock=True)
+    there = opened.table("Tuning")
+    for column, value in {"Unit": "1", "Values": "0.8; 0.9"}.items():
+        at = there.ref.left + there.column_index(column)
+        opened.set_cell(there.sheet, cell_name(there.data.top, at), value)
+    opened.save(in_place=True)
+    assert not [line for line in notes(book, 0) if "out of date" in line]
+
+
+def test_a_workbook_with_a_study_alone_is_told_of_it(book: Path) -> None:
+    """Before the plain run there are no results to compare, but a study may be out of date."""
+    fresh = book.with_name("fresh.xlsx")
+    said("new", fresh, "--studies", "--from", book)
+    said("tune", fresh, "--in-place", "--jobs", "1")
+    typed(fresh, "Tuning", "Values", "70; 90")
+    told = RUN.invoke(app, ["verify", str(fresh)], env={"COLUMNS": "240"}).output
+    assert "never calculated" in told
+    assert "other rows of tables Tuning and Catalogue" in told
+
+
+def edits(book: Path, code: int = 1) -> list[str]:
+    return [
+        line for line in said("verify", book, code=code).splitlines() if "does not hold" in line
+    ]
+
+
+@pytest.mark.first_ones(1)
+@pytest.mark.parametrize(
+    ("table", "column", "value"),
+    [
+        ("StartMatrix", "Allowable starts", 1.0e6),
+        ("TuningResults", "Verdict", "pass!"),
+        ("StartMatrix", "Time", None),
+    ],
+)
+def test_a_cell_of_a_study_edited_by_hand_is_told(
+    book: Path, table: str, column: str, value: Any
+) -> None:
+    typed(book, table, column, value)
+    (line,) = edits(book)
+    assert f"table {table} does not hold what torsionbook" in line
+
+
+def test_a_number_of_a_study_changed_in_its_tenth_digit_is_told(book: Path) -> None:
+    opened = open_workbook(book, ignore_lock=True)
+    there = opened.table("StartMatrix")
+    cell = cell_name(there.data.top, there.ref.left + there.column_index("Time"))
+    number = opened.value(there.sheet, cell)
+    assert number == float(f"{number:.11e}")
+    typed(book, "StartMatrix", "Time", number * (1 + 1e-9))
+    assert len(edits(book)) == 1
+
+
+def test_a_unit_above_a_column_of_a_study_retyped_is_told(book: Path) -> None:
+    opened = open_workbook(book, ignore_lock=True)
+    there = opened.table("StartMatrix")
+    at = there.ref.left + there.column_index("Time")
+    unit = cell_name(there.ref.top - 1, at)
+    assert opened.value(there.sheet, unit) == "s"
+    opened.set_cell(there.sheet, unit, "min")
+    opened.save(in_place=True)
+    assert len(edits(book)) == 1
+
+
+def test_sorted_rows_of_a_study_are_those_it_wrote(book: Path) -> None:
+    opened = open_workbook(book, ignore_lock=True)
+    there = opened.table("TuningResults")
+    span = range(there.ref.left, there.ref.right + 1)
+    first, second = (
+        [opened.value(there.sheet, cell_name(there.data.top + k, at)) for at in span]
+        for k in (0, 1)
+    )
+    assert first != second
+    for k, row in enumerate((second, first)):
+        for at, value in zip(span, row, strict=True):
+            opened.set_cell(there.sheet, cell_name(there.data.top + k, at), value)
+    opened.save(in_place=True)
+    assert edits(book, code=0) == []
+
+
+def test_a_study_without_a_record_of_its_rows_is_noted(book: Path) -> None:
+    """As earlier versions wrote them."""
+    typed(book, "", "starts_Tables", "")
+    typed(book, "StartMatrix", "Time", 1.0)
+    told = notes(book, 0)
+    assert sum("numbers edited by hand are not seen" in line for line in told) == 1
+
+
+@pytest.mark.slow
+def test_a_study_saved_by_libreoffice_is_not_edited(book: Path, soffice: Any) -> None:
+    saved = soffice.convert(book, "xlsx")
+    told = RUN.invoke(app, ["verify", str(saved)], env={"COLUMNS": "240"}).output
+    assert "does not hold" not in told
+    assert "numbers edited by hand are not seen" not in told
+    typed(saved, "StartMatrix", "Allowable starts", 1.0e6)
+    told = RUN.invoke(app, ["verify", str(saved)], env={"COLUMNS": "240"}).output
+    assert "table StartMatrix does not hold" in told
