@@ -9,13 +9,15 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 
-__all__ = ["LAST_WORDS", "Process"]
+__all__ = ["LAST_WORDS", "Process", "most_resident"]
 
 #: How long a process that is told to end may take. [s]
 LAST_WORDS = 2.0
@@ -74,6 +76,30 @@ class Process:
         status = self._process.exitcode
         self.end()
         return status
+
+
+def most_resident() -> int:
+    """Largest resident memory this process has had.
+
+    On Linux what `getrusage` says of a spawned process begins with that of its parent, so the kernel
+    is asked for that of the program itself.
+
+    Returns
+    -------
+    int
+        0 where the system does not say. [B]
+    """
+    status = Path("/proc/self/status")
+    if status.exists():
+        for line in status.read_text(encoding="ascii", errors="replace").splitlines():
+            if line.startswith("VmHWM"):
+                return 1024 * int(line.split()[1])
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024 * peak
 
 
 # --- in the processes -----------------------------------------------------------------------------

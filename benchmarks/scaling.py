@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from addin.processes import most_resident
 from benchmarks.measure import Timing, interleave, local
 from benchmarks.ours import build_and_solve, prepare_start, run_steps
 from benchmarks.peers import single_threaded
@@ -148,25 +149,9 @@ def _measure_memory(what: str, long: float) -> MemoryRow:
         return start.outcome.time, start.trajectory.n_steps
 
     calculate(0.5)  # compiles, loads what is needed
-    before = _most_resident()
+    before = most_resident()
     time, steps = calculate(long)
-    return MemoryRow(what, time, steps, before, _most_resident())
-
-
-def _most_resident() -> float:
-    """Largest resident memory of this process. [B]
-
-    Linux tells it of the program itself; what `getrusage` says may be that of the parent before
-    this program was loaded.
-    """
-    status = Path("/proc/self/status")
-    if status.exists():
-        line = next(x for x in status.read_text().splitlines() if x.startswith("VmHWM"))
-        return 1024.0 * float(line.split()[1])
-    import resource
-
-    unit = 1.0 if sys.platform == "darwin" else 1024.0
-    return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return MemoryRow(what, time, steps, before, most_resident())
 
 
 def _stalling(case: CaseData) -> tuple[LoadTorqueRow, ...]:

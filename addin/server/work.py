@@ -11,7 +11,6 @@ import contextlib
 import logging
 import pickle
 import queue
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -20,7 +19,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from addin.processes import LAST_WORDS, Process
+from addin.processes import LAST_WORDS, Process, most_resident
 from addin.worksheet.registry import FunctionError
 
 __all__ = ["Busy", "Cancelled", "Job", "TooLong", "Work"]
@@ -240,7 +239,7 @@ class Work:
                 continue
             try:
                 for is_last in (False, True):
-                    if process is None or not process.is_alive:
+                    if process is None or process.leaving or not process.is_alive:
                         process = _successor(process)
                     try:
                         job.future.set_result(self._done(process, job))
@@ -282,6 +281,8 @@ class Work:
                     job.told(value)
                 elif kind == "ready":
                     process.ready, began = True, time.monotonic()
+                elif kind == "leaving":
+                    process.leaving = True
                 elif kind == "done":
                     return value
                 elif kind == "refused":
@@ -296,11 +297,12 @@ class Work:
 
 
 class _Process(Process):
-    """One of the pool; ready once it has loaded what every task needs."""
+    """One of the pool; ready once it has loaded what every task needs, leaving with its last answer."""
 
     def __init__(self) -> None:
         super().__init__(_serve)
         self.ready = False
+        self.leaving = False
 
 
 def _successor(process: _Process | None) -> _Process:
@@ -331,20 +333,14 @@ def _serve(line: Connection) -> None:
             task, payload = line.recv()
         except (EOFError, OSError):
             return
+        answer = _answer(task, payload, line)
+        is_last = most_resident() > MOST_MEMORY  # it goes back to the system only with the process
         with contextlib.suppress(BrokenPipeError, OSError):
-            line.send(_answer(task, payload, line))
-        if _peak_memory() > MOST_MEMORY:
-            return  # the memory goes back to the system only with the process
-
-
-def _peak_memory() -> int:
-    """Most memory this process has used; 0 where the system does not say. [B]"""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return 0
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak if sys.platform == "darwin" else 1024 * peak
+            if is_last:
+                line.send(("leaving", None))
+            line.send(answer)
+        if is_last:
+            return
 
 
 def _answer(task: str, payload: Any, line: Connection) -> tuple[str, Any]:

@@ -101,6 +101,11 @@ def run_study(
 
     destination, json = study_targets(file, study.command, out, json, in_place)
     stop = Stop()
+
+    def on_stage(stage: str) -> None:
+        stop()  # a second Ctrl-C gives up between units as well
+        tell(_progress(file, stage, stop))
+
     try:
         with (
             progress() as tell,
@@ -116,7 +121,7 @@ def run_study(
                 in_place=in_place,
                 json_file=json,
                 ignore_lock=ignore_lock,
-                on_stage=lambda stage: tell(_progress(file, stage, stop)),
+                on_stage=on_stage,
             )
     except (Abandoned, Cancelled, KeyboardInterrupt) as ended:
         why = f" {ended.why}" if isinstance(ended, Cancelled) and ended.why else ""

@@ -3,11 +3,32 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
 from addin.batch.pool import _serve
 from addin.processes import Process
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Asks a process of its own how much it has used, after having used more.
+LARGE_PARENT = f"""
+import mmap
+from addin.batch.pool import _serve
+from addin.processes import Process, most_resident
+if __name__ == "__main__":
+    block = mmap.mmap(-1, {400 * 2**20})
+    for at in range(0, len(block), mmap.PAGESIZE):
+        block[at] = 1
+    process = Process(_serve)
+    process.line.send((max, [1]))
+    process.line.recv()
+    process.line.send((eval, "__import__('addin.processes').processes.most_resident()"))
+    print(most_resident(), process.line.recv())
+    process.end()
+"""
 
 
 @pytest.mark.skipif(os.name != "posix", reason="the sentinel is a pipe on POSIX only")
@@ -20,3 +41,15 @@ def test_a_closed_pipe_is_not_taken_for_the_end_of_the_program() -> None:
         assert process.line.recv() == 3
     finally:
         process.end()
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="Linux alone takes it over")
+def test_the_memory_of_the_program_is_not_that_of_its_processes(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(LARGE_PARENT)
+    said = subprocess.run(
+        [sys.executable, str(script)], env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    parent, child = map(int, said.split())
+    assert parent > 400 * 2**20 > 2 * child > 0

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import json
+import multiprocessing
 import os
 import signal
 import sys
@@ -457,6 +458,7 @@ def dying(*scripts):
 
     class Process:
         ready = True
+        leaving = False
         is_alive = True
 
         def __init__(self):
@@ -496,6 +498,34 @@ def test_a_task_whose_process_died_before_its_first_word_is_tried_once_more(
     else:
         assert job.future.result(10.0) == found
     work.close()
+
+
+def test_a_process_that_has_grown_too_large_is_replaced_without_a_word(monkeypatch, caplog):
+    monkeypatch.setattr(
+        server_work, "_Process", dying([("leaving", None), ("done", 1)], [("done", 2), ("done", 3)])
+    )
+    work = Work(1, 2, 20.0)
+    assert [work.submit("wait", 0.0).future.result(10.0) for _ in range(3)] == [1, 2, 3]
+    work.close()
+    assert [r.getMessage() for r in caplog.records] == []
+
+
+@pytest.mark.parametrize(
+    ("used", "said"), [(1e9, ["stage", "done"]), (2e9, ["stage", "leaving", "done"])]
+)
+def test_a_process_that_has_grown_too_large_says_so_with_its_last_answer(monkeypatch, used, said):
+    monkeypatch.setattr(server_work, "most_resident", lambda: used)
+    ours, theirs = multiprocessing.Pipe()
+    process = threading.Thread(target=server_work._serve, args=(theirs,))
+    process.start()
+    assert ours.recv() == ("ready", None)
+    ours.send(("wait", 0.0))
+    assert [ours.recv()[0] for _ in said] == said
+    if "leaving" not in said:
+        assert not ours.poll(0.2)
+        ours.close()
+    process.join(10.0)
+    assert not process.is_alive()
 
 
 def test_a_workbook_whose_process_died_is_told_as_busy(client, monkeypatch):

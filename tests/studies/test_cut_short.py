@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 
 from addin.case_json import case_to_json
 from addin.cli import app
+from addin.studies import commands as studies_commands
 from addin.studies.calibration import CALIBRATION
 from addin.studies.sensitivities import SENSITIVITIES
 from addin.studies.spread import Cancelled, alone, as_far, over_workers
@@ -220,28 +221,96 @@ def test_only_answers_before_the_first_that_is_missing_count(
     assert as_far(spread, double, range(10), lambda n: None) == told
 
 
+class Watched:
+    """A command whose progress is read as on a terminal."""
+
+    def __init__(self, *words: str) -> None:
+        ours, theirs = os.openpty()
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "addin.cli", *words],
+            env={**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "200", "TERM": "xterm"},
+            stdout=subprocess.PIPE, stderr=theirs, text=True,
+        )  # fmt: skip
+        os.close(theirs)
+        self._line = ours
+        self.told = ""
+
+    def until(self, pattern: str) -> None:
+        """Wait for what is told; a study that ends without it fails the test."""
+        while not re.search(pattern, self.told):
+            more = self._more()
+            assert more, self.told[-2000:]
+
+    def _more(self) -> str:
+        try:
+            more = os.read(self._line, 65536).decode(errors="replace")
+        except OSError:  # the other end is closed: so a terminal says it on Linux
+            more = ""
+        self.told += more
+        return more
+
+    def workers(self) -> list[int]:
+        pid = self.process.pid
+        found = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        return [int(n) for n in found if b"spawn_main" in Path(f"/proc/{n}/cmdline").read_bytes()]
+
+    def ended(self) -> tuple[int, str]:
+        """Its status and what it printed."""
+        while self._more():
+            pass
+        os.close(self._line)
+        assert self.process.stdout is not None
+        said = self.process.stdout.read()
+        return self.process.wait(60.0), said
+
+
 @pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for processes in /proc")
 @pytest.mark.parametrize("times", [1, 2])
 def test_ctrl_c_on_the_command_line(times: int, tmp_path: Path) -> None:
     """Once writes the part that is there, twice gives up; both end with 130 and a sentence."""
-    source = written(tmp_path, sample_case("proposed"), scatter=SCATTER)
-    study = subprocess.Popen(
-        [sys.executable, "-m", "addin.cli", "tolerances", str(source), "--samples", "200000",
-         "--jobs", "2", "--json", str(tmp_path / "t.json")],
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    with pytest.raises(subprocess.TimeoutExpired):
-        study.wait(25.0)
-    for _ in range(times):
-        study.send_signal(signal.SIGINT)
-        time.sleep(0.2)  # two at once are one
-    said, wrong = study.communicate(timeout=120)
-    assert study.returncode == 130, said + wrong
-    assert "Traceback" not in wrong
+    source, place = written(tmp_path, sample_case("proposed"), scatter=SCATTER), tmp_path / "t.json"
+    study = Watched("tolerances", str(source), "--samples", "200000", "--jobs", "2",
+                    "--json", str(place))  # fmt: skip
+    study.until(r"[1-9]\d\d of 200,")
+    if times == 2:
+        workers = study.workers()
+        assert len(workers) == 2
+        for worker in workers:  # so that what runs does not end meanwhile
+            os.kill(worker, signal.SIGSTOP)
+    study.process.send_signal(signal.SIGINT)
+    study.until("Stopping: ")
+    if times == 2:
+        study.process.send_signal(signal.SIGINT)
+    status, said = study.ended()
+    assert status == 130, said + study.told
+    assert "Traceback" not in study.told
     if times == 1:
         assert "Cut short by Ctrl-C" in said
-        assert json.loads((tmp_path / "t.json").read_text())["cut_short"]["calculated"] >= 30
+        assert json.loads(place.read_text())["cut_short"]["calculated"] >= 30
     else:
-        assert "Nothing was written" in wrong
-        assert not (tmp_path / "t.json").exists()
+        assert "Nothing was written" in study.told
+        assert not place.exists()
+
+
+@pytest.mark.parametrize("stage", ["plain run", "68 of 68 trains"])
+def test_a_second_ctrl_c_gives_up_whatever_is_done(
+    stage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before the first unit, and after the last."""
+    source = written(tmp_path, sample_case("proposed"), scatter=SCATTER)
+    told: list[str] = []
+
+    def tell_and_interrupt(file: Path, at: str, stop: Any) -> str:
+        told.append(at)
+        if at == stage:
+            stop.asked = 2
+        return at
+
+    monkeypatch.setattr(studies_commands, "_progress", tell_and_interrupt)
+    words = ["tolerances", str(source), "--samples", "64", "--jobs", "1", "--json",
+             str(tmp_path / "t.json")]  # fmt: skip
+    done = RUN.invoke(app, words)
+    assert done.exit_code == 130, done.output
+    assert stage in told
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["case.json"]
