@@ -37,7 +37,7 @@ TUNING_RESULT_TABLES: tuple[TableSpec, ...] = (
         text("Better", "yes where it ranks above the case as it stands.", kind="flag"),
         text("Verdict", "fail where a limit is broken, impossible where there is no such case."),
         integer("Limits broken", "Checks that fail."),
-        number("Allowable starts", "count", "Of the governing shaft, over StartsFactor."),
+        number("Allowable starts", "count", "Of the governing shaft, not divided by StartsFactor."),
         number("Worst margin", "fraction", "Least separation margin."),
         text("Reason", "Why it stands there."),
         text("Broken", "Which limits are broken."),
@@ -102,7 +102,7 @@ TUNING_RESULT_TABLES: tuple[TableSpec, ...] = (
         _OPTION,
         _SHARE,
         *(
-            text(f"Line {k}", "Allowable starts over StartsFactor, or words.", kind="mixed")
+            text(f"Line {k}", "Allowable starts, or words.", kind="mixed")
             for k in range(1, LINES + 1)
         ),
     ),
@@ -124,7 +124,7 @@ TUNING_RESULT_TABLES: tuple[TableSpec, ...] = (
         _OPTION,
         _SHARE,
         *(number(f"Mode {k}", "frequency", "Elastic mode.") for k in range(1, MAP_MODES + 1)),
-        number("Allowable starts", "count", "Over StartsFactor."),
+        number("Allowable starts", "count", "Not divided by StartsFactor."),
         number("Worst margin", "fraction", "Least separation margin."),
         json_only=("unlimited",),
     ),
@@ -148,7 +148,7 @@ TUNING_RESULT_TABLES: tuple[TableSpec, ...] = (
         1,
         "Numbers behind the chart of starts: no words.",
         _SHARE,
-        *_lines("Line", "count", "Allowable starts over StartsFactor."),
+        *_lines("Line", "count", "Allowable starts."),
     ),
     table(
         "TuningHatch",
@@ -189,7 +189,7 @@ _RESULTS: Mapping[str, Trace] = {
     "Verdict": _as("Verdicts.Verdict", "The worst verdict of the run, rated torques included"),
     "Limits broken": _as("Verdicts.Verdict", "Number of checks that fail, rated torques included"),
     "Broken": _as("Verdicts.Check", "Names of the checks that fail"),
-    "Allowable starts": _worst("AllowableStarts.Allowable starts", "Least of all shafts, over StartsFactor"),
+    "Allowable starts": _worst("AllowableStarts.Allowable starts", "Least of all shafts"),
     "Error": _as("AllowableStarts.Error"),
     "Governing shaft": _as("AllowableStarts.Element", "Shaft with the fewest allowable starts"),
     "Worst margin": _worst("SeparationMargins.Margin", "min |f − f_exc| / f_exc"),

@@ -74,7 +74,7 @@ class Answers:
     impacts : int or None
         Recontacts of all teeth; None where no clearance was modelled. [count]
     starts : float or None
-        Allowable starts of the governing shaft over StartsFactor; None = unlimited or not judged. [1]
+        Allowable starts of the governing shaft; None = unlimited or not judged. [1]
     unlimited : bool
         Shafts are judged and none is damaged. [flag]
     starts_error : float or None
@@ -205,7 +205,7 @@ def answers_of(results: Results) -> Answers:
     counted = [r.impacts for r in results.reversals if r.impacts is not None]
     starts = results.starts if results.starts is not None and results.starts.shafts else None
     whole = is_counted(results.start)
-    number = starts.judged_starts if starts is not None and whole else None
+    number = starts.starts if starts is not None and whole else None
     checks = (*results.verdicts[1:], *_rated(results))
     return Answers(
         modes=tuple(float(f) for f in results.modes.elastic_frequency[:MODES]),
@@ -228,7 +228,7 @@ def answers_of(results: Results) -> Answers:
         mesh_where="" if lowest is None else lowest.element,
         impacts=sum(counted) if counted else None,
         starts=number,
-        unlimited=starts is not None and whole and starts.judged_starts is None,
+        unlimited=starts is not None and whole and starts.unlimited,
         starts_error=_starts_error(results, number),
         starts_where="" if starts is None or not whole else starts.governing or "",
         checks=checks,

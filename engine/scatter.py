@@ -30,7 +30,8 @@ from numpy.typing import NDArray
 from engine.case import CaseData
 from engine.errors import Problem
 from engine.studies import ScatterRow
-from engine.substitution import DAMPING_RATIO, SCATTERED, Change, names_with, why_not
+from engine.substitution import DAMPING_RATIO, SCATTERED, Change, changed, names_with, why_not
+from engine.validation import find_problems
 
 __all__ = [
     "DISTRIBUTIONS",
@@ -172,7 +173,7 @@ def scatter_problems(case: CaseData, rows: Sequence[ScatterRow]) -> list[Problem
     for number, row in enumerate(rows, start=1):
         found += _row_problems(case, number, row)
     found += _repeated(rows)
-    return found
+    return found or list(_end_problems(case, rows))
 
 
 def _row_problems(case: CaseData, number: int, row: ScatterRow) -> Iterator[Problem]:
@@ -322,6 +323,26 @@ def _repeated(rows: Sequence[ScatterRow]) -> Iterator[Problem]:
         first.setdefault(key, number)
 
 
+def _end_problems(case: CaseData, rows: Sequence[ScatterRow]) -> Iterator[Problem]:
+    """Rows whose least or largest factors make a case that would be refused if it were typed in."""
+    for number, (row, factors) in enumerate(_by_row(case, rows), start=1):
+        for column, at in (("From", 0.0), ("To", 1.0)):
+            values = [float(factor.at(at)) for factor in factors]
+            wrong = find_problems(changed(case, changes_of(factors, values)))
+            if not wrong:
+                continue
+            from_to = _distribution(row) == FROM_TO
+            yield Problem(
+                TABLE,
+                number,
+                column if from_to else "Spread",
+                (row.to if at else row.from_) if from_to else row.spread,
+                "what the table itself would take",
+                f"times {values[0]:.6g}, its {'largest' if at else 'least'} factor, the case would be "
+                f"refused: {wrong[0].message} Scatter it less.",
+            )
+
+
 def factors_of(case: CaseData, rows: Sequence[ScatterRow]) -> tuple[Factor, ...]:
     """The independent factors that a table stands for.
 
@@ -337,19 +358,23 @@ def factors_of(case: CaseData, rows: Sequence[ScatterRow]) -> tuple[Factor, ...]
     tuple of Factor
         In the order of the rows, then of the names in their tables. [1]
     """
+    return tuple(factor for _, factors in _by_row(case, rows) for factor in factors)
+
+
+def _by_row(
+    case: CaseData, rows: Sequence[ScatterRow]
+) -> Iterator[tuple[ScatterRow, tuple[Factor, ...]]]:
     named = {(row.quantity, row.name) for row in rows if row.name}
-    found = []
     for row in rows:
         quantity = str(row.quantity)
         if row.name or quantity == DAMPING_RATIO:
-            found.append(_factor(row, quantity, (row.name or "",)))
+            yield row, (_factor(row, quantity, (row.name or "",)),)
             continue
         left = tuple(n for n in names_with(case, quantity) if (quantity, n) not in named)
-        if row.together == TOGETHER:
-            found += [_factor(row, quantity, left)] if left else []
+        if row.together != TOGETHER:
+            yield row, tuple(_factor(row, quantity, (name,)) for name in left)
         else:
-            found += [_factor(row, quantity, (name,)) for name in left]
-    return tuple(found)
+            yield row, (_factor(row, quantity, left),) if left else ()
 
 
 def _factor(row: ScatterRow, quantity: str, names: tuple[str, ...]) -> Factor:

@@ -64,13 +64,15 @@ class Argument:
         As the wizard shows it. [name]
     kind : str
         One of `KINDS`: a range with headers, a handle of `TV_MODEL`, one number, a range of
-        numbers, a text, TRUE or FALSE, a positive whole number. [word]
+        numbers, a text, TRUE or FALSE, a whole number. [word]
     help : str
         What to give, so that it reads well after "give". [words]
     optional : bool
         Whether it may be left out or blank: the function then gets None. [flag]
     blank : bool
         Whether the cell given may be blank although others follow. [flag]
+    least : int
+        Smallest whole number it may be. [count]
     """
 
     name: str
@@ -78,6 +80,7 @@ class Argument:
     help: str
     optional: bool = False
     blank: bool = False
+    least: int = 1
 
     def __post_init__(self) -> None:
         assert self.kind in KINDS, self.kind
@@ -293,8 +296,8 @@ def _bound(argument: Argument, raw: Any) -> Any:
         return _flag(argument, cell)
     number = _number(argument, cell, 0, 0)
     if argument.kind == "count":
-        if number is None or number < 1.0 or number != math.floor(number):
-            raise _unfit(argument, cell, "a whole number from 1 on")
+        if number is None or number < argument.least or number != math.floor(number):
+            raise _unfit(argument, cell, f"a whole number from {argument.least} on")
         return int(number)
     return number
 

@@ -9,6 +9,7 @@ import pytest
 from scipy import stats
 
 from engine.case import CaseData
+from engine.errors import CaseError
 from engine.scatter import (
     Factor,
     changes_of,
@@ -142,6 +143,20 @@ def test_everything_wrong_is_told_at_once(case: CaseData) -> None:
 
 
 # --- samples --------------------------------------------------------------------------------------
+
+
+def test_ends_are_judged_as_if_they_were_typed(case: CaseData) -> None:
+    rows = [
+        ScatterRow(quantity="stiffness", spread=0.1),
+        ScatterRow(quantity="damping ratio", from_=0.5, to=200.0),
+    ]
+    (wrong,) = scatter_problems(case, rows)
+    with pytest.raises(CaseError) as typed:
+        replace(case, damping_ratio=200.0 * (case.damping_ratio or 0.0))
+    assert (wrong.table, wrong.row, wrong.column, wrong.found) == ("Scatter", 2, "To", 200.0)
+    assert wrong.message.startswith("times 200, its largest factor, the case would be refused: ")
+    assert typed.value.problems[0].message in wrong.message
+    assert scatter_problems(case, [rows[0], replace(rows[1], to=2.0)]) == []
 
 
 def test_distributions_are_those_of_the_names() -> None:

@@ -193,6 +193,22 @@ def test_a_start_that_does_not_end_ranks_below_those_that_do() -> None:
     assert ranked_rows(found)[-1]["allowable_starts"] is None
 
 
+def test_allowable_starts_are_those_of_table_allowable_starts_whatever_the_factor() -> None:
+    """StartsFactor divides what is judged, here as in the plain run."""
+    studies = StudyInputs((TuningRow(HIGH, "stiffness", values=(1.0, 1.2)),))
+    (one, two) = (tune(judged(starts_factor=f), studies) for f in (1.0, 50.0))
+    plain = run(judged(starts_factor=50.0)).starts
+    assert plain is not None
+    assert plain.starts is not None
+    broken = []
+    for found in (one, two):
+        assert found.as_is is not None
+        assert found.as_is.tried.answers is not None
+        assert found.as_is.tried.answers.starts == pytest.approx(plain.starts, rel=1e-12)
+        broken.append(found.as_is.tried.answers.broken)
+    assert broken[0] != broken[1]
+
+
 def test_the_rated_torque_of_a_coupling_on_offer_is_judged() -> None:
     """It transmits 10 kN m, the rated torque of the train."""
     offers = (

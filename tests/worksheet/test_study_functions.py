@@ -140,6 +140,9 @@ def test_wrong_rows_are_told_with_table_row_and_column(handle):
     wide = [*SCATTER[:2], ["stiffness", "normal", 30.0]]
     assert "Scatter, row 1, Spread" in refused("TV_TOLERANCES", handle, wide).message
     assert "30" in refused("TV_TOLERANCES", handle, SCATTER, None, 5.0).message
+    seed = refused("TV_TOLERANCES", handle, SCATTER, None, 60.0, -1.0).message
+    assert "Seed" in seed
+    assert "a whole number from 0 on" in seed
     assert "'margins'" in refused("TV_TOLERANCES", handle, SCATTER, "stress").message
     assert "'start'" in refused("TV_SENSITIVITIES", handle, "modes").message
 
