@@ -744,16 +744,20 @@ def _notes(
     elif condition.damping_ratio is not None and case.mode_damping:
         factor = condition.damping_ratio / (case.damping_ratio or 1.0)
         yield f"ModeDamping is scaled by {factor:.4g}, as DampingRatio is."
+    yield from _limits_passed(shafts)
+    if start.is_sensitive:
+        yield "Sensitive to tiny changes of the input: one of many equally right answers."
+    elif not start.met_tolerance:
+        yield f"Wanted accuracy not met: estimated error of peaks {start.estimated_error:.2g}."
+
+
+def _limits_passed(shafts: Sequence[ConditionShaft]) -> Iterator[str]:
     extended = [s.element for s in shafts if s.extended]
     if extended:
         yield f"Cycles above the first S-N point ({', '.join(extended)}): its slope is extended."
     yielding = [s.element for s in shafts if s.yields]
     if yielding:
         yield f"Nominal peak above shear yield ({', '.join(yielding)}): the count does not hold."
-    if start.is_sensitive:
-        yield "Sensitive to tiny changes of the input: one of many equally right answers."
-    elif not start.met_tolerance:
-        yield f"Wanted accuracy not met: estimated error of peaks {start.estimated_error:.2g}."
 
 
 # --- all of them ----------------------------------------------------------------------------------
@@ -802,7 +806,10 @@ def gather_matrix(
 
 
 def _joined(condition: StartCondition, rows: Sequence[ConditionResult]) -> ConditionResult:
-    """One row of a condition; of a trip that was tried at several instants the worst."""
+    """One row of a condition; of a trip that was tried at several instants the worst.
+
+    Damage is that of the most damaging instant; extremes may be those of another.
+    """
     if len(rows) < len(condition.instants):
         note = "Stopped before this start."
         return ConditionResult(condition, NOT_CALCULATED, NOT_CALCULATED, note=note)
@@ -813,18 +820,40 @@ def _joined(condition: StartCondition, rows: Sequence[ConditionResult]) -> Condi
         return replace(lost, condition=condition)
     ranked = sorted(rows, key=lambda r: (_harm(r), -(r.condition.trip_speed or 0.0)))
     worst, least = ranked[-1], ranked[0]
-    shafts = tuple(
-        max(
-            (r.shafts[k] for r in rows),
-            key=lambda s: (not s.judged, s.damage, s.peak_to_peak_stress),
-        )
-        for k in range(len(worst.shafts))
-    )
+    shafts = tuple(_worst_shaft([r.shafts[k] for r in rows]) for k in range(len(worst.shafts)))
     said = f"Worst of {len(rows)} instants of one period from there."
     if worst.allowable_starts is not None:
         best = "unlimited" if least.unlimited else f"{math.floor(least.allowable_starts or 0.0):,}"
         said = f"{said[:-1]}; the least harmful allows {best} starts."
-    return replace(worst, condition=condition, shafts=shafts, note=f"{said} {worst.note}")
+    before, after = (" ".join(_limits_passed(s)) for s in (worst.shafts, shafts))
+    note = worst.note.replace(before, after) if before else f"{worst.note} {after}"
+    governing = next((s for s in shafts if s.element == worst.governing), None)
+    largest = max(rows, key=lambda r: r.peak_torque or 0.0)
+    lowest = min(rows, key=lambda r: math.inf if r.mesh is None else r.mesh_minimum_torque or 0.0)
+    return replace(
+        worst,
+        condition=condition,
+        peak_torque=largest.peak_torque,
+        peak_over_rated=largest.peak_over_rated,
+        peak_element=largest.peak_element,
+        peak_to_peak_stress=None if governing is None else governing.peak_to_peak_stress,
+        mesh_minimum_torque=lowest.mesh_minimum_torque,
+        mesh=lowest.mesh,
+        impacts=max((r.impacts for r in rows if r.impacts is not None), default=None),
+        shafts=shafts,
+        note=f"{said} {note}".strip(),
+    )
+
+
+def _worst_shaft(instants: Sequence[ConditionShaft]) -> ConditionShaft:
+    """One shaft after a trip: the most damaging instant, with the extremes of all."""
+    worst = max(instants, key=lambda s: (not s.judged, s.damage, s.peak_to_peak_stress))
+    return replace(
+        worst,
+        peak_to_peak_stress=max(s.peak_to_peak_stress for s in instants),
+        extended=any(s.extended for s in instants),
+        yields=any(s.yields for s in instants),
+    )
 
 
 def _harm(row: ConditionResult) -> tuple[bool, float, float, float]:

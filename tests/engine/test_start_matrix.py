@@ -276,6 +276,23 @@ def test_of_several_instants_the_worst_stands_in_the_row(case: Case) -> None:
             "Worst of 8 instants of one period from there; the least harmful allows 10,000 starts. "
             "Tripped."
         )
+    # extremes of an instant that does less damage
+    limit = tuple(
+        replace(s, peak_to_peak_stress=2e8, extended=True, yields=s.element == "B")
+        for s in rows[1].shafts
+    )
+    rows[1] = replace(
+        rows[1], shafts=limit, peak_torque=9e3, peak_over_rated=3.0, peak_element="B",
+        mesh_minimum_torque=-5.0, mesh="Mesh", impacts=4,
+    )  # fmt: skip
+    others = [replace(r, peak_torque=8e3, mesh_minimum_torque=2.0, mesh="Mesh") for r in rows]
+    (found,) = gather_matrix(case, StudyInputs(), plan, [*others[:1], rows[1], *others[2:]]).rows
+    assert (found.governing, found.allowable_starts) == ("A", pytest.approx(1.0 / 9e-4))
+    assert (found.peak_torque, found.peak_over_rated, found.peak_element) == (9e3, 3.0, "B")
+    assert (found.peak_to_peak_stress, found.mesh_minimum_torque, found.impacts) == (2e8, -5.0, 4)
+    assert [(s.extended, s.yields) for s in found.shafts] == [(True, False), (True, True)]
+    assert "Cycles above the first S-N point (A, B)" in found.note
+    assert "Nominal peak above shear yield (B)" in found.note
     stalled = replace(rows[0], outcome="stalled", judged=False, allowable_starts=None)
     (found,) = gather_matrix(case, StudyInputs(), plan, [stalled, *rows[1:]]).rows
     assert not found.judged
