@@ -41,6 +41,8 @@ class StudyThere:
         Its tables that do not hold what it wrote. [names]
     is_recorded : bool
         What it wrote is recorded, so that edits are seen. [flag]
+    is_cut_short : bool
+        Ctrl-C ended it: a part of it stands there. [flag]
     """
 
     on_sheet: StudyOnSheet
@@ -50,6 +52,7 @@ class StudyThere:
     outdated: str
     edited: tuple[str, ...]
     is_recorded: bool
+    is_cut_short: bool = False
 
     @property
     def key(self) -> str:
@@ -93,6 +96,7 @@ def studies_there(read: WorkbookInput, units: ShownUnits) -> tuple[StudyThere, .
         Of studies that have been made.
     """
     from addin.studies.every import every_study
+    from addin.studies.study import CUT_SHORT
     from engine.case import case_digest
     from engine.studies import StudyInputs
 
@@ -114,7 +118,10 @@ def studies_there(read: WorkbookInput, units: ShownUnits) -> tuple[StudyThere, .
         rows = rows_digest(study.inputs, inputs)
         outdated = _outdated(study.inputs, made, digest, stamp, rows) or _unread(study.inputs, read)
         edited = edited_tables(read.workbook, (specs[name] for name in names), units, written)
-        found.append(StudyThere(one, sentence, stamp, tables, outdated, edited, bool(written)))
+        is_part = sentence.startswith(CUT_SHORT)
+        found.append(
+            StudyThere(one, sentence, stamp, tables, outdated, edited, bool(written), is_part)
+        )
     return tuple(found)
 
 

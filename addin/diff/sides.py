@@ -164,12 +164,30 @@ def read_side(
     read = read_checked(source)
     if isinstance(read, Unreadable) or read.problems:
         raise CannotBeCompared(source, read.problems)
-    asked = StudyInputs() if read.studies is None else read.studies.inputs
     if isinstance(read, WorkbookInput):
-        side = _of_workbook(source, read, recalculate, on_stage)
-        there = () if side.units is None else studies_there(read, side.units)
-        return replace(side, study_inputs=asked, studies=there)
+        return with_studies(_of_workbook(source, read, recalculate, on_stage), read)
     side = _calculated(source, read, None, {}, "calculated now, a case holds none", on_stage)
+    return with_studies(side, read)
+
+
+def with_studies(side: Side, read: CaseInput) -> Side:
+    """A side with its study sheets.
+
+    Parameters
+    ----------
+    side : Side
+        Inputs and results.
+    read : CaseInput
+        The input they are of. [SI]
+
+    Returns
+    -------
+    Side
+        With the rows of its study tables, and of a workbook the studies that stand in it.
+    """
+    asked = StudyInputs() if read.studies is None else read.studies.inputs
+    if isinstance(read, WorkbookInput) and side.units is not None:
+        return replace(side, study_inputs=asked, studies=studies_there(read, side.units))
     return replace(side, study_inputs=asked)
 
 

@@ -37,7 +37,7 @@ class StudyDifferences:
     Parameters
     ----------
     notes : tuple of str
-        What is not compared, and why. [sentences]
+        What is not compared, or only in part, and why. [sentences]
     inputs, results : tuple of Change
         Rows of the study sheets; results of studies that both files have of their own inputs.
     same_inputs, same_results : int
@@ -95,6 +95,12 @@ def compare_studies(first: Side, second: Side, units: Units, renamed: Renamed) -
             notes.append(why)
             continue
         old, new = (one for one in pair if one is not None)
+        cut = " and ".join(x for x, one in zip("AB", (old, new), strict=True) if one.is_cut_short)
+        if cut:
+            notes.append(
+                f"Sheet {sheet} in {cut} holds the part of a study that Ctrl-C left: some differences "
+                "may be of that alone."
+            )
         for spec in _COMPARED:
             if spec.name in old.tables and spec.name in new.tables:
                 more, count = compare_rows(

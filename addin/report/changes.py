@@ -9,10 +9,12 @@ from dataclasses import replace
 from addin.diff.changes import Change, Differences, Value, VerdictChange
 from addin.diff.sides import COMPARED
 from addin.diff.told import change_in_words, in_words, telling
+from addin.fields import STUDY_RESULT_TABLES
 from addin.problems import shortened
 from addin.report.document import Block, Column, Facts, Paragraph, Section, Table
 from addin.report.numbers import clean, of_dimension, pretty_unit, typed
 from addin.report.subject import Subject
+from addin.study_sheets import STUDY_CAPTIONS
 from addin.template_text import CAPTIONS
 
 __all__ = ["changes", "earlier_name"]
@@ -24,8 +26,10 @@ _LONGEST = 200
 _OTHER_VERDICTS = 12
 #: Dimension of each column of the results, by table.
 _DIMENSIONS: Mapping[str, Mapping[str, str]] = {
-    spec.name: {field.name: field.dimension for field in spec.columns} for spec in COMPARED
+    spec.name: {field.name: field.dimension for field in spec.columns}
+    for spec in (*COMPARED, *STUDY_RESULT_TABLES)
 }
+_CAPTIONS = {**CAPTIONS, **STUDY_CAPTIONS}
 
 
 def earlier_name(found: Differences) -> str:
@@ -77,7 +81,12 @@ def changes(subject: Subject, found: Differences) -> Section:
     return Section(
         f"Changes since {earlier_name(found)}",
         tuple(blocks),
-        (_inputs(found), _verdicts(found), _results(found, clean(subject.name))),
+        (
+            _inputs(found),
+            _verdicts(found),
+            _results(found, clean(subject.name)),
+            *((_studies(found, clean(subject.name)),) if found.studies.anything else ()),
+        ),
     )
 
 
@@ -138,7 +147,7 @@ def _table(caption: str, found: Iterable[Change], with_table: bool = False) -> T
     )
     rows = []
     for one in found:
-        table = (CAPTIONS.get(one.table, one.table),) if with_table else ()
+        table = (_CAPTIONS.get(one.table, one.table),) if with_table else ()
         unit = pretty_unit(one.unit)
         rows.append(
             (
@@ -238,8 +247,39 @@ def _results(found: Differences, name: str) -> Section:
     if not found.results:
         said = f"No difference in {found.same_results:,} quantities."
         return Section(title, (Paragraph(said),))
+    blocks, shown = _by_table(found.results)
+    left = len(found.results) - shown
+    said = f"{found.same_results:,} results are the same, {len(found.results):,} differ."
+    if left:
+        said += f" Shown is what is asked for first; {_all_listed(found, len(found.results), name)}"
+    return Section(title, (Paragraph(said), *blocks))
+
+
+def _studies(found: Differences, name: str) -> Section:
+    """Study sheets: rows that changed, and what the studies found where both files hold them."""
+    there = found.studies
+    letters = f"A is {found.first.source.name}, B this calculation."
+    notes = [Paragraph(clean(" ".join([*there.notes, letters])))] if there.notes else []
+    asked = [_table("Rows of study sheets that changed", there.inputs[:_MOST], with_table=True)]
+    blocks, shown = _by_table(there.results)
+    said = f"{there.same_results:,} results of studies are the same, {len(there.results):,} differ."
+    left = len(there.results) - shown + max(len(there.inputs) - _MOST, 0)
+    if left:
+        said += f" Shown is what is asked for first; {_all_listed(found, len(there.results), name)}"
+    return Section("Studies", (*notes, *(asked if there.inputs else ()), Paragraph(said), *blocks))
+
+
+def _all_listed(found: Differences, total: int, name: str) -> str:
+    return (
+        f"all {total:,} are listed by torsionbook diff {_quoted(clean(found.first.source.name))} "
+        f"{_quoted(name)} --xlsx OUT.xlsx."
+    )
+
+
+def _by_table(results: Iterable[Change]) -> tuple[list[Block], int]:
+    """What is asked for first, a table each result table, and how many changes that is."""
     by_table: dict[str, list[Change]] = {}
-    for one in found.results:
+    for one in results:
         by_table.setdefault(one.table, []).append(one)
     blocks: list[Block] = []
     shown = 0
@@ -253,15 +293,8 @@ def _results(found: Differences, name: str) -> Section:
                 if any(one.kind == kind for one in differing)
             ]
             note = f"Rows that have no counterpart: {', '.join(rows)}." if rows else ""
-            blocks.append(replace(_table(CAPTIONS[table], some), note=note))
-    left = len(found.results) - shown
-    said = f"{found.same_results:,} results are the same, {len(found.results):,} differ."
-    if left:
-        said += (
-            f" Shown is what is asked for first; all {len(found.results):,} are listed by "
-            f"torsionbook diff {_quoted(clean(found.first.source.name))} {_quoted(name)} --xlsx OUT.xlsx."
-        )
-    return Section(title, (Paragraph(said), *blocks))
+            blocks.append(replace(_table(_CAPTIONS[table], some), note=note))
+    return blocks, shown
 
 
 def _quoted(name: str) -> str:

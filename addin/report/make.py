@@ -129,12 +129,12 @@ def _compared(
 ) -> Differences:
     """An earlier revision, calculated again by this version, and this calculation."""
     from addin.diff.compare import compare_sides
-    from addin.diff.sides import read_side, side_of
+    from addin.diff.sides import read_side, side_of, with_studies
     from addin.report.shown import shown_of
 
     units = shown_of(read).units
     now = side_of(source, read, calculation, units, "calculated now, for this document")
-    return compare_sides(read_side(against, recalculate=True), now)
+    return compare_sides(read_side(against, recalculate=True), with_studies(now, read))
 
 
 def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from addin.studies.study import CutShort, Found, Study
+from addin.studies.study import CUT_SHORT, CutShort, Found, Study
 
 if TYPE_CHECKING:
     from addin.studies.spread import Spread
@@ -82,7 +82,7 @@ def _calculate(
 
 def _cut_short(calculated: int, planned: int, has_duty: bool) -> CutShort:
     sentence = (
-        f"Cut short by Ctrl-C: {calculated} of {planned} starts were calculated; the others are named "
+        f"{CUT_SHORT}: {calculated} of {planned} starts were calculated; the others are named "
         "'not calculated'."
     )
     if has_duty:

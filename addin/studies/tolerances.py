@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from addin.studies.study import CutShort, Found, Study
+from addin.studies.study import CUT_SHORT, CutShort, Found, Study
 
 if TYPE_CHECKING:
     from addin.studies.spread import Spread
@@ -69,7 +69,7 @@ def _calculate(
 
 def _cut_short(drawn: int, planned: int) -> str:
     return (
-        f"Cut short by Ctrl-C: {drawn:,} of {planned:,} samples were calculated, and convergence is "
+        f"{CUT_SHORT}: {drawn:,} of {planned:,} samples were calculated, and convergence is "
         "judged with these."
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from addin.studies.study import CutShort, Found, Study
+from addin.studies.study import CUT_SHORT, CutShort, Found, Study
 
 if TYPE_CHECKING:
     from addin.studies.spread import Spread
@@ -120,7 +120,7 @@ def _cut_short(calculated: int, planned: int) -> CutShort:
     return CutShort(
         calculated,
         planned,
-        "Cut short by Ctrl-C: what is better may be among the combinations not calculated.",
+        f"{CUT_SHORT}: what is better may be among the combinations not calculated.",
     )
 
 

@@ -22,6 +22,9 @@ from addin.json_schemas import diff_schema
 from addin.matching import ROW_NAMES
 from addin.package import open_workbook
 from addin.package.references import cell_name
+from addin.studies.spread import alone
+from addin.studies.study import study_one
+from addin.studies.tuning import TUNING
 from addin.study_fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES
 from tests.sample_case import sample_case
 
@@ -115,6 +118,27 @@ def test_a_study_in_one_file_only_is_named(first: Path, tmp_path: Path) -> None:
     said("new", bare, "--studies", "--from", first)
     notes = compare_files(first, bare).studies.notes
     assert [n.rpartition(": ")[2] for n in notes] == ["the study has not been made in B."] * 2
+
+
+@pytest.mark.slow
+def test_a_study_that_was_cut_short_is_named_beside_a_whole_one(tmp_path: Path) -> None:
+    part = tmp_path / "part.xlsx"
+    row = [{"element": "HS coupling", "quantity": "stiffness", "unit": "%", "from": 50, "to": 150,
+            "steps": 21}]  # fmt: skip
+    case = tmp_path / "case.json"
+    case.write_text(json.dumps(case_to_json(sample_case("proposed")) | {"tuning": row}))
+    said("new", part, "--studies", "--from", case)
+    whole = Path(shutil.copy2(part, tmp_path / "whole.xlsx"))
+    assert (
+        study_one(
+            TUNING, part, alone(iter([False, True, True]).__next__), {}, in_place=True
+        ).problems
+        == ()
+    )
+    assert study_one(TUNING, whole, alone(), {}, in_place=True).problems == ()
+    (note,) = compare_files(part, whole).studies.notes
+    assert note.startswith("Sheet Tuning results in A holds the part of a study that Ctrl-C left")
+    assert compare_files(whole, whole).studies.notes == ()
 
 
 @pytest.mark.slow

@@ -124,6 +124,36 @@ def test_a_study_of_other_rows_alone_is_out_of_date(book: Path, tmp_path: Path) 
 
 
 @pytest.mark.slow
+def test_what_changed_in_studies_since_an_earlier_revision(book: Path, tmp_path: Path) -> None:
+    """Rows asked, numbers found as they stand in both, and what is not compared."""
+    now = Path(shutil.copy2(book, tmp_path / "now.xlsx"))
+    opened = open_workbook(now, ignore_lock=True)
+    there = opened.table("StartConditions")
+    at = there.ref.left + there.column_index("Voltage")
+    opened.set_cell(there.sheet, cell_name(there.data.top + 1, at), 0.95)
+    there = opened.table("Tuning")
+    at = there.ref.left + there.column_index("Values")
+    opened.set_cell(there.sheet, cell_name(there.data.top, at), "40; 70")
+    opened.save(in_place=True)
+    said("starts", now, "--in-place", "--jobs", "1")
+    assert report(now, docx=tmp_path / "o.docx", against=book).problems == ()
+    text = docx_text(tmp_path / "o.docx")
+    changes = text[text.index("Changes since") :]
+    assert "Rows of study sheets that changed" in changes
+    assert "Sheet Tuning results is not compared: in B it was made from other rows" in changes
+    assert f"A is {book.name}, B this calculation." in changes
+    before, after = (
+        next(r["Allowable starts"] for r in cells(b, "StartMatrix") if r["Condition"] == "weak")
+        for b in (book, now)
+    )
+    assert int(before) != int(after)
+    for number in (before, after):
+        assert f"{number:,.4g}" in changes or f"{int(number):,}" in changes
+    assert report(book, docx=tmp_path / "s.docx", against=book).problems == ()
+    assert "Rows of study sheets that changed" not in docx_text(tmp_path / "s.docx")
+
+
+@pytest.mark.slow
 def test_words_typed_over_numbers_break_no_report(book: Path, tmp_path: Path) -> None:
     other = Path(shutil.copy2(book, tmp_path / "other.xlsx"))
     opened = open_workbook(other, ignore_lock=True)
