@@ -57,6 +57,7 @@ from addin.units import UnitError, UnitScale, parse_unit
 if TYPE_CHECKING:
     import pyarrow as pa
 
+    from engine.case import CaseData
     from engine.errors import Problem
 
 __all__ = ["Chunk", "Programme", "TableRefused", "Varied", "calculate_rows", "run_programme"]
@@ -499,7 +500,7 @@ def _calculated(
     columns = task.columns
     findings = Findings()
     typed = TypedCase(dict(base.scalars), {name: list(rows) for name, rows in base.tables.items()})
-    inputs = _put(task, values, typed, findings)
+    inputs, relative = _put(task, values, typed, findings)
     if len(values) != len(columns):
         reason = f"the row has {len(values)} values, the table {len(columns)} columns."
         return inputs | {"outcome": WRONG_INPUT, "reason": reason}
@@ -509,6 +510,7 @@ def _calculated(
         if problems:
             reasons = [_reason(one, columns, typed) for one in problems]
             return inputs | {"outcome": WRONG_INPUT, "reason": "\n".join(reasons)}
+        inputs |= {one.header: _in_case(one, data) for one in relative}
         case = Case(**(vars(data) | dict(task.overrides)))
         digest = case_digest(data)
         if digest not in known:
@@ -526,9 +528,14 @@ def _calculated(
 
 def _put(
     task: Chunk, values: Sequence[Any], typed: TypedCase, findings: Findings
-) -> dict[str, Any]:
-    """Put the values of a row into a case; what was put, for the result."""
+) -> tuple[dict[str, Any], list[Varied]]:
+    """Put the values of a row into a case.
+
+    Returns what was put, for the result, and the columns of which only the case knows how much that
+    is: texts such as ``12 %`` of the rated torque.
+    """
     inputs: dict[str, Any] = {}
+    relative = []
     for column, value in zip(task.columns, values, strict=False):
         if task.comma and isinstance(value, str) and column.spec.is_number:
             value = _with_point(column, value, findings)
@@ -536,13 +543,28 @@ def _put(
         inputs[column.header] = _shown(column, entry)
         if entry is None:
             continue
+        if inputs[column.header] is None:
+            relative.append(column)
         table, row, name = column.place
         if row is None:
             typed.scalars[name] = entry
         else:
             rows = typed.tables[table]
             rows[row - 1] = {**rows[row - 1], name: entry}
-    return inputs
+    return inputs, relative
+
+
+def _in_case(column: Varied, data: CaseData) -> float | None:
+    """The input of a case in the unit of its column; None where that unit hangs on the case, too."""
+    table, row, _ = column.place
+    there: Any = data
+    if row is not None:
+        there = getattr(data, next(spec.key for spec in INPUT_TABLES if spec.name == table))[
+            row - 1
+        ]
+    value = getattr(there, column.spec.attribute)
+    scale = column.scale or UnitScale(1.0)
+    return None if value is None or scale.base else scale.from_si(value)
 
 
 _SIGNED = re.compile(r"\s*[+-]?[\d.,]+", re.ASCII)

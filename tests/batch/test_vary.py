@@ -22,6 +22,7 @@ from addin.batch.folder import OWN, OutFolder
 from addin.batch.pool import Crashed
 from addin.batch.result_file import is_result, is_result_csv
 from addin.batch.vary import Programme, TableRefused, run_programme
+from addin.read_workbook import read_workbook
 from addin.recalc import recalculate
 
 #: Two discs and a shaft: f = √(k (1/J1 + 1/J2)) / 2π.
@@ -129,6 +130,19 @@ def test_numbers_are_those_of_the_workbook_with_the_value_typed_in(tmp_path):
     peaks = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in results.start.peaks}
     assert rows["peak_torque_N_m"][0] == peaks[rows["peak_torque_at"][0]]
     assert rows["case_sha256"][0] == alone.calculation.case_sha256
+
+
+def test_a_share_of_rated_torque_is_told_in_the_unit_of_its_column(tmp_path):
+    """What was calculated stands in the result, also where the case alone knows how much that is."""
+    base = Path(__file__).resolve().parents[2] / "templates" / "example_proposed.xlsx"
+    column = "MotorTorque[3].Pulsating"
+    rated = read_workbook(base).data.rated_torque
+    table = csv(tmp_path, f"{column},MotorTorque[4].Pulsating [kN*m]", "12 %,20 %", "9000,", ",8.5")
+    _, rows = run(base, table, tmp_path / "out")
+    assert list(rows[column][:2]) == pytest.approx([0.12 * rated, 9000.0], rel=1e-12)
+    assert math.isnan(rows[column][2])
+    other = rows["MotorTorque[4].Pulsating [kN*m]"]
+    assert [other[0], other[2]] == pytest.approx([0.2 * rated / 1e3, 8.5], rel=1e-12)
 
 
 def test_parquet_and_csv_with_semicolons_give_the_same(base, tmp_path):
