@@ -191,7 +191,7 @@ def _plans(results: Results) -> Iterator[tuple[str, str]]:
         yield "Clearances modelled", ", ".join(reported.effects.clearances)
         yield "Contact law", reported.effects.contact_law
     if results.sensitivity is not None:
-        spread = f"a change of the input by 1e-9 changes a peak by {_percent(results.sensitivity.spread)}"
+        spread = f"a change of the input by 1e-9 may change a peak by {_percent(results.sensitivity.spread)}"
         yield "Sensitive", f"{'yes' if results.sensitivity.sensitive else 'no'}: {spread}"
 
 

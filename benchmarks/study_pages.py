@@ -16,7 +16,7 @@ from benchmarks.measure import Timing, time_at
 from benchmarks.plots import draw_growth, draw_tolerances
 from benchmarks.report import Section, Table
 from benchmarks.scaling import MEMORY, LoopRow, MemoryRow, exponent
-from benchmarks.tolerance_study import ClassSummary, Study, classes_of
+from benchmarks.tolerance_study import MOST_NUDGES, ClassSummary, Study, classes_of
 
 __all__ = ["draw_effects", "effect_goals", "effect_sections", "study_sections", "write_study"]
 
@@ -134,8 +134,9 @@ def _about_sensitive(found: Study) -> str:
     return (
         "A start with clearances may be chaotic: after many impacts a billionth of a change gives "
         "another, equally right answer. Such a run reports `sensitive` with the spread. Each start "
-        "with events that says so, and every third of the others, is repeated here with every inertia "
-        "changed by a billionth."
+        "with events that says so is repeated here with every inertia changed by a billionth until a peak "
+        f"changes by more than the tolerance, {MOST_NUDGES} times at the most; every third of the others is "
+        "repeated once."
     )
 
 

@@ -280,7 +280,7 @@ def _event_study(
     felt = planned.start.sensitivity
     if felt is not None and felt.sensitive:
         sentence = (
-            "This start is sensitive: a change of the input by 1e-9 changes a peak torque by "
+            "This start is sensitive: a change of the input by 1e-9 may change a peak torque by "
             f"{100.0 * felt.spread:.2g} %, so that no setting buys a smaller error. {sentence}"
         )
     return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])

@@ -202,7 +202,8 @@ class Sensitivity:
     Parameters
     ----------
     spread : float
-        Largest relative change of a peak torque. [1]
+        Largest relative change of a peak torque, seen or, by what three runs did once they had parted, to
+        be expected. [1]
     sensitive : bool
         True if another such change may well exceed the tolerance: the answer is one of many equally
         right ones. [flag]

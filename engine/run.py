@@ -678,7 +678,7 @@ def _of_the_run(start: Start, settled: bool) -> Iterator[str]:
         )
     if start.sensitivity is not None and start.sensitivity.sensitive:
         yield (
-            "Sensitive: a change of the input by 1e-9 changes a peak torque by "
+            "Sensitive: a change of the input by 1e-9 may change a peak torque by "
             f"{start.sensitivity.spread:.2g}; the peaks are one of many equally right answers."
         )
     if not settled:

@@ -1159,6 +1159,7 @@ def _difference(
     b: tuple[Floats, Floats],
     until_largest: bool = False,
     guard_share: float = 1.0,
+    same_until: float = math.inf,
 ) -> float:
     """Largest difference of the extremes of two runs, a share of that of the next smaller ones included.
 
@@ -1166,16 +1167,19 @@ def _difference(
     after the largest are compared with the nearest of the other run, not rank by rank: where one
     run has a ripple the other has not, all ranks below it would be compared with their neighbours.
     After many impacts two runs go their own ways; with `until_largest` what comes after the largest
-    value says nothing about it.
+    value says nothing about it. The share is all of it where the largest value comes after
+    `same_until`.
     """
     worst = 0.0
     for sign in (1.0, -1.0):
         x, y = (_highest(sign * value, until_largest) for _, value in (a, b))
+        latest = max(float(when[int(np.argmax(sign * value))]) for when, value in (a, b))
+        share = guard_share if latest < same_until else 1.0
         worst = max(
             worst,
             abs(float(x[0] - y[0])),
-            guard_share * _distance(x[:COMPARED_EXTREMES], y[: 2 * COMPARED_EXTREMES]),
-            guard_share * _distance(y[:COMPARED_EXTREMES], x[: 2 * COMPARED_EXTREMES]),
+            share * _distance(x[:COMPARED_EXTREMES], y[: 2 * COMPARED_EXTREMES]),
+            share * _distance(y[:COMPARED_EXTREMES], x[: 2 * COMPARED_EXTREMES]),
         )
     return worst
 
@@ -1601,6 +1605,7 @@ def element_peaks(
     *,
     until_largest: bool = False,
     guard_share: float = 1.0,
+    same_until: float = math.inf,
 ) -> tuple[ElementPeak, ...]:
     """Extremes of every element; the error is the change from h to h/2 plus the truncation.
 
@@ -1623,6 +1628,9 @@ def element_peaks(
     guard_share : float, optional
         How much of the change of the next smaller extremes is taken for the error of the finer run;
         default all of it, as always of the change of the extremes themselves. [1]
+    same_until : float, optional
+        Time from which the two runs went different ways: where the largest extreme comes later, all of
+        that change is taken. [s]
 
     Returns
     -------
@@ -1633,7 +1641,10 @@ def element_peaks(
     judged = [(element, int(i)) for element, i in enumerate(output) if i >= 0]
     size = np.array([float(np.max(np.abs(turning[i][1]))) for _, i in judged])
     change = np.array(
-        [_difference(turning[i], coarse[2][i], until_largest, guard_share) for _, i in judged]
+        [
+            _difference(turning[i], coarse[2][i], until_largest, guard_share, same_until)
+            for _, i in judged
+        ]
     )
     floor = np.maximum(size, NEGLIGIBLE * np.max(size, initial=0.0))
     relative = change / np.where(floor > 0.0, floor, 1.0)
