@@ -71,13 +71,12 @@ def standing_rows(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> lis
     table = workbook.tables.get(spec.name)
     if table is None:
         return []
-    known = {name.casefold(): table.ref.left + k for k, name in enumerate(table.columns)}
     fields = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
     rows = []
     for number in range(table.data.top, table.data.bottom + 1):
         row: dict[str, Any] = {}
         for one in fields:
-            at = known.get(one.name.casefold())
+            at = table.columns_at.get(one.name.casefold())
             shown = at and workbook.shown_value(table.sheet, cell_name(number, at))
             if shown is not None and shown != "" and at:
                 row[one.name] = _si(spec, one, shown, units)

@@ -60,7 +60,7 @@ def table_digest(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> str:
     table = workbook.tables.get(spec.name)
     if table is None:
         return ""
-    columns = {name.casefold(): table.ref.left + k for k, name in enumerate(table.columns)}
+    columns = table.columns_at
     ours = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
     places = {f.name: columns[f.name.casefold()] for f in ours if f.name.casefold() in columns}
     worth = {f.name: twelve_digits(_factor(spec, f, units)) for f in ours if f.name in places}

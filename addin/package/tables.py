@@ -67,6 +67,11 @@ class Table:
         """Row of the header, None without one."""
         return self.ref.top if self.has_header else None
 
+    @cached_property
+    def columns_at(self) -> dict[str, int]:
+        """Column of the sheet that each header stands in, by the header in small letters."""
+        return {name.casefold(): self.ref.left + k for k, name in enumerate(self.columns)}
+
     def column_index(self, name: str) -> int:
         """Position of a column, from 0; spelling in capitals or small letters does not matter.
 

@@ -299,13 +299,12 @@ def _rows(
     workbook: Workbook, table: Table, columns: tuple[str, ...]
 ) -> Iterator[dict[str, Standing]]:
     """Rows of a table in which something stands in one of the columns."""
-    known = {name.casefold(): table.ref.left + k for k, name in enumerate(table.columns)}
     part = workbook.sheet_part(table.sheet)
     formats, ours = _formats(workbook), _own_formats(table.name)
     for row in range(table.data.top, table.data.bottom + 1):
         held = {}
         for column in columns:
-            at = known.get(column.casefold())
+            at = table.columns_at.get(column.casefold())
             if at is None:
                 continue
             value = part.value(row, at)
