@@ -829,6 +829,8 @@ class Block:
 
 def fuzz(first: int, count: int, run: int = 1) -> Block:
     """Spoil and judge files of consecutive numbers."""
+    from addin.processes import most_resident
+
     block, tally, digest = Block(first, count), Counter[str](), hashlib.sha256()
     began = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="fuzz-") as folder:
@@ -849,7 +851,7 @@ def fuzz(first: int, count: int, run: int = 1) -> Block:
     block.tally = dict(sorted(tally.items()))
     block.sha256 = digest.hexdigest()
     block.seconds = time.perf_counter() - began
-    block.most_memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    block.most_memory = most_resident() / 2**20
     return block
 
 

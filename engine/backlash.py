@@ -245,11 +245,11 @@ def run_event_start(
         if (doubtful or overtaken) and sensitivity is None:
             other = at(0.5 * step, _changed(model))
             parted = _together_until(fine.events, other.events, TOGETHER * step)
-            beyond = _beyond((coarse, fine, other), output, min(parted, same_until))
             spread = _spread(fine, other, output)
-            sensitivity = Sensitivity.of(
-                max(spread, beyond) if parted < math.inf else spread, tolerance
-            )
+            if parted < math.inf:
+                runs = (coarse, fine, other)
+                spread = max(spread, _beyond(runs, output, min(parted, same_until)))
+            sensitivity = Sensitivity.of(spread, tolerance)
             taken += other.n_steps
         if met or last or (sensitivity is not None and sensitivity.sensitive):
             break

@@ -556,12 +556,10 @@ def _put(
 
 def _in_case(column: Varied, data: CaseData) -> float | None:
     """The input of a case in the unit of its column; None where that unit hangs on the case, too."""
+    from engine.case import TABLES
+
     table, row, _ = column.place
-    there: Any = data
-    if row is not None:
-        there = getattr(data, next(spec.key for spec in INPUT_TABLES if spec.name == table))[
-            row - 1
-        ]
+    there: Any = data if row is None else getattr(data, TABLES[table][0])[row - 1]
     value = getattr(there, column.spec.attribute)
     scale = column.scale or UnitScale(1.0)
     return None if value is None or scale.base else scale.from_si(value)

@@ -248,10 +248,8 @@ def _results(found: Differences, name: str) -> Section:
         said = f"No difference in {found.same_results:,} quantities."
         return Section(title, (Paragraph(said),))
     blocks, shown = _by_table(found.results)
-    left = len(found.results) - shown
-    said = f"{found.same_results:,} results are the same, {len(found.results):,} differ."
-    if left:
-        said += f" Shown is what is asked for first; {_all_listed(found, len(found.results), name)}"
+    differ = len(found.results)
+    said = _how_many(found, "results", found.same_results, differ, differ - shown, name)
     return Section(title, (Paragraph(said), *blocks))
 
 
@@ -262,18 +260,21 @@ def _studies(found: Differences, name: str) -> Section:
     notes = [Paragraph(clean(" ".join([*there.notes, letters])))] if there.notes else []
     asked = [_table("Rows of study sheets that changed", there.inputs[:_MOST], with_table=True)]
     blocks, shown = _by_table(there.results)
-    said = f"{there.same_results:,} results of studies are the same, {len(there.results):,} differ."
-    left = len(there.results) - shown + max(len(there.inputs) - _MOST, 0)
-    if left:
-        said += f" Shown is what is asked for first; {_all_listed(found, len(there.results), name)}"
+    differ = len(there.results)
+    left = differ - shown + max(len(there.inputs) - _MOST, 0)
+    said = _how_many(found, "results of studies", there.same_results, differ, left, name)
     return Section("Studies", (*notes, *(asked if there.inputs else ()), Paragraph(said), *blocks))
 
 
-def _all_listed(found: Differences, total: int, name: str) -> str:
-    return (
-        f"all {total:,} are listed by torsionbook diff {_quoted(clean(found.first.source.name))} "
-        f"{_quoted(name)} --xlsx OUT.xlsx."
-    )
+def _how_many(found: Differences, what: str, same: int, differ: int, left: int, name: str) -> str:
+    """How many are the same and how many differ, and where those stand that are not shown."""
+    said = f"{same:,} {what} are the same, {differ:,} differ."
+    if left:
+        said += (
+            f" Shown is what is asked for first; all {differ:,} are listed by "
+            f"torsionbook diff {_quoted(clean(found.first.source.name))} {_quoted(name)} --xlsx OUT.xlsx."
+        )
+    return said
 
 
 def _by_table(results: Iterable[Change]) -> tuple[list[Block], int]:
