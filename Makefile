@@ -14,15 +14,18 @@ SETUP := pyproject.toml scripts/make_venv.sh $(MOVED)
 JOBS := auto
 # More words for pytest: make test ARGS="tests/boundaries -x"
 ARGS :=
+# How long make explore looks for new examples: make explore MINUTES=30
+MINUTES := 10
 # More words for the lock: make lock LOCK="--upgrade"
 LOCK :=
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test check format bench templates wheel smoke lock clean distclean moved
+.PHONY: help demo test explore check format bench templates wheel smoke lock clean distclean moved
 
 help:
 	@echo "make demo       recalculate two example workbooks into build/demo"
 	@echo "make test       run the tests"
+	@echo "make explore    run the properties with fresh examples (MINUTES=30)"
 	@echo "make check      style, formatting and types"
 	@echo "make format     put the formatting right"
 	@echo "make bench      time and accuracy, side by side with other programs"
@@ -42,6 +45,9 @@ demo: $(RUN_READY)
 
 test: $(DEV_READY)
 	$(PY) -m pytest -n $(JOBS) --maxprocesses 4 $(ARGS)
+
+explore: $(DEV_READY)
+	$(PY) scripts/explore.py $(MINUTES) -n $(JOBS) --maxprocesses 4 $(ARGS)
 
 check: $(DEV_READY)
 	$(PY) -m ruff check .

@@ -3,9 +3,13 @@
 TORSIONBOOK_REQUIRE_ALL=1   a test that would be skipped fails instead (set in CI)
 TORSIONBOOK_RUN_SLOW=1      tests marked `slow` run too (set in CI)
 TORSIONBOOK_SOFFICE=path    the LibreOffice to use, when it is not where one looks first
+
+`make explore` sets TORSIONBOOK_EXPLORE_UNTIL, the time after which no further test is begun, and
+TORSIONBOOK_EXPLORE_SEED, from which the tests are put in order.
 """
 
 import os
+import random
 import re
 import shutil
 import subprocess
@@ -24,12 +28,21 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 REQUIRE_ALL = os.environ.get("TORSIONBOOK_REQUIRE_ALL") == "1"
 RUN_SLOW = os.environ.get("TORSIONBOOK_RUN_SLOW") == "1"
+EXPLORE_UNTIL = float(os.environ.get("TORSIONBOOK_EXPLORE_UNTIL", "inf"))
+EXPLORE_SEED = os.environ.get("TORSIONBOOK_EXPLORE_SEED")
 
-hypothesis.settings.register_profile("here", deadline=None)
-hypothesis.settings.register_profile(
-    "ci", deadline=None, derandomize=True, database=None, print_blob=True
-)
-hypothesis.settings.load_profile("ci" if REQUIRE_ALL or os.environ.get("CI") else "here")
+# Every run tries the same examples: what is green stays green, on every machine, also on a busy one.
+# `make explore` tries fresh ones, from a seed that it prints.
+for _name, _derandomize in (("same", True), ("explore", False)):
+    hypothesis.settings.register_profile(
+        _name,
+        deadline=None,
+        derandomize=_derandomize,
+        database=None,
+        print_blob=True,
+        suppress_health_check=[hypothesis.HealthCheck.too_slow],
+    )
+hypothesis.settings.load_profile("same")
 
 
 # --- what a marker requires -----------------------------------------------------------------------
@@ -83,9 +96,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if slow:
             config.hook.pytest_deselected(items=slow)
             items[:] = [item for item in items if item not in slow]
+    if EXPLORE_SEED is not None:
+        # Not the same ones each time where the time ends in the middle of a pass.
+        random.Random(EXPLORE_SEED).shuffle(items)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
+    if time.time() > EXPLORE_UNTIL:
+        pytest.skip("the time of make explore is up")
     for marker, (find, reason) in REQUIREMENTS.items():
         if item.get_closest_marker(marker) and find() is None:
             pytest.skip(reason)

@@ -42,6 +42,46 @@ def outcomes(folder: Path, tests: str = TESTS, **variables: str) -> tuple[int, s
     return done.returncode, done.stdout
 
 
+PROPERTIES = """
+from hypothesis import given, strategies as st
+
+@given(st.integers())
+def test_property(x):
+    print("tried", x)
+
+def test_plain(): pass
+"""
+
+
+def test_properties_try_the_same_examples_each_time(tmp_path):
+    (tmp_path / "first").mkdir()
+    (tmp_path / "second").mkdir()
+    tried = [
+        [
+            line
+            for line in outcomes(folder, PROPERTIES, PYTEST_ADDOPTS="-s")[1].split("\n")
+            if "tried" in line
+        ]
+        for folder in (tmp_path / "first", tmp_path / "second")
+    ]
+    assert len(tried[0]) >= 50
+    assert tried[0] == tried[1]
+    assert not (tmp_path / "first" / ".hypothesis" / "examples").exists()
+
+
+@pytest.mark.parametrize(("until", "outcome"), [("inf", "1 passed"), ("0", "1 skipped")])
+def test_explore_runs_the_properties_until_its_time_is_up(tmp_path, until, outcome):
+    status, said = outcomes(
+        tmp_path,
+        PROPERTIES,
+        TORSIONBOOK_EXPLORE_UNTIL=until,
+        TORSIONBOOK_EXPLORE_SEED="1",
+        PYTEST_ADDOPTS="-m hypothesis --hypothesis-profile=explore --hypothesis-seed=1",
+    )
+    assert status == 0
+    assert f"{outcome}, 1 deselected" in said
+
+
 def test_missing_libreoffice_is_a_skip_with_its_reason(tmp_path):
     status, said = outcomes(tmp_path, TORSIONBOOK_SOFFICE=str(tmp_path / "none"))
     assert status == 0
