@@ -62,7 +62,7 @@ bench: $(DEV_READY)
 	$(PY) -m benchmarks
 
 templates: $(RUN_READY)
-	$(PY) -m addin.template templates
+	$(PY) -m addin.template.build templates
 
 wheel: $(RUN_READY)
 	@rm -rf build/dist

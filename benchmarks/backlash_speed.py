@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from benchmarks.measure import Point, Timing, interleave, local, timing_of
 from benchmarks.peers import PeerFailed, Worker
 from benchmarks.problems import long_start
-from engine.case import Case, ElementRow, MeshRow, StationRow, TorqueTimeRow
-from engine.effects import StartEffects
+from engine.case.data import Case, ElementRow, MeshRow, StationRow, TorqueTimeRow
+from engine.case.effects import StartEffects
 from engine.run import analyse, calculate_start
-from engine.startup import Start
+from engine.start.start import Start
 
 __all__ = [
     "PAIR", "PairRow", "StartBeside", "compare_pair", "compare_starts_with_events", "pair_case",

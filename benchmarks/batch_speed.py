@@ -87,10 +87,10 @@ def ours(
     source: Path, out: Path, jobs: int, look: Callable[[Any, int], None] | None = None
 ) -> tuple[float, float]:
     """Wall and processor time of a batch, with the start of its processes. [s]"""
-    from addin.batch.conductor import Batch, Listener
     from addin.batch.folder import OutFolder
     from addin.batch.inputs import find_inputs
-    from addin.batch.pool import Pool
+    from addin.batch.scheduler import Batch, Listener
+    from addin.workers.pool import Pool
 
     class Looking(Listener):
         count = 0
@@ -236,14 +236,14 @@ def _timed(places: dict[str, tuple[Any, str]]) -> Iterator[dict[str, float]]:
 
 def stages(place: Path, repeats: int) -> Table:
     """Where the time of one workbook goes, in a process that is warm. [ms]"""
-    import addin.calculation
-    import addin.package.workbook as book
-    import addin.recalc as recalc
-    import addin.write_workbook as write
+    import addin.calculation.calculation
+    import addin.writing.recalculate as recalc
+    import addin.writing.workbook as write
+    import addin.xlsx.workbook as book
 
     places = {
         "read and check": (recalc, "read_checked"),
-        "calculate": (addin.calculation, "run"),
+        "calculate": (addin.calculation.calculation, "run"),
         "rows of result and chart tables": (book.Workbook, "write_tables"),
         "formulas: values renewed (formualizer)": (book.Workbook, "refresh_formula_caches"),
         "charts: values renewed": (book.Workbook, "refresh_chart_caches"),
@@ -301,7 +301,7 @@ def memory(place: Path, count: int, jobs: int) -> Table:
 
 def measured(count: int, rounds: int, many: int) -> list[Section]:
     """Everything, as tables."""
-    from addin.batch.conductor import cores
+    from addin.batch.scheduler import cores
 
     jobs = cores()
     words = (

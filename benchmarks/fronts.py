@@ -112,7 +112,7 @@ def _in_calc() -> float | None:
 
     from flat_sheets import Formula, write_sheets
 
-    from addin.calc.oxt import extension, worker_command
+    from addin.libreoffice.oxt import extension, worker_command
 
     program = shutil.which("soffice")
     if program is None:

@@ -13,11 +13,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from addin.recalc import read_checked
-from addin.template_files import template_path
+from addin.contract.shipped import template_path
+from addin.writing.recalculate import read_checked
 from benchmarks.plots import INK, plt
 from engine.run import analyse, planned_start
-from engine.startup import Start
+from engine.start.start import Start
 
 __all__ = ["draw_backlash_start"]
 

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problems import Chain, Sweep
-from engine.case import Case
-from engine.load import loads_of
-from engine.modal import ModalDamping, Modes, modal_damping, modes_of, natural_modes
-from engine.motor import motors_of
-from engine.startup import StartModel, Trajectory, settings_of, simulate, start_model
-from engine.time_response import TimeResponse, linear, of_time, time_response
-from engine.train import Train, build_train
+from engine.case.data import Case
+from engine.model.load import loads_of
+from engine.model.modes import ModalDamping, Modes, modal_damping, modes_of, natural_modes
+from engine.model.motor import motors_of
+from engine.model.train import Train, build_train
+from engine.start.start import StartModel, Trajectory, settings_of, simulate, start_model
+from engine.start.time_response import TimeResponse, linear, of_time, time_response
 
 __all__ = ["PreparedStart", "build_and_solve", "prepare_start", "response", "run_steps"]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from addin.recalc import read_checked
-from addin.template_files import template_path
-from engine.case import Case, CaseData, ElementRow, StationRow
+from addin.contract.shipped import template_path
+from addin.writing.recalculate import read_checked
+from engine.case.data import Case, CaseData, ElementRow, StationRow
 
 __all__ = [
     "MOTOR", "RESPONSE", "RIGID", "Chain", "Sweep", "long_start", "random_chain", "start_of_size",

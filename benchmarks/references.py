@@ -20,8 +20,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from benchmarks.problems import Chain, Sweep
-from engine.stepping.kernels import start_forces
-from engine.train import Train
+from engine.model.train import Train
+from engine.stepping.linear_loop import start_forces
 
 __all__ = ["Curves", "exact_frequencies", "exact_response", "exact_start"]
 

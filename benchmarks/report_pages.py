@@ -12,8 +12,8 @@ from pathlib import Path
 
 from PIL import Image
 
+from addin.contract.shipped import template_path
 from addin.report.make import report
-from addin.template_files import template_path
 
 PAGES = (1, 3, 12, 16, 18, 22)
 PICTURE = Path(__file__).resolve().parents[1] / "docs" / "images" / "report.png"

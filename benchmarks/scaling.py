@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from addin.processes import most_resident
+from addin.workers.processes import most_resident
 from benchmarks.measure import Timing, interleave, local
 from benchmarks.ours import build_and_solve, prepare_start, run_steps
 from benchmarks.peers import single_threaded
 from benchmarks.problems import random_chain, start_of_size
-from engine.case import CaseData, LoadTorqueRow
+from engine.case.data import CaseData, LoadTorqueRow
 
 __all__ = ["LoopRow", "MemoryRow", "basis_times", "exponent", "loop_times", "memory_of_long_starts"]
 
@@ -132,7 +132,7 @@ def memory_of_long_starts(long: float = LONG) -> list[MemoryRow]:
 def _measure_memory(what: str, long: float) -> MemoryRow:
     """Run in a fresh process: its largest resident memory cannot be reset."""
     from benchmarks.backlash_speed import start_with_teeth
-    from engine.effects import StartEffects
+    from engine.case.effects import StartEffects
     from engine.run import analyse, calculate_start
 
     case, mesh = start_with_teeth(bearings=False)

@@ -70,8 +70,8 @@ def post(client: httpx2.Client, calls: list[tuple[Any, ...]]) -> list[dict[str, 
 
 def beside_a_start(address: str) -> dict[str, Any]:
     """A thousand calls at once while a start is calculated, and without one."""
-    from addin.case_json import case_to_json
-    from addin.read_workbook import read_workbook
+    from addin.reading.case_json import case_to_json
+    from addin.reading.workbook import read_workbook
 
     case = case_to_json(read_workbook(ROOT / "templates" / "example_backlash.xlsx").data)
     slow = {**case, "tolerance_peak": 1e-8}  # some twenty seconds

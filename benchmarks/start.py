@@ -12,7 +12,7 @@ from benchmarks.measure import Point, Timing, interleave, local, on_grid, trajec
 from benchmarks.ours import PreparedStart, prepare_start, run_steps
 from benchmarks.problems import long_start, start_of_size
 from benchmarks.references import Curves, exact_start
-from engine.startup import Start, run_start
+from engine.start.start import Start, run_start
 
 __all__ = [
     "GrowthRow", "StartRow", "WholeStart", "compare_starts", "growth", "start_points",

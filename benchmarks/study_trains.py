@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engine.case import Case, EffectChoiceRow, ElementRow
+from engine.case.data import Case, EffectChoiceRow, ElementRow
 from tests.random_effects import (
     with_bearings,
     with_clearances,

@@ -29,11 +29,11 @@ os.environ.update(single_threaded())  # one thread a process: there is a process
 import numpy as np  # noqa: E402
 
 from benchmarks.study_trains import StudyTrain, gaps_of, study_train  # noqa: E402
-from engine.case import Case  # noqa: E402
+from engine.case.data import Case  # noqa: E402
 from engine.errors import TorsionError  # noqa: E402
-from engine.results import Results  # noqa: E402
+from engine.results.results import Results  # noqa: E402
 from engine.run import run  # noqa: E402
-from engine.startup import Start  # noqa: E402
+from engine.start.start import Start  # noqa: E402
 
 __all__ = [
     "FULL", "MOST_NUDGES", "QUICK", "Answer", "ClassSummary", "Study", "classes_of", "record_of", "study",

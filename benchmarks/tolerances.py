@@ -23,17 +23,17 @@ os.environ.update(single_threaded())
 
 from benchmarks import report  # noqa: E402
 from benchmarks.report import Section, Table  # noqa: E402
-from engine.case import Case  # noqa: E402
+from engine.case.data import Case  # noqa: E402
+from engine.case.study_inputs import ScatterRow  # noqa: E402
 from engine.run import run  # noqa: E402
-from engine.studies import ScatterRow  # noqa: E402
-from engine.tolerance_sample import (  # noqa: E402
+from engine.studies.tolerances.sample import (  # noqa: E402
     ToleranceSettings,
     Unit,
     evaluate,
     plan_tolerances,
     units_of,
 )
-from engine.tolerances import Tolerances, gather  # noqa: E402
+from engine.studies.tolerances.tolerances import Tolerances, gather  # noqa: E402
 from tests.sample_case import sample_case  # noqa: E402
 
 __all__ = ["PAGE", "measured"]
@@ -100,7 +100,7 @@ class Whole:
 
 def whole(design: str, samples: int, jobs: int) -> Whole:
     """Plan, samples and result over processes; their time is that of their own clocks."""
-    from addin.studies.spread import spread_over
+    from addin.workers.parallel_map import spread_over
 
     case: Case = sample_case(design)
     began, own = time.perf_counter(), time.process_time()

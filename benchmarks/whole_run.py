@@ -14,8 +14,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
 
-from addin.recalc import recalculate
-from addin.template_files import template_path
+from addin.contract.shipped import template_path
+from addin.writing.recalculate import recalculate
 from benchmarks.measure import Timing, timing_of
 from benchmarks.peers import single_threaded
 from benchmarks.peers.protocol import Laps

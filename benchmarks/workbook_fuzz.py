@@ -105,7 +105,7 @@ def _compact_workbook(path: Path, *, macros: bool = False) -> None:
 
     import xlsxwriter
 
-    from addin.fields import INPUT_TABLES, RESULT_TABLES, SCALARS
+    from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, SCALARS
 
     book = xlsxwriter.Workbook(str(path))
     book.set_properties({"title": "Train", "created": datetime.datetime(2026, 1, 2)})
@@ -154,7 +154,7 @@ def _compact_workbook(path: Path, *, macros: bool = False) -> None:
 
 def _from_template(path: Path) -> Path:
     """The filled example, its curves taken out so that no start is run."""
-    from addin.package import open_workbook
+    from addin.xlsx import open_workbook
 
     book = open_workbook(ROOT / "templates" / "example_proposed.xlsx")
     book.write_table("MotorTorque", [])
@@ -686,7 +686,7 @@ def sentence_fault(text: str) -> str:
 
 def verdict_on(data: bytes, suffix: str, folder: Path, patience: float = PATIENCE) -> Outcome:
     """Take one file through the whole path of a recalculation and see that nothing is amiss."""
-    from addin.recalc import Unreadable, read_checked, recalculate
+    from addin.writing.recalculate import Unreadable, read_checked, recalculate
 
     source, target = folder / f"train{suffix}", folder / f"train.out{suffix}"
     target_json = folder / "train.results.json"
@@ -740,8 +740,8 @@ def _left_behind(source: Path, data: bytes, target: Path | None, target_json: Pa
 
 def _reads_back(source: Path, target: Path, suffix: str) -> str:
     """Why the written workbook does not open again; empty when it does."""
-    from addin.package import PackageError
-    from addin.read_workbook import read_workbook
+    from addin.reading.workbook import read_workbook
+    from addin.xlsx import PackageError
 
     try:
         before, after = read_workbook(source), read_workbook(target)
@@ -756,7 +756,7 @@ def _reads_back(source: Path, target: Path, suffix: str) -> str:
 
 def _calculates_inputs(read: Any) -> bool:
     """Whether an input or its unit is a formula: its value may hang on results, and changes with them."""
-    from addin.package.references import Rect, parse_cell
+    from addin.xlsx.references import Rect, parse_cell
 
     places = [
         (sheet, Rect(*parse_cell(cell), *parse_cell(cell)))
@@ -829,7 +829,7 @@ class Block:
 
 def fuzz(first: int, count: int, run: int = 1) -> Block:
     """Spoil and judge files of consecutive numbers."""
-    from addin.processes import most_resident
+    from addin.workers.processes import most_resident
 
     block, tally, digest = Block(first, count), Counter[str](), hashlib.sha256()
     began = time.perf_counter()
@@ -879,7 +879,7 @@ def _blocks(args: argparse.Namespace) -> list[Block]:
 
 
 def _record(blocks: Sequence[Block], args: argparse.Namespace) -> dict[str, Any]:
-    from addin.version import product_version
+    from addin.contract.version import product_version
 
     tally = Counter[str]()
     for block in blocks:

@@ -11,20 +11,13 @@ from functools import partial
 
 import numpy as np
 
-from engine.case import CaseData, case_digest
-from engine.crossings import Crossing, start_crossings
-from engine.effects import Sensitivity, StartEffects
-from engine.evidence import (
-    Evidence,
-    gather,
-    has_bearings,
-    with_event_start,
-    with_linear_start,
-)
-from engine.excitation import excitations_of
-from engine.fatigue import AllowableStarts, shear_stress
-from engine.margins import interference, judge, separation_margins
-from engine.modal import (
+from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.data import CaseData, case_digest
+from engine.case.effects import Sensitivity, StartEffects
+from engine.case.plausibility import implausible
+from engine.fatigue.allowable_starts import AllowableStarts, shear_stress
+from engine.model.excitation import excitations_of
+from engine.model.modes import (
     ModalDamping,
     Modes,
     SubdividedModes,
@@ -33,19 +26,26 @@ from engine.modal import (
     natural_modes,
     nodes_of,
 )
-from engine.motor import motors_of
-from engine.plan import Plan, first_plan, revised_plan, with_times
-from engine.plausibility import implausible
-from engine.prescribed import run_prescribed
-from engine.results import AccuracyRow, AtSpeed, Results
-from engine.reversals import Reversal, torque_reversals
-from engine.routines import load_routines
-from engine.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, starts_of
-from engine.startup import DEFAULT_TOLERANCE_PEAK, Start, has_start, run_start
-from engine.steady_state import steady_state
-from engine.train import Train
-from engine.validation import GEAR_MESH
-from engine.verdicts import verdicts_of
+from engine.model.motor import motors_of
+from engine.model.train import Train
+from engine.operation.margins import interference, judge, separation_margins
+from engine.operation.steady_state import steady_state
+from engine.plan.evidence import (
+    Evidence,
+    gather,
+    has_bearings,
+    with_event_start,
+    with_linear_start,
+)
+from engine.plan.plan import Plan, first_plan, revised_plan, with_times
+from engine.results.results import AccuracyRow, AtSpeed, Results
+from engine.results.verdicts import verdicts_of
+from engine.start.crossings import Crossing, start_crossings
+from engine.start.prescribed import run_prescribed
+from engine.start.reversals import Reversal, torque_reversals
+from engine.start.start import DEFAULT_TOLERANCE_PEAK, Start, has_start, run_start
+from engine.start.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, starts_of
+from engine.start.warm_up import load_routines
 
 __all__ = [
     "NEWMARK",
@@ -383,7 +383,7 @@ def planned_start(
 def _events_compiled() -> bool:
     """Whether the loop of runs with events is at hand."""
     from engine.stepping.compiling import is_compiled  # not loaded where no case has events
-    from engine.stepping.events import advance_pieces
+    from engine.stepping.contact_loop import advance_pieces
 
     return is_compiled(advance_pieces)
 
@@ -417,13 +417,15 @@ def calculate_start(
         Complete, with its error estimates. [SI]
     """
     if linear is not None:
-        from engine.backlash import run_event_start  # only cases with events pay for its kernels
+        from engine.backlash.event_start import (
+            run_event_start,  # only cases with events pay for its kernels
+        )
 
         return run_event_start(case, model.train, model.modes, model.damping, effects, linear)
     if has_start(case):
         start = run_start(case, model.train, model.modes, model.damping, effects)
         if start.uncoupled_dampers:  # too strong for explicit forces: the loop with events solves
-            from engine.backlash import run_event_start
+            from engine.backlash.event_start import run_event_start
 
             plain = replace(effects, clearances=(), pull_in=False, aborted_start=False)
             return run_event_start(case, model.train, model.modes, model.damping, plain, start)

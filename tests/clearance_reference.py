@@ -25,8 +25,8 @@ from numba import njit
 from scipy.integrate import DOP853
 from scipy.interpolate import PchipInterpolator
 
-from engine.case import GROUND, CaseData, MeshRow
-from engine.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, WIDEST_ZONE
+from engine.case.data import GROUND, CaseData, MeshRow
+from engine.model.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, WIDEST_ZONE
 
 #: What a flank does: nothing, spring and damper, spring force twice, or it is still compressed but
 #: would pull.

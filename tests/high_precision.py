@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import mpmath
 import numpy as np
 
-from engine.case import GROUND, CaseData
+from engine.case.data import GROUND, CaseData
 
 #: A context of its own: nobody else's working precision can leak in.
 MP = mpmath.mp.clone()

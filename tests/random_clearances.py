@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engine.case import Case, CaseData, ElementRow, MeshRow, StationRow
-from engine.effects import StartEffects
+from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow
+from engine.case.effects import StartEffects
 from tests.random_effects import elastic_meshes, with_bearings
 
 #: Frequencies of the links lie about here. [rad/s]

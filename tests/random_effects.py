@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from engine.case import Case, ElementRow, MaterialRow, MeshRow, SNPointRow, StationRow
-from engine.modal import modes_of
-from engine.train import build_train
+from engine.case.data import Case, ElementRow, MaterialRow, MeshRow, SNPointRow, StationRow
+from engine.model.modes import modes_of
+from engine.model.train import build_train
 from tests.random_starts import random_start
 
 #: An S-N line with an exponent near 9.

@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 
-from engine.case import (
+from engine.case.data import (
     Case,
     ElementRow,
     LoadTorqueRow,
     MotorTorqueRow,
     StationRow,
 )
-from engine.modal import modes_of
-from engine.train import build_train
+from engine.model.modes import modes_of
+from engine.model.train import build_train
 
 SPEEDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.96, 1.0)
 

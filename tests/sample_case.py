@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from engine.case import (
+from engine.case.data import (
     Case,
     ElementRow,
     LoadTorqueRow,

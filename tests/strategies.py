@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from engine.case import GROUND, Case, ElementRow, StationRow
+from engine.case.data import GROUND, Case, ElementRow, StationRow
 
 #: Stiffness of random elements reaches this many decades below 1e14 N m/rad.
 DECADES = 12

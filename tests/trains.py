@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from engine.case import (
+from engine.case.data import (
     Case,
     ElementRow,
     LoadTorqueRow,
     MotorTorqueRow,
     StationRow,
 )
-from engine.modal import ModalDamping, Modes, modal_damping, natural_modes
-from engine.startup import Start, run_start
-from engine.train import Train
+from engine.model.modes import ModalDamping, Modes, modal_damping, natural_modes
+from engine.model.train import Train
+from engine.start.start import Start, run_start
 
 #: Speed, average, pulsating (zero-to-peak) over rated torque: a salient-pole motor. [1]
 MOTOR = (

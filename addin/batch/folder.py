@@ -22,8 +22,8 @@ from types import TracebackType
 
 from addin.batch.inputs import OWN
 from addin.batch.records import Output, Record, Stamp
-from addin.package.save import flush_folder
-from addin.whole_files import write_whole
+from addin.xlsx.save import flush_folder
+from addin.xlsx.whole_files import write_whole
 
 __all__ = ["OWN", "FolderRefused", "OutFolder", "digest_of", "stamp_of"]
 

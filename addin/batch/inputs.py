@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from addin.batch.json_file import is_result_json
-from addin.history_file import KINDS, history_stems
+from addin.writing.history_file import KINDS, history_stems
 
 __all__ = [
     "Input",

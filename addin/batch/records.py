@@ -119,7 +119,7 @@ class Record:
     same_as : str
         File whose calculation these results are; empty for its own. [path]
     results : mapping
-        Fields of `addin.headline.Headline`; empty unless done. [SI]
+        Fields of `addin.calculation.key_figures.Headline`; empty unless done. [SI]
     warnings : tuple of str
         What the engineer should know. [sentences]
     errors : tuple of mapping
@@ -157,7 +157,7 @@ class Record:
     @property
     def verdict(self) -> str:
         """The overall verdict, and how many checks have none; empty unless done. [words]"""
-        from addin.headline import told_verdict
+        from addin.calculation.key_figures import told_verdict
 
         results = self.results
         if not results:
@@ -243,7 +243,7 @@ def outcome_of(cause: BaseException) -> str:
     str
         One of the outcomes above. [word]
     """
-    from addin.package.errors import SourceChanged, WorkbookLocked, WorkbookRefused
+    from addin.xlsx.errors import SourceChanged, WorkbookLocked, WorkbookRefused
 
     if isinstance(cause, WorkbookLocked):
         return LOCKED

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from addin.batch.records import DONE, Record
 from addin.batch.summary_file import SHEETS
-from addin.whole_files import write_whole
+from addin.xlsx.whole_files import write_whole
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -294,7 +294,7 @@ def _colour(
 
 
 def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]]) -> None:
-    from addin.layout import text_height
+    from addin.contract.chart_rows import text_height
 
     sheet = book.add_worksheet(SHEETS[1])
     many = f"{len(errors):,} error{'' if len(errors) == 1 else 's'}"

@@ -26,9 +26,15 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from addin.batch.conductor import Listener, Stop, Stopped
 from addin.batch.folder import OWN, OutFolder, digest_of
-from addin.batch.pool import Crashed, Task, Workers
+from addin.batch.own_files import (
+    RESULT,
+    RESULT_COLUMNS,
+    RESULT_CSV,
+    is_result,
+    is_result_csv,
+    stated_columns,
+)
 from addin.batch.records import (
     AN_EARLIER,
     CRASHED,
@@ -39,25 +45,19 @@ from addin.batch.records import (
     WRONG_INPUT,
     outcome_of,
 )
-from addin.batch.result_file import (
-    RESULT,
-    RESULT_COLUMNS,
-    RESULT_CSV,
-    is_result,
-    is_result_csv,
-    stated_columns,
-)
+from addin.batch.scheduler import Listener, Stop, Stopped
 from addin.batch.work import compiles
-from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
-from addin.problems import nearest, shortened
-from addin.recalc import COMPILING
-from addin.typed_case import Findings, Place, Typed, TypedCase, to_case_data
-from addin.units import UnitError, UnitScale, parse_unit
+from addin.contract.problems import nearest, shortened
+from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
+from addin.contract.units import UnitError, UnitScale, parse_unit
+from addin.reading.typed_case import Findings, Place, Typed, TypedCase, to_case_data
+from addin.workers.pool import Crashed, Task, Workers
+from addin.writing.recalculate import COMPILING
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from engine.case import CaseData
+    from engine.case.data import CaseData
     from engine.errors import Problem
 
 __all__ = ["Chunk", "Programme", "TableRefused", "Varied", "calculate_rows", "run_programme"]
@@ -493,8 +493,8 @@ def _calculated(
     known: dict[str, dict[str, Any]],
 ) -> dict[str, Any]:
     """One row; `known` holds the cases of this chunk."""
-    from addin.typed_case import all_problems
-    from engine.case import Case, case_digest
+    from addin.reading.typed_case import all_problems
+    from engine.case.data import Case, case_digest
     from engine.errors import CaseError, ModelError
 
     columns = task.columns
@@ -556,7 +556,7 @@ def _put(
 
 def _in_case(column: Varied, data: CaseData) -> float | None:
     """The input of a case in the unit of its column; None where that unit hangs on the case, too."""
-    from engine.case import TABLES
+    from engine.case.data import TABLES
 
     table, row, _ = column.place
     there: Any = data if row is None else getattr(data, TABLES[table][0])[row - 1]
@@ -587,7 +587,7 @@ def _with_point(column: Varied, value: str, findings: Findings) -> str:
 
 def _entry(column: Varied, value: Any, findings: Findings) -> Typed | str | None:
     """A value of the table as an input; None for a blank and for one that cannot be read."""
-    from addin.case_json import typed_value
+    from addin.reading.case_json import typed_value
 
     if value is None or (isinstance(value, str) and not value.strip()):
         return None
@@ -616,7 +616,7 @@ def _shown(column: Varied, entry: Typed | str | None) -> Any:
 
 def _reason(problem: Problem, columns: Sequence[Varied], typed: TypedCase) -> str:
     """What is wrong in a row, by its column where it is one of the table's."""
-    from addin.typed_case import told_as_typed
+    from addin.reading.typed_case import told_as_typed
 
     told = told_as_typed(problem, typed)
     place = (problem.table, problem.row, problem.column)
@@ -630,8 +630,8 @@ def _reason(problem: Problem, columns: Sequence[Varied], typed: TypedCase) -> st
 
 def _answers(case: Any) -> dict[str, Any]:
     """The numbers of one case."""
-    from addin.headline import headline
-    from engine.report import result_tables
+    from addin.calculation.key_figures import headline
+    from engine.results.tables import result_tables
     from engine.run import run
 
     results = run(case)
@@ -748,7 +748,7 @@ def run_programme(
 
 
 def _base(path: Path, folder: OutFolder) -> TypedCase:
-    from addin.recalc import Unreadable, read_checked
+    from addin.writing.recalculate import Unreadable, read_checked
 
     read = read_checked(path)
     if isinstance(read, Unreadable) or read.problems:
@@ -771,7 +771,7 @@ def _set_aside(folder: OutFolder) -> Iterator[str]:
 
 
 def _fingerprint(base: Path, table: Path) -> dict[str, Any]:
-    from addin.version import product_version
+    from addin.contract.version import product_version
 
     return {
         "base": digest_of(base),

@@ -11,10 +11,10 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from addin.batch.conductor import Batch
 from addin.batch.folder import stamp_of
 from addin.batch.inputs import Input
 from addin.batch.records import Stamp
+from addin.batch.scheduler import Batch
 
 __all__ = ["Watch"]
 

@@ -26,13 +26,13 @@ from addin.batch.records import (
     failed,
     outcome_of,
 )
-from addin.problems import printable
+from addin.contract.problems import printable
 
 if TYPE_CHECKING:
-    from addin.recalc import Recalculated, Unreadable
-    from addin.typed_case import CaseInput
-    from engine.case import CaseData
-    from engine.results import Results
+    from addin.reading.typed_case import CaseInput
+    from addin.writing.recalculate import Recalculated, Unreadable
+    from engine.case.data import CaseData
+    from engine.results.results import Results
 
 __all__ = [
     "Calculated",
@@ -179,8 +179,8 @@ def examine(task: Examine) -> Examined:
     -------
     Examined
     """
-    from addin.recalc import read_checked
-    from engine.case import case_digest
+    from addin.writing.recalculate import read_checked
+    from engine.case.data import case_digest
 
     began = time.perf_counter()
     try:
@@ -214,7 +214,7 @@ def compiles(data: CaseData) -> bool:
     if not data.motor_torque:
         return False
     from engine.stepping.compiling import is_compiled
-    from engine.stepping.kernels import advance_start
+    from engine.stepping.linear_loop import advance_start
 
     return not is_compiled(advance_start)
 
@@ -268,8 +268,8 @@ def _calculated_from_bytes(task: Work) -> Calculated:
 
 def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
     from addin.batch.inputs import result_name
-    from addin.recalc import read_checked, recalculate
-    from engine.case import case_digest
+    from addin.writing.recalculate import read_checked, recalculate
+    from engine.case.data import case_digest
 
     began = time.perf_counter()
     stamp = _stamped(source)
@@ -318,8 +318,8 @@ def is_locked(task: Work) -> Exception | None:
     -------
     Exception or None
     """
-    from addin.package.errors import WorkbookLocked
-    from addin.package.locks import check_not_open
+    from addin.xlsx.errors import WorkbookLocked
+    from addin.xlsx.locks import check_not_open
 
     if task.ignore_lock:
         return None
@@ -345,8 +345,8 @@ def _known(task: Work) -> Results | None:
 
 
 def _done(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: float) -> Record:
-    from addin.headline import headline
-    from addin.version import product_version
+    from addin.calculation.key_figures import headline
+    from addin.contract.version import product_version
 
     assert done.calculation is not None
     peaks = done.calculation.tables.get("StartupPeaks", ())
@@ -432,7 +432,7 @@ def refused(task: Work | Examine, wrong: Exception) -> Record:
     -------
     Record
     """
-    from addin.recalc import of_file
+    from addin.writing.recalculate import of_file
 
     sentence = of_file(Path(task.source), wrong).message
     return failed(task.name, task.source, outcome_of(wrong), sentence)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from addin.diff.sides import Side
+    from addin.diff.files import Side
     from addin.diff.studies import StudyDifferences
 
 __all__ = ["Change", "Differences", "Value", "VerdictChange"]

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from addin.diff.changes import Change, Differences
+from addin.diff.files import Side, read_side
 from addin.diff.inputs import Renamed, compare_inputs
 from addin.diff.results import compare_results, compare_verdicts
-from addin.diff.sides import Side, read_side
 from addin.diff.studies import compare_studies
 from addin.diff.units import Units
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec, input_table
 from addin.diff.changes import Change, Value
 from addin.diff.units import Units
-from addin.fields import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec, input_table
-from addin.matching import ROW_NAMES, match_rows, row_name
-from engine.case import ADMINISTRATIVE, TABLES, CaseData
+from addin.recorded.match_rows import ROW_NAMES, match_rows, row_name
+from engine.case.data import ADMINISTRATIVE, TABLES, CaseData
 
 __all__ = ["Renamed", "compare_inputs", "compare_table"]
 

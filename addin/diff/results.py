@@ -6,15 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from addin.contract.chart_rows import WHOLE_STARTS, workbook_columns
+from addin.contract.tables import Field, TableSpec, result_table
 from addin.diff.changes import Change, Value, VerdictChange
+from addin.diff.files import COMPARED, Judged
 from addin.diff.inputs import Renamed
-from addin.diff.sides import COMPARED, Judged
 from addin.diff.units import Units
-from addin.fields import Field, TableSpec, result_table
-from addin.layout import WHOLE_STARTS, workbook_columns
-from addin.matching import ROW_NAMES, match_rows, row_name
-from addin.verify.recorded import DIGEST_ITEM, is_own_of_each_run
-from addin.write_workbook import VERDICT_UNITS
+from addin.recorded.match_rows import ROW_NAMES, match_rows, row_name
+from addin.recorded.provenance import DIGEST_ITEM, is_own_of_each_run
+from addin.writing.workbook import VERDICT_UNITS
 
 __all__ = ["compare_results", "compare_rows", "compare_verdicts"]
 
@@ -234,7 +234,7 @@ def compare_verdicts(
 
 def _guessed(*rows: Mapping[str, Any]) -> str:
     """Dimension of a judged number from the words of a workbook; empty when nothing tells it."""
-    from addin.units import USUAL
+    from addin.contract.units import USUAL
 
     for row in rows:
         for column in ("Result", "Limit"):

@@ -7,18 +7,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.studies.registry import STUDIES
+from addin.contract.tables import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES, TableSpec
 from addin.diff.changes import Change
 from addin.diff.inputs import Renamed, compare_table
 from addin.diff.results import compare_rows
 from addin.diff.units import Units
-from addin.fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES, TableSpec
-from addin.matching import ROW_NAMES
-from addin.study_sheets import STUDIES
-from engine.studies import STUDY_TABLES
+from addin.recorded.match_rows import ROW_NAMES
+from engine.case.study_inputs import STUDY_TABLES
 
 if TYPE_CHECKING:
-    from addin.diff.sides import Side
-    from addin.standing_studies import StudyThere
+    from addin.diff.files import Side
+    from addin.recorded.studies import StudyThere
 
 __all__ = ["StudyDifferences", "compare_studies"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from addin.chart_data import ShownUnits
-from addin.fields import DIMENSIONS, SCALAR_TABLE, Field
-from addin.typed_case import Typed, TypedCase
-from addin.units import UnitError, parse_unit
+from addin.charts.data import ShownUnits
+from addin.contract.tables import DIMENSIONS, SCALAR_TABLE, Field
+from addin.contract.units import UnitError, parse_unit
+from addin.reading.typed_case import Typed, TypedCase
 
 __all__ = ["Units"]
 

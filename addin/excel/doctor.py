@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path, PureWindowsPath
 
+from addin.contract.version import product_version
 from addin.excel.errors import ExcelError
 from addin.excel.vba import UDF_MODULE, XLWINGS_VERSION
 from addin.excel.workbook import INTERPRETER, SETTINGS_SHEET, Installed, installed_in
-from addin.package import PackageError, open_workbook
-from addin.version import product_version
+from addin.xlsx import PackageError, open_workbook
 
 __all__ = [
     "Check",

@@ -1,6 +1,6 @@
 """The macro `Recalculate`: calculate the open workbook, fill its result cells.
 
-A copy is saved and goes the way of every workbook (`addin.recalc`); what that wrote into the copy is
+A copy is saved and goes the way of every workbook (`addin.writing.recalculate`); what that wrote into the copy is
 then written, rectangle by rectangle, into the open one: result cells only, tables resized, nothing
 else touched. The workbook is handed in as an xlwings book, so that this module needs no xlwings.
 Like any macro it empties Excel's list of steps to undo.
@@ -17,10 +17,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from addin.package import ErrorValue, Formula, Table, Workbook
-from addin.package.references import Rect, parse_range
-from addin.problems import CellProblem
-from addin.recalc import recalculate
+from addin.contract.problems import CellProblem
+from addin.writing.recalculate import recalculate
+from addin.xlsx import ErrorValue, Formula, Table, Workbook
+from addin.xlsx.references import Rect, parse_range
 
 __all__ = ["Results", "excel_value", "refill", "results_of"]
 

@@ -10,7 +10,7 @@ import inspect
 import keyword
 from dataclasses import dataclass
 
-from addin.fields import json_key
+from addin.contract.tables import json_key
 from addin.worksheet import functions as _entered  # noqa: F401  (enters the functions)
 from addin.worksheet.registry import FUNCTIONS
 

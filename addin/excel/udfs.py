@@ -16,7 +16,7 @@ import os
 from collections.abc import Callable
 from typing import Any
 
-# As in addin/cli.py. The libraries of linear algebra read it when they are loaded, so here it holds for
+# As in addin/cli/app.py. The libraries of linear algebra read it when they are loaded, so here it holds for
 # scipy's only: xlwings has loaded numpy before.
 for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_name, "1")

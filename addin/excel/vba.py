@@ -19,10 +19,10 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+from addin.contract.version import product_version
 from addin.excel.errors import XlwingsMissing
 from addin.excel.signatures import ExcelFunction, excel_functions
 from addin.excel.vba_project import Module, VbaProject, standard_module
-from addin.version import product_version
 from addin.worksheet.registry import CATEGORY
 
 __all__ = [

@@ -21,8 +21,8 @@ from addin.excel.vba import (
     product_modules,
 )
 from addin.excel.vba_project import VbaProject
-from addin.package import SaveReport, Workbook, open_workbook
-from addin.package.macros import (
+from addin.xlsx import SaveReport, Workbook, open_workbook
+from addin.xlsx.macros import (
     Button,
     MacroEdit,
     Setting,

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from addin.calculation import Calculation
-from addin.chart_data import accuracy_block, chart_blocks
+from addin.calculation.calculation import Calculation
+from addin.charts.data import accuracy_block, chart_blocks
+from addin.contract.problems import shortened
 from addin.diff.changes import Differences
-from addin.problems import shortened
+from addin.reading.typed_case import CaseInput
+from addin.recorded.results import StandingStudy, standing_study
+from addin.recorded.studies import StudyThere, studies_there
 from addin.report import changes, closing, inputs, modes, opening, operation, starting, studies
 from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
 from addin.report.numbers import clean
-from addin.report.shown import Shown, shown_of
 from addin.report.subject import Subject
-from addin.standing_results import StandingStudy, standing_study
-from addin.standing_studies import StudyThere, studies_there
-from addin.typed_case import CaseInput
+from addin.report.units import Shown, shown_of
 
 __all__ = ["build_document"]
 
@@ -100,21 +100,21 @@ def build_document(
 
 def _study(read: CaseInput, shown: Shown) -> StandingStudy | None:
     """The study of accuracy that stands in a workbook."""
-    from addin.read_workbook import WorkbookInput
+    from addin.reading.workbook import WorkbookInput
 
     return standing_study(read.workbook, shown.units) if isinstance(read, WorkbookInput) else None
 
 
 def _studies(read: CaseInput, shown: Shown) -> tuple[StudyThere, ...]:
     """Studies that stand on sheets of their own in a workbook."""
-    from addin.read_workbook import WorkbookInput
+    from addin.reading.workbook import WorkbookInput
 
     return studies_there(read, shown.units) if isinstance(read, WorkbookInput) else ()
 
 
 def _chosen(read: CaseInput) -> list[str | None]:
     """Elements that the engineer wants drawn, named in the workbook."""
-    from addin.read_workbook import WorkbookInput
-    from addin.write_workbook import chosen_elements
+    from addin.reading.workbook import WorkbookInput
+    from addin.writing.workbook import chosen_elements
 
     return chosen_elements(read.workbook) if isinstance(read, WorkbookInput) else []

@@ -6,16 +6,16 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
+from addin.contract.problems import shortened
+from addin.contract.studies.registry import STUDY_CAPTIONS
+from addin.contract.tables import STUDY_RESULT_TABLES
+from addin.contract.texts import CAPTIONS
 from addin.diff.changes import Change, Differences, Value, VerdictChange
-from addin.diff.sides import COMPARED
-from addin.diff.told import change_in_words, in_words, telling
-from addin.fields import STUDY_RESULT_TABLES
-from addin.problems import shortened
+from addin.diff.files import COMPARED
+from addin.diff.wording import change_in_words, in_words, telling
 from addin.report.document import Block, Column, Facts, Paragraph, Section, Table
 from addin.report.numbers import clean, of_dimension, pretty_unit, typed
 from addin.report.subject import Subject
-from addin.study_sheets import STUDY_CAPTIONS
-from addin.template_text import CAPTIONS
 
 __all__ = ["changes", "earlier_name"]
 

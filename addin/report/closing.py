@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.report.document import (
     Block,
     Column,
@@ -20,7 +21,6 @@ from addin.report.equations import EQUATIONS, METHODS, REFERENCES, by
 from addin.report.numbers import clean, scientific
 from addin.report.subject import Subject
 from addin.report.tables import result_table, without_blanks
-from addin.start_cycles import start_cycle_facts, start_cycle_rows
 
 __all__ = ["accuracy", "audit", "checks", "effects", "equations"]
 

@@ -1,6 +1,6 @@
 """The equations of a calculation, typeset, with their sources.
 
-The names are those of `addin.audit.EQUATIONS`, which a test compares; tables refer to an equation
+The names are those of `addin.calculation.audit.EQUATIONS`, which a test compares; tables refer to an equation
 by its name and so by its number.
 """
 

@@ -1,6 +1,6 @@
 """Pictures of the chart data of the workbook, as vectors and as pixels of one drawing.
 
-What is drawn are the blocks of `addin.chart_data`, the same numbers as in the charts of the
+What is drawn are the blocks of `addin.charts.data`, the same numbers as in the charts of the
 workbook; nothing is calculated here.
 """
 
@@ -17,11 +17,11 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 
-from addin.chart_data import CHART_TABLES, CROSSINGS, GROUPS, HISTORIES, LINES, METHODS, SHAPES
-from addin.effect_charts import EVENTS, FORCES
+from addin.charts.data import CHART_TABLES, CROSSINGS, GROUPS, HISTORIES, LINES, METHODS, SHAPES
+from addin.charts.effects import EVENTS, FORCES
 from addin.report.document import Figure
 from addin.report.numbers import clean, pretty_unit
-from addin.template_styles import PALETTE, SPEED_GROUPS
+from addin.template.styles import PALETTE, SPEED_GROUPS
 
 __all__ = ["Charts", "Pictures"]
 

@@ -6,17 +6,17 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from addin.chart_data import stiffness_of
-from addin.fields import SCALARS
+from addin.charts.data import stiffness_of
+from addin.contract.tables import SCALARS
+from addin.contract.texts import CAPTIONS
 from addin.report.document import Block, Column, Paragraph, Section, Table
 from addin.report.equations import by
 from addin.report.layout import folded
 from addin.report.numbers import clean, fixed, significant
-from addin.report.shown import entry_text, own_speeds
 from addin.report.subject import Subject
 from addin.report.tables import input_tables, turned, without_blanks
-from addin.template_text import CAPTIONS
-from engine.case import ElementRow
+from addin.report.units import entry_text, own_speeds
+from engine.case.data import ElementRow
 
 __all__ = ["inputs"]
 

@@ -9,13 +9,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from addin.problems import CellProblem
-from addin.whole_files import write_whole
+from addin.contract.problems import CellProblem
+from addin.xlsx.whole_files import write_whole
 
 if TYPE_CHECKING:
-    from addin.calculation import Calculation
+    from addin.calculation.calculation import Calculation
     from addin.diff.changes import Differences
-    from addin.typed_case import CaseInput
+    from addin.reading.typed_case import CaseInput
 
 __all__ = ["Reported", "report"]
 
@@ -74,7 +74,7 @@ def report(
     OSError
         If a file cannot be written; one that was there is as before.
     """
-    from addin.recalc import Unreadable, calculate_read, read_checked
+    from addin.writing.recalculate import Unreadable, calculate_read, read_checked
 
     tell = on_stage or (lambda stage: None)
     tell("reading")
@@ -88,7 +88,7 @@ def report(
 
     differences = None
     if against is not None:
-        from addin.diff.sides import CannotBeCompared
+        from addin.diff.files import CannotBeCompared
 
         tell(f"comparing with {against.name}")
         try:
@@ -129,8 +129,8 @@ def _compared(
 ) -> Differences:
     """An earlier revision, calculated again by this version, and this calculation."""
     from addin.diff.compare import compare_sides
-    from addin.diff.sides import read_side, side_of, with_studies
-    from addin.report.shown import shown_of
+    from addin.diff.files import read_side, side_of, with_studies
+    from addin.report.units import shown_of
 
     units = shown_of(read).units
     now = side_of(source, read, calculation, units, "calculated now, for this document")
@@ -152,8 +152,8 @@ def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:
     tuple of str
         A sentence, or none where results are absent or belong to the inputs. [sentences]
     """
-    from addin.read_workbook import WorkbookInput
-    from addin.standing_results import recorded_fact
+    from addin.reading.workbook import WorkbookInput
+    from addin.recorded.results import recorded_fact
 
     if not isinstance(read, WorkbookInput):
         return ()

@@ -158,7 +158,7 @@ def of_dimension(value: float, name: str, dimension: str, unit: str = "") -> str
     name : str
         Header of its column. [name]
     dimension : str
-        Key of `addin.fields.DIMENSIONS`. [word]
+        Key of `addin.contract.tables.DIMENSIONS`. [word]
     unit : str
         The shown unit. [unit]
 
@@ -207,7 +207,7 @@ _DECIMALS = {
 
 
 def _whole(value: float) -> str:
-    from addin.layout import WHOLE_STARTS
+    from addin.contract.chart_rows import WHOLE_STARTS
 
     floor = math.floor(value * (1.0 + WHOLE_STARTS))
     return f"{floor:,}" if floor < _LARGE else engineering(value)

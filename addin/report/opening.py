@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from addin.contract.problems import shortened
+from addin.contract.texts import NOTES
 from addin.diff.changes import Differences
-from addin.problems import shortened
 from addin.report.document import (
     Block,
     Column,
@@ -19,11 +20,10 @@ from addin.report.document import (
     Table,
 )
 from addin.report.numbers import clean, fixed, significant
-from addin.report.shown import own_speeds
 from addin.report.subject import Subject
 from addin.report.tables import result_table
-from addin.template_text import NOTES
-from engine.start_fatigue import is_counted
+from addin.report.units import own_speeds
+from engine.start.start_fatigue import is_counted
 
 __all__ = ["conclusions", "cover_of", "largest_peak", "scope", "summary"]
 

@@ -7,16 +7,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from addin.chart_data import HISTORIES
+from addin.charts.data import HISTORIES
+from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.report.document import Block, Column, Facts, Listing, Paragraph, Section, Table
 from addin.report.equations import by
 from addin.report.layout import folded
 from addin.report.numbers import clean, fixed, significant, typed
-from addin.report.shown import own_speeds
 from addin.report.subject import Subject
 from addin.report.tables import result_table, turned, with_column
-from addin.start_cycles import start_cycle_facts, start_cycle_rows
-from engine.reversals import PRACTICE_LIMITS
+from addin.report.units import own_speeds
+from engine.start.reversals import PRACTICE_LIMITS
 
 __all__ = ["fatigue", "reversals", "start"]
 

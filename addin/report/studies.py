@@ -10,12 +10,12 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from addin.recorded.studies import StudyThere
 from addin.report.document import Block, Figure, Paragraph, Section, Table
 from addin.report.numbers import clean
-from addin.report.shown import Shown
 from addin.report.subject import Subject
 from addin.report.tables import standing_table
-from addin.standing_studies import StudyThere
+from addin.report.units import Shown
 
 __all__ = ["studies"]
 

@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from addin.calculation import Calculation
+from addin.calculation.calculation import Calculation
+from addin.contract.problems import shortened
 from addin.diff.changes import Differences
-from addin.problems import shortened
+from addin.reading.typed_case import CaseInput
+from addin.recorded.results import StandingStudy
 from addin.report.figures import Pictures
 from addin.report.numbers import clean
-from addin.report.shown import Shown
-from addin.standing_results import StandingStudy
-from addin.typed_case import CaseInput
+from addin.report.units import Shown
 
 __all__ = ["Subject"]
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from addin.fields import (
+from addin.contract.tables import (
     INPUT_TABLES,
     RESULT_TABLES,
     STUDY_RESULT_TABLES,
@@ -18,11 +18,11 @@ from addin.fields import (
     Field,
     TableSpec,
 )
+from addin.reading.typed_case import Entry
 from addin.report.document import Column, Table
 from addin.report.numbers import clean, of_dimension, pretty_unit
-from addin.report.shown import Shown, entry_text
-from addin.typed_case import Entry
-from addin.write_workbook import shown_cell
+from addin.report.units import Shown, entry_text
+from addin.writing.workbook import shown_cell
 
 __all__ = [
     "FULL",

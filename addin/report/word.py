@@ -36,7 +36,7 @@ from addin.report.document import (
 )
 from addin.report.formula import Node
 from addin.report.layout import TEXT_WIDTH, column_widths, held_paragraphs, stays_together
-from addin.template_styles import PALETTE
+from addin.template.styles import PALETTE
 
 __all__ = ["docx_of"]
 

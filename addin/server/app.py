@@ -13,15 +13,15 @@ from starlette.responses import Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
+from addin.contract.version import product_version
 from addin.server import office, uploads
 from addin.server.calls import Calls, read_calls
-from addin.server.guard import Guard, Refused, answer, encoded, read_json, while_connected
 from addin.server.openapi import document
+from addin.server.processes import Work
+from addin.server.requests import Guard, Refused, answer, encoded, read_json, while_connected
+from addin.server.running_starts import Starts
 from addin.server.settings import Settings
-from addin.server.starts import Starts
 from addin.server.stream import Stream
-from addin.server.work import Work
-from addin.version import product_version
 
 __all__ = ["create_app"]
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from addin.server.guard import Refused, encoded
+from addin.server.processes import OURS, Busy, TooLong
+from addin.server.requests import Refused, encoded
+from addin.server.running_starts import Starts, Tell
 from addin.server.settings import Limits
-from addin.server.starts import Starts, Tell
-from addin.server.work import OURS, Busy, TooLong
 from addin.worksheet import functions  # noqa: F401  (enters the functions)
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model, handed
 from addin.worksheet.registry import FUNCTIONS, FunctionError, call

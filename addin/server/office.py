@@ -10,7 +10,7 @@ from typing import Any
 
 from lxml import etree
 
-from addin.version import product_version
+from addin.contract.version import product_version
 from addin.worksheet import functions  # noqa: F401  (enters the functions)
 from addin.worksheet.registry import FUNCTIONS, Function
 

@@ -19,12 +19,12 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from addin.server.calls import Calls, Room, error, is_large, read_call
-from addin.server.guard import Door, Refused, encoded, is_key, key_of, parsed
+from addin.server.processes import OURS, Busy, TooLong
+from addin.server.requests import Door, Refused, encoded, is_key, key_of, parsed
+from addin.server.running_starts import Starts
 from addin.server.settings import LARGE, Settings
-from addin.server.starts import Starts
 from addin.server.studies import Asked, read_study
 from addin.server.view import speed_view, start_view
-from addin.server.work import OURS, Busy, TooLong
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from addin.server.guard import Refused
+from addin.server.requests import Refused
 
 __all__ = ["Asked", "COMMANDS", "read_study", "study_of"]
 
@@ -114,12 +114,12 @@ def study_of(asked: Asked, tell: Callable[[str], None]) -> dict[str, Any]:
         ``value``: JSON of the study; or ``errors`` as the contract has them, and ``error`` with the
         sentence over them.
     """
-    from addin.case_json import read_case_json
-    from addin.results_json import errors_to_json
-    from addin.studies.every import every_study
-    from addin.studies.spread import alone
+    from addin.contract.version import product_version
+    from addin.reading.case_json import read_case_json
+    from addin.studies.registry import every_study
     from addin.studies.study import made_of, to_json
-    from addin.version import product_version
+    from addin.workers.parallel_map import alone
+    from addin.writing.results_json import errors_to_json
 
     study = next(one for one in every_study() if one.command == asked.command)
     tell("reading")

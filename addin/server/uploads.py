@@ -17,16 +17,16 @@ from urllib.parse import quote
 from starlette.requests import Request
 from starlette.responses import Response
 
-from addin.problems import CellProblem
-from addin.recalc import WORKBOOK_ENDINGS
-from addin.results_json import errors_to_json
-from addin.server.guard import Refused, answer, read_body, while_connected
+from addin.contract.problems import CellProblem
+from addin.contract.version import product_version
+from addin.server.processes import Busy, TooLong, Work
+from addin.server.requests import Refused, answer, read_body, while_connected
+from addin.server.running_starts import waited_for
 from addin.server.settings import Limits
-from addin.server.starts import waited_for
-from addin.server.work import Busy, TooLong, Work
-from addin.version import product_version
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
+from addin.writing.recalculate import WORKBOOK_ENDINGS
+from addin.writing.results_json import errors_to_json
 
 __all__ = ["model_of", "recalculated"]
 

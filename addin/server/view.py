@@ -9,15 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from addin.calculation import Calculation
-from addin.chart_data import CHART_TABLES, chart_blocks
-from addin.fields import result_table
-from addin.run_view import RunView
+from addin.calculation.calculation import Calculation
+from addin.calculation.run_view import RunView
+from addin.charts.data import CHART_TABLES, chart_blocks
+from addin.contract.tables import result_table
 from addin.worksheet.functions import table_cells, units_of
 from addin.worksheet.models import Model
 from addin.worksheet.registry import FunctionError
 from engine.errors import ModelError
-from engine.report import speed_tables
+from engine.results.tables import speed_tables
 from engine.run import at_speed
 
 __all__ = ["speed_view", "start_view"]

@@ -11,15 +11,15 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from addin.recalc import COMPILING
 from addin.studies.study import Found, Study
+from addin.writing.recalculate import COMPILING
 
 if TYPE_CHECKING:
-    from addin.studies.spread import Spread
-    from addin.typed_case import CaseInput
-    from engine.case import Case
+    from addin.reading.typed_case import CaseInput
+    from addin.workers.parallel_map import Spread
+    from engine.case.data import Case
+    from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
-    from engine.studies import StudyInputs
 
 __all__ = ["ACCURACY", "QUICK_ROUNDS", "ROUNDS"]
 
@@ -38,11 +38,11 @@ def _calculate(
     spread: Spread,
     tell: Callable[[str], None],
 ) -> Found:
-    from engine.accuracy import accuracy_study
-    from engine.report import accuracy_rows
+    from engine.case.study_inputs import study_digest
+    from engine.results.tables import accuracy_rows
     from engine.stepping.compiling import is_compiled
-    from engine.stepping.kernels import advance_start
-    from engine.studies import study_digest
+    from engine.stepping.linear_loop import advance_start
+    from engine.studies.accuracy import accuracy_study
 
     if not is_compiled(advance_start):
         tell(COMPILING)
@@ -53,9 +53,9 @@ def _calculate(
 
 def _to_json(found: Found, read: CaseInput, warnings: tuple[str, ...]) -> dict[str, Any]:
     """A study as results JSON of the contract, with the key `accuracy`."""
-    from addin.results_json import FORMAT, table_rows
-    from addin.version import product_version
-    from engine.case import case_digest
+    from addin.contract.version import product_version
+    from addin.writing.results_json import FORMAT, table_rows
+    from engine.case.data import case_digest
 
     return {
         "format": FORMAT,
@@ -72,10 +72,10 @@ def _write(
     read: CaseInput, destination: Path | None, found: Found, ignore_lock: bool
 ) -> tuple[str, ...]:
     """Write a study into the workbook it was read from; sentences the user should read."""
-    from addin.audit import Stamp
-    from addin.read_workbook import WorkbookInput
-    from addin.write_workbook import RunStamp, write_study
-    from engine.case import case_digest
+    from addin.calculation.audit import Stamp
+    from addin.reading.workbook import WorkbookInput
+    from addin.writing.workbook import RunStamp, write_study
+    from engine.case.data import case_digest
 
     assert isinstance(read, WorkbookInput)
     made = Stamp.now()

@@ -1,4 +1,4 @@
-"""Calibration against measurements as a study; see `engine.calibration`."""
+"""Calibration against measurements as a study; see `engine.studies.calibration.calibration`."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 from addin.studies.study import Found, Study
 
 if TYPE_CHECKING:
-    from addin.studies.spread import Spread
-    from engine.case import Case, CaseData
+    from addin.workers.parallel_map import Spread
+    from engine.case.data import Case, CaseData
+    from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
-    from engine.studies import StudyInputs
 
 __all__ = ["CALIBRATION"]
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.calibration_inputs import calibration_problems
+    from engine.studies.calibration.inputs import calibration_problems
 
     return calibration_problems(case, inputs)
 
@@ -29,7 +29,7 @@ def _calculate(
     spread: Spread,
     tell: Callable[[str], None],
 ) -> Found:
-    from engine.calibration import (
+    from engine.studies.calibration.calibration import (
         calibrate,
         frequency_rows,
         margin_rows,

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 from addin.studies.study import Found, Study
 
 if TYPE_CHECKING:
-    from addin.studies.spread import Spread
-    from engine.case import Case
-    from engine.derivatives import Derivatives
+    from addin.workers.parallel_map import Spread
+    from engine.case.data import Case
+    from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
-    from engine.studies import StudyInputs
+    from engine.studies.sensitivities.sensitivities import Derivatives
 
 __all__ = ["SENSITIVITIES"]
 
@@ -28,7 +28,8 @@ def _calculate(
     spread: Spread,
     on_stage: Callable[[str], None],
 ) -> Found:
-    from engine.derivatives import (
+    from engine.case.study_inputs import study_digest
+    from engine.studies.sensitivities.sensitivities import (
         derivative_rows,
         derivative_units,
         differences,
@@ -38,7 +39,6 @@ def _calculate(
         plan_derivatives,
         tangent_of,
     )
-    from engine.studies import study_digest
 
     on_stage("plain run")
     plan = plan_derivatives(case)

@@ -1,4 +1,4 @@
-"""The start matrix and its damage ledger as a study; see `engine.start_matrix`, `engine.ledger`."""
+"""The start matrix and its damage ledger as a study; see `engine.studies.starts.matrix`, `engine.studies.starts.damage_ledger`."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING, Any
 from addin.studies.study import CUT_SHORT, CutShort, Found, Study
 
 if TYPE_CHECKING:
-    from addin.studies.spread import Spread
-    from engine.case import Case
+    from addin.workers.parallel_map import Spread
+    from engine.case.data import Case
+    from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
-    from engine.start_matrix import ConditionResult, StartCondition
-    from engine.studies import StudyInputs
+    from engine.studies.starts.matrix import ConditionResult, StartCondition
 
 __all__ = ["STARTS"]
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.start_matrix import condition_problems
+    from engine.studies.starts.matrix import condition_problems
 
     return condition_problems(case, inputs)
 
 
 def _one(unit: tuple[Case, StartCondition]) -> ConditionResult:
     """One start of the matrix: the unit of work."""
-    from engine.start_matrix import calculate_condition
+    from engine.studies.starts.matrix import calculate_condition
 
     return calculate_condition(*unit)
 
@@ -37,9 +37,9 @@ def _calculate(
     spread: Spread,
     tell: Callable[[str], None],
 ) -> Found:
-    from addin.studies.spread import Cancelled, as_far
-    from engine.ledger import damage_ledger, ledger_rows, remaining_rows
-    from engine.start_matrix import gather_matrix, plan_matrix, start_rows, voltage_rows
+    from addin.workers.parallel_map import Cancelled, as_far
+    from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
+    from engine.studies.starts.matrix import gather_matrix, plan_matrix, start_rows, voltage_rows
 
     plan = plan_matrix(case, inputs, with_standard=bool(settings.get("standard")))
     number = len(plan.units)

@@ -12,15 +12,22 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from addin.problems import CellProblem
-from addin.recalc import WORKBOOK_ENDINGS, Unreadable, of_case, of_file, read_checked, write_json
+from addin.contract.problems import CellProblem
+from addin.writing.recalculate import (
+    WORKBOOK_ENDINGS,
+    Unreadable,
+    of_case,
+    of_file,
+    read_checked,
+    write_json,
+)
 
 if TYPE_CHECKING:
-    from addin.studies.spread import Spread
-    from addin.typed_case import CaseInput
-    from engine.case import Case
+    from addin.reading.typed_case import CaseInput
+    from addin.workers.parallel_map import Spread
+    from engine.case.data import Case
+    from engine.case.study_inputs import StudyInputs, WordUnit
     from engine.errors import Problem
-    from engine.studies import StudyInputs, WordUnit
 
 __all__ = ["CutShort", "Found", "Study", "Studied", "made_of", "study_one", "to_json"]
 
@@ -190,10 +197,10 @@ def study_one(
 
     Raises
     ------
-    addin.studies.spread.Cancelled
+    addin.workers.parallel_map.Cancelled
         After Ctrl-C, where what was calculated is not enough to be told; nothing is written.
     """
-    from addin.package.errors import PackageError
+    from addin.xlsx.errors import PackageError
 
     on_stage("reading")
     read = read_checked(source)
@@ -263,8 +270,8 @@ def made_of(
     warnings : tuple of str
         What the engineer should know. [sentences]
     """
+    from engine.case.study_inputs import StudyInputs
     from engine.errors import CaseError, ModelError
-    from engine.studies import StudyInputs
 
     inputs = StudyInputs() if read.studies is None else read.studies.inputs
     warnings, unread = _warned(read), _unread(study, read)
@@ -338,9 +345,9 @@ def to_json(
         Keys format, study, case_sha256, study_sha256, version, sentence, warnings, errors, one a
         result table, the details of the study, and cut_short where it was.
     """
-    from addin.results_json import FORMAT, table_rows
-    from addin.version import product_version
-    from engine.case import case_digest
+    from addin.contract.version import product_version
+    from addin.writing.results_json import FORMAT, table_rows
+    from engine.case.data import case_digest
 
     cut = found.cut_short
     part = {} if cut is None else {"calculated": cut.calculated, "planned": cut.planned}
@@ -360,7 +367,7 @@ def to_json(
 
 
 def _key(table: str) -> str:
-    from addin.fields import json_key
+    from addin.contract.tables import json_key
 
     return json_key(table)
 
@@ -369,16 +376,16 @@ def _told(read: CaseInput, study: Study, wrong: Sequence[Problem]) -> tuple[Cell
     """Problems of the study's rows with their cells; of a case without such tables as they are."""
     if read.studies is not None:
         return read.studies.told(study.inputs, wrong)
-    from addin.fields import input_table
-    from addin.problems import placed
+    from addin.contract.problems import placed
+    from addin.contract.tables import input_table
 
     return tuple(placed(one, input_table(one.table).sheet, "", "cell") for one in wrong)
 
 
 def _missing_sheets(read: CaseInput, study: Study) -> list[CellProblem]:
     """A workbook without the sheets of the study, as one problem."""
-    from addin.fields import input_table, result_table
-    from addin.read_workbook import WorkbookInput
+    from addin.contract.tables import input_table, result_table
+    from addin.reading.workbook import WorkbookInput
 
     assert isinstance(read, WorkbookInput)
     known = {name.casefold() for name in read.workbook.tables}
@@ -401,12 +408,12 @@ def _write(
     study: Study, read: CaseInput, destination: Path | None, found: Found, ignore_lock: bool
 ) -> tuple[str, ...]:
     """Write a study into the workbook it was read from; sentences the user should read."""
-    from addin.audit import Stamp
-    from addin.read_workbook import WorkbookInput
-    from addin.standing_studies import rows_digest
-    from addin.write_workbook import write_study_results
-    from engine.case import case_digest
-    from engine.studies import StudyInputs
+    from addin.calculation.audit import Stamp
+    from addin.reading.workbook import WorkbookInput
+    from addin.recorded.studies import rows_digest
+    from addin.writing.workbook import write_study_results
+    from engine.case.data import case_digest
+    from engine.case.study_inputs import StudyInputs
 
     assert isinstance(read, WorkbookInput)
     made, digest = Stamp.now(), case_digest(read.data)

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 from addin.studies.study import CUT_SHORT, CutShort, Found, Study
 
 if TYPE_CHECKING:
-    from addin.studies.spread import Spread
-    from engine.case import Case
+    from addin.workers.parallel_map import Spread
+    from engine.case.data import Case
+    from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
-    from engine.studies import StudyInputs
-    from engine.tolerances import Tolerances
+    from engine.studies.tolerances.tolerances import Tolerances
 
 __all__ = ["TOLERANCES"]
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.scatter import scatter_problems
+    from engine.studies.scatter import scatter_problems
 
     return scatter_problems(case, inputs.scatter)
 
@@ -32,11 +32,16 @@ def _calculate(
 ) -> Found:
     from itertools import accumulate
 
-    from addin.studies.spread import Cancelled, as_far
-    from engine.sample_statistics import FEWEST_SAMPLES
-    from engine.tolerance_sample import ToleranceSettings, evaluate, plan_tolerances, units_of
-    from engine.tolerance_tables import tolerance_details, tolerance_tables
-    from engine.tolerances import gather
+    from addin.workers.parallel_map import Cancelled, as_far
+    from engine.numerics.sample_statistics import FEWEST_SAMPLES
+    from engine.studies.tolerances.sample import (
+        ToleranceSettings,
+        evaluate,
+        plan_tolerances,
+        units_of,
+    )
+    from engine.studies.tolerances.tables import tolerance_details, tolerance_tables
+    from engine.studies.tolerances.tolerances import gather
 
     on_stage("plain run")
     plan = plan_tolerances(case, inputs.scatter, ToleranceSettings(**settings))

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 from addin.studies.study import CUT_SHORT, CutShort, Found, Study
 
 if TYPE_CHECKING:
-    from addin.studies.spread import Spread
-    from engine.case import Case
-    from engine.combination import Tried
+    from addin.workers.parallel_map import Spread
+    from engine.case.data import Case
+    from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
-    from engine.studies import StudyInputs
-    from engine.tuning_options import Combination
+    from engine.studies.tuning.evaluate import Tried
+    from engine.studies.tuning.options import Combination
 
 __all__ = ["SHOWN", "TUNING", "Batch"]
 
@@ -27,7 +27,7 @@ Batch = tuple["Case", tuple["Combination", ...]]
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.tuning_checks import tuning_problems
+    from engine.studies.tuning.checks import tuning_problems
 
     return tuning_problems(case, inputs)
 
@@ -39,10 +39,11 @@ def _calculate(
     spread: Spread,
     tell: Callable[[str], None],
 ) -> Found:
-    from addin.results_json import table_rows
-    from addin.studies.spread import Cancelled, as_far
     from addin.studies.tuning_tables import map_tables
-    from engine.tuning import (
+    from addin.workers.parallel_map import Cancelled, as_far
+    from addin.writing.results_json import table_rows
+    from engine.studies.tuning.combinations import plan_tuning
+    from engine.studies.tuning.tuning import (
         band_rows,
         crossing_rows,
         gather,
@@ -51,7 +52,6 @@ def _calculate(
         ranked_rows,
         uncalculated_rows,
     )
-    from engine.tuning_plan import plan_tuning
 
     plan = plan_tuning(case, inputs)
     every = plan.combinations
@@ -110,7 +110,7 @@ def calculate_batch(batch: Batch) -> list[Tried]:
     list of Tried
         In the same order. [SI]
     """
-    from engine.combination import calculate_combination
+    from engine.studies.tuning.evaluate import calculate_combination
 
     case, combinations = batch
     return [calculate_combination(case, one) for one in combinations]

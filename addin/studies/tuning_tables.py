@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from addin.tuning_fields import LINES, MAP_MODES, MAP_ROWS
+from addin.contract.studies.tuning import LINES, MAP_MODES, MAP_ROWS
 
 if TYPE_CHECKING:
-    from engine.bands import Band
-    from engine.combination import Tried
-    from engine.tuning import TuningResult
-    from engine.tuning_options import Option, Variable
+    from engine.operation.bands import Band
+    from engine.studies.tuning.evaluate import Tried
+    from engine.studies.tuning.options import Option, Variable
+    from engine.studies.tuning.tuning import TuningResult
 
 __all__ = ["map_tables", "spread_out"]
 

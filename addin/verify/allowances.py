@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from engine.results import Results
+from engine.results.results import Results
 
 __all__ = ["Allowances"]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from addin.chart_data import CHART_TABLES, HISTORIES
-from addin.package import Table, TableData, Workbook
-from addin.package.references import cell_name
+from addin.charts.data import CHART_TABLES, HISTORIES
 from addin.verify.compare import is_rounding
 from addin.verify.findings import Counts, Finding
+from addin.xlsx import Table, TableData, Workbook
+from addin.xlsx.references import cell_name
 
 __all__ = ["compare_charts", "drawn_elements"]
 

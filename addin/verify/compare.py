@@ -6,8 +6,8 @@ import math
 import re
 from dataclasses import dataclass
 
-from addin.package import ErrorValue
 from addin.verify.findings import Agreement
+from addin.xlsx import ErrorValue
 
 __all__ = ["ROUNDING", "Standing", "agreement", "is_rounding", "shown_step"]
 

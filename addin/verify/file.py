@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from addin.problems import CellProblem
-from addin.read_workbook import WorkbookInput
-from addin.recalc import Unreadable, of_file, read_checked
+from addin.contract.problems import CellProblem
+from addin.reading.workbook import WorkbookInput
 from addin.verify.findings import Agreement, Verification
 from addin.verify.json_file import read_results_json, verify_results_json
 from addin.verify.workbook import verify_workbook
+from addin.writing.recalculate import Unreadable, of_file, read_checked
 
 __all__ = ["verify_file"]
 

@@ -8,7 +8,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
-from addin.problems import CellProblem
+from addin.contract.problems import CellProblem
 
 __all__ = [
     "AGREEMENTS",

@@ -7,12 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from addin.fields import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES
-from addin.layout import CHECK_FORMULAS
-from addin.package import ErrorValue, Formula, PackageError, Table, Workbook
-from addin.package.references import Rect, cell_name, parse_cell
-from addin.problems import shortened
-from addin.template_sheets import (
+from addin.contract.chart_rows import CHECK_FORMULAS
+from addin.contract.problems import shortened
+from addin.contract.sheets import (
     BLANK_TEXT,
     CYCLE_FACTS,
     FACT_LINES,
@@ -21,9 +18,12 @@ from addin.template_sheets import (
     SHEETS,
     TITLE_BLOCK,
 )
+from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES
 from addin.verify.compare import Standing, agreement
 from addin.verify.findings import Agreement, Finding
-from addin.verify.shape import plain
+from addin.verify.structure import plain
+from addin.xlsx import ErrorValue, Formula, PackageError, Table, Workbook
+from addin.xlsx.references import Rect, cell_name, parse_cell
 
 __all__ = [
     "OwnFormula",

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from addin.fields import RESULT_TABLES, TableSpec, json_key
-from addin.results_json import results_to_json
-from addin.typed_case import CaseInput
-from addin.verify.again import calculated_again
+from addin.contract.tables import RESULT_TABLES, TableSpec, json_key
+from addin.contract.version import product_version
+from addin.reading.typed_case import CaseInput
+from addin.recorded.provenance import of_results_json, rows_of
 from addin.verify.allowances import Allowances
 from addin.verify.compare import Standing, agreement
 from addin.verify.findings import (
@@ -21,10 +21,10 @@ from addin.verify.findings import (
     concluded,
     not_calculated,
 )
-from addin.verify.recorded import of_results_json, rows_of
 from addin.verify.tables import Expected, Stands, compare_tables
-from addin.version import product_version
-from engine.case import case_digest
+from addin.writing.recalculate_case import calculated_again
+from addin.writing.results_json import results_to_json
+from engine.case.data import case_digest
 
 __all__ = ["header_rows", "read_results_json", "verify_results_json"]
 

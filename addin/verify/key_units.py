@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from addin.package import Formula, Workbook
-from addin.package.references import Rect, cell_name
-from addin.problems import shortened
-from addin.template_sheets import CYCLE_FACTS, KEY_NUMBERS
+from addin.contract.problems import shortened
+from addin.contract.sheets import CYCLE_FACTS, KEY_NUMBERS
 from addin.verify.findings import Finding
 from addin.verify.formulas import own_formulas
+from addin.xlsx import Formula, Workbook
+from addin.xlsx.references import Rect, cell_name
 
 __all__ = ["compare_units"]
 

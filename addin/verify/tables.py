@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from addin.matching import ROW_NAMES, match_rows, row_name
-from addin.package import ErrorValue
-from addin.problems import shortened
+from addin.contract.problems import shortened
+from addin.recorded.match_rows import ROW_NAMES, match_rows, row_name
+from addin.recorded.provenance import is_own_of_each_run
 from addin.verify.allowances import Allowances
 from addin.verify.compare import Standing, agreement, is_rounding
 from addin.verify.findings import Agreement, Counts, Finding
-from addin.verify.recorded import is_own_of_each_run
+from addin.xlsx import ErrorValue
 
 __all__ = ["Compared", "Expected", "Stands", "compare_tables"]
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from addin.fields import (
+from addin.contract.chart_rows import workbook_columns
+from addin.contract.tables import (
     INPUT_TABLES,
     RESULT_TABLES,
     SCALAR_TABLE,
@@ -17,13 +18,12 @@ from addin.fields import (
     Field,
     TableSpec,
 )
-from addin.layout import workbook_columns
-from addin.matching import ROW_NAMES
-from addin.package import ErrorValue, Table, Workbook
-from addin.package.references import cell_name, parse_cell, split_sheet
-from addin.read_workbook import WorkbookInput
-from addin.recalc import Unreadable, read_checked
-from addin.results_page import traced_columns
+from addin.contract.trace_table import traced_columns
+from addin.reading.workbook import WorkbookInput
+from addin.recorded.match_rows import ROW_NAMES
+from addin.writing.recalculate import Unreadable, read_checked
+from addin.xlsx import ErrorValue, Table, Workbook
+from addin.xlsx.references import cell_name, parse_cell, split_sheet
 
 __all__ = ["traced"]
 

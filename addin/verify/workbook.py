@@ -6,29 +6,19 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from addin.calculation import Calculation
-from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
-from addin.layout import workbook_columns
-from addin.package import (
-    Formula,
-    ObstaclesFound,
-    PackageError,
-    Table,
-    TableData,
-    Workbook,
-    drawn_charts,
-)
-from addin.package.references import Rect, cell_name
-from addin.package.xml_part import main, parse_part
-from addin.problems import shortened
-from addin.read_workbook import WorkbookInput, read_workbook
-from addin.standing_studies import studies_there
-from addin.template_styles import number_format
-from addin.verify.again import calculated_again
+from addin.calculation.calculation import Calculation
+from addin.contract.chart_rows import workbook_columns
+from addin.contract.problems import shortened
+from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
+from addin.contract.version import RELEASED, product_version
+from addin.reading.workbook import WorkbookInput, read_workbook
+from addin.recorded.provenance import Recorded, of_workbook
+from addin.recorded.studies import studies_there
+from addin.template.styles import number_format
 from addin.verify.allowances import Allowances
+from addin.verify.chart_sources import compare_copies, compare_drawings
 from addin.verify.charts import compare_charts, drawn_elements
 from addin.verify.compare import Standing, agreement, shown_step
-from addin.verify.drawings import compare_copies, compare_drawings
 from addin.verify.findings import (
     Agreement,
     Counts,
@@ -39,18 +29,28 @@ from addin.verify.findings import (
 )
 from addin.verify.formulas import old_values, restore, typed_over, unjudged
 from addin.verify.key_units import compare_units
-from addin.verify.recorded import Recorded, of_workbook
-from addin.verify.shape import missing_tables, odd_columns
+from addin.verify.structure import missing_tables, odd_columns
 from addin.verify.tables import Expected, Stands, compare_tables
-from addin.version import RELEASED, product_version
-from addin.write_workbook import (
+from addin.writing.recalculate_case import calculated_again
+from addin.writing.workbook import (
     NO_STUDY,
     RunStamp,
     chosen_elements,
     read_shown_units,
     tables_to_write,
 )
-from engine.case import case_digest
+from addin.xlsx import (
+    Formula,
+    ObstaclesFound,
+    PackageError,
+    Table,
+    TableData,
+    Workbook,
+    drawn_charts,
+)
+from addin.xlsx.references import Rect, cell_name
+from addin.xlsx.xml_part import main, parse_part
+from engine.case.data import case_digest
 
 __all__ = ["verify_workbook"]
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from addin.cells import Cell as SheetCell
-from addin.cells import Fault, read_number, read_text
-from addin.fields import (
+from addin.contract.problems import CellProblem, nearest
+from addin.contract.tables import (
     EVERY_INPUT,
     INPUT_TABLES,
     SCALAR_TABLE,
@@ -20,9 +19,11 @@ from addin.fields import (
     TableSpec,
     input_table,
 )
-from addin.problems import CellProblem, nearest
-from addin.study_inputs import study_rows, units_for_words
-from addin.typed_case import (
+from addin.contract.units import UnitError, UnitScale, parse_unit
+from addin.reading.cells import Cell as SheetCell
+from addin.reading.cells import Fault, read_number, read_text
+from addin.reading.study_inputs import study_rows, units_for_words
+from addin.reading.typed_case import (
     Bases,
     CaseInput,
     Entry,
@@ -35,11 +36,10 @@ from addin.typed_case import (
     told_as_typed,
     word_entry,
 )
-from addin.units import UnitError, UnitScale, parse_unit
 from addin.worksheet.registry import Block, Cell, FunctionError
-from engine.case import Case
+from engine.case.data import Case
+from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem
-from engine.studies import StudyInputs
 
 __all__ = ["case_of", "problems_in_words", "study_inputs_of"]
 

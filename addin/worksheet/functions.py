@@ -12,15 +12,15 @@ from contextlib import suppress
 from functools import cache
 from typing import Any
 
-from addin import fields
-from addin.chart_data import ShownUnits
-from addin.fields import Field, TableSpec, result_table
-from addin.problems import nearest, shortened
-from addin.units import UnitError, UnitScale, parse_unit
+from addin.charts.data import ShownUnits
+from addin.contract import tables as fields
+from addin.contract.problems import nearest, shortened
+from addin.contract.tables import Field, TableSpec, result_table
+from addin.contract.units import UnitError, UnitScale, parse_unit
 from addin.worksheet.blocks import case_of, problems_in_words
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
-from engine.case import Case
+from engine.case.data import Case
 
 __all__: list[str] = []
 
@@ -77,7 +77,7 @@ def units_of(system: str) -> ShownUnits:
     ShownUnits
         The unit of every column and its size. [SI]
     """
-    from addin.shown_units import shown_units
+    from addin.contract.shown_units import shown_units
 
     names = {}
     for table in (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES, *fields.STUDY_RESULT_TABLES):
@@ -117,7 +117,7 @@ def table_cells(
     list of list
         Cells. [shown units]
     """
-    from addin.write_workbook import shown_cell
+    from addin.writing.workbook import shown_cell
 
     units = units_of(system)
     columns = spec.columns if columns is None else columns
@@ -160,8 +160,8 @@ def speed_results(case: Case) -> Mapping[str, Any]:
     mapping
         Tables by name, and modes. [SI]
     """
-    from engine.bands import forbidden_bands, rows_of_bands
-    from engine.report import modal_details, speed_tables
+    from engine.operation.bands import forbidden_bands, rows_of_bands
+    from engine.results.tables import modal_details, speed_tables
     from engine.run import at_speed
 
     found = at_speed(case)
@@ -175,7 +175,7 @@ def _run(handle: str) -> tuple[Model, Any]:
     model = MODELS.of(handle)
 
     def calculate(case: Any) -> Any:
-        from addin.calculation import calculate as whole
+        from addin.calculation.calculation import calculate as whole
 
         return whole(case)
 
@@ -332,7 +332,7 @@ def tv_stiffness(
     outer: float, bore: float | None, length: float, modulus: float, units: str | None
 ) -> float:
     """Torsional stiffness of a round shaft, k = G π (D⁴ − d⁴) / 32 L."""
-    from engine.train import shaft_stiffness
+    from engine.model.train import shaft_stiffness
 
     system = _system(units, None)
     _, metre = _si("length", system)
@@ -435,7 +435,7 @@ def _points(points: int | None) -> int:
 )
 def tv_speed_time(model: str, points: int | None, headers: bool | None) -> Rows:
     """Mean speed of the motor against time during the start."""
-    from addin.chart_rows import thinned
+    from addin.charts.rows import thinned
 
     limit = _points(points)
     _, run = _run(model)
@@ -481,7 +481,7 @@ def tv_history(
     model: str, element: str, points: int | None, units: str | None, headers: bool | None
 ) -> Rows:
     """Torque of an element against time; thinned so that every interval keeps its extremes."""
-    from addin.chart_rows import decimate
+    from addin.charts.rows import decimate
 
     limit = _points(points)
     found, run = _run(model)
@@ -523,7 +523,7 @@ def tv_reversals(model: str, units: str | None, headers: bool | None) -> Rows:
 )
 def tv_cycles(model: str, units: str | None, headers: bool | None) -> Rows:
     """The most damaging cycles of one start of the governing shaft: n, N and n/N."""
-    from addin.start_cycles import start_cycle_rows
+    from addin.charts.start_cycles import start_cycle_rows
 
     found, run = _run(model)
     rows = start_cycle_rows(run.view)
@@ -571,7 +571,7 @@ def tv_sn_life(
     beside each life. Above UTS there is no life: the stress is refused.
     """
     from engine.errors import ModelError
-    from engine.fatigue import sn_curve_for
+    from engine.fatigue.allowable_starts import sn_curve_for
 
     found = MODELS.of(model)
     case = found.case
@@ -637,7 +637,7 @@ def tv_life(damage: Rows, per_year: Rows, so_far: Rows | None, factor: float | N
     Palmgren-Miner: damage of all starts is added up, their order is ignored; a shaft is used up at
     1 / Starts factor. One shaft a call; years are `unlimited` where nothing is taken.
     """
-    from engine.ledger import remaining_life
+    from engine.studies.starts.damage_ledger import remaining_life
 
     one, yearly = _column("Damage", damage), _column("Per year", per_year)
     blank = so_far is None or all(value is None for line in so_far for value in line)
@@ -696,10 +696,10 @@ def tv_calibrate(
     have is refused. Sheet Calibration (`torsionbook calibrate`) tells more, and knows inertias,
     modes that are named and peak torques.
     """
-    from engine.calibration import calibrate, parameter_rows
-    from engine.calibration_inputs import calibration_problems
-    from engine.studies import MeasuredFrequencyRow, ScatterRow, StudyInputs
-    from engine.substitution import STIFFNESS
+    from engine.case.study_inputs import MeasuredFrequencyRow, ScatterRow, StudyInputs
+    from engine.studies.calibration.calibration import calibrate, parameter_rows
+    from engine.studies.calibration.inputs import calibration_problems
+    from engine.studies.variation import STIFFNESS
 
     found = MODELS.of(model)
     typed = [float(v) for line in frequencies for v in line if v is not None]

@@ -24,9 +24,9 @@ from typing import Any
 
 import numpy as np
 
-from addin.typed_case import CaseInput, Typed
+from addin.reading.typed_case import CaseInput, Typed
 from addin.worksheet.registry import FunctionError
-from engine.case import ADMINISTRATIVE, Case, case_digest
+from engine.case.data import ADMINISTRATIVE, Case, case_digest
 from engine.errors import InternalError, ModelError
 
 __all__ = ["AT_SPEED", "MODELS", "Model", "Models", "OWNER", "RUN", "handed", "system_of"]

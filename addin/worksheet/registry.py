@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from addin.cells import number_in_text
-from addin.package.values import ERROR_CODES, ErrorValue
-from addin.problems import shortened
+from addin.contract.problems import shortened
+from addin.reading.cells import number_in_text
+from addin.xlsx.values import ERROR_CODES, ErrorValue
 
 __all__ = [
     "Argument", "Block", "CATEGORY", "FUNCTIONS", "FunctionError", "Function", "ROW_COUNT",

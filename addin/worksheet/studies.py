@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from addin.fields import Field, TableSpec, result_table
+from addin.contract.tables import Field, TableSpec, result_table
 from addin.worksheet.blocks import study_inputs_of
 from addin.worksheet.functions import (
     HEADERS,
@@ -26,8 +26,8 @@ from addin.worksheet.functions import (
 )
 from addin.worksheet.models import MODELS, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
+from engine.case.study_inputs import DAMPING, DIAMETER, INERTIA, STIFFNESS, StudyInputs, WordUnit
 from engine.errors import ModelError, Problem
-from engine.studies import DAMPING, DIAMETER, INERTIA, STIFFNESS, StudyInputs, WordUnit
 
 __all__ = ["MOST_COMBINATIONS", "MOST_SAMPLES", "TIME_LIMIT"]
 
@@ -147,10 +147,10 @@ def tv_tune(
     At most 100 combinations and 30 s: beyond that `torsionbook tune` does it. Order, numbers and words
     are those of the command and of sheet Tuning results, which has more columns, maps and crossings.
     """
-    from engine.combination import calculate_combination
-    from engine.tuning import TuningResult, gather, in_typed_units, ranked_rows
-    from engine.tuning_checks import tuning_problems
-    from engine.tuning_plan import plan_tuning
+    from engine.studies.tuning.checks import tuning_problems
+    from engine.studies.tuning.combinations import plan_tuning
+    from engine.studies.tuning.evaluate import calculate_combination
+    from engine.studies.tuning.tuning import TuningResult, gather, in_typed_units, ranked_rows
 
     found = MODELS.of(model)
     inputs = _read(found, {"Tuning": tuning, "Catalogue": catalogue})
@@ -215,15 +215,15 @@ def tv_tolerances(
     A Latin hypercube of at most 500 samples, in at most 30 s: `torsionbook tolerances` takes any
     number, and says whether they were enough. The same samples and seed give the same numbers there.
     """
-    from engine.tolerance_sample import (
+    from engine.studies.tolerances.sample import (
         ToleranceSettings,
         evaluate,
         plan_tolerances,
         tolerance_problems,
         units_of,
     )
-    from engine.tolerance_tables import tolerance_tables
-    from engine.tolerances import gather
+    from engine.studies.tolerances.tables import tolerance_tables
+    from engine.studies.tolerances.tolerances import gather
 
     asked = _one_of("Quantity", quantity or "starts", list(ANSWERS))
     found, plain = _run(model)
@@ -267,7 +267,7 @@ def tv_sensitivities(model: str, of: str | None, units: str | None, headers: boo
     Frequencies: the relative change over that of the quantity, ± half its share of the energy. Start:
     what + 1 % of each quantity does, by the derivative and in runs at ± 1 %, in at most 30 s.
     """
-    from engine.derivatives import (
+    from engine.studies.sensitivities.sensitivities import (
         derivative_rows,
         derivative_units,
         differences,

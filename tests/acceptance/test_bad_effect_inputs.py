@@ -12,9 +12,9 @@ import openpyxl
 import pytest
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json, read_case_json
-from addin.cli import app
-from addin.template_files import template_path
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.reading.case_json import case_to_json, read_case_json
 
 SOURCE = template_path("example_backlash.xlsx")
 

@@ -11,8 +11,8 @@ import jsonschema
 import pytest
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.json_schemas import results_schema
+from addin.cli.app import app
+from addin.reference.json_schemas import results_schema
 
 TRAIN: dict[str, Any] = {
     "format": 1,

@@ -13,7 +13,7 @@ from typing import Any
 
 import xlsxwriter
 
-from addin.fields import INPUT_TABLES, SCALARS
+from addin.contract.tables import INPUT_TABLES, SCALARS
 
 
 @dataclass(frozen=True)

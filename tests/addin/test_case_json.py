@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_workbook import SmallWorkbook
 
-from addin.case_json import case_to_json, read_case_json
-from addin.fields import INPUT_TABLES, SCALARS, Field
-from addin.read_workbook import read_workbook
-from engine.case import TABLES, Case, CaseData, case_digest
+from addin.contract.tables import INPUT_TABLES, SCALARS, Field
+from addin.reading.case_json import case_to_json, read_case_json
+from addin.reading.workbook import read_workbook
+from engine.case.data import TABLES, Case, CaseData, case_digest
 
 CASE = {
     "format": 1,

@@ -13,14 +13,14 @@ import openpyxl
 import pandas as pd
 import pytest
 
-from addin import recalc
-from addin.json_schemas import results_schema
-from addin.package import open_workbook
-from addin.package.references import cell_name
-from addin.recalc import COMPILING
-from addin.template_files import template_path
-from addin.terminal import progress
-from engine.effects import EFFECTS
+from addin.cli.terminal import progress
+from addin.contract.shipped import template_path
+from addin.reference.json_schemas import results_schema
+from addin.writing import recalculate as recalc
+from addin.writing.recalculate import COMPILING
+from addin.xlsx import open_workbook
+from addin.xlsx.references import cell_name
+from engine.case.effects import EFFECTS
 from engine.run import COMPILING_EVENTS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -319,7 +319,7 @@ def test_both_compilations_are_told_of(monkeypatch):
         for stage in ("plan", COMPILING_EVENTS, "start with events"):
             on_stage(stage)
 
-    monkeypatch.setattr("addin.calculation.calculate", calculate)
+    monkeypatch.setattr("addin.calculation.calculation.calculate", calculate)
     monkeypatch.setattr("engine.stepping.compiling.is_compiled", lambda kernel: False)
     said = []
     recalc.calculate_read(

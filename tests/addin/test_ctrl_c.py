@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from addin.template_files import template_path
+from addin.contract.shipped import template_path
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Sends Ctrl-C to itself when a function is called, as a user does who grows impatient then.
@@ -42,15 +42,17 @@ def folder(tmp_path) -> Path:
 @pytest.mark.parametrize(
     ("when", "words"),
     [
-        ("addin.recalc.read_checked", "recalc a.xlsx"),
+        ("addin.writing.recalculate.read_checked", "recalc a.xlsx"),
         pytest.param(
-            "addin.calculation.run", "recalc a.xlsx --json a.json", marks=pytest.mark.slow
+            "addin.calculation.calculation.run",
+            "recalc a.xlsx --json a.json",
+            marks=pytest.mark.slow,
         ),
         ("os.replace", "recalc a.xlsx --json a.json"),
         pytest.param(
             "addin.studies.study.study_one", "accuracy a.xlsx --quick", marks=pytest.mark.slow
         ),
-        ("engine.accuracy.accuracy_study", "accuracy a.xlsx --quick"),
+        ("engine.studies.accuracy.accuracy_study", "accuracy a.xlsx --quick"),
         ("addin.verify.file.verify_file", "verify a.xlsx --json a.json"),
         pytest.param(
             "addin.diff.compare.compare_files",

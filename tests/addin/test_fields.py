@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from addin.fields import (
+from addin.contract.tables import (
     DIMENSIONS,
     INPUT_TABLES,
     RESULT_TABLES,
@@ -17,7 +17,7 @@ from addin.fields import (
     result_table,
     scalar,
 )
-from engine.case import TABLES, CaseData
+from engine.case.data import TABLES, CaseData
 
 ROOT = Path(__file__).resolve().parents[2]
 COLUMNS = [column for table in (*INPUT_TABLES, *RESULT_TABLES) for column in table.columns]
@@ -111,7 +111,7 @@ def test_repeated_columns():
 
 def test_importing_the_readers_loads_nothing_heavy():
     script = (
-        "import sys, addin.case_json, addin.json_schemas, addin.results_json, addin.units\n"
+        "import sys, addin.reading.case_json, addin.reference.json_schemas, addin.writing.results_json, addin.contract.units\n"
         "print([m for m in ('pint', 'openpyxl', 'lxml', 'numpy', 'scipy', 'numba') "
         "if m in sys.modules])"
     )

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from addin.batch.pool import _serve
-from addin.processes import Process
+from addin.workers.pool import _serve
+from addin.workers.processes import Process
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Asks a process of its own how much it has used, after having used more.
 LARGE_PARENT = f"""
 import mmap
-from addin.batch.pool import _serve
-from addin.processes import Process, most_resident
+from addin.workers.pool import _serve
+from addin.workers.processes import Process, most_resident
 if __name__ == "__main__":
     block = mmap.mmap(-1, {400 * 2**20})
     for at in range(0, len(block), mmap.PAGESIZE):
@@ -25,7 +25,7 @@ if __name__ == "__main__":
     process = Process(_serve)
     process.line.send((max, [1]))
     process.line.recv()
-    process.line.send((eval, "__import__('addin.processes').processes.most_resident()"))
+    process.line.send((eval, "__import__('addin.workers.processes').workers.processes.most_resident()"))
     print(most_resident(), process.line.recv())
     process.end()
 """

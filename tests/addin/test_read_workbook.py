@@ -13,11 +13,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from small_workbook import TABLE_ROWS, Calculated, Formatted, SmallWorkbook
 
-from addin.fields import INPUT_TABLES, SCALARS
-from addin.package import WorkbookRefused
-from addin.read_workbook import read_workbook
-from engine.case import Case, case_digest
-from engine.effects import EFFECTS
+from addin.contract.tables import INPUT_TABLES, SCALARS
+from addin.reading.workbook import read_workbook
+from addin.xlsx import WorkbookRefused
+from engine.case.data import Case, case_digest
+from engine.case.effects import EFFECTS
 
 RPM = math.pi / 30.0
 LBF_FT = 1.3558179483314
@@ -639,7 +639,7 @@ def test_a_table_over_the_whole_sheet_is_read_quickly(workbook, tmp_path):
 
 
 def test_an_open_workbook_is_read_as_it_stands(workbook, tmp_path):
-    from addin.package import open_workbook
+    from addin.xlsx import open_workbook
 
     opened = open_workbook(workbook.save(tmp_path / "small.xlsx"))
     assert read_workbook(opened).data == read_workbook(tmp_path / "small.xlsx").data

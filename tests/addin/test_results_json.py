@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from test_case_json import CASE
 
-from addin.case_json import case_to_json, read_case_json
-from addin.json_schemas import SCHEMA_FOLDER, SCHEMAS, case_schema, results_schema
-from addin.results_json import errors_to_json, results_to_json
+from addin.reading.case_json import case_to_json, read_case_json
+from addin.reference.json_schemas import SCHEMA_FOLDER, SCHEMAS, case_schema, results_schema
+from addin.writing.results_json import errors_to_json, results_to_json
 from engine.errors import InternalError
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -116,7 +116,7 @@ def test_errors(run):
 @pytest.mark.parametrize(("name", "schema"), SCHEMAS.items())
 def test_the_shipped_schemas_are_those_of_the_fields(name, schema):
     text = (SCHEMA_FOLDER / f"{name}.schema.json").read_text(encoding="utf-8")
-    assert json.loads(text) == schema(), "run: python -m addin.json_schemas"
+    assert json.loads(text) == schema(), "run: python -m addin.reference.json_schemas"
     jsonschema.Draft202012Validator.check_schema(schema())
 
 

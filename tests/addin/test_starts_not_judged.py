@@ -7,10 +7,10 @@ import pytest
 from docx import Document
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json
-from addin.cli import app
-from addin.read_workbook import read_workbook
-from addin.template_files import template_path
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.reading.case_json import case_to_json
+from addin.reading.workbook import read_workbook
 
 
 @pytest.fixture(scope="module")

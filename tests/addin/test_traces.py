@@ -8,11 +8,11 @@ from pathlib import Path
 import openpyxl
 import pytest
 
-from addin.fields import INPUT_TABLES, RESULT_TABLES, SCALARS, WORKBOOK_TABLES
-from addin.layout import SHAPE_COLUMNS, workbook_columns
-from addin.results_page import PAGE, TRACE_HEADERS, page, trace_rows, traced_columns
-from addin.template_files import template_path
-from addin.traces import GROUPS, TRACES
+from addin.contract.chart_rows import SHAPE_COLUMNS, workbook_columns
+from addin.contract.result_tables import GROUPS, TRACES
+from addin.contract.shipped import template_path
+from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, SCALARS, WORKBOOK_TABLES
+from addin.contract.trace_table import PAGE, TRACE_HEADERS, page, trace_rows, traced_columns
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLES = (*RESULT_TABLES, *WORKBOOK_TABLES)
@@ -74,7 +74,7 @@ def test_documents_and_sections_cited_are_there():
 
 
 def test_the_page_is_made_from_the_table_of_fields():
-    assert PAGE.read_text(encoding="utf-8") == page(), "run python -m addin.results_page"
+    assert PAGE.read_text(encoding="utf-8") == page(), "run python -m addin.contract.trace_table"
 
 
 def test_sheet_trace_and_header_prompts_show_it():

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from addin.fields import DIMENSIONS
-from addin.units import (
+from addin.contract.tables import DIMENSIONS
+from addin.contract.units import (
     RATED_TORQUE,
     STATION_SPEED,
     SYNCHRONOUS_SPEED,
@@ -38,7 +38,7 @@ def test_usual_factors_are_those_of_pint(dimension, unit):
 
 @pytest.mark.parametrize("dimension", [d for d in DIMENSIONS if DIMENSIONS[d].si])
 def test_the_drop_down_lists_can_be_read_without_pint(dimension, monkeypatch):
-    monkeypatch.setattr("addin.units._registry", None)
+    monkeypatch.setattr("addin.contract.units._registry", None)
     parse_unit.__globals__["_parse"].cache_clear()
     for unit in (*DIMENSIONS[dimension].units, DIMENSIONS[dimension].si):
         if dimension == "speed fraction" and unit in ("rpm", "rad/s"):

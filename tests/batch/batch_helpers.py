@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from addin.batch.pool import Task, Workers
-from addin.package import open_workbook
-from addin.package.references import cell_name
-from addin.template_files import template_path
+from addin.contract.shipped import template_path
+from addin.workers.pool import Task, Workers
+from addin.xlsx import open_workbook
+from addin.xlsx.references import cell_name
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -17,13 +17,13 @@ import pytest
 from batch_helpers import Here, command, environment, make_train, spoil, torsionbook
 
 from addin.batch import work
-from addin.batch.conductor import Batch, Listener, Stop, Stopped
 from addin.batch.folder import OWN, FolderRefused, OutFolder
 from addin.batch.inputs import find_inputs
-from addin.batch.pool import Crashed
 from addin.batch.records import Record
+from addin.batch.scheduler import Batch, Listener, Stop, Stopped
 from addin.batch.summary import ERROR_COLUMNS, FILE_COLUMNS, guarded, write_summary
-from addin.recalc import recalculate
+from addin.workers.pool import Crashed
+from addin.writing.recalculate import recalculate
 
 #: Tables with times of this very run in them.
 TIMED = {"Audit", "AccuracyCost", "Effects", "RunFacts", "ChartAccuracy"}
@@ -40,12 +40,12 @@ def run(trains: Path, out: Path, *, resume: bool = False, **more) -> dict[str, R
 @pytest.fixture
 def counted(monkeypatch):
     """How often the engine runs."""
-    import addin.calculation
+    import addin.calculation.calculation
 
     calls = []
-    real = addin.calculation.run
+    real = addin.calculation.calculation.run
     monkeypatch.setattr(
-        addin.calculation, "run", lambda *words: calls.append(words[0]) or real(*words)
+        addin.calculation.calculation, "run", lambda *words: calls.append(words[0]) or real(*words)
     )
     return calls
 
@@ -231,7 +231,7 @@ def test_a_twin_whose_first_failed_is_calculated_by_itself(few, tmp_path, monkey
             return work.Calculated(work.refused(task, raise_full))
         return real(task)
 
-    monkeypatch.setattr("addin.batch.conductor.calculate", failing)
+    monkeypatch.setattr("addin.batch.scheduler.calculate", failing)
     records = run(few, tmp_path / "out")
     assert records["train 8.xlsx"].outcome == "no access"
     assert records["twin.xlsx"].done
@@ -272,7 +272,7 @@ def test_without_resume_everything_is_done_again(few, tmp_path, counted):
 @pytest.mark.slow
 def test_an_earlier_version_is_no_record(few, tmp_path, counted, monkeypatch):
     run(few, tmp_path / "out")
-    monkeypatch.setattr("addin.version.product_version", lambda: "99.0")
+    monkeypatch.setattr("addin.contract.version.product_version", lambda: "99.0")
     run(few, tmp_path / "out", resume=True)
     assert len(counted) == 4
 
@@ -358,7 +358,7 @@ def test_a_full_disk_ends_the_batch_cleanly(few, tmp_path, monkeypatch):
             raise OSError(errno.ENOSPC, "No space left on device")
         real(handle)
 
-    monkeypatch.setattr("addin.package.save.os.fsync", fsync)
+    monkeypatch.setattr("addin.xlsx.save.os.fsync", fsync)
     stop = Stop()
     inputs = find_inputs([str(few)], out)
     with OutFolder(out) as folder, Batch(folder, Here(), stop=stop) as batch:
@@ -380,9 +380,9 @@ def test_a_full_disk_ends_the_batch_cleanly(few, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_a_file_saved_while_it_is_calculated_is_tried_once_more(few, tmp_path, monkeypatch):
-    import addin.recalc
+    import addin.writing.recalculate
 
-    real = addin.recalc.calculate_read
+    real = addin.writing.recalculate.calculate_read
     touched = []
 
     def meanwhile(read, *words):
@@ -392,7 +392,7 @@ def test_a_file_saved_while_it_is_calculated_is_tried_once_more(few, tmp_path, m
             make_train(few / "train 9.xlsx", 60 + len(touched))
         return found
 
-    monkeypatch.setattr("addin.recalc.calculate_read", meanwhile)
+    monkeypatch.setattr("addin.writing.recalculate.calculate_read", meanwhile)
     limit = 1
     assert run(few, tmp_path / "a")["train 9.xlsx"].done
     limit = 9
@@ -607,7 +607,7 @@ def test_an_unreadable_file_is_told_by_its_name_in_the_batch(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("last", [False, True])
 def test_ctrl_c_while_the_last_file_runs_interrupts_nothing(few, tmp_path, last):
-    from addin.batch import commands
+    from addin.cli import batch as commands
 
     stop, seen = Stop(), []
 
@@ -642,7 +642,7 @@ def test_that_the_first_calculation_compiles_is_said_once(few, tmp_path, monkeyp
 
 
 def test_lines_of_a_log_say_when_and_end_with_all(monkeypatch, capsys):
-    from addin.batch import commands
+    from addin.cli import batch as commands
 
     now = [0.0]
     monkeypatch.setattr(commands.time, "monotonic", lambda: now[0])

@@ -14,11 +14,11 @@ import pandas as pd
 import pytest
 from batch_helpers import command, environment, make_train, spoil, torsionbook
 
-from addin.batch import cluster
-from addin.batch.cluster import Cluster, ClusterRefused
 from addin.batch.folder import OWN
 from addin.batch.journal import read_journal
-from addin.batch.pool import Crashed, Task
+from addin.workers import cluster
+from addin.workers.cluster import Cluster, ClusterRefused
+from addin.workers.pool import Crashed, Task
 from tests.dask_cluster import Dask, wait_until
 
 
@@ -157,6 +157,6 @@ def test_a_task_that_kills_every_worker_is_given_up_and_named(tmp_path):
 def test_no_scheduler_and_another_version_are_told(dask, tmp_path, monkeypatch):
     with pytest.raises(ClusterRefused, match="cannot be used, or has no worker"):
         Cluster("tcp://127.0.0.1:9", patience=1.0)
-    monkeypatch.setattr("addin.version.product_version", lambda: "99.0")
+    monkeypatch.setattr("addin.contract.version.product_version", lambda: "99.0")
     with pytest.raises(ClusterRefused, match=r"has 0\.\d.*here it is 99\.0"):
         Cluster(dask.address)

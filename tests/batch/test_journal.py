@@ -11,7 +11,7 @@ from batch_helpers import environment
 from addin.batch.folder import OWN, FolderRefused, OutFolder, digest_of
 from addin.batch.journal import Journal, read_journal
 from addin.batch.records import DONE, LOCKED, Output, Record, Stamp, failed, outcome_of
-from addin.package.errors import SaveRefused, SourceChanged, WorkbookLocked, WorkbookRefused
+from addin.xlsx.errors import SaveRefused, SourceChanged, WorkbookLocked, WorkbookRefused
 
 
 def record(name: str, **more: object) -> Record:

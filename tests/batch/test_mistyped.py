@@ -13,7 +13,7 @@ from addin.batch.inputs import Input, InputsRefused, check_places, find_inputs
 from addin.batch.json_file import holds_results, is_result_json
 from addin.batch.summary import write_summary
 from addin.batch.summary_file import is_summary, is_summary_csv
-from addin.cli import app
+from addin.cli.app import app
 
 RUN = CliRunner()
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from batch_helpers import environment
 
-from addin.batch.pool import Crashed, Pool, Task
+from addin.workers.pool import Crashed, Pool, Task
 
 
 def doubled(number):
@@ -93,7 +93,7 @@ def test_stopping_finishes_what_runs_and_begins_nothing(pool):
 def test_processes_end_when_the_batch_is_killed(tmp_path):
     """Even in the middle of a task."""
     script = (
-        "import test_pool; from addin.batch.pool import Pool, Task\n"
+        "import test_pool; from addin.workers.pool import Pool, Task\n"
         "if __name__ == '__main__':\n"
         "    pool = Pool(2); pool.add(Task(test_pool.sleeping, None))\n"
         "    pool._hand_out(); print(pool.process_ids[0], flush=True)\n"

@@ -13,11 +13,11 @@ import openpyxl
 import pytest
 from batch_helpers import Here, make_train, spoil, torsionbook
 
-from addin.batch.conductor import Batch
 from addin.batch.folder import OutFolder
 from addin.batch.inputs import InputsRefused, find_inputs
 from addin.batch.records import Record
-from addin.package import open_workbook
+from addin.batch.scheduler import Batch
+from addin.xlsx import open_workbook
 
 NEWMARK = {"method": "newmark", "tolerance_peak": 0.01}
 #: Keys of a result JSON that belong to one run.
@@ -35,12 +35,12 @@ def run(trains: Path, out: Path, *, resume: bool = False, **more) -> dict[str, R
 @pytest.fixture
 def counted(monkeypatch):
     """Which cases the engine runs."""
-    import addin.calculation
+    import addin.calculation.calculation
 
     calls = []
-    real = addin.calculation.run
+    real = addin.calculation.calculation.run
     monkeypatch.setattr(
-        addin.calculation, "run", lambda *words: calls.append(words[0]) or real(*words)
+        addin.calculation.calculation, "run", lambda *words: calls.append(words[0]) or real(*words)
     )
     return calls
 

@@ -17,13 +17,13 @@ import pytest
 from batch_helpers import Here, command, environment, make_train, torsionbook
 
 from addin.batch import vary
-from addin.batch.conductor import Listener, Stop
 from addin.batch.folder import OWN, OutFolder
-from addin.batch.pool import Crashed
-from addin.batch.result_file import is_result, is_result_csv
+from addin.batch.own_files import is_result, is_result_csv
+from addin.batch.scheduler import Listener, Stop
 from addin.batch.vary import Programme, TableRefused, run_programme
-from addin.read_workbook import read_workbook
-from addin.recalc import recalculate
+from addin.reading.workbook import read_workbook
+from addin.workers.pool import Crashed
+from addin.writing.recalculate import recalculate
 
 #: Two discs and a shaft: f = √(k (1/J1 + 1/J2)) / 2π.
 TWO_DISCS = {
@@ -504,7 +504,7 @@ def test_results_for_excel_have_the_form_of_the_table(base, tmp_path, lines, sep
 
 
 def test_ctrl_c_after_the_last_row_interrupts_nothing(base, tmp_path, monkeypatch, capsys):
-    from addin.batch import commands
+    from addin.cli import batch as commands
 
     table, stop = csv(tmp_path, "DampingRatio", "0.01", "0.02"), Stop()
 

@@ -11,10 +11,10 @@ import openpyxl
 import pytest
 from batch_helpers import Here, command, environment, make_train
 
-from addin.batch.conductor import Batch
 from addin.batch.folder import OutFolder
 from addin.batch.inputs import Input, find_inputs
 from addin.batch.records import DONE, LOCKED, Record, failed
+from addin.batch.scheduler import Batch
 from addin.batch.watch import TRY_AGAIN, Watch
 
 

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = """
 import numpy as np
 from engine.stepping.compiling import is_compiled
-from engine.stepping.kernels import turning_points
+from engine.stepping.linear_loop import turning_points
 before = is_compiled(turning_points)
 turning_points(np.array([0.0, 1.0]), np.array([0.0, 0.0]), np.array([1.0, -1.0]))
 print(before, turning_points.stats.cache_path)

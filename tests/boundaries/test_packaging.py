@@ -236,7 +236,7 @@ def test_the_installed_wheel_finds_its_workbooks(wheel, tmp_path):
     )
     zipfile.ZipFile(wheel).extractall(site)
     script = (
-        "import addin, engine; from addin.template_files import template_path\n"
+        "import addin, engine; from addin.contract.shipped import template_path\n"
         "print(template_path('example_proposed.xlsx')); print(engine.__file__)"
     )
     clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
@@ -257,13 +257,13 @@ def test_the_installed_wheel_finds_its_workbooks(wheel, tmp_path):
 
 
 def test_template_path_in_the_checkout():
-    from addin.template_files import template_path
+    from addin.contract.shipped import template_path
 
     assert template_path("example_modified.xlsx") == ROOT / "templates" / "example_modified.xlsx"
 
 
 def test_an_unknown_template_is_named_with_those_there_are():
-    from addin.template_files import template_path
+    from addin.contract.shipped import template_path
 
     with pytest.raises(FileNotFoundError, match=r"'nonsense\.xlsx'.*example_proposed\.xlsx"):
         template_path("nonsense.xlsx")

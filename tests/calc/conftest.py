@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from addin.calc.oxt import extension, worker_command
+from addin.libreoffice.oxt import extension, worker_command
 
 TESTS = Path(__file__).resolve().parents[1]
 # ranges of the shipped workbooks; LibreOffice

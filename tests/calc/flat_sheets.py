@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
-from addin.calc.names import programmatic_name
+from addin.libreoffice.names import programmatic_name
 from addin.worksheet.registry import FUNCTIONS
 
 NAMESPACES = " ".join(

@@ -7,7 +7,7 @@ import zipfile
 import pytest
 from typer.testing import CliRunner
 
-from addin.cli import app
+from addin.cli.app import app
 
 
 def run(*words):

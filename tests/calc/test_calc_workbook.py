@@ -11,7 +11,7 @@ from flat_sheets import Formula, write_sheets
 from sheet_ranges import CATALOGUE, SCATTER, TUNING, model_arguments
 from xls_cells import read_cells
 
-from addin.calc.names import programmatic_name
+from addin.libreoffice.names import programmatic_name
 from addin.worksheet.functions import TABLES
 from addin.worksheet.registry import FUNCTIONS, FunctionError, call
 

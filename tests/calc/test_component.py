@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 
-from addin.calc.oxt import extension, worker_command
+from addin.libreoffice.oxt import extension, worker_command
 from addin.worksheet.registry import call
 
 

@@ -15,8 +15,8 @@ import pytest
 from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, table
 from test_calc_workbook import calculated, every_call, expected  # noqa: F401  (fixtures)
 
-from addin.recalc import recalculate
 from addin.worksheet.registry import FUNCTIONS, call
+from addin.writing.recalculate import recalculate
 
 TESTS = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TESTS / "excel"), str(TESTS / "server")]

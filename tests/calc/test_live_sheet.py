@@ -11,10 +11,10 @@ import pytest
 from openpyxl.utils import get_column_letter, range_boundaries
 from xls_cells import read_cells
 
-from addin.flavours import FLAVOURS
-from addin.live_sheet import MARGIN_ROWS, MODE_ROWS, SHAFTS
-from addin.read_workbook import read_workbook
-from addin.template import build_template
+from addin.reading.workbook import read_workbook
+from addin.template.build import build_template
+from addin.template.live_sheet import MARGIN_ROWS, MODE_ROWS, SHAFTS
+from addin.template.variants import FLAVOURS
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import call
 
@@ -215,7 +215,7 @@ def test_an_empty_template_asks_for_its_train(calc, tmp_path):
 
 @pytest.mark.slow
 def test_after_a_calculation_it_says_whose_the_results_are(calc, shipped, tmp_path):
-    from addin.recalc import recalculate
+    from addin.writing.recalculate import recalculate
 
     done = tmp_path / "done.xlsx"
     recalculate(shipped, destination=done)

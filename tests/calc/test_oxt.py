@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from addin.calc import oxt
-from addin.calc.names import COMPONENT, METHOD_MODULES, identifier, programmatic_name
-from addin.calc.oxt import MANIFEST, extension, worker_command
-from addin.calc.type_library import MAGIC
+from addin.libreoffice import oxt
+from addin.libreoffice.names import COMPONENT, METHOD_MODULES, identifier, programmatic_name
+from addin.libreoffice.oxt import MANIFEST, extension, worker_command
+from addin.libreoffice.type_library import MAGIC
 from addin.worksheet.registry import FUNCTIONS
 
 OOR = "{http://openoffice.org/2001/registry}"
@@ -140,7 +140,7 @@ def test_the_settings_name_the_python_and_every_function(parts):
     settings = json.loads(parts["settings.json"])
     assert settings["command"] == COMMAND
     assert settings["methods"] == {n.lower(): [n, f.scalar] for n, f in FUNCTIONS.items()}
-    assert worker_command() == [sys.executable, "-P", "-m", "addin.calc.worker"]
+    assert worker_command() == [sys.executable, "-P", "-m", "addin.libreoffice.worker"]
 
 
 def test_the_same_input_gives_the_same_bytes():

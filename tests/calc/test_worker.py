@@ -10,8 +10,8 @@ import sys
 import pytest
 from sheet_ranges import model_arguments
 
-from addin.calc import worker
-from addin.calc.oxt import worker_command
+from addin.libreoffice import worker
+from addin.libreoffice.oxt import worker_command
 from addin.worksheet.registry import FunctionError, call
 
 
@@ -103,7 +103,7 @@ def test_the_process_speaks_doubles_and_ends_with_its_input():
 
 def test_what_the_process_prints_does_not_spoil_its_answers():
     script = (
-        "from addin.calc import worker\nfrom addin.worksheet import registry\nimport os\n"
+        "from addin.libreoffice import worker\nfrom addin.worksheet import registry\nimport os\n"
         "def noisy(name, raw):\n    print('noise'); os.write(1, b'noise'); return [[1.0]]\n"
         "registry.call = noisy\nworker.main()"
     )

@@ -11,16 +11,16 @@ import openpyxl
 import pytest
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json, read_case_json
-from addin.cli import app
+from addin.cli.app import app
+from addin.contract.shipped import template_path
 from addin.diff.compare import compare_files
 from addin.diff.inputs import compare_inputs
 from addin.diff.units import Units
-from addin.package import Workbook, open_workbook
-from addin.package.references import cell_name
-from addin.read_workbook import read_workbook
-from addin.recalc import recalculate
-from addin.template_files import template_path
+from addin.reading.case_json import case_to_json, read_case_json
+from addin.reading.workbook import read_workbook
+from addin.writing.recalculate import recalculate
+from addin.xlsx import Workbook, open_workbook
+from addin.xlsx.references import cell_name
 
 RUN = CliRunner()
 
@@ -286,7 +286,7 @@ def test_the_workbook_opens_elsewhere(folder, tmp_path, soffice):
 )
 def test_per_cent_only_of_what_is_positive(before, after, said):
     from addin.diff.changes import Change
-    from addin.diff.told import change_in_words
+    from addin.diff.wording import change_in_words
 
     one = Change("changed", "StartupPeaks", "Mesh", "Minimum torque", before, after, "N*m")
     assert change_in_words(one) == said

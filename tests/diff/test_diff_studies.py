@@ -12,20 +12,20 @@ import openpyxl
 import pytest
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json
-from addin.cli import app
+from addin.cli.app import app
+from addin.contract.studies.fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES
 from addin.diff.changes import Differences
 from addin.diff.compare import compare_files
 from addin.diff.studies import _plain
-from addin.diff.told import as_json
-from addin.json_schemas import diff_schema
-from addin.matching import ROW_NAMES
-from addin.package import open_workbook
-from addin.package.references import cell_name
-from addin.studies.spread import alone
+from addin.diff.wording import as_json
+from addin.reading.case_json import case_to_json
+from addin.recorded.match_rows import ROW_NAMES
+from addin.reference.json_schemas import diff_schema
 from addin.studies.study import study_one
 from addin.studies.tuning import TUNING
-from addin.study_fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES
+from addin.workers.parallel_map import alone
+from addin.xlsx import open_workbook
+from addin.xlsx.references import cell_name
 from tests.sample_case import sample_case
 
 RUN = CliRunner()

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from engine.accuracy import AccuracyRow, AccuracyStudy, accuracy_study
-from engine.accuracy import _cost as cost
-from engine.case import MeshRow, TorqueTimeRow
+from engine.case.data import MeshRow, TorqueTimeRow
+from engine.studies.accuracy import AccuracyRow, AccuracyStudy, accuracy_study
+from engine.studies.accuracy import _cost as cost
 from tests.sample_case import sample_case
 from tests.trains import geared, motor
 

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from engine.backlash import clearances_of, run_event_start
-from engine.case import Case, CaseData, ElementRow, MeshRow, StationRow
-from engine.clearance_response import clearance_response
-from engine.effects import CONTACT_LAWS, StartEffects
-from engine.gears import transverse_pressure_angle
-from engine.modal import modes_of
-from engine.startup import run_start
-from engine.time_response import linear
-from engine.train import build_train
+from engine.backlash.clearance_response import clearance_response
+from engine.backlash.event_start import clearances_of, run_event_start
+from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow
+from engine.case.effects import CONTACT_LAWS, StartEffects
+from engine.model.gears import transverse_pressure_angle
+from engine.model.modes import modes_of
+from engine.model.train import build_train
+from engine.start.start import run_start
+from engine.start.time_response import linear
 from tests.clearance_reference import ClearanceReference
 from tests.random_clearances import start_with_clearances
 from tests.trains import geared, prepared
@@ -249,7 +249,7 @@ def test_all_simulations_of_a_start_share_one_number_of_steps(
     free = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
     assert free.halvings >= 1
     first = free.trajectory.n_steps / 2.0 ** (free.halvings + 1)
-    monkeypatch.setattr("engine.backlash.MOST_STEPS_IN_ALL", int(6.0 * first))
+    monkeypatch.setattr("engine.backlash.event_start.MOST_STEPS_IN_ALL", int(6.0 * first))
     short = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
     assert short.halvings < free.halvings
     assert not short.met_tolerance
@@ -261,7 +261,7 @@ def test_a_start_that_takes_too_many_steps_is_given_up_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     case = with_teeth(backlash=2e-4)
-    monkeypatch.setattr("engine.event_run.MOST_STEPS", 2500)
+    monkeypatch.setattr("engine.backlash.event_simulation.MOST_STEPS", 2500)
     start = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
     assert start.outcome.outcome == "time out"
     assert "steps" in start.outcome.sentence

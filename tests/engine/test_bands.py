@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.bands import Band, forbidden_bands, free_windows
-from engine.case import Case, CaseData
-from engine.excitation import excitations_of
-from engine.margins import separation_margins
+from engine.case.data import Case, CaseData
+from engine.model.excitation import excitations_of
+from engine.operation.bands import Band, forbidden_bands, free_windows
+from engine.operation.margins import separation_margins
 from tests.strategies import cases
 from tests.trains import geared, prepared
 

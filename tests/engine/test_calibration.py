@@ -11,7 +11,10 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
-from engine.calibration import (
+from engine.case.data import Case, CaseData, ElementRow, StationRow
+from engine.case.study_inputs import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
+from engine.run import at_speed
+from engine.studies.calibration.calibration import (
     Calibration,
     calibrate,
     frequency_rows,
@@ -19,13 +22,10 @@ from engine.calibration import (
     measurement_rows,
     parameter_rows,
 )
-from engine.calibration_inputs import calibration_problems, plan_calibration
-from engine.case import Case, CaseData, ElementRow, StationRow
-from engine.least_change import FrequencyModel, maximum_torques, unknowns_of
-from engine.run import at_speed
-from engine.scatter import factors_of
-from engine.studies import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
-from engine.substitution import Change, changed
+from engine.studies.calibration.inputs import calibration_problems, plan_calibration
+from engine.studies.calibration.least_squares import FrequencyModel, maximum_torques, unknowns_of
+from engine.studies.scatter import factors_of
+from engine.studies.variation import Change, changed
 from tests.sample_case import sample_case
 
 

@@ -8,8 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case import Case, CaseData, ElementRow, MeshRow, StationRow
-from engine.derivatives import (
+from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow
+from engine.model.frequency_derivatives import clusters, frequency_derivatives
+from engine.model.modes import modes_of
+from engine.model.train import build_train
+from engine.start.start_fatigue import sn_slope
+from engine.studies.sensitivities.sensitivities import (
     AGREED,
     Derivatives,
     derivative_rows,
@@ -22,11 +26,7 @@ from engine.derivatives import (
     plan_derivatives,
     tangent_of,
 )
-from engine.frequency_derivatives import clusters, frequency_derivatives
-from engine.modal import modes_of
-from engine.start_fatigue import sn_slope
-from engine.substitution import Change, changed
-from engine.train import build_train
+from engine.studies.variation import Change, changed
 from tests.sample_case import sample_case
 
 #: Multiplying all of these by one number multiplies every torque by it and changes no motion.

@@ -16,15 +16,15 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from engine.case import Case, ElementRow, MotorTorqueRow, StationRow
-from engine.effects import StartEffects
-from engine.load import loads_of
-from engine.motor import electrical_arrays, has_electrical, motors_of, through_synchronism
-from engine.rigid_runup import rigid_runup
-from engine.startup import run_start, start_model
-from engine.stepping import kernels
+from engine.case.data import Case, ElementRow, MotorTorqueRow, StationRow
+from engine.case.effects import StartEffects
+from engine.model.load import loads_of
+from engine.model.motor import electrical_arrays, has_electrical, motors_of, through_synchronism
+from engine.model.rigid_runup import rigid_runup
+from engine.numerics.torque_curve import torque_curve
+from engine.start.start import run_start, start_model
+from engine.stepping import linear_loop as kernels
 from engine.stepping.exponential import exponential_step
-from engine.torque_curve import torque_curve
 from tests.numerics.test_start_reference import Reference
 from tests.trains import LOAD, MOTOR, RATED, geared, load, motor, prepared, started
 

@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from engine.case import ElementRow, MaterialRow, SNPointRow
+from engine.case.data import ElementRow, MaterialRow, SNPointRow
 from engine.errors import InternalError, ModelError
-from engine.fatigue import (
+from engine.fatigue.allowable_starts import (
     CycleCount,
     SNCurve,
     allowable_starts,

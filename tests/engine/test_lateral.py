@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from engine.case import CaseData, ElementRow, MeshRow, MotorTorqueRow, StationRow
+from engine.case.checks.find_problems import find_problems
+from engine.case.data import CaseData, ElementRow, MeshRow, MotorTorqueRow, StationRow
 from engine.errors import ModelError
-from engine.excitation import excitations_of, transmitted_torque
-from engine.margins import separation_margins
-from engine.modal import damped_eigenvalues, modal_damping, modes_of, natural_modes, nodes_of
-from engine.outputs import torque_outputs
-from engine.report import modal_details, result_tables
+from engine.model.excitation import excitations_of, transmitted_torque
+from engine.model.modes import damped_eigenvalues, modal_damping, modes_of, natural_modes, nodes_of
+from engine.model.train import build_train
+from engine.operation.margins import separation_margins
+from engine.operation.steady_state import harmonic_response, steady_state
+from engine.results.tables import modal_details, result_tables
 from engine.run import run
-from engine.steady_state import harmonic_response, steady_state
-from engine.time_response import linear, time_response
-from engine.train import build_train
-from engine.validation import find_problems
+from engine.start.time_response import linear, time_response
+from engine.start.torque_outputs import torque_outputs
 
 DEG = math.pi / 180.0
 RATIO = 2.5  # of the wheel's speed to the pinion's inverse: the pinion is the slower, larger "P"

@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from engine.case import Case
-from engine.ledger import damage_ledger, ledger_rows, remaining_rows
-from engine.start_matrix import (
+from engine.case.data import Case
+from engine.case.study_inputs import StartConditionRow, StudyInputs
+from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
+from engine.studies.starts.matrix import (
     NOT_CALCULATED,
     ConditionResult,
     ConditionShaft,
@@ -19,7 +20,6 @@ from engine.start_matrix import (
     StartMatrix,
     start_matrix,
 )
-from engine.studies import StartConditionRow, StudyInputs
 from tests.sample_case import sample_case
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from sample_case import sample_case
 
-from engine.case import (
+from engine.case.data import (
     Case,
     ElementRow,
     ExcitationRow,
@@ -15,14 +15,16 @@ from engine.case import (
     MotorTorqueRow,
     StationRow,
 )
-from engine.excitation import (
+from engine.model.excitation import (
     Excitation,
     excitation_places,
     excitations_of,
     operating_range,
     transmitted_torque,
 )
-from engine.margins import (
+from engine.model.modes import modes_of
+from engine.model.train import build_train
+from engine.operation.margins import (
     ACCEPTED,
     FAIL,
     PASS,
@@ -31,9 +33,7 @@ from engine.margins import (
     percent_speed,
     separation_margins,
 )
-from engine.modal import modes_of
 from engine.run import at_speed
-from engine.train import build_train
 
 RPM = math.pi / 30.0
 

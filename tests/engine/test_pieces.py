@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from engine.backlash import clearances_of
-from engine.case import CaseData, ElementRow, MeshRow, StationRow
-from engine.modal import modes_of
-from engine.pieces import ForcePlaces, Pieces, piece_basis
-from engine.stepping.events import BACK, DRIVE, FREE
-from engine.train import Train, build_train
+from engine.backlash.contact_systems import ForcePlaces, Pieces, piece_basis
+from engine.backlash.event_start import clearances_of
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.model.modes import modes_of
+from engine.model.train import Train, build_train
+from engine.stepping.contact_loop import BACK, DRIVE, FREE
 from tests.random_clearances import pushed_train
 
 

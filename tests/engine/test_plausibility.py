@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from sample_case import sample_case
 
-from engine.case import CaseData, MeshRow
-from engine.plausibility import implausible
+from engine.case.data import CaseData, MeshRow
+from engine.case.plausibility import implausible
 from engine.run import run
 
 

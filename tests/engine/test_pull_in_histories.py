@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from engine.pull_in import (
+from engine.start.pull_in import (
     has_failed,
     has_settled,
     judge_pull_in,

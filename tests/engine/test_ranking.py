@@ -7,10 +7,10 @@ from itertools import pairwise, permutations
 
 import pytest
 
-from engine.combination import Answers, Tried
-from engine.ranking import is_better, ranked, reason
-from engine.tuning_options import Combination, Option, Variable
-from engine.verdicts import Verdict
+from engine.results.verdicts import Verdict
+from engine.studies.tuning.evaluate import Answers, Tried
+from engine.studies.tuning.options import Combination, Option, Variable
+from engine.studies.tuning.ranking import is_better, ranked, reason
 
 KEPT = Verdict(
     "Separation margin", 0.25, 0.2, "fraction", "pass", "mode 1 (24 Hz) against 1× motor"

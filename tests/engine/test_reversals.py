@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from engine.case import Case, ElementRow, MeshRow
-from engine.effects import ContactRecord
-from engine.reversals import PRACTICE_LIMITS, Reversal, reversing_elements, torque_reversals
-from engine.startup import NOTABLE_REVERSAL, Start, turning_of
+from engine.case.data import Case, ElementRow, MeshRow
+from engine.case.effects import ContactRecord
+from engine.start.reversals import PRACTICE_LIMITS, Reversal, reversing_elements, torque_reversals
+from engine.start.start import NOTABLE_REVERSAL, Start, turning_of
 from tests.sample_case import sample_case
 from tests.trains import geared, prepared, started
 

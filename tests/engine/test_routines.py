@@ -4,11 +4,11 @@ import subprocess
 import sys
 
 CODE = """
-from addin.read_workbook import read_workbook
-from addin.template_files import template_path
+from addin.reading.workbook import read_workbook
+from addin.contract.shipped import template_path
 from engine.run import run
-from engine.routines import load_routines
-from engine.stepping import kernels
+from engine.start.warm_up import load_routines
+from engine.stepping import linear_loop as kernels
 
 def loaded():
     return {n: list(k.signatures) for n, k in vars(kernels).items() if hasattr(k, "py_func")}

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from engine.sample_statistics import (
+from engine.numerics.sample_statistics import (
     convergence,
     percentile_interval,
     rank_regression,

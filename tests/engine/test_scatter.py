@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from engine.case import CaseData
+from engine.case.data import CaseData
+from engine.case.study_inputs import ScatterRow
 from engine.errors import CaseError
-from engine.scatter import (
+from engine.studies.scatter import (
     Factor,
     changes_of,
     factors_of,
@@ -18,8 +19,7 @@ from engine.scatter import (
     sampled,
     scatter_problems,
 )
-from engine.studies import ScatterRow
-from engine.substitution import SCATTERED, changed, names_with, present
+from engine.studies.variation import SCATTERED, changed, names_with, present
 from tests.sample_case import sample_case
 
 KINDS = (

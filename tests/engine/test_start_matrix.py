@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
-from engine.case import Case, CaseData, EffectChoiceRow, ModeDampingRow
+from engine.case.data import Case, CaseData, EffectChoiceRow, ModeDampingRow
+from engine.case.study_inputs import StartConditionRow, StudyInputs
 from engine.run import run
-from engine.start_matrix import (
+from engine.studies.starts.matrix import (
     LATEST_RESPONSE,
     NOT_CALCULATED,
     STANDARD_VOLTAGES,
@@ -31,7 +32,6 @@ from engine.start_matrix import (
     start_rows,
     voltage_rows,
 )
-from engine.studies import StartConditionRow, StudyInputs
 from tests.sample_case import sample_case
 
 SYNCHRONOUS = 60.0 * math.pi

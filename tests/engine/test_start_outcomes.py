@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case import (
+from engine.case.data import (
     Case,
     ElementRow,
     LoadTorqueRow,
@@ -16,12 +16,12 @@ from engine.case import (
     StationRow,
     TorqueTimeRow,
 )
-from engine.crossings import start_crossings
 from engine.errors import TorsionError
-from engine.load import loads_of
-from engine.motor import motors_of
-from engine.prescribed import run_prescribed
-from engine.startup import run_start, simulate, start_model
+from engine.model.load import loads_of
+from engine.model.motor import motors_of
+from engine.start.crossings import start_crossings
+from engine.start.prescribed import run_prescribed
+from engine.start.start import run_start, simulate, start_model
 from tests.trains import LOAD, MOTOR, RATED, geared, load, motor, peaks, prepared, started
 
 SYNCHRONOUS = 60.0 * math.pi

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sample_case import PSI, sample_case
 
-from engine.case import (
+from engine.case.data import (
     GROUND,
     Case,
     ElementRow,
@@ -18,11 +18,19 @@ from engine.case import (
     StationRow,
 )
 from engine.errors import ModelError
-from engine.excitation import excitations_of
-from engine.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, judge, separation_margins
-from engine.modal import modal_damping, modes_of, natural_modes, stated_damping
-from engine.steady_state import harmonic_response, steady_state
-from engine.train import build_train
+from engine.model.excitation import excitations_of
+from engine.model.modes import modal_damping, modes_of, natural_modes, stated_damping
+from engine.model.train import build_train
+from engine.operation.margins import (
+    ACCEPTED,
+    FAIL,
+    NOT_JUDGED,
+    PASS,
+    UNBOUNDED,
+    judge,
+    separation_margins,
+)
+from engine.operation.steady_state import harmonic_response, steady_state
 
 
 def respond(case, omega, loads, **kwargs):

@@ -6,9 +6,9 @@ from dataclasses import fields, replace
 
 import pytest
 
-from engine.case import Case, CaseData
-from engine.substitution import SCATTERED, TUNED, Change, changed, names_with, present, why_not
-from engine.train import build_train
+from engine.case.data import Case, CaseData
+from engine.model.train import build_train
+from engine.studies.variation import SCATTERED, TUNED, Change, changed, names_with, present, why_not
 from tests.sample_case import sample_case
 
 

@@ -10,27 +10,27 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case import Case, CaseData, MeshRow
+from engine.case.data import Case, CaseData, MeshRow
+from engine.case.study_inputs import ScatterRow
 from engine.errors import CaseError
-from engine.lean_start import LINEAR, PLANNED, near_start, near_train, recipe_of
+from engine.numerics.sample_statistics import percentile_interval
 from engine.run import run
-from engine.sample_statistics import percentile_interval
-from engine.scatter import changes_of, factors_of, sampled
-from engine.start_fatigue import COUNTED_STARTS
-from engine.studies import ScatterRow
-from engine.substitution import changed, names_with
-from engine.tolerance_sample import (
+from engine.start.start_fatigue import COUNTED_STARTS
+from engine.studies.nearby_start import LINEAR, PLANNED, near_start, near_train, recipe_of
+from engine.studies.scatter import changes_of, factors_of, sampled
+from engine.studies.tolerances.sample import (
     ToleranceSettings,
     evaluate,
     plan_tolerances,
     units_of,
 )
-from engine.tolerance_tables import tolerance_details, tolerance_tables
-from engine.tolerances import (
+from engine.studies.tolerances.tables import tolerance_details, tolerance_tables
+from engine.studies.tolerances.tolerances import (
     Tolerances,
     gather,
     tolerances,
 )
+from engine.studies.variation import changed, names_with
 from tests.sample_case import sample_case
 
 ROWS = (
@@ -115,8 +115,8 @@ def test_the_seed_and_the_scatter_are_in_the_digest(case: Case) -> None:
 
 def test_a_sample_is_the_run_of_the_changed_case(case: Case) -> None:
     """One sample against the conductor itself, which decides and refines everything anew."""
-    from engine.scatter import changes_of
-    from engine.substitution import changed
+    from engine.studies.scatter import changes_of
+    from engine.studies.variation import changed
 
     plan = plan_tolerances(case, ROWS, ToleranceSettings(40, 9))
     got = evaluate(units_of(plan, 1)[0])

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from engine.torque_curve import torque_curve
+from engine.numerics.torque_curve import torque_curve
 
 widths = st.lists(st.floats(1e-6, 1.0), min_size=1, max_size=12)
 torques = st.one_of(st.floats(-1e6, 1e6), st.sampled_from([0.0, 1000.0, -1000.0]))

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from engine.case import Case, CaseData, ElementRow, MeshRow, MotorTorqueRow, StationRow
+from engine.case.data import Case, CaseData, ElementRow, MeshRow, MotorTorqueRow, StationRow
 from engine.errors import ModelError
-from engine.modal import modal_damping, modes_of, natural_modes, nodes_of, state_matrix
-from engine.train import build_train, line_of_action
+from engine.model.modes import modal_damping, modes_of, natural_modes, nodes_of, state_matrix
+from engine.model.train import build_train, line_of_action
 
 STEEL = {"shear_modulus": 8e10}
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from engine import startup
-from engine.reversals import torque_reversals
 from engine.run import analyse, planned_start
-from engine.trajectory import Recorder, turning_of
+from engine.start import start as startup
+from engine.start.reversals import torque_reversals
+from engine.start.trajectory import Recorder, turning_of
 from tests.sample_case import sample_case
 
 ELEMENT = np.array([0, 1])

@@ -9,12 +9,14 @@ from typing import Any
 
 import pytest
 
-from engine.case import Case, MaterialRow, MeshRow, SNPointRow
-from engine.combination import answers_of, calculate_combination
-from engine.report import result_tables
+from engine.case.data import Case, MaterialRow, MeshRow, SNPointRow
+from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
+from engine.results.tables import result_tables
 from engine.run import run
-from engine.studies import CatalogueRow, StudyInputs, TuningRow
-from engine.tuning import (
+from engine.studies.tuning.combinations import plan_tuning
+from engine.studies.tuning.evaluate import answers_of, calculate_combination
+from engine.studies.tuning.maps import tuning_map
+from engine.studies.tuning.tuning import (
     TuningResult,
     band_rows,
     best_cases,
@@ -24,8 +26,6 @@ from engine.tuning import (
     ranked_rows,
     tune,
 )
-from engine.tuning_maps import tuning_map
-from engine.tuning_plan import plan_tuning
 from tests.trains import geared
 
 LOW, HIGH = "Low-speed shaft", "High-speed shaft"

@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from engine.case import Case, CaseData, MeshRow
+from engine.case.data import Case, CaseData, MeshRow
+from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
 from engine.errors import CaseError
-from engine.studies import CatalogueRow, StudyInputs, TuningRow
-from engine.tuning_checks import MAX_COMBINATIONS, tuning_problems
-from engine.tuning_options import DEFAULT_STEPS, case_of
-from engine.tuning_plan import plan_tuning
+from engine.studies.tuning.checks import MAX_COMBINATIONS, tuning_problems
+from engine.studies.tuning.combinations import plan_tuning
+from engine.studies.tuning.options import DEFAULT_STEPS, case_of
 from tests.sample_case import sample_case
 from tests.trains import geared
 

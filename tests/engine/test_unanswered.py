@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 from sample_case import sample_case
 
-from engine.case import Case, ElementRow, ExcitationRow, LoadTorqueRow, StationRow
-from engine.report import result_tables
+from engine.case.data import Case, ElementRow, ExcitationRow, LoadTorqueRow, StationRow
+from engine.case.missing_inputs import unanswered
+from engine.results.tables import result_tables
 from engine.run import run
-from engine.unanswered import unanswered
 
 STATIONS = (StationRow("Motor", inertia=10.0), StationRow("Fan", inertia=40.0))
 LOADED = (STATIONS[0], replace(STATIONS[1], running_load=1000.0))

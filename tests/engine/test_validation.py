@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 from sample_case import sample_case
 
-from engine.case import (
+from engine.case.checks.find_problems import find_problems
+from engine.case.data import (
     Case,
     CaseData,
     EffectChoiceRow,
@@ -22,7 +23,6 @@ from engine.case import (
     TorqueTimeRow,
 )
 from engine.errors import CaseError, TorsionError
-from engine.validation import find_problems
 
 NAN, INF = math.nan, math.inf
 #: What field application needs.

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from addin.contract.shipped import template_path
+from addin.contract.version import product_version
 from addin.excel import doctor
 from addin.excel.doctor import GOOD, NOTE, UNKNOWN, WRONG, Machine, checks, examine
 from addin.excel.vba import UDF_MODULE, XLWINGS_VERSION
 from addin.excel.workbook import Installed, install
-from addin.template_files import template_path
-from addin.version import product_version
 
 LOCAL = r"C:\U\me\AppData\Local"
 VENV = LOCAL + r"\torsionbook\venv"

@@ -5,9 +5,9 @@ import shutil
 import pytest
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.excel import commands
-from addin.template_files import template_path
+from addin.cli import excel as commands
+from addin.cli.app import app
+from addin.contract.shipped import template_path
 
 
 @pytest.fixture

@@ -10,15 +10,15 @@ from lxml import etree
 from olevba_reader import modules_of
 from vba_examples import own_module, saved_by_excel
 
+from addin.contract.sheets import SHEETS
+from addin.contract.shipped import template_path
 from addin.excel import vba
 from addin.excel.errors import VbaProjectError
 from addin.excel.vba_project import VbaProject, standard_module
 from addin.excel.workbook import SETTINGS_SHEET, install, installed_in, portable
-from addin.package import SaveRefused, WorkbookRefused, open_workbook
-from addin.package.macros import MacroEdit, save_with_macros
-from addin.recalc import recalculate
-from addin.template_files import template_path
-from addin.template_sheets import SHEETS
+from addin.writing.recalculate import recalculate
+from addin.xlsx import SaveRefused, WorkbookRefused, open_workbook
+from addin.xlsx.macros import MacroEdit, save_with_macros
 
 #: The parts that list others; all the rest must be the same bytes.
 LISTS = {"[Content_Types].xml", "xl/workbook.xml", "xl/_rels/workbook.xml.rels"}

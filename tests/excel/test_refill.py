@@ -8,11 +8,11 @@ import openpyxl
 import pytest
 from open_workbook import OpenBook
 
+from addin.contract.shipped import template_path
 from addin.excel import refill as module
 from addin.excel.refill import excel_value, refill
 from addin.excel.workbook import install
-from addin.package import ErrorValue, Formula
-from addin.template_files import template_path
+from addin.xlsx import ErrorValue, Formula
 
 USUAL = (True, True, "automatic", True)
 

@@ -30,8 +30,8 @@ from numpy.typing import NDArray
 from scipy.integrate._ivp import dop853_coefficients as dop
 from scipy.interpolate import PchipInterpolator
 
-from engine.case import CaseData
-from engine.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, WIDEST_ZONE
+from engine.case.data import CaseData
+from engine.model.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, WIDEST_ZONE
 
 __all__ = ["Answer", "Clearance", "RigidLink", "integrate", "rates_of", "state_size"]
 

@@ -5,8 +5,8 @@ import functools
 import numpy as np
 import pytest
 
-from engine.effects import ContactRecord
-from engine.startup import Start
+from engine.case.effects import ContactRecord
+from engine.start.start import Start
 from tests.hard_cases.answers import clearance_run, clearance_truth
 from tests.hard_cases.corpus import CLEARANCES
 from tests.hard_cases.reference import Answer

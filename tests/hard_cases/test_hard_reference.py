@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from engine.case import CaseData
+from engine.case.data import CaseData
 from tests.hard_cases.corpus import (
     STARTS,
     ClearanceCase,

@@ -123,9 +123,9 @@ def place_of(name: str) -> str:
 _WORKER = r"""
 import json, os, resource, sys, zipfile
 from pathlib import Path
-from addin.recalc import recalculate
-import addin.write_workbook, addin.calculation, addin.read_workbook, formualizer  # before the fork
-from addin.units import _registry
+from addin.writing.recalculate import recalculate
+import addin.writing.workbook, addin.calculation.calculation, addin.reading.workbook, formualizer  # before the fork
+from addin.contract.units import _registry
 _registry()
 counted = 0
 real = zipfile.ZipExtFile.read

@@ -30,7 +30,7 @@ from spoiled import (
     sheet,
 )
 
-from addin.package import Limits
+from addin.xlsx import Limits
 from benchmarks.workbook_fuzz import seeds, sentence_fault
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
@@ -223,7 +223,7 @@ def test_parts_that_are_there_twice(attended: Attended, tmp_path: Path, name: st
 
 
 def test_cut_off_anywhere(tmp_path: Path) -> None:
-    from addin.recalc import Unreadable, read_checked
+    from addin.writing.recalculate import Unreadable, read_checked
 
     data = packed(honest())
     source = tmp_path / "train.xlsx"
@@ -723,7 +723,7 @@ NUMBERS = [
 
 def stiffness_cells() -> tuple[str, str]:
     """Unit and value of the stiffness of the first element."""
-    from addin.fields import input_table
+    from addin.contract.tables import input_table
 
     left, top, _ = own_ref("xl/tables/table2.xml")
     at = [column.name for column in input_table("Elements").columns].index("Stiffness")
@@ -880,7 +880,7 @@ def test_half_characters_in_cells(attended: Attended, tmp_path: Path) -> None:
 
 
 def test_the_unit_of_a_column_that_knows_only_one() -> None:
-    from addin.units import UnitError, parse_unit
+    from addin.contract.units import UnitError, parse_unit
 
     for unit in ("m", "rpm", "Hz", "furlong"):
         with pytest.raises(UnitError, match="cycles per minute"):

@@ -42,8 +42,8 @@ def test_the_judge_sees_faults(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     """Each demand, broken on purpose, is noticed."""
     import time
 
-    from addin import recalc
-    from addin.package import save
+    from addin.writing import recalculate as recalc
+    from addin.xlsx import save
 
     data = seeds()[0].data
     real = recalc._write_workbook

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from high_precision import ReferredTree
 
-import engine.singular_values as singular_values
-from engine.case import CaseData, ElementRow, StationRow
-from engine.modal import modes_of
-from engine.train import build_train
+import engine.numerics.singular_values as singular_values
+from engine.case.data import CaseData, ElementRow, StationRow
+from engine.model.modes import modes_of
+from engine.model.train import build_train
 
 
 def chain(inertia, stiffness, order=None):

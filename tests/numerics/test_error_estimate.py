@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from engine.backlash import _beyond, _may_be_overtaken, _together_until, run_event_start
-from engine.load import loads_of
-from engine.motor import motors_of
-from engine.startup import (
+from engine.backlash.event_start import _beyond, _may_be_overtaken, _together_until, run_event_start
+from engine.model.load import loads_of
+from engine.model.motor import motors_of
+from engine.start.start import (
     _difference,
     run_start,
     settings_of,

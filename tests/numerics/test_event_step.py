@@ -13,14 +13,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.backlash import clearances_of
-from engine.case import CaseData, ElementRow, MeshRow, StationRow
-from engine.clearance_response import clearance_response
-from engine.modal import modes_of
-from engine.stepping.events import FREE, _first_fall, mode_step
+from engine.backlash.clearance_response import clearance_response
+from engine.backlash.event_start import clearances_of
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.model.modes import modes_of
+from engine.model.train import build_train
+from engine.start.time_response import PrescribedTorque, linear
+from engine.stepping.contact_loop import FREE, _first_fall, mode_step
 from engine.stepping.exponential import HERMITE, exponential_step
-from engine.time_response import PrescribedTorque, linear
-from engine.train import build_train
 from tests.clearance_reference import ClearanceReference
 from tests.numerics.test_steppers import exact_step
 

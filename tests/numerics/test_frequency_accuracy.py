@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from high_precision import ReferredTree
 
-import engine.singular_values
-from engine.case import CaseData, ElementRow, MotorTorqueRow, StationRow
-from engine.modal import modes_of
-from engine.train import build_train
+import engine.numerics.singular_values
+from engine.case.data import CaseData, ElementRow, MotorTorqueRow, StationRow
+from engine.model.modes import modes_of
+from engine.model.train import build_train
 
 TOLERANCE = 1e-12
 
@@ -186,7 +186,7 @@ def test_the_plain_svd_alone_would_not_do():
 def test_counts_find_and_correct_a_wrong_value(monkeypatch):
     """A Jacobi SVD that errs on purpose is put right."""
     case = everything(np.random.default_rng(3), 30)
-    honest = engine.singular_values._jacobi
+    honest = engine.numerics.singular_values._jacobi
 
     def erring(D):
         u, sigma, v = honest(D)
@@ -196,7 +196,7 @@ def test_counts_find_and_correct_a_wrong_value(monkeypatch):
         sigma[28] *= 1 + 3e-5
         return u, sigma, v
 
-    monkeypatch.setattr(engine.singular_values, "_jacobi", erring)
+    monkeypatch.setattr(engine.numerics.singular_values, "_jacobi", erring)
     check(case)
 
 

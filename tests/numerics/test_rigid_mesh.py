@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case import Case, ElementRow, StationRow, TorqueTimeRow
-from engine.load import loads_of
-from engine.motor import motors_of
-from engine.startup import Trajectory, simulate, start_model
-from engine.time_response import TimeResponse, held, of_time, time_response
+from engine.case.data import Case, ElementRow, StationRow, TorqueTimeRow
+from engine.model.load import loads_of
+from engine.model.motor import motors_of
+from engine.start.start import Trajectory, simulate, start_model
+from engine.start.time_response import TimeResponse, held, of_time, time_response
 from tests.trains import RATED, geared, load, prepared
 
 END = 0.5

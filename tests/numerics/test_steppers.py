@@ -10,7 +10,7 @@ import pytest
 from scipy.linalg import expm
 
 from engine.stepping.exponential import exponential_step, polynomial_step
-from engine.stepping.kernels import turning_points
+from engine.stepping.linear_loop import turning_points
 from engine.stepping.newmark import newmark_step
 
 #: name, coefficients, order of convergence

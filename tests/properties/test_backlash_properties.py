@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.backlash import clearances_of
-from engine.case import CaseData, StationRow
-from engine.clearance_response import ClearanceResponse, clearance_response
-from engine.modal import modes_of
-from engine.train import Train, build_train
+from engine.backlash.clearance_response import ClearanceResponse, clearance_response
+from engine.backlash.event_start import clearances_of
+from engine.case.data import CaseData, StationRow
+from engine.model.modes import modes_of
+from engine.model.train import Train, build_train
 from tests.random_clearances import Pushed, pushed_train
 
 LAWS = ("limited", "no adhesion")

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from engine.calibration import Calibration, calibrate
-from engine.case import Case
-from engine.least_change import FrequencyModel, unknowns_of
+from engine.case.data import Case
+from engine.case.study_inputs import MeasuredFrequencyRow, ScatterRow, StudyInputs
 from engine.run import at_speed
-from engine.scatter import factors_of
-from engine.studies import MeasuredFrequencyRow, ScatterRow, StudyInputs
-from engine.substitution import STIFFNESS, names_with
+from engine.studies.calibration.calibration import Calibration, calibrate
+from engine.studies.calibration.least_squares import FrequencyModel, unknowns_of
+from engine.studies.scatter import factors_of
+from engine.studies.variation import STIFFNESS, names_with
 from tests.strategies import cases
 
 TRAINS = cases(stations=(2, 8), decades=3, rigid=False)

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import assume, given, settings
 from strategies import cases
 
-from engine.frequency_derivatives import frequency_derivatives
-from engine.modal import modes_of
-from engine.substitution import Change, changed
-from engine.train import build_train
+from engine.model.frequency_derivatives import frequency_derivatives
+from engine.model.modes import modes_of
+from engine.model.train import build_train
+from engine.studies.variation import Change, changed
 
 FEW = settings(max_examples=25, deadline=None)
 

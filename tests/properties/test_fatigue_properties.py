@@ -7,8 +7,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from engine.case import ElementRow, MaterialRow, SNPointRow
-from engine.fatigue import (
+from engine.case.data import ElementRow, MaterialRow, SNPointRow
+from engine.fatigue.allowable_starts import (
     BELOW_ENDURANCE,
     RESIDUES,
     SNCurve,

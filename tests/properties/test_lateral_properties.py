@@ -10,9 +10,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from strategies import cases
 
-from engine.case import Case, MeshRow
-from engine.modal import modal_damping_matrix, modes_of
-from engine.train import build_train
+from engine.case.data import Case, MeshRow
+from engine.model.modes import modal_damping_matrix, modes_of
+from engine.model.train import build_train
 
 FEW = settings(max_examples=40)
 

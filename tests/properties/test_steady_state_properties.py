@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import cases
 
-from engine.case import GROUND, Case
-from engine.excitation import transmitted_torque
-from engine.modal import modes_of, stated_damping
-from engine.steady_state import harmonic_response
-from engine.train import build_train
+from engine.case.data import GROUND, Case
+from engine.model.excitation import transmitted_torque
+from engine.model.modes import modes_of, stated_damping
+from engine.model.train import build_train
+from engine.operation.steady_state import harmonic_response
 
 #: Frequencies of a running train, not near anything in particular. [rad/s]
 OMEGA = np.array([3.1, 31.7, 188.5, 377.3, 1055.6, 6283.1])

@@ -8,11 +8,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from strategies import cases
 
-from engine.lean_start import near_train, recipe_of
+from engine.case.study_inputs import ScatterRow
 from engine.run import run
-from engine.scatter import changes_of, factors_of, sampled
-from engine.studies import ScatterRow
-from engine.substitution import changed
+from engine.studies.nearby_start import near_train, recipe_of
+from engine.studies.scatter import changes_of, factors_of, sampled
+from engine.studies.variation import changed
 
 FEW = settings(max_examples=15, deadline=None)
 ROWS = (ScatterRow(quantity="stiffness", spread=0.0), ScatterRow(quantity="inertia", spread=0.0))

@@ -10,9 +10,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from strategies import cases
 
-from engine.case import Case, CaseData, ElementRow, MeshRow, StationRow, case_digest
-from engine.modal import damped_eigenvalues, modal_damping_matrix, modes_of, state_matrix
-from engine.train import build_train
+from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow, case_digest
+from engine.model.modes import damped_eigenvalues, modal_damping_matrix, modes_of, state_matrix
+from engine.model.train import build_train
 
 FEW = settings(max_examples=40)
 

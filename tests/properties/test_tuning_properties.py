@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.case import Case
-from engine.combination import answers_of
-from engine.ranking import merit
+from engine.case.data import Case
+from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
 from engine.run import run
-from engine.studies import CatalogueRow, StudyInputs, TuningRow
-from engine.substitution import TUNED, names_with, present
-from engine.tuning import TuningResult, crossing_rows, gather, ranked_rows, tune
-from engine.tuning_plan import plan_tuning
+from engine.studies.tuning.combinations import plan_tuning
+from engine.studies.tuning.evaluate import answers_of
+from engine.studies.tuning.ranking import merit
+from engine.studies.tuning.tuning import TuningResult, crossing_rows, gather, ranked_rows, tune
+from engine.studies.variation import TUNED, names_with, present
 from tests.random_effects import elastic_meshes, with_clearances, with_dampers
 from tests.random_starts import random_start
 from tests.trains import geared

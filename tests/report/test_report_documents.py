@@ -13,10 +13,10 @@ import pytest
 from report_files import ROOT, docx_text, flat, pdf_text, torsionbook
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.recalc import read_checked
-from addin.report import commands
+from addin.cli import report as commands
+from addin.cli.app import app
 from addin.report.make import report, stored_results
+from addin.writing.recalculate import read_checked
 
 FT_LBF = 1.3558179483314004
 PSI = 6894.757293168361

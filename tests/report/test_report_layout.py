@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from addin.chart_data import chart_blocks
+from addin.charts.data import chart_blocks
+from addin.contract.shown_units import shown_units
 from addin.report.document import (
     Column,
     Figure,
@@ -25,9 +26,8 @@ from addin.report.layout import (
     held_paragraphs,
     soft,
 )
-from addin.report.shown import template_units
-from addin.shown_units import shown_units
-from engine.case import CaseData, ElementRow, StationRow
+from addin.report.units import template_units
+from engine.case.data import CaseData, ElementRow, StationRow
 
 KINDS = st.sampled_from(["text", "number", "sentence", "verdict"])
 WORDS = st.text(alphabet="abcxyz_-. 0123456789", max_size=60)

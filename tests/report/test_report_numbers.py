@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from addin.audit import EQUATIONS as AUDITED
+from addin.calculation.audit import EQUATIONS as AUDITED
 from addin.report import numbers
 from addin.report.equations import EQUATIONS, METHODS, by
 from addin.report.formula import formula, frac, text_of

@@ -13,11 +13,11 @@ import pytest
 from report_files import docx_text, flat, pdf_text
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json
-from addin.cli import app
-from addin.package import open_workbook
-from addin.package.references import cell_name
+from addin.cli.app import app
+from addin.reading.case_json import case_to_json
 from addin.report.make import report
+from addin.xlsx import open_workbook
+from addin.xlsx.references import cell_name
 from tests.sample_case import sample_case
 
 RUN = CliRunner()

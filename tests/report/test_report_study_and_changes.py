@@ -12,10 +12,10 @@ import openpyxl
 import pytest
 from report_files import ROOT, docx_text, flat, pdf_text, torsionbook
 
-from addin.read_workbook import read_workbook
+from addin.reading.workbook import read_workbook
 from addin.report.make import report
-from addin.write_workbook import RunStamp, write_study
-from engine.case import case_digest
+from addin.writing.workbook import RunStamp, write_study
+from engine.case.data import case_digest
 
 PROPOSED = ROOT / "templates" / "example_proposed.xlsx"
 MODIFIED = ROOT / "templates" / "example_modified.xlsx"

@@ -374,8 +374,8 @@ def test_the_workbook_comes_back_recalculated(tab, tmp_path):
 def test_a_calculation_shows_progress_and_stops_when_cancelled(tab, tmp_path):
     import json
 
-    from addin.case_json import case_to_json
-    from addin.read_workbook import read_workbook
+    from addin.reading.case_json import case_to_json
+    from addin.reading.workbook import read_workbook
 
     case = case_to_json(read_workbook(TEMPLATES / "example_backlash.xlsx").data)
     (tmp_path / "slow.json").write_text(json.dumps({**case, "tolerance_peak": 1e-8}))

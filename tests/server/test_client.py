@@ -9,7 +9,7 @@ import pytest
 from servers import ROOT
 from sheet_ranges import TEMPLATES, model_arguments
 
-from addin.client import Client, Refusal
+from addin.server.client import Client, Refusal
 from addin.worksheet import registry
 
 
@@ -72,7 +72,7 @@ def test_no_server_is_told():
 def test_it_needs_the_standard_library_only():
     script = "import sys, runpy; runpy.run_path(sys.argv[1]); print(*sorted(sys.modules))"
     done = subprocess.run(
-        [sys.executable, "-S", "-c", script, str(ROOT / "addin" / "client.py")],
+        [sys.executable, "-S", "-c", script, str(ROOT / "addin" / "server" / "client.py")],
         capture_output=True, text=True, timeout=60, check=True,
     )  # fmt: skip
     loaded = {name.split(".")[0] for name in done.stdout.split()}

@@ -20,21 +20,21 @@ from starlette.requests import Request
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from addin.case_json import case_to_json
-from addin.package.container import Limits as FileLimits
-from addin.read_workbook import read_workbook
+from addin.reading.case_json import case_to_json
+from addin.reading.workbook import read_workbook
 from addin.server import calls as server_calls
+from addin.server import processes as server_work
 from addin.server import stream as server_stream
-from addin.server import work as server_work
 from addin.server.calls import Call, Calls
-from addin.server.guard import Refused, parsed, read_body
+from addin.server.processes import Busy, Work
+from addin.server.requests import Refused, parsed, read_body
+from addin.server.running_starts import Starts
 from addin.server.settings import Limits, Settings, SettingsError, check_certificate
-from addin.server.starts import Starts
 from addin.server.stream import Stream
-from addin.server.work import Busy, Work
 from addin.worksheet import registry
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
+from addin.xlsx.container import Limits as FileLimits
 
 KEY = "a-key-nobody-guesses"
 
@@ -426,7 +426,7 @@ def test_large_trains_are_calculated_in_the_pool(client, monkeypatch):
 
 def test_results_dropped_for_want_of_memory_reach_whoever_waited(client, monkeypatch):
     """Each is dropped as the next one comes; none is calculated in the server's own process."""
-    monkeypatch.setattr("addin.calculation.calculate", None)  # would raise
+    monkeypatch.setattr("addin.calculation.calculation.calculate", None)  # would raise
     monkeypatch.setattr(MODELS, "_most_memory", 1)
     names = ("example_modified", "example_proposed")
     handles = [results(client, ["TV_MODEL", *model_arguments(n)])[0]["value"][0][0] for n in names]

@@ -13,8 +13,8 @@ from servers import inside
 from sheet_ranges import CATALOGUE, SCATTER, TEMPLATES, TUNING, model_arguments, table
 
 from addin.server import calls as server_calls
+from addin.server.processes import Work
 from addin.server.settings import Limits, Settings
-from addin.server.work import Work
 from addin.worksheet import registry
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FUNCTIONS
@@ -107,7 +107,7 @@ def test_blanks_stay_blank_and_errors_come_as_errors(client):
 
 def test_a_start_is_calculated_in_the_pool_and_once(client, monkeypatch):
     """In this process it would raise; both calls and the function after them get it from memory."""
-    monkeypatch.setattr("addin.calculation.calculate", None)
+    monkeypatch.setattr("addin.calculation.calculation.calculate", None)
     model = results(client, ["TV_MODEL", *model_arguments("example_modified")])[0]["value"][0][0]
     MODELS.of(model).kept.clear()
     submitted = []
@@ -403,8 +403,8 @@ def test_a_text_is_not_called_a_json_with_an_error(client, body, words):
 
 
 def test_a_case_json_gives_the_handle_of_the_same_case(client):
-    from addin.case_json import case_to_json
-    from addin.read_workbook import read_workbook
+    from addin.reading.case_json import case_to_json
+    from addin.reading.workbook import read_workbook
 
     path = TEMPLATES / "example_proposed.xlsx"
     one = client.post("/api/v1/model", content=path.read_bytes()).json()

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = """
 import multiprocessing, time
-from addin.server.work import Work
+from addin.server.processes import Work
 if __name__ == "__main__":
     work = Work(processes=1, waiting=2, time_limit=300.0)
     job = work.submit("wait", 200.0)

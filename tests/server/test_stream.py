@@ -19,10 +19,10 @@ from sheet_ranges import TEMPLATES, model_arguments
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
-from addin.client import Client, Refusal
+from addin.server.client import Client, Refusal
+from addin.server.processes import Busy, TooLong, Work
+from addin.server.running_starts import Starts, waited_for
 from addin.server.settings import Settings, SettingsError, check_certificate, read_keys
-from addin.server.starts import Starts, waited_for
-from addin.server.work import Busy, TooLong, Work
 from addin.worksheet import registry
 from addin.worksheet.models import RUN, Models
 
@@ -405,7 +405,7 @@ def test_a_process_that_ends_by_itself_is_replaced(pool):
 
 
 def test_processes_that_cannot_be_started_are_told_and_tried_again(monkeypatch):
-    from addin.server import work as module
+    from addin.server import processes as module
 
     real, refusing = module._Process, True
 
@@ -434,7 +434,7 @@ def test_an_error_of_ours_is_told_without_its_insides(pool):
 def test_whoever_waits_last_ends_the_calculation(pool):
     """Two wait for one start; the first goes, then the second: the job is cancelled then only."""
     models = Models()
-    from addin.read_workbook import read_workbook
+    from addin.reading.workbook import read_workbook
 
     model = models.add(read_workbook(TEMPLATES / "example_proposed.xlsx"))
 

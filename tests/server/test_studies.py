@@ -8,11 +8,11 @@ import pytest
 from servers import outside
 from websockets.sync.client import connect
 
-from addin.case_json import case_to_json
-from addin.studies.every import every_study
-from addin.studies.spread import alone
+from addin.reading.case_json import case_to_json
+from addin.reference.study_schemas import study_schema
+from addin.studies.registry import every_study
 from addin.studies.study import study_one
-from addin.study_schemas import study_schema
+from addin.workers.parallel_map import alone
 from tests.sample_case import sample_case
 
 TABLES = {

@@ -17,17 +17,17 @@ import openpyxl
 import pytest
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json
-from addin.cli import app
-from addin.studies import commands as studies_commands
+from addin.cli import study as studies_commands
+from addin.cli.app import app
+from addin.reading.case_json import case_to_json
+from addin.reference.study_schemas import study_schema
 from addin.studies.calibration import CALIBRATION
 from addin.studies.sensitivities import SENSITIVITIES
-from addin.studies.spread import Cancelled, alone, as_far, over_workers
 from addin.studies.starts import STARTS
 from addin.studies.study import Studied, Study, study_one
 from addin.studies.tolerances import TOLERANCES
 from addin.studies.tuning import TUNING
-from addin.study_schemas import study_schema
+from addin.workers.parallel_map import Cancelled, alone, as_far, over_workers
 from tests.batch.batch_helpers import Here
 from tests.dask_cluster import ROOT
 from tests.sample_case import sample_case

@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json
-from addin.cli import app
-from addin.fields import STUDY_INPUT_TABLES
-from addin.recalc import Unreadable, read_checked
-from addin.template_files import template_path
-from addin.typed_case import CaseInput
-from engine.case import case_digest
-from engine.studies import TuningRow
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.contract.tables import STUDY_INPUT_TABLES
+from addin.reading.case_json import case_to_json
+from addin.reading.typed_case import CaseInput
+from addin.writing.recalculate import Unreadable, read_checked
+from engine.case.data import case_digest
+from engine.case.study_inputs import TuningRow
 
 RUN = CliRunner()
 

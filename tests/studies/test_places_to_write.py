@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json
-from addin.cli import app
-from addin.recalc import of_file
+from addin.cli.app import app
+from addin.reading.case_json import case_to_json
+from addin.writing.recalculate import of_file
 from tests.trains import geared
 
 RUN = CliRunner()

@@ -10,11 +10,11 @@ import pytest
 from openpyxl.utils import range_boundaries
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.read_workbook import read_workbook
-from addin.template import STUDY_TEMPLATES, build_template
-from addin.template_files import template_path
-from engine.case import case_digest
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.reading.workbook import read_workbook
+from addin.template.build import STUDY_TEMPLATES, build_template
+from engine.case.data import case_digest
 
 NAME = "example_studies.xlsx"
 

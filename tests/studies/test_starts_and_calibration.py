@@ -12,14 +12,14 @@ import openpyxl
 import pytest
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json
-from addin.cli import app
-from addin.json_schemas import SCHEMA_FOLDER
-from addin.read_workbook import read_workbook
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.reading.case_json import case_to_json
+from addin.reading.workbook import read_workbook
+from addin.reference.json_schemas import SCHEMA_FOLDER
+from addin.reference.study_schemas import study_schema
 from addin.studies.calibration import CALIBRATION
 from addin.studies.starts import STARTS
-from addin.study_schemas import study_schema
-from addin.template_files import template_path
 from engine.run import run
 from tests.sample_case import sample_case
 

@@ -17,9 +17,9 @@ from typing import Any
 
 import pytest
 
-from addin.case_json import case_to_json
-from addin.read_workbook import read_workbook
-from addin.template_files import template_path
+from addin.contract.shipped import template_path
+from addin.reading.case_json import case_to_json
+from addin.reading.workbook import read_workbook
 from tests.dask_cluster import ROOT, Dask, wait_until
 
 pytestmark = pytest.mark.slow

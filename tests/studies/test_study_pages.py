@@ -12,10 +12,10 @@ from openpyxl.utils import column_index_from_string, range_boundaries
 from openpyxl.worksheet.worksheet import Worksheet
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.study_sheets import with_studies
-from addin.template_files import template_path
-from addin.template_sheets import SHEETS
+from addin.cli.app import app
+from addin.contract.sheets import SHEETS
+from addin.contract.shipped import template_path
+from addin.contract.studies.registry import with_studies
 
 #: Text of result cells as shipped. [pt]
 TEXT = 9.0

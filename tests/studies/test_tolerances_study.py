@@ -11,13 +11,13 @@ import openpyxl
 import pytest
 from typer.testing import CliRunner
 
-from addin.case_json import case_to_json
-from addin.cli import app
-from addin.json_schemas import SCHEMA_FOLDER
-from addin.recalc import Unreadable, read_checked
-from addin.studies.every import every_study
-from addin.study_schemas import study_schema
-from addin.template_files import template_path
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.reading.case_json import case_to_json
+from addin.reference.json_schemas import SCHEMA_FOLDER
+from addin.reference.study_schemas import study_schema
+from addin.studies.registry import every_study
+from addin.writing.recalculate import Unreadable, read_checked
 
 RUN = CliRunner()
 SCHEMAS = {study.key: study_schema(study) for study in every_study()}
@@ -26,7 +26,7 @@ SCHEMAS = {study.key: study_schema(study) for study in every_study()}
 @pytest.mark.parametrize("study", SCHEMAS)
 def test_the_shipped_schemas_are_those_of_the_studies(study: str) -> None:
     text = (SCHEMA_FOLDER / f"{study}.schema.json").read_text(encoding="utf-8")
-    assert json.loads(text) == SCHEMAS[study], "run: python -m addin.json_schemas"
+    assert json.loads(text) == SCHEMAS[study], "run: python -m addin.reference.json_schemas"
     jsonschema.Draft202012Validator.check_schema(SCHEMAS[study])
 
 

@@ -13,17 +13,17 @@ import openpyxl
 import pytest
 from typer.testing import CliRunner, Result
 
-from addin.case_json import case_to_json
-from addin.cli import app
-from addin.json_schemas import SCHEMA_FOLDER
-from addin.recalc import Unreadable, read_checked
+from addin.cli.app import app
+from addin.contract.studies.tuning import LINES, MAP_ROWS
+from addin.reading.case_json import case_to_json
+from addin.reference.json_schemas import SCHEMA_FOLDER
+from addin.reference.study_schemas import study_schema
 from addin.studies.tuning import TUNING
 from addin.studies.tuning_tables import map_tables, spread_out
-from addin.study_schemas import study_schema
-from addin.tuning_fields import LINES, MAP_ROWS
-from engine.case import CaseData
-from engine.studies import StudyInputs, TuningRow
-from engine.tuning import TuningResult, tune
+from addin.writing.recalculate import Unreadable, read_checked
+from engine.case.data import CaseData
+from engine.case.study_inputs import StudyInputs, TuningRow
+from engine.studies.tuning.tuning import TuningResult, tune
 from tests.trains import geared
 
 RUN = CliRunner()
@@ -81,7 +81,7 @@ def table(path: Path, name: str) -> list[dict[str, Any]]:
 
 def test_the_json_keeps_to_its_shipped_schema(content: dict[str, Any]) -> None:
     schema = json.loads((SCHEMA_FOLDER / "tuning.schema.json").read_text(encoding="utf-8"))
-    assert schema == study_schema(TUNING), "run: python -m addin.json_schemas"
+    assert schema == study_schema(TUNING), "run: python -m addin.reference.json_schemas"
     jsonschema.Draft202012Validator(schema).validate(content)
     assert content["study"] == "tuning"
     assert len(content["tuning_results"]) == len(content["choices"]) == 3 * 3 + 1

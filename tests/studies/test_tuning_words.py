@@ -11,9 +11,9 @@ import pytest
 from openpyxl.utils import get_column_letter, range_boundaries
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.package import open_workbook
-from addin.template_files import template_path
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.xlsx import open_workbook
 
 LBF_IN = 0.1129848290276167  # N m
 PSI = 6894.757293168361

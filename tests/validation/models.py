@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from engine.case import Case, ElementRow, MeshRow, StationRow
+from engine.case.data import Case, ElementRow, MeshRow, StationRow
 
 
 def speed_ratios(model: Mapping[str, Any]) -> dict[str, float]:

@@ -15,14 +15,14 @@ import numpy as np
 import pytest
 from cases import case_path, load_case
 
-from engine.backlash import clearances_of
-from engine.case import CaseData, ElementRow, MeshRow, StationRow
-from engine.clearance_response import ClearanceResponse, clearance_response
-from engine.modal import modes_of
-from engine.startup import turning_of
-from engine.stepping.events import BACK, DRIVE, FREE
-from engine.time_response import linear
-from engine.train import build_train
+from engine.backlash.clearance_response import ClearanceResponse, clearance_response
+from engine.backlash.event_start import clearances_of
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.model.modes import modes_of
+from engine.model.train import build_train
+from engine.start.start import turning_of
+from engine.start.time_response import linear
+from engine.stepping.contact_loop import BACK, DRIVE, FREE
 
 
 def torque_peaks(found: ClearanceResponse, row: int = 0) -> tuple[np.ndarray, np.ndarray]:

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from cases import load_case
 
-from engine.case import Case, ElementRow, StationRow
-from engine.margins import percent_speed
-from engine.modal import modes_of, natural_modes, nodes_of
-from engine.train import build_train, shaft_inertia, shaft_stiffness
+from engine.case.data import Case, ElementRow, StationRow
+from engine.model.modes import modes_of, natural_modes, nodes_of
+from engine.model.train import build_train, shaft_inertia, shaft_stiffness
+from engine.operation.margins import percent_speed
 
 
 def chain(inertia, stiffness, fixed_start=None, fixed_end=None):

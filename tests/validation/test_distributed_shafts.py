@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 from cases import load_case
 
-from engine.case import Case, ElementRow, StationRow
-from engine.modal import modes_of, natural_modes
-from engine.train import build_train
+from engine.case.data import Case, ElementRow, StationRow
+from engine.model.modes import modes_of, natural_modes
+from engine.model.train import build_train
 
 MP = mpmath.mp.clone()
 MP.dps = 40

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from cases import load_case
 
-from engine.case import GROUND, Case, ElementRow, StationRow
-from engine.modal import modes_of
-from engine.steady_state import harmonic_response
-from engine.train import build_train
+from engine.case.data import GROUND, Case, ElementRow, StationRow
+from engine.model.modes import modes_of
+from engine.model.train import build_train
+from engine.operation.steady_state import harmonic_response
 
 
 def case_of(model):

@@ -24,7 +24,7 @@ import pytest
 from cases import load_case
 from models import case_of, largest_is_one
 
-from engine.modal import natural_modes, nodes_of
+from engine.model.modes import natural_modes, nodes_of
 
 PUBLISHED = [
     "M01",

@@ -16,11 +16,11 @@ import mpmath
 import numpy as np
 import pytest
 
-from engine.case import GROUND, Case, ElementRow, StationRow, TorqueTimeRow
-from engine.modal import modal_damping
-from engine.prescribed import run_prescribed
-from engine.stepping.kernels import turning_points
-from engine.time_response import held, linear, of_time, time_response
+from engine.case.data import GROUND, Case, ElementRow, StationRow, TorqueTimeRow
+from engine.model.modes import modal_damping
+from engine.start.prescribed import run_prescribed
+from engine.start.time_response import held, linear, of_time, time_response
+from engine.stepping.linear_loop import turning_points
 from tests.trains import prepared
 from tests.validation.cases import case_path, load_case
 

@@ -15,12 +15,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 
-from engine.backlash import run_event_start
-from engine.case import Case, ElementRow, MeshRow, MotorTorqueRow, StationRow, TorqueTimeRow
-from engine.effects import StartEffects
-from engine.prescribed import run_prescribed
-from engine.pull_in import swing_frequency_linear
-from engine.startup import Start, run_start
+from engine.backlash.event_start import run_event_start
+from engine.case.data import Case, ElementRow, MeshRow, MotorTorqueRow, StationRow, TorqueTimeRow
+from engine.case.effects import StartEffects
+from engine.start.prescribed import run_prescribed
+from engine.start.pull_in import swing_frequency_linear
+from engine.start.start import Start, run_start
 from tests.clearance_reference import ClearanceReference
 from tests.trains import LOAD, MOTOR, RATED, geared, load, motor, peaks, prepared
 

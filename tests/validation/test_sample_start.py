@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case import Case
-from engine.crossings import start_crossings
-from engine.fatigue import shear_stress
-from engine.startup import Start
+from engine.case.data import Case
+from engine.fatigue.allowable_starts import shear_stress
+from engine.start.crossings import start_crossings
+from engine.start.start import Start
 from tests.sample_case import PSI, sample_case, sample_data
 from tests.trains import prepared, started
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from cases import load_case
 
-from engine.case import MaterialRow, SNPointRow
-from engine.fatigue import (
+from engine.case.data import MaterialRow, SNPointRow
+from engine.fatigue.allowable_starts import (
     CycleCount,
     SNCurve,
     count_cycles,

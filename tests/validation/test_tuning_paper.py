@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import pytest
 
-from engine.studies import CatalogueRow, StudyInputs, TuningRow
-from engine.tuning import Ranked, TuningResult, best_cases, tune
+from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
+from engine.studies.tuning.tuning import Ranked, TuningResult, best_cases, tune
 from tests.sample_case import PSI, sample_case
 
 COUPLINGS = ("LS coupling", "HS coupling", "Intermediate coupling")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from addin.package import Workbook
-from addin.package.references import cell_name
+from addin.xlsx import Workbook
+from addin.xlsx.references import cell_name
 
 
 def cell_of(workbook: Workbook, table: str, row: int, column: str) -> tuple[str, str]:

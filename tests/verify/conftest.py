@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from addin.package import Workbook, open_workbook
-from addin.recalc import recalculate
-from addin.template_files import template_path
+from addin.contract.shipped import template_path
+from addin.writing.recalculate import recalculate
+from addin.xlsx import Workbook, open_workbook
 
 
 @pytest.fixture(scope="session")

@@ -12,10 +12,10 @@ import pytest
 from cells_of_tables import cell_of
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.json_schemas import SCHEMA_FOLDER
-from addin.package import open_workbook
-from addin.template_files import template_path
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.reference.json_schemas import SCHEMA_FOLDER
+from addin.xlsx import open_workbook
 
 RUN = CliRunner()
 

@@ -11,14 +11,14 @@ import jsonschema
 import pytest
 
 from addin.diff.compare import compare_files
-from addin.diff.sides import CannotBeCompared
-from addin.diff.told import as_json as diff_json
-from addin.json_schemas import diff_schema, verify_schema
-from addin.recalc import read_checked
+from addin.diff.files import CannotBeCompared
+from addin.diff.wording import as_json as diff_json
+from addin.reference.json_schemas import diff_schema, verify_schema
 from addin.verify import json_file
-from addin.verify.again import calculated_again
 from addin.verify.json_file import read_results_json, verify_results_json
-from addin.verify.told import as_json, lines
+from addin.verify.wording import as_json, lines
+from addin.writing.recalculate import read_checked
+from addin.writing.recalculate_case import calculated_again
 
 JUNK: tuple[Any, ...] = (
     None, True, -1, 0, 1e308, float("inf"), float("nan"), 10**400, "", "=1+1", "x" * 40_000, [], {}, [[]],

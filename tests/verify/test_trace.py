@@ -9,10 +9,10 @@ import pytest
 from cells_of_tables import cell_of
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.package import open_workbook
-from addin.template_files import template_path
+from addin.cli.app import app
+from addin.contract.shipped import template_path
 from addin.verify.trace import traced
+from addin.xlsx import open_workbook
 
 RUN = CliRunner()
 _PLACE = re.compile(r" = (.+?)  \((.+)!([A-Z]+\d+)\)$")

@@ -2,9 +2,9 @@
 
 import pytest
 
-from addin.package import ErrorValue
 from addin.verify.compare import Standing, agreement, is_rounding, shown_step
 from addin.verify.findings import Agreement
+from addin.xlsx import ErrorValue
 
 
 @pytest.mark.parametrize(

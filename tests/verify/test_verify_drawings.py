@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from tampered_package import Package
 
-from addin.package import Workbook, drawn_charts, open_workbook
-from addin.verify.drawings import compare_copies, compare_drawings
+from addin.verify.chart_sources import compare_copies, compare_drawings
 from addin.verify.file import verify_file
 from addin.verify.findings import Finding
 from addin.verify.key_units import compare_units
+from addin.xlsx import Workbook, drawn_charts, open_workbook
 
 _SERIES = re.compile(r"<c:ser>.*?</c:ser>", re.DOTALL)
 _VALUES = re.compile(r"(<c:(?:val|yVal)><c:numRef><c:f>)([^<]*)(</c:f>)")

@@ -9,7 +9,7 @@ import pytest
 from cells_of_tables import cell_of
 from typer.testing import CliRunner
 
-from addin.cli import app
+from addin.cli.app import app
 from addin.verify.file import verify_file
 
 RUN = CliRunner()

@@ -11,11 +11,11 @@ import pytest
 from cells_of_tables import cell_of
 from tampered_package import Package
 
-from addin.package import Formula, open_workbook
-from addin.package.references import cell_name
-from addin.template_files import template_path
+from addin.contract.shipped import template_path
 from addin.verify.file import verify_file
 from addin.verify.findings import Agreement, Finding, Verification
+from addin.xlsx import Formula, open_workbook
+from addin.xlsx.references import cell_name
 
 
 @pytest.fixture

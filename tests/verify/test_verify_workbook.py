@@ -11,19 +11,19 @@ from pathlib import Path
 import pytest
 from cells_of_tables import cell_of, unit_cell_of
 
-from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
-from addin.layout import workbook_columns
-from addin.matching import ROW_NAMES
-from addin.package import Formula, Workbook, open_workbook
-from addin.package.references import cell_name
-from addin.recalc import recalculate
+from addin.contract.chart_rows import workbook_columns
+from addin.contract.shipped import template_path
+from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
+from addin.recorded.match_rows import ROW_NAMES
+from addin.recorded.provenance import is_own_of_each_run
 from addin.studies.accuracy import ACCURACY
-from addin.studies.spread import alone
 from addin.studies.study import study_one
-from addin.template_files import template_path
 from addin.verify.file import verify_file
 from addin.verify.findings import Agreement, Finding, Verification
-from addin.verify.recorded import is_own_of_each_run
+from addin.workers.parallel_map import alone
+from addin.writing.recalculate import recalculate
+from addin.xlsx import Formula, Workbook, open_workbook
+from addin.xlsx.references import cell_name
 
 
 def failing(found: Verification) -> list[Finding]:

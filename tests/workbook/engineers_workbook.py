@@ -22,9 +22,9 @@ import xlsxwriter
 from office_objects import pivot_sheet, pivot_tables, rich_cells, rich_values, slicers
 from office_package import added, edited, part_of_sheet, related
 
-from addin import template
-from addin.examples import EXAMPLES
-from addin.template_sheets import SHEETS
+from addin.contract.sheets import SHEETS
+from addin.template import build as template
+from addin.template.examples import EXAMPLES
 
 VBA = bytes.fromhex("D0CF11E0A1B11AE1") + bytes(range(256)) * 16
 #: Sheets as they are shipped → as this engineer calls them.

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from addin.examples import EXAMPLES, example_case, example_torque
-from addin.fields import INPUT_TABLES
-from addin.run_view import RunView
-from addin.shown_units import shown_units
-from engine.case import CaseData
-from engine.effects import EFFECTS
-from engine.startup import ForceHistories
+from addin.calculation.run_view import RunView
+from addin.contract.shown_units import shown_units
+from addin.contract.tables import INPUT_TABLES
+from addin.template.examples import EXAMPLES, example_case, example_torque
+from engine.case.data import CaseData
+from engine.case.effects import EFFECTS
+from engine.start.start import ForceHistories
 
 FREQUENCIES = (30.0, 53.0, 86.0, 1067.38681, 1212.89755, 1264.60205, 1279.68229, 1452.8642)
 LINE = 60.0

@@ -11,9 +11,9 @@ import openpyxl
 import pytest
 from made_up_run import made_up_run
 
-from addin.package import open_workbook
-from addin.template_files import template_path
-from addin.write_workbook import RunStamp, write_results
+from addin.contract.shipped import template_path
+from addin.writing.workbook import RunStamp, write_results
+from addin.xlsx import open_workbook
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
 SOURCE = template_path("example_proposed.xlsx")

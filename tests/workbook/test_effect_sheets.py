@@ -13,12 +13,12 @@ import pytest
 from made_up_run import PLANS, made_up_run
 from test_write_results import rows_of, with_unit
 
-from addin.chart_data import accuracy_block
-from addin.layout import ROOMS
-from addin.package import open_workbook
-from addin.template_files import template_path
-from addin.template_styles import number_format
-from addin.write_workbook import ANALYSES, NO_STUDY, RunStamp, write_results, write_study
+from addin.charts.data import accuracy_block
+from addin.contract.chart_rows import ROOMS
+from addin.contract.shipped import template_path
+from addin.template.styles import number_format
+from addin.writing.workbook import ANALYSES, NO_STUDY, RunStamp, write_results, write_study
+from addin.xlsx import open_workbook
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
 SOURCE = template_path("example_proposed.xlsx")

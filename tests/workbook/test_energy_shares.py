@@ -12,14 +12,14 @@ import pytest
 from openpyxl.utils import range_boundaries
 from workbook_checks import assert_caches_agree
 
-from addin import template
-from addin.calculation import Calculation, calculate
-from addin.package import open_workbook
-from addin.read_workbook import read_workbook
-from addin.template_files import template_path
-from addin.template_sheets import SHEETS
-from addin.write_workbook import RunStamp, write_results
-from engine.case import Case
+from addin.calculation.calculation import Calculation, calculate
+from addin.contract.sheets import SHEETS
+from addin.contract.shipped import template_path
+from addin.reading.workbook import read_workbook
+from addin.template import build as template
+from addin.writing.workbook import RunStamp, write_results
+from addin.xlsx import open_workbook
+from engine.case.data import Case
 from engine.run import at_speed
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)

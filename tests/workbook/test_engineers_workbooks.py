@@ -21,14 +21,14 @@ from engineers_workbook import (
 from lxml import etree
 from office_package import part_of_sheet
 
-from addin.examples import Example
-from addin.fields import RESULT_TABLES, WORKBOOK_TABLES
-from addin.package import open_workbook
-from addin.package.references import cell_name, parse_range
-from addin.read_workbook import read_workbook
-from addin.recalc import recalculate
-from addin.template_files import template_path
+from addin.contract.shipped import template_path
+from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
+from addin.reading.workbook import read_workbook
+from addin.template.examples import Example
 from addin.verify.file import verify_file
+from addin.writing.recalculate import recalculate
+from addin.xlsx import open_workbook
+from addin.xlsx.references import cell_name, parse_range
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 

@@ -15,17 +15,17 @@ import pytest
 from lxml import etree
 from typer.testing import CliRunner
 
-from addin.calc.names import programmatic_name
-from addin.cli import app
-from addin.flavours import FLAVOURS
-from addin.package import open_workbook
-from addin.read_workbook import read_workbook
-from addin.recalc import recalculate
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.libreoffice.names import programmatic_name
+from addin.reading.workbook import read_workbook
 from addin.server.office import NAMESPACE, functions_json
-from addin.template import TEMPLATES, build_template
-from addin.template_files import template_path
+from addin.template.build import TEMPLATES, build_template
+from addin.template.variants import FLAVOURS
 from addin.worksheet.registry import FUNCTIONS
-from engine.case import case_digest
+from addin.writing.recalculate import recalculate
+from addin.xlsx import open_workbook
+from engine.case.data import case_digest
 
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 WITH_FUNCTIONS = [one for one in FLAVOURS.values() if one.spelled is not None]

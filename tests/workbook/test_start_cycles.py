@@ -11,13 +11,13 @@ import openpyxl
 import pytest
 from made_up_run import made_up_run
 
-from addin.chart_data import chart_blocks
-from addin.package import open_workbook
-from addin.shown_units import shown_units
-from addin.start_cycles import LISTED_CYCLES, start_cycle_facts, start_cycle_rows
-from addin.template_files import template_path
-from addin.write_workbook import RunStamp, write_results
-from engine.fatigue import miner_damage, sn_curve_for
+from addin.charts.data import chart_blocks
+from addin.charts.start_cycles import LISTED_CYCLES, start_cycle_facts, start_cycle_rows
+from addin.contract.shipped import template_path
+from addin.contract.shown_units import shown_units
+from addin.writing.workbook import RunStamp, write_results
+from addin.xlsx import open_workbook
+from engine.fatigue.allowable_starts import miner_damage, sn_curve_for
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
 SOURCE = template_path("example_proposed.xlsx")

@@ -11,16 +11,16 @@ import openpyxl
 import pytest
 from openpyxl.utils import range_boundaries
 
-from addin import fields
-from addin.examples import EXAMPLES
-from addin.layout import ROOMS, RUN_FACTS, workbook_columns
-from addin.read_workbook import read_workbook
-from addin.template import TEMPLATES, build_all
-from addin.template_files import template_path
-from addin.template_sheets import SHEETS
-from engine.case import CaseData
-from engine.effects import EFFECTS
-from engine.modal import natural_modes
+from addin.contract import tables as fields
+from addin.contract.chart_rows import ROOMS, RUN_FACTS, workbook_columns
+from addin.contract.sheets import SHEETS
+from addin.contract.shipped import template_path
+from addin.reading.workbook import read_workbook
+from addin.template.build import TEMPLATES, build_all
+from addin.template.examples import EXAMPLES
+from engine.case.data import CaseData
+from engine.case.effects import EFFECTS
+from engine.model.modes import natural_modes
 
 #: Functions that recalculate on every change, and those Excel 2016 or LibreOffice 7.4 lack.
 UNWANTED = re.compile(

@@ -17,10 +17,10 @@ from made_up_run import PSI, made_up_run
 from openpyxl.utils import range_boundaries
 from workbook_checks import assert_caches_agree, assert_pages_have_ink
 
-from addin.chart_data import CHART_TABLES, HISTORY_POINTS, decimate
-from addin.package import open_workbook
-from addin.template_files import template_path
-from addin.write_workbook import RunStamp, write_results
+from addin.charts.data import CHART_TABLES, HISTORY_POINTS, decimate
+from addin.contract.shipped import template_path
+from addin.writing.workbook import RunStamp, write_results
+from addin.xlsx import open_workbook
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
 SOURCE = template_path("example_proposed.xlsx")

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from sheet_ranges import TEMPLATES, model_arguments
 
-from addin.package.values import ErrorValue
-from addin.read_workbook import read_workbook
+from addin.reading.workbook import read_workbook
 from addin.worksheet import functions
 from addin.worksheet.models import OWNER, _size
 from addin.worksheet.registry import FunctionError, call, rows_of
+from addin.xlsx.values import ErrorValue
 
 
 def titled(title, name="example_proposed"):

@@ -11,13 +11,13 @@ import openpyxl
 import pytest
 from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, table
 
-from addin.read_workbook import read_workbook
-from addin.recalc import recalculate
+from addin.reading.workbook import read_workbook
 from addin.worksheet import functions
 from addin.worksheet.functions import TABLES
 from addin.worksheet.registry import FUNCTIONS, FunctionError, call
-from engine.case import case_digest
-from engine.fatigue import sn_curve_for
+from addin.writing.recalculate import recalculate
+from engine.case.data import case_digest
+from engine.fatigue.allowable_starts import sn_curve_for
 
 CONTRACT = (
     "TV_FREQUENCIES TV_MODE TV_ENERGY TV_STIFFNESS TV_MARGINS TV_STEADY TV_MODEL TV_SPEED_TIME "
@@ -397,7 +397,7 @@ def test_speed_is_thinned_evenly(handle):
 def test_a_turning_point_of_the_speed_is_kept():
     import numpy as np
 
-    from addin.chart_rows import thinned
+    from addin.charts.rows import thinned
 
     time = np.linspace(0.0, 10.0, 1001)
     speed = np.where(time < 6.43, time, 12.86 - time)  # a trip
@@ -433,7 +433,7 @@ def test_stresses_beyond_the_s_n_points_are_told(handle):
 
 def test_a_start_is_calculated_once_for_every_cell(handle, monkeypatch):
     call("TV_PEAKS", [handle])
-    monkeypatch.setattr("addin.calculation.calculate", None)  # would raise
+    monkeypatch.setattr("addin.calculation.calculation.calculate", None)  # would raise
     assert len(call("TV_STARTS", [handle])) > 1
 
 

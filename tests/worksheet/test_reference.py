@@ -1,6 +1,6 @@
 """The function reference is that of the registry."""
 
-from addin.worksheet.reference import PAGE, reference
+from addin.reference.functions_page import PAGE, reference
 
 
 def test_the_page_is_up_to_date():

@@ -9,8 +9,8 @@ import pytest
 from sheet_ranges import CATALOGUE, SCATTER, TEMPLATES, TUNING, model_arguments, table, workbook
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.fields import json_key
+from addin.cli.app import app
+from addin.contract.tables import json_key
 from addin.worksheet import studies
 from addin.worksheet.registry import FunctionError, call
 

@@ -11,14 +11,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich_workbooks import parts_of, with_parts
 
-from addin.package import (
+from addin.xlsx import (
     CellRefused,
     ErrorValue,
     Formula,
     WorkbookMismatch,
     open_workbook,
 )
-from addin.package.values import MAX_TEXT
+from addin.xlsx.values import MAX_TEXT
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 

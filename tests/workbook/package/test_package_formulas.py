@@ -19,11 +19,11 @@ from whatif_workbooks import (
     whatif_workbook,
 )
 
-from addin.package import CacheReport, Formula, dependents, open_workbook
-from addin.package.calculator_copy import calculator_copy
-from addin.package.dependents import DependencyGraph, FormulaCell, ReferenceResolver
-from addin.package.formula_text import parse_formula, shifted_formula
-from addin.package.references import Rect, parse_range
+from addin.xlsx import CacheReport, Formula, dependents, open_workbook
+from addin.xlsx.calculator_copy import calculator_copy
+from addin.xlsx.dependents import DependencyGraph, FormulaCell, ReferenceResolver
+from addin.xlsx.formula_text import parse_formula, shifted_formula
+from addin.xlsx.references import Rect, parse_range
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 
@@ -698,7 +698,7 @@ def test_refused_formulas_that_take_long_to_find_cost_their_neighbours_too(
 ) -> None:
     good = {f"C{k}": (f"=In!A2*{k}", float(k)) for k in range(1, 40)}
     path = with_table(tmp_path / "t.xlsx", {**good, "D1": ("=SUM((In!A2:A3,In!B2))", 7.5)}, {})
-    monkeypatch.setattr("addin.package.formulas._MOST_TRIES", most)
+    monkeypatch.setattr("addin.xlsx.formulas._MOST_TRIES", most)
     values, _ = refreshed(path, {"A2": 10.0})
     assert values["D1"] is None
     renewed = {cell: values[cell] for cell in good if values[cell] is not None}

@@ -14,7 +14,7 @@ from whatif_workbooks import (
     whatif_workbook,
 )
 
-from addin.package import open_workbook
+from addin.xlsx import open_workbook
 
 pytestmark = [
     pytest.mark.needs_libreoffice,

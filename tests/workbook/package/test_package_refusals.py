@@ -11,9 +11,9 @@ import pytest
 from rich_workbooks import parts_of, with_parts
 from typer.testing import CliRunner
 
-from addin.cli import app
-from addin.package import Limits, WorkbookLocked, WorkbookRefused, open_workbook
-from addin.template_files import template_path
+from addin.cli.app import app
+from addin.contract.shipped import template_path
+from addin.xlsx import Limits, WorkbookLocked, WorkbookRefused, open_workbook
 
 OLE = bytes.fromhex("D0CF11E0A1B11AE1")
 BILLION = (

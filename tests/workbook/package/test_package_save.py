@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from rich_workbooks import changed_parts, parts_of
 
-from addin.package import (
+from addin.xlsx import (
     Formula,
     SaveRefused,
     SourceChanged,
@@ -22,10 +22,10 @@ from addin.package import (
     WorkbookLocked,
     open_workbook,
 )
-from addin.package import save as save_module
-from addin.package.references import Rect
-from addin.package.values import row_xml
-from addin.package.written import Written
+from addin.xlsx import save as save_module
+from addin.xlsx.references import Rect
+from addin.xlsx.values import row_xml
+from addin.xlsx.written import Written
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -179,7 +179,7 @@ def test_interrupt_leaves_the_original_and_no_rubbish(
 CHILD = """
 import os, sys, time
 from pathlib import Path
-from addin.package import open_workbook
+from addin.xlsx import open_workbook
 
 book = open_workbook(sys.argv[1])
 book.set_name("RatedPower", 5000.0)
@@ -273,7 +273,7 @@ def test_links_are_followed(train: Path) -> None:
 
 
 def test_a_part_that_would_change_is_noticed(train: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from addin.package.container import Container
+    from addin.xlsx.container import Container
 
     real = Container.write
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich_workbooks import parts_of, rich_workbook, with_parts
 
-from addin.package import (
+from addin.xlsx import (
     CellRefused,
     Formula,
     ObstaclesFound,

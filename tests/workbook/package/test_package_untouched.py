@@ -7,7 +7,7 @@ import openpyxl
 import pytest
 from rich_workbooks import FAKE_VBA, MODES, changed_parts, parts_of, with_parts
 
-from addin.package import open_workbook
+from addin.xlsx import open_workbook
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 

@@ -10,12 +10,12 @@ from itertools import pairwise
 
 import pytest
 
-from addin.chart_rows import plain
-from addin.package.references import Rect
-from addin.package.sheet_part import SheetPart
-from addin.package.values import CellValue, Formula, row_writer, row_xml
-from addin.package.written import cleaned_row
-from addin.package.xml_part import MAIN
+from addin.charts.rows import plain
+from addin.xlsx.references import Rect
+from addin.xlsx.sheet_part import SheetPart
+from addin.xlsx.values import CellValue, Formula, row_writer, row_xml
+from addin.xlsx.written import cleaned_row
+from addin.xlsx.xml_part import MAIN
 
 SHEET = f"""<worksheet xmlns="{MAIN}"><cols><col min="3" max="4" style="5"/></cols><sheetData>
 <row r="2" spans="1:9" ht="20"><c r="A2" s="3"><v>1</v></c><c r="H2" t="str"><v>x</v></c></row>

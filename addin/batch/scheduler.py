@@ -1,0 +1,536 @@
+"""A batch from its inputs to its summary.
+
+Files are read first, all of them, so that identical cases are found; then each case is calculated
+once and its results are written to every file that states it. What becomes of each file is journalled
+before its results are put in place.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from addin.batch.folder import OutFolder, digest_of, stamp_of
+from addin.batch.inputs import Input, json_name, result_name
+from addin.batch.journal import Journal
+from addin.batch.json_file import holds_results
+from addin.batch.records import (
+    AN_EARLIER,
+    CHANGED,
+    CRASHED,
+    DISK_FULL,
+    NOT_RENAMED,
+    OUTDATED,
+    Output,
+    Record,
+    Stamp,
+    failed,
+    outcome_of,
+)
+from addin.batch.work import Calculated, Examine, Work, calculate, examine
+from addin.contract.problems import CellProblem
+from addin.workers.pool import Crashed, Task, Workers
+from addin.writing.recalculate import COMPILING
+
+__all__ = ["Abandoned", "Batch", "Listener", "Stop", "Stopped", "cores"]
+
+
+class Abandoned(Exception):
+    """The second Ctrl-C: running files are given up."""
+
+
+class Stopped(Exception):
+    """The batch cannot go on; the sentence says why."""
+
+
+class Stop:
+    """Ctrl-C and the system's request to end, counted.
+
+    Once: what runs is finished. Twice: it is given up, without half a result.
+    """
+
+    def __init__(self) -> None:
+        self.asked = 0
+        self.reason = ""
+
+    def __call__(self) -> bool:
+        """Whether nothing new is to be begun.
+
+        Returns
+        -------
+        bool
+
+        Raises
+        ------
+        Abandoned
+            If it was asked twice.
+        """
+        if self.asked > 1:
+            raise Abandoned
+        return self.asked > 0 or bool(self.reason)
+
+    @contextlib.contextmanager
+    def listening(self, tell: Callable[[str], None]) -> Iterator[None]:
+        """Answer Ctrl-C and SIGTERM from now on.
+
+        Parameters
+        ----------
+        tell : callable
+            Takes a sentence for the user.
+
+        Yields
+        ------
+        None
+        """
+
+        def asked(number: int, frame: FrameType | None) -> None:
+            self.asked += 1
+            tell(
+                "Stopping: what is being calculated is finished. Ctrl-C again gives it up."
+                if self.asked == 1
+                else "Giving up what is being calculated."
+            )
+
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        before = {one: signal.signal(one, asked) for one in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+
+class Listener:
+    """Told how a batch gets on; does nothing of itself."""
+
+    def begin(self, stage: str, total: int) -> None:
+        """A stage begins.
+
+        Parameters
+        ----------
+        stage : str
+            ``reading`` or ``calculating``. [word]
+        total : int
+            How many files. [count]
+        """
+
+    def advance(self, record: Record | None) -> None:
+        """One more file.
+
+        Parameters
+        ----------
+        record : Record or None
+            What became of it; None where it has only been read.
+        """
+
+    def note(self, sentence: str) -> None:
+        """Something the user should know now, such as a rare long wait.
+
+        Parameters
+        ----------
+        sentence : str
+            To be shown. [sentence]
+        """
+
+
+@dataclass
+class Batch:
+    """Files, their records, and the folder of results.
+
+    Parameters
+    ----------
+    folder : OutFolder
+        Held by this batch.
+    workers : Workers
+        Who does the work.
+    send : str
+        ``files`` or ``bytes``: how files reach the workers. [word]
+    ignore_lock : bool
+        Calculate although a lock file says somebody has a workbook open. [flag]
+    may_be_open : bool
+        The inputs may be open in Excel: they are calculated as saved. [flag]
+    resume : bool
+        Go on with what an earlier batch recorded in this folder. [flag]
+    stop : Stop
+        Asked all the time.
+    listener : Listener
+        Told all the time.
+    overrides : mapping
+        Fields of the case that the command line sets, such as ``method``. [SI]
+    json : Path or None
+        Folder in which results are wanted as JSON too. [path]
+    """
+
+    folder: OutFolder
+    workers: Workers
+    send: str = "files"
+    ignore_lock: bool = False
+    may_be_open: bool = False
+    resume: bool = False
+    stop: Stop = field(default_factory=Stop)
+    listener: Listener = field(default_factory=Listener)
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    json: Path | None = None
+    records: dict[str, Record] = field(default_factory=dict)
+    #: Files that needed no work, as an earlier batch did them. [count]
+    kept: int = 0
+    #: Why records of an earlier batch are not believed. [sentences]
+    refused: tuple[str, ...] = ()
+
+    def __enter__(self) -> Batch:
+        from addin.contract.version import product_version
+
+        self._version = product_version()
+        self._numbers = 0
+        self._told = False  # that the first calculation compiles
+        self._retried: set[str] = set()
+        self._sent: dict[str, Stamp] = {}
+        self._earlier, self.refused = self.folder.records(self.json)
+        if self.resume:
+            self.records = dict(self._earlier)
+        try:
+            self._journal = Journal(self.folder.journal, keep=self.resume)
+        except OSError as wrong:
+            raise Stopped(_no_journal(wrong)) from wrong
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.workers.close()
+        self._journal.__exit__(None, None, None)
+
+    def process(self, inputs: Sequence[Input]) -> None:
+        """Calculate files that have no valid record yet.
+
+        Parameters
+        ----------
+        inputs : sequence of Input
+            The files.
+
+        Raises
+        ------
+        Abandoned
+            At the second Ctrl-C.
+        Stopped
+            If nothing more can be recorded.
+        """
+        todo = [one for one in inputs if not self._is_done(one)]
+        for one in todo:
+            self.records.pop(one.name, None)
+        self.kept = len(inputs) - len(todo)
+        groups = self._examined(todo)
+        if not self.stop():
+            self._calculated(groups)
+
+    # ---- what is done already --------------------------------------------------------------------
+
+    def _is_done(self, one: Input) -> bool:
+        """Whether the record of a file still tells the truth."""
+        record = self.records.get(one.name)
+        if record is None or not record.settled or record.version != self._version:
+            return False
+        if record.settings != self.overrides:
+            return False
+        if self.json and self._json_of(one.name) not in {output.name for output in record.outputs}:
+            return False
+        if record.source != str(one.path) or not _unchanged(one.path, record.stamp):
+            return False
+        if record.done and not record.outputs:  # they are where nobody looks now
+            return False
+        if not record.done and self._old_results(one.name):
+            return False
+        return self.folder.holds(record.outputs)
+
+    # ---- reading ---------------------------------------------------------------------------------
+
+    def _examined(self, todo: Sequence[Input]) -> dict[str, list[Input]]:
+        """Files by case, those that cannot be calculated recorded."""
+        self.listener.begin("reading", len(todo))
+        groups: dict[str, list[Input]] = {}
+        for one in todo:
+            self.workers.add(Task(examine, Examine(one.name, str(one.path)), one))
+        for task, answer in self._answers():
+            if isinstance(answer, Crashed):
+                self._settle(self._crashed(task.tag, answer))
+            elif answer.record is not None:
+                self._settle(answer.record)
+            else:
+                if answer.compiles and not self._told and self.workers.here:
+                    self._told = True
+                    self.listener.note(f"{COMPILING} …")
+                groups.setdefault(answer.case_sha256, []).append(task.tag)
+            self.listener.advance(None)
+        order = {one.name: i for i, one in enumerate(todo)}
+        for group in groups.values():
+            group.sort(key=lambda one: order[one.name])
+        return dict(sorted(groups.items(), key=lambda pair: order[pair[1][0].name]))
+
+    def _answers(self) -> Iterator[tuple[Task, Any]]:
+        return self.workers.answers(self.stop)
+
+    # ---- calculating -----------------------------------------------------------------------------
+
+    def _calculated(self, groups: dict[str, list[Input]]) -> None:
+        """Each case once, its results to every file that states it."""
+        self.listener.begin("calculating", sum(map(len, groups.values())))
+        waiting = {digest: list(group[1:]) for digest, group in groups.items()}
+        for digest, group in groups.items():
+            self._add(group[0], digest, keep=len(group) > 1)
+        for task, answer in self._answers():
+            one: Input = task.tag
+            if isinstance(answer, Crashed):
+                record = self._crashed(one, answer)
+                results = None
+            else:
+                record, results = self._placed(task.payload, answer), answer.results
+            if record.outcome == CHANGED and one.name not in self._retried:
+                self._retried.add(one.name)  # it was being saved; it is likely to be whole now
+                self._add(one, "", keep=False)
+            else:
+                record = self._settle(record)
+                self.listener.advance(record)
+            others = waiting.get(task.payload.case_sha256)
+            if others:
+                self._share(task.payload.case_sha256, others, one, results)
+
+    def _share(self, digest: str, others: list[Input], one: Input, results: bytes | None) -> None:
+        """Give the results of a case to the other files that state it."""
+        if results is None:  # it came to nothing: the next file tries by itself
+            self._add(others.pop(0), digest, keep=bool(others))
+            return
+        place = self.folder.staging / f"case-{digest}.pickle"
+        more: dict[str, Any]
+        if self.send == "bytes":
+            more = {"known": results}
+        else:
+            place.write_bytes(results)
+            more = {"known_file": str(place)}
+        for other in others:
+            self._add(other, digest, same_as=one.name, **more)
+        others.clear()
+
+    def _add(self, one: Input, digest: str, **more: Any) -> None:
+        """Give a file to the workers."""
+        self._numbers += 1
+        work = Work(
+            one.name,
+            str(one.path),
+            target=str(self.folder.place(result_name(one.name))),
+            root=str(self.folder.path),
+            case_sha256=digest,
+            ignore_lock=self.ignore_lock,
+            may_be_open=self.may_be_open,
+            overrides=self.overrides,
+            json=self._json_of(one.name),
+            history=one.history,
+            **more,
+        )
+        if self.send == "files":
+            staging = self.folder.staging / f"{self._numbers}"
+            work = replace(work, staging=str(staging))
+        self.workers.add(Task(calculate, work, one))
+
+    def _json_of(self, name: str) -> str:
+        """Where the JSON of a file belongs, as the name of an output; empty if none is wanted."""
+        if self.json is None:
+            return ""
+        place = self.json.absolute() / json_name(name)
+        if place.is_relative_to(self.folder.path):
+            place = place.relative_to(self.folder.path)
+        return place.as_posix()
+
+    def _placed(self, work: Work, answer: Calculated) -> Record:
+        """The record, its result files on the disk; those that came as bytes are staged here."""
+        record = answer.record
+        if not answer.files:
+            return record
+        folder = self.folder.staging / f"{work.name.count('/')}-{self._numbers}-bytes"
+        self._numbers += 1
+        try:
+            if not _unchanged(Path(work.source), record.stamp):
+                return failed(
+                    record.name,
+                    record.source,
+                    CHANGED,
+                    f"{work.name} was changed while it was calculated; nothing was written for it. "
+                    "Run again with --resume.",
+                )
+            folder.mkdir()
+            outputs = []
+            for output in record.outputs:
+                staged = folder / Path(output.name).name
+                staged.write_bytes(answer.files[output.name])
+                outputs.append(
+                    replace(output, staged=staged.relative_to(self.folder.path).as_posix())
+                )
+        except OSError as wrong:
+            return self._not_written(record, wrong)
+        return replace(record, outputs=tuple(outputs))
+
+    # ---- recording -------------------------------------------------------------------------------
+
+    def _settle(self, record: Record) -> Record:
+        """Record what became of a file, then put its results in place."""
+        record = replace(record, version=record.version or self._version, settings=self.overrides)
+        if self.json is not None and not record.done and not self._keeps_json(record):
+            record = self._with_errors(record)
+        if not record.done:
+            record = self._with_old_results_told(record)
+        else:
+            record = self._without_old_histories(record)
+        self._write(record)
+        try:
+            self.folder.put(record.outputs)
+        except OSError as wrong:
+            record = replace(
+                self._not_written(record, wrong), version=self._version, settings=self.overrides
+            )
+            record = self._with_old_results_told(record)
+            self._write(record)
+        self.records[record.name] = record
+        if record.done:
+            self._earlier[record.name] = record
+        if record.outcome == DISK_FULL and not self.stop.reason:
+            self.stop.reason = "The disk is full. Free some space, then run again with --resume."
+        return record
+
+    def _keeps_json(self, record: Record) -> bool:
+        """Whether the JSON of an earlier calculation stays, as the reason passes by itself."""
+        place = self.folder.place(self._json_of(record.name))
+        return record.outcome not in OUTDATED and holds_results(place)
+
+    def _with_errors(self, record: Record) -> Record:
+        """A file without results: its errors as JSON, staged, so that no earlier results stay there."""
+        from addin.writing.recalculate import write_json
+        from addin.writing.results_json import errors_to_json
+
+        self._numbers += 1
+        staged = self.folder.staging / f"{self._numbers}-errors.json"
+        problems = [CellProblem(**error) for error in record.errors]
+        try:
+            write_json(staged, errors_to_json(problems, record.version, record.warnings))
+            output = Output(
+                self._json_of(record.name),
+                staged.stat().st_size,
+                digest_of(staged),
+                staged.relative_to(self.folder.path).as_posix(),
+            )
+        except OSError:  # such as a full disk, which the record says already
+            return record
+        return replace(record, outputs=(output,))
+
+    def _old_results(self, name: str) -> list[str]:
+        """Results of an earlier calculation of a file that are in place, by their names."""
+        earlier = self._earlier.get(name)
+        known = earlier.outputs if earlier is not None and earlier.done else ()
+        names = dict.fromkeys((result_name(name), *(one.name for one in known)))
+        if self.json is not None:
+            names[self._json_of(name)] = None
+        for one in self.folder.elsewhere.get(name, ()):
+            # A journal that somebody made up shall not have files renamed that are none of ours.
+            if one.name.endswith(Path(json_name(name)).name) and self.folder.holds((one,)):
+                names[one.name] = None
+        return [one for one in names if self._is_there(one) and self._has_results(one)]
+
+    def _has_results(self, name: str) -> bool:
+        """Whether a file holds results; a JSON may hold errors."""
+        return not name.endswith(".json") or holds_results(self.folder.place(name))
+
+    def _with_old_results_told(self, record: Record) -> Record:
+        """A file without results, whose earlier ones must not be taken for those of what it holds now.
+
+        They are renamed, never deleted, as somebody may have written into them. Where the reason passes
+        by itself they stay under their names, and the record says what they are.
+        """
+        said = []
+        for name in self._old_results(record.name):
+            if record.outcome not in OUTDATED:
+                said.append(f"{name} is still the result of an earlier calculation.")
+                continue
+            try:
+                aside = self.folder.set_aside(name)
+                said.append(AN_EARLIER.format(name, aside.name))
+            except OSError as wrong:
+                said.append(NOT_RENAMED.format(name, wrong.strerror or wrong))
+        return replace(record, sentence=" ".join([record.sentence, *said]).strip())
+
+    def _without_old_histories(self, record: Record) -> Record:
+        """A file with results, whose histories of another kind or name are no longer true."""
+        earlier = self._earlier.get(record.name)
+        old = {one.name for one in earlier.outputs if ".history." in one.name} if earlier else set()
+        old -= {one.name for one in record.outputs}
+        if not old:
+            return record
+        others = (other for other in self.records.values() if other.done)
+        old -= {one.name for other in others for one in other.outputs}
+        said = []
+        for name in sorted(filter(self._is_there, old)):
+            with contextlib.suppress(OSError):  # open elsewhere: the record names the right one
+                said.append(AN_EARLIER.format(name, self.folder.set_aside(name).name))
+        return replace(record, warnings=(*record.warnings, *said))
+
+    def _is_there(self, name: str) -> bool:
+        return self.folder.place(name).is_file()
+
+    def _write(self, record: Record) -> None:
+        try:
+            self._journal.write(record)
+        except OSError as wrong:
+            raise Stopped(_no_journal(wrong)) from wrong
+
+    def _not_written(self, record: Record, wrong: OSError) -> Record:
+        from addin.writing.recalculate import of_file
+
+        place = self.folder.place(result_name(record.name))
+        if isinstance(wrong, PermissionError):
+            sentence = f"{place} could not be replaced; it is probably open in Excel. Close it there and run again with --resume."
+        else:
+            sentence = of_file(place, wrong).message
+        return failed(record.name, record.source, outcome_of(wrong), sentence, stamp=record.stamp)
+
+    def _crashed(self, one: Input, answer: Crashed) -> Record:
+        sentence = (
+            f"{one.name} was given up: {answer.sentence}, twice. Perhaps memory ran out: calculate it "
+            "by itself with torsionbook recalc; if that fails too, please report it."
+        )
+        return failed(one.name, str(one.path), CRASHED, sentence)
+
+
+def _unchanged(path: Path, stamp: Stamp) -> bool:
+    """Whether a file is in the state in which it was calculated."""
+    try:
+        now = stamp_of(path)
+        if now.size != stamp.size:
+            return False
+        return now.modified == stamp.modified or digest_of(path) == stamp.sha256
+    except OSError:
+        return False
+
+
+def _no_journal(wrong: OSError) -> str:
+    return (
+        f"The journal of the batch cannot be written ({wrong.strerror or wrong}). What was recorded so "
+        "far is kept; free some space or the folder, then run again with --resume."
+    )
+
+
+def cores() -> int:
+    """Cores this process may use.
+
+    Returns
+    -------
+    int
+        At least 1. [count]
+    """
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on every system
+        return os.cpu_count() or 1

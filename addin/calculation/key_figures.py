@@ -1,0 +1,178 @@
+"""The few numbers of a calculation that a summary over many cases shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from typing import Any
+
+    from engine.results.results import Results
+
+__all__ = ["MODES", "NOT_JUDGED", "Headline", "headline", "told_verdict"]
+
+#: The verdict of a check that could not be made.
+NOT_JUDGED = "not judged"
+
+#: First elastic modes that are shown. [count]
+MODES = 3
+
+
+@dataclass(frozen=True)
+class Headline:
+    """What one looks at first; None where the case does not call for it.
+
+    Parameters
+    ----------
+    tag, title : str or None
+        Of the title block. [text]
+    frequencies : tuple of float
+        First elastic modes, `MODES` at most. [Hz]
+    margin : float or None
+        Worst separation margin. [1]
+    margin_mode : int or None
+        Its mode. [count]
+    margin_where : str or None
+        Its mode and excitation. [words]
+    peak_torque : float or None
+        Largest torque of a start at its element's own speed, a magnitude; the largest is found
+        at motor speed. [N m]
+    peak_over_rated : float or None
+        The same at motor speed over the rated torque. [1]
+    peak_where : str or None
+        Its element. [name]
+    stress : float or None
+        Largest nominal peak-to-peak shear stress of a start. [Pa]
+    stress_where : str or None
+        Its element. [name]
+    reversals : int or None
+        Most torque reversals of a mesh or geared coupling in a start. [count]
+    reversals_where : str or None
+        Its element; None without reversals. [name]
+    starts : float or None
+        Allowable starts; None where unlimited or not judged. [1]
+    starts_unlimited : bool
+        Shafts are judged and none is damaged. [flag]
+    starts_not_judged : bool
+        Shafts are judged, but the start did not come to its end. [flag]
+    starts_where : str or None
+        Governing shaft. [name]
+    outcome : str
+        How the start ended, or ``calculated``. [word]
+    verdict : str
+        The overall verdict. [word]
+    not_judged : int
+        Checks without a verdict. [count]
+    """
+
+    tag: str | None
+    title: str | None
+    frequencies: tuple[float, ...]
+    margin: float | None
+    margin_mode: int | None
+    margin_where: str | None
+    peak_torque: float | None
+    peak_over_rated: float | None
+    peak_where: str | None
+    stress: float | None
+    stress_where: str | None
+    reversals: int | None
+    reversals_where: str | None
+    starts: float | None
+    starts_unlimited: bool
+    starts_not_judged: bool
+    starts_where: str | None
+    outcome: str
+    verdict: str
+    not_judged: int
+
+
+def told_verdict(verdict: str, not_judged: int) -> str:
+    """An overall verdict in words, as sheet Summary says it.
+
+    Parameters
+    ----------
+    verdict : str
+        The overall verdict. [word]
+    not_judged : int
+        Checks without a verdict. [count]
+
+    Returns
+    -------
+    str
+        Such as ``pass, 1 not judged``. [words]
+    """
+    if not not_judged or verdict == NOT_JUDGED:
+        return verdict
+    return f"{verdict}, {not_judged} {NOT_JUDGED}"
+
+
+def headline(results: Results, peaks: Iterable[Mapping[str, Any]]) -> Headline:
+    """The few numbers of a calculation.
+
+    Parameters
+    ----------
+    results : Results
+        A complete run. [SI]
+    peaks : iterable of mapping
+        Rows of table `StartupPeaks`. [SI]
+
+    Returns
+    -------
+    Headline
+        What a summary shows. [SI]
+    """
+    from engine.start.start_fatigue import is_counted
+
+    worst = results.margins.worst
+    torque, over_rated, at = _peak(results)
+    stress, stressed = _stress(peaks)
+    most = max(results.reversals, key=lambda row: row.reversals, default=None)
+    starts = results.starts if results.starts is not None and results.starts.shafts else None
+    not_judged = starts is not None and not is_counted(results.start)
+    if not_judged:
+        starts = None
+    return Headline(
+        tag=results.case.tag,
+        title=results.case.title,
+        frequencies=tuple(float(f) for f in results.modes.elastic_frequency[:MODES]),
+        margin=None if worst is None else float(worst.margin),
+        margin_mode=None if worst is None else int(worst.mode),
+        margin_where=None if worst is None else f"mode {worst.mode}, {worst.excitation}",
+        peak_torque=torque,
+        peak_over_rated=over_rated,
+        peak_where=at,
+        stress=stress,
+        stress_where=stressed,
+        reversals=None if most is None else int(most.reversals),
+        reversals_where=most.element if most is not None and most.reversals else None,
+        starts=None if starts is None else starts.judged_starts,
+        starts_unlimited=starts is not None and starts.judged_starts is None,
+        starts_not_judged=not_judged,
+        starts_where=None if starts is None else starts.governing,
+        outcome=results.outcome,
+        verdict=results.verdicts[0].verdict,
+        not_judged=sum(one.verdict == NOT_JUDGED for one in results.verdicts[1:]),
+    )
+
+
+def _peak(results: Results) -> tuple[float | None, float | None, str | None]:
+    """Size, size at motor speed over the rated torque, and element of the largest torque."""
+    if results.start is None or not results.start.peaks:
+        return None, None, None
+    # Torques compare at motor speed.
+    speed = {s.station: s.speed_ratio or 1.0 for s in results.case.stations}
+    ratio = {e.element: speed.get(e.from_) or speed.get(e.to) or 1.0 for e in results.case.elements}
+    sizes = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in results.start.peaks}
+    top = max(sizes, key=lambda name: sizes[name] * ratio[name])
+    rated = results.case.ratings.rated_torque
+    return float(sizes[top]), float(sizes[top] * ratio[top] / rated) if rated else None, top
+
+
+def _stress(peaks: Iterable[Mapping[str, Any]]) -> tuple[float | None, str | None]:
+    """The largest nominal peak-to-peak stress of a start and its element."""
+    stressed = [row for row in peaks if row.get("peak_to_peak_stress") is not None]
+    top = max(stressed, key=lambda row: row["peak_to_peak_stress"], default=None)
+    return (None, None) if top is None else (float(top["peak_to_peak_stress"]), top["element"])

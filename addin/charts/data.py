@@ -1,0 +1,714 @@
+"""The numbers behind the charts: blocks of rows for the tables of sheet `ChartData`.
+
+Every block is an Excel table. The writer resizes it, and chart ranges that cover a whole column
+of it follow, so that a chart never shows old rows. A blank row in a block is a gap in its line.
+Values leave here in the units shown on the sheets.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from addin.calculation.run_view import RunView
+from addin.charts.effects import (
+    EFFECT_LABELS,
+    FORCES,
+    event_rows,
+    pull_in_rows,
+    reversal_blocks,
+    waiting_labels,
+)
+from addin.charts.rows import HISTORY_POINTS, Cell, Floats, Rows, decimate, plain, side_by_side
+from engine.case.data import CaseData, ElementRow
+
+__all__ = [
+    "CHART_TABLES",
+    "CROSSINGS",
+    "ChartTable",
+    "GROUPS",
+    "HISTORIES",
+    "HISTORY_POINTS",
+    "LABELS",
+    "LINES",
+    "METHODS",
+    "SHAPES",
+    "ShownUnits",
+    "accuracy_block",
+    "accuracy_title",
+    "chart_blocks",
+    "decimate",
+    "governing_shaft",
+    "stiffness_of",
+]
+
+#: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
+GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
+#: Methods whose error against time is drawn.
+METHODS = ("exponential", "newmark")
+#: Most points of a drawn curve that has no spikes.
+_CURVE_POINTS = 401
+_SN_POINTS = 200
+#: Crossings nearer to each other than this share of synchronous speed have one name. [1]
+_SAME_LABEL = 0.06
+#: Title of a history chart without an element.
+_UNUSED = "unused: the train has no further element"
+#: A series whose name is a blank cell is called Series1 by Excel; a space is not.
+_BLANK_LABEL = " "
+#: Amplitudes below this share of the largest are not drawn. [1]
+_SMALLEST_CYCLE = 0.03
+
+
+@dataclass(frozen=True)
+class ChartTable:
+    """One block of chart data.
+
+    Parameters
+    ----------
+    name : str
+        Name of the Excel table. [name]
+    columns : tuple of str
+        Headers. [names]
+    help : str
+        What it holds. [sentence]
+    """
+
+    name: str
+    columns: tuple[str, ...]
+    help: str
+
+
+def _numbered(words: Sequence[str], count: int) -> tuple[str, ...]:
+    return tuple(f"{word} {k}" for k in range(1, count + 1) for word in words)
+
+
+def _of_methods(words: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{method} {word}" for method in METHODS for word in words)
+
+
+#: Rows of `ChartLabels`, in this order: words that charts show and only a calculation knows.
+LABELS: tuple[str, ...] = (
+    *_numbered(("Speed group",), GROUPS),
+    *_numbered(("Shape",), SHAPES),
+    *_numbered(("Line",), LINES),
+    *_numbered(("Crossing",), CROSSINGS),
+    *_numbered(("History title", "History axis"), HISTORIES),
+    "S-N title",
+    "S-N axis",
+    "Starts required",
+    *_numbered(("History caption",), HISTORIES),
+    "One start",
+    "S-N line",
+    *EFFECT_LABELS,
+    "Accuracy title",
+    "Accuracy axis",
+)
+
+#: Axis of the chart of sheet Accuracy.
+_ACCURACY_AXIS = "Error [%]"
+
+CHART_TABLES: tuple[ChartTable, ...] = (
+    ChartTable("ChartLabels", ("Key", "Text"), "Words shown by charts."),
+    ChartTable(
+        "ChartTrain",
+        (
+            "Item",
+            *_numbered(("Disc up", "Disc down", "Shaft up", "Shaft down"), GROUPS),
+            "Mesh up",
+            "Mesh down",
+        ),
+        "Drawing of the train: half heights of discs and shafts.",
+    ),
+    ChartTable(
+        "ChartTorque",
+        ("Speed", "Average", "Pulsating", "Load", "Accelerating"),
+        "Torques against speed, % of synchronous and pu of RatedTorque, referred to the motor.",
+    ),
+    ChartTable("ChartSpeedTime", ("Time", "Speed"), "Motor speed against time."),
+    ChartTable("ChartCrossings", ("Time", "Speed"), "Where 2 x slip crosses a mode."),
+    ChartTable(
+        "ChartInterference",
+        (
+            "Modes speed",
+            "Modes",
+            "Label speed",
+            "Label",
+            "Slip speed",
+            "2 x slip",
+            "Range speed",
+            "Range",
+            *_numbered(("Line speed", "Line"), LINES),
+        ),
+        "Interference diagram: motor speed in rpm, frequencies in Hz.",
+    ),
+    ChartTable("ChartNames", ("Speed", "Frequency"), "Where the name of each line stands."),
+    ChartTable(
+        "ChartSN",
+        ("Line cycles", "Line", "Start cycles", "One start", "Starts cycles", "Starts required"),
+        "S-N line and the cycles of one and of the required starts that exceed a stress.",
+    ),
+    ChartTable(
+        "ChartHistory",
+        _numbered(("Time", "Value"), HISTORIES),
+        "Histories of the start: least and largest value of equal intervals of time.",
+    ),
+    ChartTable("ChartReversal", ("Time", "Torque"), "Torque around the deepest reversal."),
+    ChartTable("ChartBlow", ("Time", "Torque"), "Torque at its deepest moment, closely."),
+    ChartTable("ChartForces", _numbered(("Time", "Force"), FORCES), "Forces at that moment."),
+    ChartTable(
+        "ChartPullIn",
+        ("Angle time", "Load angle", "Slip time", "Slip"),
+        "Load angle in degrees and slip in % from field application on.",
+    ),
+    ChartTable("ChartEvents", ("Time", "Speed"), "Field application and trip: motor speed in rpm."),
+    ChartTable(
+        "ChartAccuracy",
+        _of_methods(("peak name", "peak time", "peak", "starts name", "starts time", "starts")),
+        "Name, wall time in ms and error in % of each method.",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class ShownUnits:
+    """The unit shown above each column, and its size in SI.
+
+    Parameters
+    ----------
+    names : mapping of (table, column) to str
+        Units as typed. [units]
+    factors : mapping of (table, column) to float
+        SI value of one shown unit. [SI]
+    """
+
+    names: Mapping[tuple[str, str], str]
+    factors: Mapping[tuple[str, str], float]
+
+    def name(self, table: str, column: str) -> str:
+        """The unit of a column; empty where there is none."""
+        return self.names.get((table, column), "")
+
+    def factor(self, table: str, column: str) -> float:
+        """The SI value of one shown unit; 1 where there is no unit."""
+        return self.factors.get((table, column), 1.0)
+
+
+def chart_blocks(
+    case: CaseData, units: ShownUnits, run: RunView | None = None, chosen: Sequence[str | None] = ()
+) -> dict[str, Rows]:
+    """Rows of every chart table.
+
+    Parameters
+    ----------
+    case : CaseData
+        The inputs; enough for the drawing, the torque curves and the S-N line. [SI]
+    units : ShownUnits
+        Units shown on the sheets. [units]
+    run : RunView, optional
+        The results; without them the other blocks are one blank row. [SI]
+    chosen : sequence of (str or None)
+        Elements whose histories are drawn; blank places are chosen by `_drawn_elements`. [names]
+
+    Returns
+    -------
+    dict of str to list of rows
+        By the names of `CHART_TABLES`.
+    """
+    labels: dict[str, Cell] = dict.fromkeys(LABELS, _BLANK_LABEL) if run else _waiting_labels()
+    blocks = {
+        "ChartTrain": _train_rows(case, labels),
+        "ChartTorque": _torque_rows(case),
+        "ChartSpeedTime": _speed_time_rows(run),
+        "ChartCrossings": _crossing_rows(case, run, labels),
+        "ChartSN": _sn_rows(case, run, units, labels),
+    }
+    blocks["ChartInterference"], blocks["ChartNames"] = _interference_rows(case, run, labels)
+    blocks["ChartHistory"] = _history_rows(case, run, units, chosen, labels)
+    blocks |= reversal_blocks(run, units, labels)
+    blocks["ChartPullIn"] = pull_in_rows(run, labels)
+    blocks["ChartEvents"] = event_rows(run, labels)
+    blocks["ChartAccuracy"] = accuracy_block(_table(run, "AccuracyCost"))
+    drawn = any(cell for row in blocks["ChartAccuracy"] for cell in row[1::3])
+    labels |= {"Accuracy title": accuracy_title(drawn), "Accuracy axis": _ACCURACY_AXIS}
+    _shape_labels(run, labels)
+    blocks["ChartLabels"] = [[key, labels.get(key)] for key in LABELS]
+    return {table.name: blocks[table.name] for table in CHART_TABLES}
+
+
+def _waiting_labels() -> dict[str, Cell]:
+    """Labels of a workbook that has not been calculated."""
+    labels: dict[str, Cell] = dict.fromkeys(LABELS, _BLANK_LABEL)
+    for k in range(1, HISTORIES + 1):
+        labels[f"History title {k}"] = f"History {k} (not calculated yet)"
+        labels[f"History axis {k}"] = "Torque"
+        labels[f"History caption {k}"] = "not calculated yet"
+    return labels | waiting_labels() | {f"Shape {k}": f"Mode {k}" for k in range(1, SHAPES + 1)}
+
+
+# --- helpers --------------------------------------------------------------------------------------
+
+
+def _segments(pieces: Iterable[Sequence[tuple[float, float]]]) -> tuple[list[Cell], list[Cell]]:
+    """Polylines in one pair of columns, a blank between two of them."""
+    xs: list[Cell] = []
+    ys: list[Cell] = []
+    for piece in pieces:
+        if xs:
+            xs.append(None)
+            ys.append(None)
+        xs += plain(x for x, _ in piece)
+        ys += plain(y for _, y in piece)
+    return xs, ys
+
+
+# --- the train ------------------------------------------------------------------------------------
+
+
+def _sequence(case: CaseData) -> list[tuple[str, Any]]:
+    """Stations and elements in drawing order; ("", None) where a branch begins."""
+    stations = {row.station: row for row in case.stations}
+    if not case.elements:
+        return [(name or "", row) for name, row in stations.items()]
+    drawn: list[tuple[str, Any]] = []
+    last: str | None = None
+    for element in case.elements:
+        if element.from_ != last:
+            drawn += [("", None)] if drawn else []
+            drawn.append((element.from_ or "", stations.get(element.from_)))
+        drawn.append((element.element or "", element))
+        drawn.append((element.to or "", stations.get(element.to)))
+        last = element.to
+    return drawn
+
+
+def stiffness_of(element: ElementRow) -> float:
+    """Stiffness of an element, from its geometry where it is blank.
+
+    Parameters
+    ----------
+    element : ElementRow
+        The element. [SI]
+
+    Returns
+    -------
+    float
+        Its stiffness; 0 when neither is given. [N m/rad]
+    """
+    from engine.model.train import shaft_stiffness
+
+    if element.stiffness is not None:
+        return element.stiffness
+    if element.od and element.length and element.shear_modulus:
+        return shaft_stiffness(element.od, element.id or 0.0, element.length, element.shear_modulus)
+    return 0.0
+
+
+def _train_rows(case: CaseData, labels: dict[str, Cell]) -> Rows:
+    """Discs with r ∝ J^(1/4), shafts with d ∝ k^(1/4): what equal thickness and length give."""
+    ratios = _speed_ratios(case)
+    group = {ratio: k % GROUPS for k, ratio in enumerate(dict.fromkeys(ratios.values()))}
+    for ratio, k in reversed(group.items()):  # the first of those that share a colour stays
+        labels[f"Speed group {k + 1}"] = _speed_words(case, ratio)
+    disc = max([row.inertia or 0.0 for row in case.stations], default=0.0) or 1.0
+    shafts = [e for e in case.elements if e.kind != "gear mesh"]
+    shaft = max([stiffness_of(e) for e in shafts], default=0.0) or 1.0
+    rows: Rows = []
+    for name, item in _sequence(case):
+        row: list[Cell] = [name or None, *[None] * (4 * GROUPS + 2)]
+        if isinstance(item, ElementRow):
+            is_mesh = item.kind == "gear mesh"
+            ends = [end for end in (item.from_, item.to) if end in ratios]
+            place = (
+                1 + 4 * GROUPS if is_mesh else 3 + 4 * group.get(ratios[ends[0]] if ends else 1, 0)
+            )
+            height = 0.3 if is_mesh else 0.62 * (stiffness_of(item) / shaft) ** 0.25
+        elif item is not None:
+            place = 1 + 4 * group[ratios[name]]
+            height = max(0.03, ((item.inertia or 0.0) / disc) ** 0.25)
+        else:
+            rows.append(row)
+            continue
+        row[place], row[place + 1] = plain([height, -height])
+        rows.append(row)
+    return rows or [[None] * (1 + 4 * GROUPS + 2)]
+
+
+def _speed_ratios(case: CaseData) -> dict[str, float]:
+    return {
+        row.station: 1.0 if row.speed_ratio is None else row.speed_ratio
+        for row in case.stations
+        if row.station
+    }
+
+
+def _speed_words(case: CaseData, ratio: float) -> str:
+    speed = case.ratings.synchronous_speed
+    if speed is None:
+        return f"{ratio:g} × motor speed"
+    return f"{_rpm(speed) * ratio:,.0f} rpm"
+
+
+def _rpm(speed: float) -> float:
+    return speed * 30.0 / math.pi
+
+
+# --- torque curves --------------------------------------------------------------------------------
+
+
+def _torque_rows(case: CaseData) -> Rows:
+    """All motors, all loads and their difference on one grid, referred to the motor, in pu."""
+    rated = case.ratings.rated_torque
+    ratios = _speed_ratios(case)
+    motor = _curves(case.motor_torque, ("average", "pulsating"))
+    load = _curves(case.load_torque, ("torque",))
+    speeds = sorted({speed for points in (*motor.values(), *load.values()) for speed in points[0]})
+    if not rated or not speeds:
+        return [[None] * 5]
+    grid = np.array(speeds)
+
+    def total(curves: Mapping[str, tuple[list[float], ...]], column: int) -> Floats:
+        referred = (
+            np.interp(grid, points[0], points[column]) * ratios.get(station, 1.0) / rated
+            for station, points in curves.items()
+        )
+        return sum(referred, np.zeros(grid.size))
+
+    average, pulsating, opposing = total(motor, 1), total(motor, 2), total(load, 1)
+    columns = (100.0 * grid, average, pulsating, opposing, average - opposing)
+    return side_by_side([plain(column) for column in columns])
+
+
+def _curves(rows: Iterable[Any], names: Sequence[str]) -> dict[str, tuple[list[float], ...]]:
+    """Speed and the named columns of each station, incomplete rows left out, speeds rising."""
+    found: dict[str, list[tuple[float, ...]]] = {}
+    for row in rows:
+        values = [getattr(row, name) for name in names]
+        if row.station and row.speed is not None and values[0] is not None:
+            point = (row.speed, *(value or 0.0 for value in values))
+            found.setdefault(row.station, []).append(point)
+    return {
+        station: tuple(list(column) for column in zip(*sorted(points), strict=True))
+        for station, points in found.items()
+    }
+
+
+# --- start-up -------------------------------------------------------------------------------------
+
+
+def _speed_time_rows(run: RunView | None) -> Rows:
+    if run is None or run.speed_time is None:
+        return [[None, None]]
+    time, speed = run.speed_time
+    keep = np.unique(np.searchsorted(time, np.linspace(time[0], time[-1], _CURVE_POINTS)))
+    return side_by_side([plain(time[keep]), plain(map(_rpm, speed[keep]))])
+
+
+def _crossing_rows(case: CaseData, run: RunView | None, labels: dict[str, Cell]) -> Rows:
+    """The first crossings of the start as points; always the same number of rows."""
+    rows: Rows = [[None, None] for _ in range(CROSSINGS)]
+    speed = case.ratings.synchronous_speed or 0.0
+    crossings = [c for c in _table(run, "StartupCrossings") if c.get("time") is not None]
+    named, last = -1, math.inf
+    for k, crossing in enumerate(crossings[:CROSSINGS]):
+        rows[k] = plain([crossing["time"], _rpm(speed * crossing["percent_speed"])])
+        words = f"Mode {crossing['mode']}: {crossing['frequency']:.1f} Hz"
+        if abs(last - crossing["percent_speed"]) < _SAME_LABEL:  # two names would cover each other
+            labels[f"Crossing {named + 1}"] = (
+                f"{labels[f'Crossing {named + 1}']}; {words[0].lower()}{words[1:]}"
+            )
+        else:
+            named, last = k, crossing["percent_speed"]
+            labels[f"Crossing {k + 1}"] = words
+    return rows
+
+
+def _table(run: RunView | None, name: str) -> Sequence[Mapping[str, Any]]:
+    return run.tables.get(name, ()) if run else ()
+
+
+def _history_rows(
+    case: CaseData,
+    run: RunView | None,
+    units: ShownUnits,
+    chosen: Sequence[str | None],
+    labels: dict[str, Cell],
+) -> Rows:
+    histories = (run.histories if run else None) or {}
+    columns: list[Sequence[Cell]] = [[] for _ in range(2 * HISTORIES)]
+    for k, name in enumerate(_drawn_elements(case, list(histories), chosen)):
+        if name is None:
+            if run is not None:
+                labels[f"History title {k + 1}"] = _UNUSED
+                labels[f"History axis {k + 1}"] = "Torque"
+                labels[f"History caption {k + 1}"] = _UNUSED
+            continue
+        time, torque = histories[name]
+        value, words, axis = _drawn_quantity(case, name, torque, units)
+        keep = decimate(time, value)
+        columns[2 * k], columns[2 * k + 1] = plain(time[keep]), plain(value[keep])
+        labels[f"History title {k + 1}"] = f"{name}: {words}"
+        labels[f"History axis {k + 1}"] = axis
+        labels[f"History caption {k + 1}"] = f"{name}: {words} {axis[axis.find('[') :]}"
+    return side_by_side(columns)
+
+
+def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:
+    """Rows of chart table `ChartAccuracy`.
+
+    Parameters
+    ----------
+    rows : iterable of mapping
+        Rows of `AccuracyCost`. [SI]
+
+    Returns
+    -------
+    list of rows
+        Name, wall time and error of each method, the shortest time first. [ms, %]
+    """
+    study = sorted((row for row in rows if row.get("time")), key=lambda row: float(row["time"]))
+    columns: list[Sequence[Cell]] = []
+    for method in METHODS:
+        of_method = [r for r in study if r["method"].split(" ")[0] == method]
+        name = of_method[0]["method"] if of_method else method
+        for error, words in (("error_peak", "peak torques"), ("error_starts", "allowable starts")):
+            columns.append([f"{name}: {words}"])
+            points = [r for r in of_method if (r.get(error) or 0.0) > 0.0]
+            columns.append(plain(1e3 * r["time"] for r in points))
+            columns.append(plain(100.0 * r[error] for r in points))
+    return side_by_side(columns)
+
+
+def accuracy_title(drawn: bool, studied: bool = False) -> str:
+    """Title of the chart of sheet `Accuracy`, which says why where it is empty.
+
+    Parameters
+    ----------
+    drawn : bool
+        Whether it draws anything. [flag]
+    studied : bool
+        Whether the study has been run. [flag]
+
+    Returns
+    -------
+    str
+        The title. [words]
+    """
+    if drawn:
+        return "Error against wall time, as measured in this study"
+    if studied:
+        return "Error against wall time: nothing to study, see the sentence above"
+    return "Error against wall time: no study yet, run torsionbook accuracy FILE"
+
+
+def _drawn_elements(
+    case: CaseData, names: Sequence[str], chosen: Sequence[str | None]
+) -> list[str | None]:
+    """Elements to draw: those chosen, then meshes, shafts with a stress, couplings, the others."""
+    rank = {"gear mesh": 0, "coupling": 2}
+    known = {
+        e.element: (1 if e.stress_diameter else rank.get(e.kind or "", 3)) for e in case.elements
+    }
+    wanted: list[str | None] = [name if name in names else None for name in chosen]
+    wanted += [None] * (HISTORIES - len(wanted))
+    others = iter(sorted((n for n in names if n not in wanted), key=lambda n: known.get(n, 4)))
+    return [next(others, None) if name is None else name for name in wanted[:HISTORIES]]
+
+
+def _drawn_quantity(
+    case: CaseData, name: str, torque: Floats, units: ShownUnits
+) -> tuple[Floats, str, str]:
+    """Values in the shown unit, what they are, and the axis title: tooth load, stress or torque."""
+    from engine.fatigue.allowable_starts import shear_stress
+
+    element = next((e for e in case.elements if e.element == name), None)
+    mesh = next((m for m in case.meshes if m.element == name), None)
+    if mesh is not None and mesh.pitch_radius_drive and element and element.kind == "gear mesh":
+        american = "lb" in units.name("StartupPeaks", "Maximum torque")
+        unit, size = ("lbf", 4.4482216152605) if american else ("kN", 1e3)
+        load = torque / mesh.pitch_radius_drive / size
+        return load, "tangential tooth load", f"Tooth load [{unit}]"
+    if element is not None and element.stress_diameter:
+        stress = shear_stress(torque, element.stress_diameter, element.stress_bore or 0.0)
+        place = ("StartupPeaks", "Peak-to-peak stress")
+        axis = f"Nominal shear stress [{units.name(*place)}]"
+        return stress / units.factor(*place), "nominal shear stress", axis
+    place = ("StartupPeaks", "Maximum torque")
+    return torque / units.factor(*place), "torque", f"Torque [{units.name(*place)}]"
+
+
+# --- modes ----------------------------------------------------------------------------------------
+
+
+def _elastic_modes(run: RunView | None) -> list[Mapping[str, Any]]:
+    return [row for row in _table(run, "NaturalFrequencies") if row.get("frequency")]
+
+
+def _shape_labels(run: RunView | None, labels: dict[str, Cell]) -> None:
+    for k, row in enumerate(_elastic_modes(run)[:SHAPES]):
+        most = row.get("largest_strain_energy") or ""
+        sideways = f" ({most})" if most.startswith("bearing of ") else ""
+        labels[f"Shape {k + 1}"] = f"Mode {row['mode']}: {row['frequency']:.2f} Hz{sideways}"
+
+
+def _interference_rows(
+    case: CaseData, run: RunView | None, labels: dict[str, Cell]
+) -> tuple[Rows, Rows]:
+    """Modes, excitation lines, the falling 2 × slip line and the speeds of continuous operation.
+
+    The second block holds one row a line, always the same number: where its name stands.
+    """
+    names: Rows = [[None, None] for _ in range(LINES)]
+    diagram = run.interference if run else None
+    line, sync = case.ratings.line_frequency, case.ratings.synchronous_speed
+    if diagram is None or not line or not sync or not diagram.speed.size:
+        return [[None] * (8 + 2 * LINES)], names
+    top, right = 2.5 * line, _rpm(float(diagram.speed[-1]))
+    modes = [float(f) for f in diagram.mode_frequency if 0.0 < f <= top]
+    running = [_rpm(case.minimum_speed or sync), _rpm(case.maximum_speed or sync)]
+    columns: list[Sequence[Cell]] = [
+        *_segments([[(0.0, f), (right, f)] for f in modes]),
+        plain([right] * len(modes)),
+        plain(modes),
+        plain([0.0, _rpm(sync)]),
+        plain([2.0 * line, 0.0]),
+        *_segments([[(n, 0.0), (n, top)] for n in dict.fromkeys(running)]),
+    ]
+    lines = [
+        (str(name), _clipped(right, float(frequency[-1]), top), _ORDER_LABEL)
+        for name, frequency in zip(diagram.order_names, diagram.order_frequency, strict=True)
+    ] + [
+        (str(name), [(0.0, float(f)), (right, float(f))], _FIXED_LABEL)
+        for name, f in zip(diagram.fixed_names, diagram.fixed_frequency, strict=True)
+        if f <= top
+    ]
+    for k, (name, ends, at) in enumerate(lines[:LINES]):
+        (x0, y0), (x1, y1) = ends
+        at = 1.0 if y1 == top else at
+        names[k] = plain([x0 + at * (x1 - x0), y0 + at * (y1 - y0)])
+        columns += [plain([x0, x1]), plain([y0, y1])]
+        labels[f"Line {k + 1}"] = name
+    columns += [[]] * (8 + 2 * LINES - len(columns))
+    return side_by_side(columns), names
+
+
+#: Where along its line the name of an excitation stands: orders near the upper end, lines of fixed
+#: frequency near standstill, so that names of lines that cross do not. [1]
+_ORDER_LABEL, _FIXED_LABEL = 0.5, 0.13
+
+
+def _clipped(right: float, frequency: float, top: float) -> list[tuple[float, float]]:
+    """An order line from standstill to the right or the upper edge of the diagram."""
+    reached = min(1.0, top / frequency) if frequency > 0.0 else 1.0
+    return [(0.0, 0.0), (right * reached, top if reached < 1.0 else frequency)]
+
+
+# --- fatigue --------------------------------------------------------------------------------------
+
+
+def _sn_rows(
+    case: CaseData, run: RunView | None, units: ShownUnits, labels: dict[str, Cell]
+) -> Rows:
+    """S-N line in torsion of the governing shaft, and how often a start exceeds a stress."""
+    unit = units.factor("SNPoints", "Stress")
+    labels["S-N axis"] = f"Stress amplitude with SCF [{units.name('SNPoints', 'Stress')}]"
+    labels["S-N title"] = "S-N lines (torsion)"
+    labels["One start"], labels["Starts required"] = "One start", "Starts required"
+    shaft = governing_shaft(run)
+    material = _material_of(case, shaft)
+    lines = _sn_lines(case, material)
+    labels["S-N line"] = f"S-N line, torsion: {material}" if material else "S-N lines, torsion"
+    columns: list[Sequence[Cell]] = [
+        *_segments([(n, s / unit) for n, s in line] for line in lines), [], [], [], []
+    ]  # fmt: skip
+    if run is not None and shaft is not None:
+        labels["S-N title"] = f"S-N line and the cycles of a start: {shaft}"
+        exceeded, stress, labels["One start"] = _drawn_cycles(run, shaft)
+        columns[2], columns[3] = plain(exceeded), plain(stress / unit)
+        if case.starts_required:
+            columns[4], columns[5] = plain(exceeded * case.starts_required), columns[3]
+            labels["Starts required"] = f"{case.starts_required:,.0f} starts"
+    return side_by_side(columns)
+
+
+def _material_of(case: CaseData, shaft: str | None) -> str | None:
+    """Material of a shaft; without a shaft the only material there is."""
+    if shaft is not None:
+        return next((e.material for e in case.elements if e.element == shaft), None)
+    names = [m.material for m in case.materials if m.material]
+    return names[0] if len(names) == 1 else None
+
+
+def _sn_lines(case: CaseData, only: str | None) -> list[list[tuple[float, float]]]:
+    """Each material's line, or that of one, its endurance limit drawn on to 1e9 cycles."""
+    from engine.errors import TorsionError
+    from engine.fatigue.allowable_starts import sn_curve_for
+
+    lines = []
+    for material in case.materials:
+        points = [p for p in case.sn_points if p.material == material.material]
+        if len(points) < 2 or only not in (None, material.material):
+            continue
+        try:
+            curve = sn_curve_for(material, points)
+        except TorsionError:
+            continue  # reported with its cell by the check of the inputs
+        knee = (curve.knee_cycles, curve.endurance)
+        end = (max(1e9, 10.0 * curve.knee_cycles), curve.endurance)
+        line = list(zip(curve.cycles.tolist(), curve.stress.tolist(), strict=True))
+        lines.append([*line, *([knee] if knee[0] > line[-1][0] else []), end])
+    return lines
+
+
+def governing_shaft(run: RunView | None) -> str | None:
+    """The judged shaft that allows the fewest starts; without damage the one nearest to damage.
+
+    Parameters
+    ----------
+    run : RunView or None
+        The results. [SI]
+
+    Returns
+    -------
+    str or None
+        Its element; None when no shaft is judged. [name]
+    """
+    if run is None:
+        return None
+    damage = {
+        row.get("element"): row.get("damage") or 0.0 for row in _table(run, "AllowableStarts")
+    }
+    names = [name for name, _, _ in run.cycles]
+
+    def rank(name: str) -> tuple[float, float]:
+        largest, endurance = run.amplitudes.get(name, (0.0, 1.0))
+        return damage.get(name, 0.0), largest / endurance
+
+    return max(names, key=rank, default=None)
+
+
+def _drawn_cycles(run: RunView, shaft: str) -> tuple[Floats, Floats, str]:
+    """Cycles of a start that reach each stress, and their name; without damage the largest alone."""
+    amplitude, count = next((a, c) for name, a, c in run.cycles if name == shaft)
+    if amplitude.size:
+        return (*_exceedance(amplitude, count), "One start")
+    largest, endurance = run.amplitudes.get(shaft, (0.0, 0.0))
+    if not largest:
+        return np.empty(0), np.empty(0), "One start"
+    words = f"One start: largest amplitude, {100.0 * largest / endurance:.0f} % of endurance"
+    return np.array([0.1, 1.0]), np.array([largest, largest]), words
+
+
+def _exceedance(amplitude: Floats, count: Floats) -> tuple[Floats, Floats]:
+    """How many cycles reach at least each amplitude, the small ones left out, thinned."""
+    order = np.argsort(amplitude)[::-1]
+    total, stress = np.cumsum(count[order]), amplitude[order]
+    large = stress >= _SMALLEST_CYCLE * stress[0]
+    total, stress = total[large], stress[large]
+    if total.size > _SN_POINTS:
+        keep = np.unique(np.geomspace(1, total.size, _SN_POINTS).astype(int)) - 1
+        total, stress = total[keep], stress[keep]
+    return total, stress

@@ -1,0 +1,29 @@
+"""The command line, one module a command; the only room that prints.
+
+=============  ===================================================================================
+module         responsibility
+=============  ===================================================================================
+`diff_view`    differences as tables on the terminal
+`diff`         ``torsionbook diff``: what changed between two revisions, and what it did
+`excel`        ``torsionbook excel``: the worksheet functions into a workbook, and help where they
+               do not work
+`libreoffice`  ``torsionbook calc``: the worksheet functions in LibreOffice Calc
+`new`          A workbook to fill in, of the flavour that its program needs
+`serve`        `torsionbook serve`
+`terminal`     what commands tell in the terminal: progress, problems, refusals
+`report`       `torsionbook report`
+`study`        what the commands of the studies have in common: targets, processes, Ctrl-C, the
+               words at the end
+`calibrate`    `torsionbook calibrate`: the least change that explains what was measured
+`starts`       `torsionbook starts`: the start matrix and the damage ledger
+`tolerances`   the commands ``torsionbook tolerances`` and ``torsionbook sensitivities``
+`tune`         ``torsionbook tune``: which couplings place the modes best, and why
+`verify`       ``torsionbook verify``: whether the results in a file follow from the inputs in it
+`app`          the command line: the same path on files as in Excel, without Excel
+`batch`        ``torsionbook batch``: folders of workbooks, overnight
+=============  ===================================================================================
+"""
+
+from addin.cli.app import main
+
+__all__ = ["main"]

@@ -1,0 +1,582 @@
+"""``torsionbook batch``: folders of workbooks, overnight."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from addin.batch.inputs import Input
+    from addin.batch.records import Record
+    from addin.batch.scheduler import Batch, Listener, Stop
+    from addin.workers.pool import Workers
+
+__all__ = ["INTERRUPTED", "batch"]
+
+_DONE, _WRONG_INPUT = 0, 1
+#: Exit status after Ctrl-C, as shells have it; what was done is kept and summarised.
+INTERRUPTED = 130
+_AGAIN = "Run again with --resume to go on."
+_SEND = ("auto", "files", "bytes")
+#: Errors that are listed in the terminal; the summary has all. [count]
+_LISTED = 20
+#: How often a batch that nobody watches says how far it is. [s]
+_SAYS = 30.0
+#: When it says so first; from then on it waits twice as long each time, up to that. [s]
+_FIRST = 5.0
+
+
+def batch(
+    what: Annotated[
+        list[str],
+        typer.Argument(
+            help="Folders, patterns in quotes, workbooks (.xlsx, .xlsm) or case JSON files.",
+            metavar="DIR|GLOB...",
+            show_default=False,
+        ),
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for the results.", show_default=False)],
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes; default one a core.", show_default=False)
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with an ended batch of the same folder.")
+    ] = False,
+    summary: Annotated[
+        Path | None,
+        typer.Option(
+            help="The summary (.xlsx, and .csv beside it); default summary.xlsx in --out."
+        ),
+    ] = None,
+    watch: Annotated[
+        bool,
+        typer.Option(
+            "--watch", help="Then calculate each file again when it is saved; Ctrl-C ends it."
+        ),
+    ] = False,
+    json: Annotated[
+        Path | None, typer.Option(help="Also write each file's results as JSON into this folder.")
+    ] = None,
+    method: Annotated[
+        str | None, typer.Option(help="exponential (default) or newmark, the paper's method.")
+    ] = None,
+    tolerance: Annotated[
+        str | None, typer.Option(help="Wanted error of peak torques, such as 0.001 or 0.1%.")
+    ] = None,
+    vary: Annotated[
+        Path | None,
+        typer.Option(
+            help="Calculate one base case with the values of each row of this CSV or Parquet table; "
+            "results go to results.parquet in --out."
+        ),
+    ] = None,
+    csv: Annotated[
+        bool, typer.Option("--csv", help="With --vary: write results.csv too, for Excel.")
+    ] = False,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Give the work to the Dask cluster with this scheduler, such as tcp://host:8786.",
+        ),
+    ] = None,
+    send: Annotated[
+        str,
+        typer.Option(
+            help="How files reach the cluster: files (a shared folder), bytes, or auto, which tries."
+        ),
+    ] = "auto",
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
+    ] = False,
+    ignore_lock: Annotated[
+        bool, typer.Option("--ignore-lock", help="Go on although lock files are there.")
+    ] = False,
+) -> None:
+    """Calculate folders of workbooks on all cores; one bad file never stops the rest.
+
+    Each input is calculated into a file of the same name below --out; files that state the same case
+    are calculated once. Ctrl-C ends it cleanly, and --resume goes on after that, or after a crash,
+    without doing anything twice.
+
+    Exit status 0 if every file is done, 1 if one is not (with --strict also if a verdict fails), 2 for
+    wrong usage, 130 if it was interrupted: what was done by then is kept and summarised.
+
+    Example: `torsionbook batch trains --out results`
+    """
+    from addin.batch.folder import FolderRefused
+    from addin.batch.inputs import InputsRefused, check_places, find_inputs
+    from addin.batch.scheduler import Stop, Stopped
+
+    if send not in _SEND:
+        raise typer.BadParameter(f"--send is '{send}'; it must be {', '.join(_SEND)}.")
+    from addin.cli.app import _overrides
+
+    overrides = _overrides(method, tolerance)
+    book = _summary_file(summary, out, written=vary is None)
+
+    def find() -> list[Input]:
+        try:
+            return find_inputs(what, out, [book, book.with_suffix(".csv")], json=json is not None)
+        except InputsRefused as wrong:
+            if watch:
+                return []
+            raise _told(str(wrong)) from wrong
+
+    def find_later() -> list[Input]:
+        """What is there while it is watched; nothing while a new file is in the way of results."""
+        found = find()
+        try:
+            check_places(found, out, json, book)
+        except InputsRefused as wrong:
+            if str(wrong) not in told:
+                told.add(str(wrong))
+                typer.echo(str(wrong), err=True)
+            return []
+        return found
+
+    told: set[str] = set()
+    inputs = find()
+    if vary is None:
+        try:
+            check_places(inputs, out, json, book)
+        except InputsRefused as wrong:
+            raise typer.BadParameter(str(wrong)) from wrong
+    if json is not None:
+        _check_json_folder(json, vary)
+    stop = Stop()
+    if vary is not None:
+        if watch or len(inputs) != 1:
+            raise typer.BadParameter(
+                f"--vary needs one base case and no --watch; {_named(inputs)}."
+            )
+        raise typer.Exit(
+            _varied(
+                inputs[0].path, vary, out, _workers(jobs, scheduler), resume, stop, overrides, csv
+            )
+        )
+    if csv:
+        raise typer.BadParameter("--csv is of --vary; a batch of files has its summary.csv.")
+    settings = {
+        "resume": resume,
+        "ignore_lock": ignore_lock,
+        "may_be_open": watch,
+        "overrides": overrides,
+        "json": json,
+    }
+    workers = _workers(jobs, scheduler)
+    began = time.monotonic()
+    try:
+        with _opened(out, workers, stop, **settings) as work:
+            if inputs:
+                work.send = _way(work, inputs[0], send)
+            ended = _processed(work, inputs, stop)
+            records = _rows(work, inputs)
+            written = _summarised(book, records, overrides)
+            if watch and not ended:
+                _say(work, records, ended, began, written)
+                _watched(work, find_later, inputs, book, stop)
+                raise typer.Exit(_DONE)
+    except (FolderRefused, Stopped) as wrong:
+        raise _told(str(wrong)) from wrong
+    _say(work, records, ended, began, written)
+    raise typer.Exit(_status(records, ended, stop, strict, bool(written)))
+
+
+def _workers(jobs: int | None, scheduler: str | None) -> Workers:
+    """Processes of this machine, or a cluster."""
+    from addin.batch.scheduler import cores
+    from addin.workers.pool import Pool
+
+    if scheduler is None:
+        return Pool(jobs or cores())
+    if jobs is not None:
+        raise typer.BadParameter("--jobs is of this machine; a cluster has the workers it has.")
+    from addin.workers.cluster import Cluster, ClusterRefused
+
+    try:
+        return Cluster(scheduler)
+    except ClusterRefused as wrong:
+        raise _told(str(wrong)) from wrong
+
+
+def _way(work: Batch, first: Input, send: str) -> str:
+    """How files reach the workers: as files or as bytes."""
+    from addin.workers.pool import Pool
+
+    if isinstance(work.workers, Pool):
+        return "files"
+    from addin.workers.cluster import Cluster
+
+    assert isinstance(work.workers, Cluster)
+    shared = send == "files" or (
+        send == "auto" and work.workers.shares(work.folder.staging, first.path)
+    )
+    work.workers.sends_bytes = not shared
+    if send == "auto":
+        typer.echo(
+            f"Files reach the cluster {'by a shared folder' if shared else 'as bytes'}.", err=True
+        )
+    return "files" if shared else "bytes"
+
+
+def _varied(
+    base: Path,
+    table: Path,
+    out: Path,
+    workers: Workers,
+    resume: bool,
+    stop: Stop,
+    overrides: Mapping[str, Any],
+    as_csv: bool,
+) -> int:
+    """A programme of cases; its exit status."""
+    from addin.batch.folder import FolderRefused, OutFolder
+    from addin.batch.own_files import in_the_way
+    from addin.batch.records import DONE
+    from addin.batch.scheduler import Abandoned, Stopped
+    from addin.batch.vary import TableRefused, run_programme
+
+    try:
+        import pyarrow  # noqa: F401  (said in time)
+    except ImportError:
+        raise _told("Results of --vary are Parquet: pip install 'torsionbook[parquet]'") from None
+    if table.resolve() == (out / "results.parquet").resolve():
+        raise typer.BadParameter(
+            f"Results would be written to {table}, which is the table itself. Name another folder with "
+            "--out."
+        )
+    if (place := next(in_the_way(out, as_csv), None)) is not None:
+        raise typer.BadParameter(
+            f"{place} is there already, and torsionbook did not write it: results of --vary would replace "
+            "it. Rename it, or name another folder with --out."
+        )
+    began = time.monotonic()
+    try:
+        with (
+            _progress() as listener,
+            OutFolder(out) as folder,
+            stop.listening(lambda sentence: typer.echo(sentence, err=True)),
+        ):
+            done = run_programme(
+                base,
+                table,
+                folder,
+                workers,
+                resume=resume,
+                stop=stop,
+                listener=listener,
+                overrides=overrides,
+                as_csv=as_csv,
+            )
+    except TableRefused as wrong:
+        for sentence in wrong.sentences:
+            typer.echo(f"{table}: {sentence}", err=True)
+        return _WRONG_INPUT
+    except (FolderRefused, Stopped) as wrong:
+        raise _told(str(wrong)) from wrong
+    except Abandoned:
+        typer.echo(f"Interrupted. {_AGAIN}", err=True)
+        return INTERRUPTED
+    finally:
+        workers.close()
+    reached = sum(done.outcomes.values())
+    for reason in done.reasons:
+        typer.echo(reason, err=True)
+    counts = ", ".join(f"{count:,} {outcome}" for outcome, count in done.outcomes.items())
+    kept = f" ({done.kept:,} of them by an earlier run)" if done.kept else ""
+    left = f", {done.rows - reached:,} not begun" if reached < done.rows else ""
+    typer.echo(
+        f"{done.rows:,} row{'' if done.rows == 1 else 's'} in {_duration(time.monotonic() - began)}: {counts}{left}{kept}."
+    )
+    for file in filter(None, (done.result, done.csv)):
+        typer.echo(f"written: {file}")
+    if stop.asked and reached < done.rows:
+        typer.echo(f"Interrupted. {_AGAIN}", err=True)
+        return INTERRUPTED
+    return _DONE if done.outcomes.get(DONE, 0) == done.rows else _WRONG_INPUT
+
+
+def _named(inputs: Sequence[Input]) -> str:
+    """How many files were named, and the first of them."""
+    if len(inputs) == 1:
+        return "--watch is asked for"
+    some = ", ".join(one.name for one in inputs[:3])
+    return f"{len(inputs)} files are named ({some}{', ...' if len(inputs) > 3 else ''})"
+
+
+def _check_json_folder(json: Path, vary: Path | None) -> None:
+    """What would keep JSON from being written, said before anything is calculated."""
+    import os
+
+    if vary is not None:
+        raise typer.BadParameter("--json is of a batch of files; results of --vary are Parquet.")
+    if json.suffix.lower() == ".json" and not json.is_dir():
+        raise typer.BadParameter(f"--json is '{json}'; in a batch it names a folder.")
+    try:
+        json.mkdir(parents=True, exist_ok=True)
+    except OSError as wrong:
+        why = wrong.strerror or wrong
+        raise _told(
+            f"The folder {json} cannot be made ({why}). Name another with --json."
+        ) from wrong
+    if not os.access(json, os.W_OK):
+        raise _told(f"{json} may not be written. Name another folder with --json.")
+
+
+def _summary_file(summary: Path | None, out: Path, *, written: bool) -> Path:
+    """Where the summary belongs; what is there already and is none is not replaced."""
+    from addin.batch.inputs import SUMMARY
+
+    book = summary or out / SUMMARY
+    if book.suffix.lower() != ".xlsx":
+        raise typer.BadParameter(f"--summary is '{book}'; it must end in .xlsx.")
+    from addin.batch.summary_file import is_summary, is_summary_csv
+
+    for place, is_ours in ((book, is_summary), (book.with_suffix(".csv"), is_summary_csv)):
+        if written and place.exists() and not is_ours(place):
+            raise typer.BadParameter(
+                f"{place} is there already, and it is no summary of a batch. Choose another name for "
+                "--summary."
+            )
+    return book
+
+
+@contextmanager
+def _opened(out: Path, workers: Any, stop: Stop, **settings: Any) -> Iterator[Batch]:
+    """A batch that listens to Ctrl-C and shows how far it is."""
+    from addin.batch.folder import OutFolder
+    from addin.batch.scheduler import Batch
+
+    with (
+        _progress() as listener,
+        OutFolder(out, settings.get("json")) as folder,
+        Batch(folder, workers, stop=stop, listener=listener, **settings) as work,
+        stop.listening(lambda sentence: typer.echo(sentence, err=True)),
+    ):
+        for sentence in work.refused:
+            typer.echo(sentence, err=True)
+        yield work
+
+
+def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
+    """Do it; why it ended early, or nothing."""
+    from addin.batch.scheduler import Abandoned, Stopped
+
+    try:
+        work.process(inputs)
+    except Abandoned:
+        return f"Interrupted; files that were being calculated were given up. {_AGAIN}"
+    except Stopped as wrong:
+        stop.reason = stop.reason or str(wrong)
+    if stop.reason:
+        return stop.reason
+    # Where every file has its outcome, nothing was interrupted.
+    left = any(one.name not in work.records for one in inputs)
+    return f"Interrupted. {_AGAIN}" if stop.asked and left else ""
+
+
+def _watched(
+    work: Batch,
+    find: Callable[[], list[Input]],
+    inputs: Sequence[Input],
+    book: Path,
+    stop: Stop,
+) -> None:
+    """Calculate what is saved until Ctrl-C."""
+    from addin.batch.scheduler import Abandoned, Listener
+    from addin.batch.watch import Watch
+
+    everything = {one.name: one for one in inputs}
+    work.listener = Listener()
+
+    def after(ready: Sequence[Input]) -> None:
+        everything.update((one.name, one) for one in ready)
+        for record in _rows(work, ready):
+            verdict = f"verdict {record.verdict}"
+            typer.echo(
+                f"{record.name}: {record.outcome}: {verdict if record.done else record.sentence}"
+            )
+        _summarised(book, _rows(work, list(everything.values())), work.overrides)
+
+    typer.echo("Watching; Ctrl-C ends it.")
+    try:
+        Watch(work, find, after).run(inputs)
+    except Abandoned:
+        raise typer.Exit(INTERRUPTED) from None
+    typer.echo("Watching has ended.")
+
+
+def _rows(work: Batch, inputs: Sequence[Input]) -> list[Record]:
+    """A record for each file, also for those that were not reached."""
+    from addin.batch.records import Record
+    from addin.batch.summary import NOT_BEGUN
+
+    sentence = "The batch ended before this file was calculated. Run again with --resume."
+    return [
+        work.records.get(one.name) or Record(one.name, str(one.path), NOT_BEGUN, sentence)
+        for one in inputs
+    ]
+
+
+def _summarised(
+    book: Path, records: Sequence[Record], overrides: Mapping[str, Any]
+) -> tuple[Path, ...]:
+    """Write the summary; nothing if that is impossible, which is said."""
+    import datetime as dt
+
+    from addin.batch.records import counted
+    from addin.batch.summary import write_summary
+    from addin.contract.version import product_version
+    from addin.writing.recalculate import of_file
+
+    counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
+    heading = (
+        f"{len(records)} file{'' if len(records) == 1 else 's'}: {counts}. torsionbook {product_version()}, "
+        f"{dt.datetime.now(dt.UTC):%Y-%m-%d %H:%M} UTC."
+    )
+    if overrides:
+        said = ", ".join(f"{name} = {value}" for name, value in overrides.items())
+        heading += f" Settings of the command line: {said}."
+    try:
+        return write_summary(book, records, heading)
+    except OSError as wrong:
+        sentence = of_file(book, wrong).message
+        typer.echo(f"The summary was not written: {sentence} Run again with --resume.", err=True)
+        return ()
+
+
+def _say(
+    work: Batch, records: Sequence[Record], ended: str, began: float, written: Sequence[Path]
+) -> None:
+    """The end of a batch, in words."""
+    from addin.batch.records import counted
+
+    failed = [one for one in records if not one.done and one.version]
+    for one in failed[:_LISTED]:
+        typer.echo(f"{one.name}: {one.outcome}: {one.sentence}", err=True)
+    if len(failed) > _LISTED:
+        typer.echo(f"... and {len(failed) - _LISTED} more; the summary lists all.", err=True)
+    seconds = time.monotonic() - began
+    counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
+    kept = f" ({work.kept} of them by an earlier batch)" if work.kept else ""
+    same = sum(bool(one.same_as) for one in records)
+    shared = f" {same} had a case that another file states too, calculated once." if same else ""
+    files = "1 file" if len(records) == 1 else f"{len(records)} files"
+    typer.echo(f"{files} in {_duration(seconds)}: {counts}{kept}.{shared}")
+    verdicts = Counter(one.verdict for one in records if one.done)
+    if verdicts:
+        told = "; ".join(f"{count} {verdict}" for verdict, count in sorted(verdicts.items()))
+        typer.echo(f"Verdicts: {told}.")
+    if ended:
+        typer.echo(ended, err=True)
+    for path in written:
+        typer.echo(f"written: {path}")
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    return f"{seconds // 3600:.0f} h {seconds % 3600 // 60:02.0f} min" if seconds >= 3600 else f"{seconds // 60:.0f} min {seconds % 60:02.0f} s"  # fmt: skip
+
+
+def _status(
+    records: Sequence[Record], ended: str, stop: Stop, strict: bool, summarised: bool
+) -> int:
+    if stop.asked and ended:
+        return INTERRUPTED
+    if stop.reason or not summarised or any(not one.done for one in records):
+        return _WRONG_INPUT
+    if strict and any(one.results.get("verdict") == "fail" for one in records):
+        return _WRONG_INPUT
+    return _DONE
+
+
+@contextmanager
+def _progress() -> Iterator[Listener]:
+    """A bar with rate and time left where somebody watches, else a line now and then."""
+    from addin.batch.scheduler import Listener
+
+    if not sys.stderr.isatty():
+        yield _lines()
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}"),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[bad]}", style="red"),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as shown:
+
+        class Bar(Listener):
+            def note(self, sentence: str) -> None:
+                shown.console.print(sentence)
+
+            def begin(self, stage: str, total: int) -> None:
+                self.bad = 0
+                self.task = shown.add_task(f"{stage:<11}", total=total, rate="", bad="")
+
+            def advance(self, record: Record | None) -> None:
+                self.bad += record is not None and not record.done
+                shown.advance(self.task)
+                speed = next(one.speed for one in shown.tasks if one.id == self.task)
+                rate = f"{speed:.1f}/s" if speed else ""
+                shown.update(self.task, rate=rate, bad=f"{self.bad} not done" if self.bad else "")
+
+        yield Bar()
+
+
+def _lines() -> Listener:
+    """How far a batch is, as lines for a log."""
+    from addin.batch.scheduler import Listener
+
+    class Lines(Listener):
+        def begin(self, stage: str, total: int) -> None:
+            self.stage, self.total, self.count = stage, total, 0
+            self.began = self.said = time.monotonic()
+            self.wait = _FIRST
+
+        def note(self, sentence: str) -> None:
+            typer.echo(sentence, err=True)
+
+        def advance(self, record: Record | None) -> None:
+            self.count += 1
+            now = time.monotonic()
+            # The last file is told where others were, so that the count does not stand still.
+            last = self.count == self.total and self.wait > _FIRST
+            if now - self.said < self.wait and not last:
+                return
+            self.said, self.wait = now, min(2.0 * self.wait, _SAYS)
+            rate = self.count / (now - self.began)
+            left = _duration((self.total - self.count) / rate)
+            typer.echo(
+                f"{time.strftime('%H:%M:%S')} {self.stage}: {self.count:,} of {self.total:,}, {rate:.1f}/s, {left} left",
+                err=True,
+            )
+
+    return Lines()
+
+
+def _told(sentence: str) -> typer.Exit:
+    """A sentence for the user; to be raised."""
+    typer.echo(sentence, err=True)
+    return typer.Exit(_WRONG_INPUT)

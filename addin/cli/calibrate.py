@@ -1,0 +1,137 @@
+"""`torsionbook calibrate`: the least change that explains what was measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from addin.cli.study import (
+    FileArgument,
+    IgnoreLockOption,
+    InPlaceOption,
+    JobsOption,
+    JsonOption,
+    OutOption,
+    SchedulerOption,
+    run_study,
+)
+from addin.cli.terminal import Refused, refuse_no_place
+
+if TYPE_CHECKING:
+    from addin.studies.study import Found
+    from engine.case.study_inputs import WordUnit
+
+__all__ = ["calibrate"]
+
+#: The table on the terminal is at least so wide. [characters]
+_WIDTH = 110
+
+
+def calibrate(
+    file: FileArgument,
+    out: OutOption = None,
+    in_place: InPlaceOption = False,
+    json: JsonOption = None,
+    case: Annotated[
+        Path | None,
+        typer.Option(
+            "--case",
+            help="Write the calibrated case as JSON; `torsionbook new calibrated.xlsx --from` it "
+            "makes a workbook.",
+            show_default=False,
+        ),
+    ] = None,
+    jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
+    ignore_lock: IgnoreLockOption = False,
+) -> None:
+    """Calibrate: the least change of uncertain stiffnesses that explains measured frequencies.
+
+    Measurements stand in tables MeasuredFrequencies and MeasuredPeaks of sheet Measured, what is
+    uncertain in table Scatter of sheet Tolerances (blank: every stiffness by 10 %). Writes sheet
+    Calibration, which also says whether margins may be judged as of measured frequencies.
+
+    Example: `torsionbook calibrate train.xlsx --case calibrated.json`
+    """
+    from addin.studies.calibration import CALIBRATION
+
+    if case is not None and case.resolve() == file.resolve():
+        raise typer.BadParameter("--case would write over the input.")
+    refuse_no_place(case)
+
+    def save(found: Found) -> None:
+        if case is not None:
+            _write_case(case, found)
+
+    run_study(
+        CALIBRATION,
+        file,
+        {},
+        out=out,
+        in_place=in_place,
+        json=json,
+        jobs=jobs,
+        scheduler=scheduler,
+        ignore_lock=ignore_lock,
+        show=_show,
+        then=save,
+    )
+
+
+def _write_case(path: Path, found: Found) -> None:
+    from addin.reading.case_json import case_to_json
+    from addin.writing.recalculate import of_file, write_json
+
+    try:
+        write_json(path, case_to_json(found.result.calibrated))
+    except OSError as wrong:
+        raise Refused(of_file(path, wrong).message) from wrong
+    typer.echo(f"written: {path}")
+
+
+def _told(value: float | None, unit: WordUnit) -> str:
+    """A measured or calculated number in the unit that was typed."""
+    return "–" if value is None else unit.told(value, 4)
+
+
+def _show(found: Found) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from engine.case.study_inputs import MEASURED_FREQUENCY, MEASURED_TORQUE, WordUnit
+
+    units = {
+        "frequency": found.units.get(("", MEASURED_FREQUENCY), WordUnit("Hz", 1.0)),
+        "peak torque": found.units.get(("", MEASURED_TORQUE), WordUnit("N m", 1.0)),
+    }
+    table = Table(show_edge=False, pad_edge=False)
+    for header in ("Measured", "Row"):
+        table.add_column(header, no_wrap=True)
+    for header in ("As typed", "Before", "After", "Off by (σ)", "Note"):
+        table.add_column(header, justify="left" if header == "Note" else "right")
+    for m in found.result.measurements:
+        table.add_row(
+            m.of or "–",
+            str(m.row),
+            *(_told(v, units[m.kind]) for v in (m.measured, m.before, m.after)),
+            "–" if m.residual is None else f"{m.residual:+.2f}",
+            m.note,
+        )
+    changes = Table(show_edge=False, pad_edge=False)
+    for header in ("Uncertain", "Of"):
+        changes.add_column(header, no_wrap=True)
+    for header in ("Change", "95 % interval", "Determined"):
+        changes.add_column(header, justify="right")
+    for p in found.result.parameters:
+        changes.add_row(
+            p.quantity,
+            p.name,
+            f"{100.0 * p.change:+.1f} %",
+            f"{100.0 * p.change_low:+.1f} to {100.0 * p.change_high:+.1f} %",
+            p.determined,
+        )
+    console = Console(width=max(Console().width, _WIDTH))
+    console.print(table)
+    console.print(changes)

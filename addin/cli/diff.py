@@ -1,0 +1,80 @@
+"""``torsionbook diff``: what changed between two revisions, and what it did."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from addin.diff.changes import Differences
+
+__all__ = ["diff"]
+
+_WRONG_INPUT = 1
+
+
+def diff(
+    a: Annotated[
+        Path, typer.Argument(help="Workbook, case JSON or result JSON.", show_default=False)
+    ],
+    b: Annotated[Path, typer.Argument(help="The same, newer.", show_default=False)],
+    xlsx: Annotated[Path | None, typer.Option(help="Also write it as a workbook.")] = None,
+    json: Annotated[Path | None, typer.Option(help="Also write it as JSON, in SI.")] = None,
+    recalculate: Annotated[
+        bool,
+        typer.Option("--recalculate", help="Calculate both, whatever results the files hold."),
+    ] = False,
+    everything: Annotated[bool, typer.Option("--all", help="Show every changed result.")] = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 if an input or a result differs.")
+    ] = False,
+) -> None:
+    """Inputs and results of two files side by side: what changed, and what it did.
+
+    Rows are matched by station, element, mode and excitation; the same quantity in another unit is
+    no change. Results are those in the files where they belong to the inputs, else calculated.
+
+    Example: `torsionbook diff proposed.out.xlsx modified.out.xlsx --xlsx diff.xlsx`
+    """
+    from addin.cli.diff_view import show
+    from addin.diff.compare import compare_files
+    from addin.diff.files import CannotBeCompared
+    from addin.diff.workbook import write_book
+    from addin.writing.recalculate import of_file
+
+    if xlsx is not None and xlsx.suffix.lower() != ".xlsx":
+        raise typer.BadParameter(f"--xlsx is '{xlsx}'; it must end in .xlsx.")
+    sources = {a.resolve(), b.resolve()}
+    for target in (xlsx, json):
+        if target is not None and target.resolve() in sources:
+            raise typer.BadParameter(f"{target} is an input itself. Choose another name.")
+    try:
+        found = compare_files(a, b, recalculate=recalculate)
+    except CannotBeCompared as wrong:
+        typer.echo(f"{wrong.source}: cannot be compared:", err=True)
+        for problem in wrong.problems:
+            typer.echo(f"  {problem.message}", err=True)
+        raise typer.Exit(_WRONG_INPUT) from wrong
+    written: list[Path] = []
+    try:
+        for target, write in ((xlsx, write_book), (json, _write_json)):
+            if target is not None:
+                written.append(target)
+                write(found, target)
+    except OSError as wrong:
+        typer.echo(of_file(written[-1], wrong).message, err=True)
+        raise typer.Exit(_WRONG_INPUT) from wrong
+    show(found, everything)
+    for path in written:
+        typer.echo(f"written: {path}")
+    if strict and found.anything:
+        raise typer.Exit(_WRONG_INPUT)
+
+
+def _write_json(found: Differences, target: Path) -> None:
+    from addin.diff.wording import as_json
+    from addin.writing.recalculate import write_json
+
+    write_json(target, as_json(found))

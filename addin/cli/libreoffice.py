@@ -1,0 +1,61 @@
+"""``torsionbook calc``: the worksheet functions in LibreOffice Calc."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["calc"]
+
+_WRONG_INPUT = 1
+
+calc = typer.Typer(
+    name="calc",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+    help=(
+        "Worksheet functions in LibreOffice Calc.\n\n"
+        "`torsionbook calc install` writes torsionbook.oxt, an extension to be added to LibreOffice."
+    ),
+)
+
+
+@calc.callback()
+def _group() -> None:
+    """See the help of `calc`."""
+
+
+@calc.command()
+def install(
+    to: Annotated[Path, typer.Option("--to", help="The .oxt to write.")] = Path("torsionbook.oxt"),
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+) -> None:
+    """Write the extension for LibreOffice and say how to add it.
+
+    The path of this Python goes into it: it is for this computer, and for this installation.
+
+    Example: `torsionbook calc install --to torsionbook.oxt`
+    """
+    if to.suffix.lower() != ".oxt":
+        raise typer.BadParameter(f"'{to}' must end in .oxt.")
+    if to.exists() and not force:
+        raise _told(f"{to} is there already. Name another with --to, or say --force.")
+    from addin.libreoffice.oxt import extension, worker_command
+
+    try:
+        to.write_bytes(extension(worker_command()))
+    except OSError as wrong:
+        raise _told(f"{to}: {wrong.strerror or wrong}. Nothing was written.") from wrong
+    typer.echo(f"written: {to}")
+    typer.echo(
+        "In LibreOffice: Tools, Extensions (Extension Manager), Add, choose this file; restart."
+    )
+    typer.echo(f"Or, with LibreOffice closed: unopkg add --force {to}")
+
+
+def _told(sentence: str) -> typer.Exit:
+    """A sentence for the user; to be raised."""
+    typer.echo(sentence, err=True)
+    return typer.Exit(_WRONG_INPUT)

@@ -1,0 +1,201 @@
+"""What commands tell in the terminal: progress, problems, refusals."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from addin.contract.problems import CellProblem
+
+__all__ = [
+    "Refused",
+    "list_problems",
+    "progress",
+    "refuse_clashes",
+    "refuse_no_folder",
+    "refuse_no_place",
+    "study_targets",
+]
+
+
+class Refused(Exception):
+    """An input or a file that cannot be used; the sentence is all there is to say."""
+
+
+def refuse_clashes(
+    files: Sequence[Path], targets: Sequence[tuple[Path | None, Path | None]], in_place: bool
+) -> None:
+    """Refuse two results with one name, and a result on top of its input, before any work.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        Inputs. [paths]
+    targets : sequence of (Path or None, Path or None)
+        Workbook and JSON of each. [paths]
+    in_place : bool
+        Whether the input itself is written. [flag]
+
+    Raises
+    ------
+    typer.BadParameter
+        With the sentence.
+    """
+    seen: dict[Path, Path] = {}
+    sources = {file.resolve() for file in files}
+    for file, some in zip(files, targets, strict=True):
+        for target in some:
+            if target is None:
+                continue
+            place = target.resolve()
+            if place in sources and not in_place:
+                raise typer.BadParameter(
+                    f"{target} is an input itself. Choose another folder, or say --in-place."
+                )
+            if seen.setdefault(place, file) != file:
+                raise typer.BadParameter(
+                    f"{seen[place]} and {file} would both be written to {target}."
+                )
+
+
+def refuse_no_place(target: Path | None) -> None:
+    """Refuse a result that no file could be, before the work that would be lost.
+
+    Parameters
+    ----------
+    target : Path or None
+        File to be written; None is none. [path]
+
+    Raises
+    ------
+    typer.BadParameter
+        With the sentence.
+    """
+    if target is None:
+        return
+    if target.is_dir():
+        raise typer.BadParameter(f"{target} is a folder; name a file in it.")
+    refuse_no_folder(target.parent)
+
+
+def refuse_no_folder(folder: Path | None) -> None:
+    """Refuse a folder for results that is a file, or lies in one, before any work.
+
+    Parameters
+    ----------
+    folder : Path or None
+        There or still to be made; None is none. [path]
+
+    Raises
+    ------
+    typer.BadParameter
+        With the sentence.
+    """
+    if folder is None:
+        return
+    for place in (folder, *folder.parents):
+        if place.exists() and not place.is_dir():
+            raise typer.BadParameter(f"{place} is a file; a folder is needed there.")
+
+
+def study_targets(
+    file: Path, command: str, out: Path | None, json: Path | None, in_place: bool
+) -> tuple[Path | None, Path | None]:
+    """Where a study of one input is written.
+
+    Parameters
+    ----------
+    file : Path
+        The input. [path]
+    command : str
+        Of the study: the middle of the name of its JSON. [word]
+    out : Path or None
+        Folder for the result. [path]
+    json : Path or None
+        File or folder for the JSON. [path]
+    in_place : bool
+        Whether the input itself is written. [flag]
+
+    Returns
+    -------
+    destination, json : Path or None
+        Files; None = the default beside the input, and no JSON. [paths]
+
+    Raises
+    ------
+    typer.BadParameter
+        If options exclude each other or a result would lie on the input.
+    """
+    if out is not None and in_place:
+        raise typer.BadParameter("--out and --in-place exclude each other.")
+    destination = None if out is None else out / file.name
+    if json is not None and (json.is_dir() or json == out):
+        json = json / f"{file.stem}.{command}.json"
+    refuse_clashes([file], [(destination, json)], in_place)
+    for target in (destination, json):
+        refuse_no_place(target)
+    return destination, json
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[str], None]]:
+    """A line that says what is being done, where somebody watches; a rare long wait is always told.
+
+    Yields
+    ------
+    callable
+        Takes what is being done. [text]
+    """
+    from addin.writing.recalculate import is_compiling
+
+    told: set[str] = set()
+
+    def rare(text: str) -> None:
+        stage = text.rpartition(": ")[2]
+        if is_compiling(stage) and stage not in told:
+            told.add(stage)
+            typer.echo(f"{text} …", err=True)
+
+    if not sys.stderr.isatty():
+        yield rare
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("starting") as status:
+
+        def tell(text: str) -> None:
+            rare(text)
+            status.update(text)
+
+        yield tell
+
+
+def list_problems(
+    file: Path, problems: Sequence[CellProblem], something_written: bool = False
+) -> None:
+    """Everything wrong with an input, for the error stream.
+
+    Parameters
+    ----------
+    file : Path
+        The input. [path]
+    problems : sequence of CellProblem
+        What is wrong.
+    something_written : bool, optional
+        Whether some of its results are written all the same. [flag]
+    """
+    if not problems:
+        return
+    plural = "s" if len(problems) > 1 else ""
+    what = "" if something_written else ", nothing was calculated or written"
+    typer.echo(f"{file}: {len(problems)} error{plural}{what}:", err=True)
+    for problem in problems:
+        typer.echo(f"  {problem.message}", err=True)

@@ -1,0 +1,114 @@
+"""``torsionbook verify``: whether the results in a file follow from the inputs in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["verify"]
+
+_WRONG_INPUT = 1
+_WITHIN = {"bits": 0, "digits": 1, "error": 2}
+
+
+def verify(
+    files: Annotated[
+        list[Path],
+        typer.Argument(help="Calculated workbooks, or result JSON files.", show_default=False),
+    ],
+    case: Annotated[
+        Path | None,
+        typer.Option(help="The inputs of a result JSON: its case JSON or workbook."),
+    ] = None,
+    within: Annotated[
+        str,
+        typer.Option(
+            help="What is accepted: bits (equal to the bit), digits (equal in the digits shown) or "
+            "error (within the error that is reported for the result)."
+        ),
+    ] = "error",
+    json: Annotated[
+        Path | None,
+        typer.Option(help="Also write it as JSON: a file, or a folder for several inputs."),
+    ] = None,
+    everything: Annotated[
+        bool, typer.Option("--all", help="List every finding, however many.")
+    ] = False,
+    trace: Annotated[
+        str | None,
+        typer.Option(
+            help="Do not verify: say what a result is, by which equation, from which inputs. A "
+            "table (SteadyState), a column (SteadyState.Torque) or a cell ('Steady state!H9')."
+        ),
+    ] = None,
+) -> None:
+    """Calculate again from the inputs in a file and compare every result that stands there.
+
+    Exit status 0 if everything follows from the inputs, 1 if something does not, was edited, or
+    was never calculated. Nothing is written into the file.
+
+    Examples: `torsionbook verify train.out.xlsx`;
+    `torsionbook verify train.results.json --case train.json`
+    """
+    if within not in _WITHIN:
+        raise typer.BadParameter(f"--within is '{within}'; it must be {' or '.join(_WITHIN)}.")
+    if trace is not None:
+        _trace(files, trace)
+        return
+    from addin.verify.file import verify_file
+    from addin.verify.findings import Agreement
+    from addin.verify.wording import as_json, lines
+    from addin.writing.recalculate import write_json
+
+    passed = True
+    folder = json is not None and (len(files) > 1 or json.is_dir())
+    if json is not None:
+        _refuse_clashes(files, case, json, folder)
+    for file in files:
+        found = verify_file(file, case=case, within=Agreement(_WITHIN[within]))
+        passed = passed and found.passes
+        for line in lines(found, everything):
+            typer.echo(line)
+        if json is not None:
+            target = json / f"{file.stem}.verify.json" if folder else json
+            try:
+                write_json(target, as_json(found))
+            except OSError as wrong:
+                from addin.writing.recalculate import of_file
+
+                typer.echo(of_file(target, wrong).message, err=True)
+                passed = False
+    if not passed:
+        raise typer.Exit(_WRONG_INPUT)
+
+
+def _refuse_clashes(files: list[Path], case: Path | None, json: Path, folder: bool) -> None:
+    """Two files with one JSON, or a JSON on top of a file verified, are refused before any work."""
+    sources = {file.resolve() for file in (*files, *([case] if case else []))}
+    if not folder and json.resolve() in sources:
+        raise typer.BadParameter(f"{json} is an input itself. Choose another name.")
+    seen: dict[str, Path] = {}
+    for file in files if folder else ():
+        target = json / f"{file.stem}.verify.json"
+        other = seen.setdefault(target.name.casefold(), file)
+        if other.resolve() != file.resolve():
+            raise typer.BadParameter(
+                f"{other} and {file} would both be written to {target}. Verify them one by one, or "
+                "into two folders."
+            )
+        if target.resolve() in sources:
+            raise typer.BadParameter(f"{target} is an input itself. Choose another folder.")
+
+
+def _trace(files: list[Path], wanted: str) -> None:
+    from addin.verify.trace import traced
+
+    for file in files:
+        try:
+            for line in traced(file, wanted):
+                typer.echo(line)
+        except ValueError as wrong:
+            typer.echo(str(wrong), err=True)
+            raise typer.Exit(_WRONG_INPUT) from wrong

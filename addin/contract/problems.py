@@ -1,0 +1,175 @@
+"""Problems with the place where an engineer finds them, and the nearest of known words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from addin.contract.tables import SCALAR_TABLE
+from engine.errors import Problem
+
+__all__ = ["CellProblem", "nearest", "placed", "printable", "shortened"]
+
+
+_NOT_TEXT = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]"
+)
+
+
+@dataclass(frozen=True)
+class CellProblem:
+    """One thing wrong in a workbook or a case JSON, with the place to correct it.
+
+    Parameters
+    ----------
+    sheet : str
+        Sheet; of a JSON case the sheet the table is shipped on. [name]
+    table : str
+        Input table, or ``Case`` for a scalar. [name]
+    row : int or None
+        Row of the table counted from 1, blank rows included. [count]
+    column : str
+        Column header or name of the scalar; empty for a whole table. [name]
+    found : object
+        What was found, as typed. [number or text]
+    allowed : str
+        What would be accepted. [words]
+    message : str
+        The whole sentence, beginning with the place. [sentence]
+    cell : str
+        Cell such as ``F12``, or path such as ``elements[2].stiffness``; empty when there is none.
+    """
+
+    sheet: str
+    table: str
+    row: int | None
+    column: str
+    found: Any
+    allowed: str
+    message: str
+    cell: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """The problem in the form of the contract.
+
+        Returns
+        -------
+        dict
+            Keys sheet, table, row, column, found, allowed, message.
+        """
+        plain = self.found is None or isinstance(self.found, (bool, int, str))
+        return {
+            "sheet": self.sheet,
+            "table": self.table,
+            "row": self.row,
+            "column": self.column,
+            "found": self.found if plain else _shown(self.found),
+            "allowed": self.allowed,
+            "message": self.message,
+        }
+
+
+def _shown(found: object) -> object:
+    """A found value JSON can hold: finite numbers stay numbers."""
+    if isinstance(found, float) and abs(found) < float("inf"):
+        return found
+    return str(found)
+
+
+def placed(problem: Problem, sheet: str, cell: str, kind: str = "cell") -> CellProblem:
+    """A problem with its place put in front of its sentence.
+
+    Parameters
+    ----------
+    problem : Problem
+        With the row the engineer sees. [problem]
+    sheet, cell : str
+        Where it is; the cell may be empty. [name]
+    kind : str
+        What the cell is called: ``cell`` of a workbook, ``key`` of a JSON case. [word]
+
+    Returns
+    -------
+    CellProblem
+        ``Sheet Train, table Elements, row 3, Stiffness (cell F12): found ...``.
+    """
+    where = [f"Sheet {sheet}"]
+    if problem.table != SCALAR_TABLE:
+        where.append(f"table {problem.table}")
+    if problem.row is not None:
+        where.append(f"row {problem.row}")
+    if problem.column:
+        where.append(problem.column)
+    place = ", ".join(where)
+    if cell:
+        place += f" ({kind} {cell})"
+    return CellProblem(
+        sheet,
+        problem.table,
+        problem.row,
+        problem.column,
+        problem.found,
+        problem.allowed,
+        printable(f"{place}: {problem.message}"),
+        cell,
+    )
+
+
+def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
+    """The known word most like a mistyped one, capitals aside.
+
+    Parameters
+    ----------
+    word : str
+        What was typed. [word]
+    known : iterable of str
+        What it may have been meant to be. [words]
+    cutoff : float
+        Least likeness. [1]
+
+    Returns
+    -------
+    str or None
+        None when nothing is alike.
+    """
+    from difflib import get_close_matches
+
+    folded = {one.casefold(): one for one in known}
+    close = get_close_matches(word.casefold(), folded, n=1, cutoff=cutoff)
+    return folded[close[0]] if close else None
+
+
+def shortened(text: str, longest: int = 60) -> str:
+    """A text that fits into a sentence.
+
+    Parameters
+    ----------
+    text : str
+        As typed. [text]
+    longest : int
+        Characters kept. [count]
+
+    Returns
+    -------
+    str
+        The text, or its beginning and three dots.
+    """
+    return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def printable(text: str) -> str:
+    """A text fit for a screen: controls become a blank; what turns the direction of writing, and half characters, U+FFFD.
+
+    Parameters
+    ----------
+    text : str
+        As typed. [text]
+
+    Returns
+    -------
+    str
+        The same for any ordinary text.
+    """
+    return _NOT_TEXT.sub(lambda found: " " if found[0] < "\xa0" else "\ufffd", text)

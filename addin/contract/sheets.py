@@ -1,0 +1,504 @@
+"""What stands where on the shipped workbooks, as data: sheets, title block, key numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from addin.charts.data import HISTORIES
+from addin.contract.chart_rows import CROSSING_ROWS, ROOMS
+
+__all__ = [
+    "BLANK_TEXT",
+    "CASE_HALVES",
+    "CYCLE_FACTS",
+    "CYCLE_FACTS_AT",
+    "ChartAt",
+    "EFFECT_NOTES_AT",
+    "FACT_LINES",
+    "HISTORY_CHARTS",
+    "KEY_NUMBERS",
+    "KIND_WORDS",
+    "OVERALL",
+    "REVERSAL_NOTES_AT",
+    "SHEETS",
+    "STRIP",
+    "Sheet",
+    "TAB_COLOURS",
+    "TITLE_BLOCK",
+]
+
+BLANK_TEXT = '=IF({0}="","",{0})'
+
+
+def _count(words: str) -> str:
+    """How many checks have a verdict; the row of the overall verdict is not a check."""
+    return f'COUNTIFS(Verdicts[Verdict],"{words}",Verdicts[Check],"<>Overall")'
+
+
+_ALL = _count("?*")
+_FAILED = f"{_count('fail*')}+{_count('unbounded*')}"
+_OPEN = _count("not judged*")
+_NOT_JUDGED = f'IF({_OPEN}>0,", "&{_OPEN}&" not judged","")'
+OVERALL = (
+    f'=IF({_ALL}=0,"NOT CALCULATED",'
+    f'IF({_FAILED}>0,"FAIL: "&({_FAILED})&" of "&{_ALL}&" checks",'
+    f"IF({_count('accepted*')}>0,"
+    f'"ACCEPTED (margin by forced response); "&{_count("pass*")}&" passed"&{_NOT_JUDGED},'
+    f'IF({_OPEN}=0,"PASS: all "&{_ALL}&" checks",'
+    f'IF({_count("pass*")}=0,"NOT JUDGED: "&{_ALL}&" checks",'
+    f'"PASS: "&{_count("pass*")}&" of "&{_ALL}&" checks"&{_NOT_JUDGED})))))'
+)
+STRIP = (
+    '="Document "&IF(Document="","-",Document)&"   Rev. "&IF(Revision="","-",Revision)'
+    '&"   "&Tag&IF(AND(Tag<>"",Title<>""),"   ","")&Title'
+)
+
+
+# --- where everything stands ----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ChartAt:
+    """A chart on a sheet.
+
+    Parameters
+    ----------
+    name : str
+        Key of `charts.CHARTS`. [name]
+    cell : str
+        Its upper left cell. [A1]
+    width, height : int
+        Size. [pixel]
+    """
+
+    name: str
+    cell: str
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One sheet as data.
+
+    Parameters
+    ----------
+    name : str
+        Sheet name. [name]
+    kind : str
+        ``input``, ``live``, ``result`` or ``notes``: colour of the tab and of the banner's word. [word]
+    widths : mapping of str to float
+        Column widths by ranges such as ``B:D``. [characters]
+    last : str
+        Last column of the banner. [letters]
+    tables : mapping of str to str
+        Cell of each table's caption; header and data stand below. [A1]
+    charts : tuple of ChartAt
+        Its charts.
+    freeze : str
+        First cell that scrolls; empty = all of it. [A1]
+    header_rows : int
+        Rows repeated on every page; a chart must begin below them. [count]
+    one_page : bool
+        Whether all of it is fitted to one page.
+    hidden : bool
+        Whether it holds nothing but numbers behind charts. [flag]
+    printed : str
+        Last column on paper; empty = all of them. [letters]
+    breaks : tuple of str
+        Columns at which another page begins; the print is then as large as the widest page allows,
+        not fitted to one page. [letters]
+    repeated : str
+        Columns repeated on every page, such as ``A:C``; empty = none. [letters]
+    row_breaks : tuple of int
+        Rows, counted from 1, at which another page begins. [count]
+    largest : int
+        Scale of a print in pieces at the most. [%]
+    side : float
+        Margin left and right of a printed page. [in]
+    """
+
+    name: str
+    kind: str
+    widths: Mapping[str, float]
+    last: str
+    tables: Mapping[str, str]
+    charts: tuple[ChartAt, ...] = ()
+    freeze: str = "A4"
+    header_rows: int = 3
+    one_page: bool = False
+    hidden: bool = False
+    printed: str = ""
+    breaks: tuple[str, ...] = ()
+    repeated: str = ""
+    row_breaks: tuple[int, ...] = ()
+    largest: int = 100
+    side: float = 0.4
+
+
+#: Row of the cell above each history chart; the chart begins one row below.
+_HISTORY_ROWS = (5, 20, 35)
+
+HISTORY_CHARTS = tuple(
+    ChartAt(f"history {k + 1}", f"{'BI'[k % 2]}{_HISTORY_ROWS[k // 2] + 1}", 624, 268)
+    for k in range(HISTORIES)
+)
+
+#: Rows below the room of `TorqueReversals`: the chart with the bearing forces beside it.
+_BELOW_REVERSALS = 8 + ROOMS["TorqueReversals"] + 1
+#: First row of the notes of sheet `Reversals`, below chart and bearing forces.
+REVERSAL_NOTES_AT = f"B{_BELOW_REVERSALS + ROOMS['BearingForces'] + 5}"
+#: First row below the room of `Effects`.
+_BELOW_EFFECTS = 8 + ROOMS["Effects"] + 1
+EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
+
+
+def _said(formula: str) -> str:
+    """Words that stand only in a calculated workbook."""
+    return f'=IF(run_SHA256="","",{formula})'
+
+
+#: Lines that show facts of the run: sheet, first and last cell, formula, style, height in points.
+FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
+    (
+        "Start-up",
+        "B4",
+        "O4",
+        _said(
+            'IF(run_Outcome="","No start was calculated: neither motor torque nor torque against '
+            'time is given on sheet Torque.",run_Outcome&IF(COUNT(StartupCrossings[Mode])=0,'
+            '"   No crossings: no pulsating torque of the motor crosses a mode.",""))'
+        ),
+        "fact",
+        18.0,
+    ),
+    (
+        "Reversals",
+        "B4",
+        "Q4",
+        _said(
+            'IF(run_Outcome="","No start: no motor torque is given.",'
+            'IF(COUNTIF(TorqueReversals[Element],"?*")=0,"This train has no gear mesh and no geared coupling '
+            'with backlash: no teeth to judge.",'
+            'IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its bearings in this '
+            'start (bearing data on sheet Train, plan on sheet Effects).","")))'
+        ),
+        "note",
+        15.0,
+    ),
+    (
+        "Starts",
+        "B4",
+        "I4",
+        _said(
+            'IF(run_Outcome="","No start: no motor torque is given.",'
+            'IF(COUNTIF(AllowableStarts[Element],"?*")=0,"No shaft is judged: it takes Stress diameter and '
+            'Material on sheet Train, Endurance and S-N points on sheet Fatigue.",""))'
+        ),
+        "note",
+        15.0,
+    ),
+    ("Accuracy", "B5", "P5", BLANK_TEXT.format("run_AccuracySentence"), "sentence", 42.0),
+    ("Accuracy", "B6", "P6", BLANK_TEXT.format("run_AccuracyReference"), "prose", 26.0),
+    ("Accuracy", "B7", "P7", BLANK_TEXT.format("run_AccuracyInputs"), "note", 15.0),
+)
+
+SHEETS: tuple[Sheet, ...] = (
+    Sheet(
+        "Summary",
+        "summary",
+        {"A": 1.5, "B": 26, "C": 14, "D": 9, "E:F": 18, "G": 2, "H": 28, "I:J": 12, "K": 23,
+         "L": 46},
+        "L",
+        {"Verdicts": "H11"},
+        (ChartAt("train", "B12", 612, 270), ChartAt("speed-time", "B36", 612, 290)),
+        freeze="",
+        header_rows=2,
+        one_page=True,
+    ),
+    Sheet(
+        "Case",
+        "input",
+        {"A": 1.5, "B": 22, "C": 26, "D": 9, "E": 32, "F": 2, "G": 22, "H": 18, "I": 9, "J": 34},
+        "J",
+        {"EffectChoices": "B32"},
+    ),
+    Sheet(
+        "Train",
+        "input",
+        {"A": 1.5, "B": 21, "C": 22, "D:E": 13, "F": 13, "G:U": 9.5},
+        "U",
+        {"Stations": "B5", "ModeDamping": "I5", "Elements": "B25", "Meshes": "B45"},
+    ),
+    Sheet(
+        "Torque",
+        "input",
+        {"A": 1.5, "B": 14, "C:E": 10, "F": 2, "G": 14, "H": 10, "I": 13, "J": 2, "K": 14,
+         "L:M": 10, "N": 2, "O:V": 9},
+        "V",
+        {"MotorTorque": "B5", "LoadTorque": "G5", "TorqueTime": "K5"},
+        (
+            ChartAt("torque", "O5", 544, 334),
+            ChartAt("motor-typed", "O21", 544, 274),
+            ChartAt("load-typed", "O36", 544, 274),
+        ),
+        freeze="A8",
+    ),
+    Sheet(
+        "Fatigue",
+        "input",
+        {"A": 1.5, "B": 18, "C:E": 11, "F": 10, "G": 15, "H": 2, "I": 18, "J:K": 11, "L": 2,
+         "M:T": 9},
+        "T",
+        {"Materials": "B5", "SNPoints": "I5"},
+        (ChartAt("sn", "M5", 544, 400),),
+        freeze="A8",
+    ),
+    Sheet(
+        "Excitation",
+        "input",
+        {"A": 1.5, "B": 30, "C": 10, "D": 22, "E": 13, "F": 22, "G": 14, "H:J": 18},
+        "J",
+        {"Excitations": "B5"},
+        freeze="A8",
+    ),
+    Sheet(
+        "Frequencies",
+        "result",
+        {"A": 1.5, "B": 7, "C:D": 11, "E:F": 10, "G": 24, "H": 9, "I": 11, "J": 2, "K": 18,
+         "L:U": 8.5, "V": 2, "W": 18, "X": 24, "Y:AH": 8.5},
+        "AH",
+        {"NaturalFrequencies": "B5", "ModeShapes": "K24", "EnergyShares": "W5"},
+        (ChartAt("shapes", "K5", 768, 362),),
+        breaks=("K", "W"),
+        largest=80,
+    ),
+    Sheet(
+        "Margins",
+        "result",
+        {"A": 1.5, "B": 7, "C": 26, "D": 10, "E": 12, "F:G": 10, "H": 24, "I": 10, "J": 2,
+         "K:R": 9.5},
+        "R",
+        {"SeparationMargins": "B5"},
+        (ChartAt("interference", "K8", 570, 520),),
+        freeze="A8",
+        header_rows=7,
+    ),
+    Sheet(
+        "Steady state",
+        "result",
+        {"A": 1.5, "B": 22, "C": 26, "D": 7, "E": 11, "F": 16, "G:K": 12, "L": 24, "M": 12},
+        "M",
+        {"SteadyState": "B5"},
+        freeze="A8",
+        header_rows=7,
+    ),
+    Sheet(
+        "Start-up",
+        "result",
+        {"A": 1.5, "B": 20, "C:J": 10.4, "K": 20, "L:N": 10.4, "O": 52},
+        "O",
+        {"StartupCrossings": "B5", "StartupPeaks": f"B{9 + CROSSING_ROWS}"},
+        (
+            ChartAt("speed-time", f"K{9 + CROSSING_ROWS}", 736, 304),
+            ChartAt("blow", f"K{25 + CROSSING_ROWS}", 736, 284),
+            ChartAt("pull-in", f"K{40 + CROSSING_ROWS}", 736, 284),
+        ),
+        one_page=True,
+    ),
+    Sheet(
+        "Histories",
+        "result",
+        {"A": 1.5, "B": 14, "C:D": 14, "E:G": 14, "H": 2, "I:N": 14},
+        "N",
+        {},
+        HISTORY_CHARTS,
+        one_page=True,
+    ),
+    Sheet(
+        "Reversals",
+        "result",
+        {"A": 1.5, "B": 22, "C": 10.4, "D:N": 9.2, "O": 11, "P": 10, "Q": 9.5, "R": 48, "S": 9},
+        "S",
+        {"TorqueReversals": "B5", "BearingForces": f"K{_BELOW_REVERSALS}"},
+        (
+            ChartAt("reversal", f"B{_BELOW_REVERSALS}", 660, 330),
+            ChartAt("forces", f"O{_BELOW_REVERSALS + 1}", 620, 310),
+        ),
+    ),
+    Sheet(
+        "Starts",
+        "result",
+        {"A": 1.5, "B": 24, "C:F": 13, "G": 11, "H:I": 12, "J": 2, "K:R": 9.5},
+        "R",
+        {"AllowableStarts": "B5", "StartCycles": "K44"},
+        (ChartAt("sn", "K8", 570, 420),),
+        freeze="A8",
+        header_rows=7,
+    ),
+    Sheet(
+        "Effects",
+        "result",
+        {"A": 1.5, "B": 19, "C": 9, "D": 7, "E:H": 11, "I": 96},
+        "I",
+        {"Effects": "B5", "Plans": f"H{_BELOW_EFFECTS}"},
+    ),
+    Sheet(
+        "Accuracy",
+        "result",
+        {"A": 1.5, "B": 23, "C": 40, "D:F": 11, "G": 2, "H:P": 9.5},
+        "P",
+        {"AccuracyCost": "B9"},
+        (ChartAt("accuracy", "H9", 640, 420),),
+    ),
+    Sheet("Audit", "result", {"A": 1.5, "B": 38, "C": 110}, "C", {"Audit": "B5"}, freeze="A7"),
+    Sheet("Notes", "notes", {"A": 1.5, "B": 28, "C": 122}, "C", {}, freeze="A3"),
+    Sheet(
+        "Trace",
+        "notes",
+        {"A": 1.5, "B": 13, "C": 24, "D": 22, "E": 38, "F": 56, "G": 42, "H": 36, "I": 40},
+        "I",
+        {},
+        freeze="A6",
+        header_rows=5,
+    ),
+)  # fmt: skip
+
+TAB_COLOURS = {
+    "summary": "#1F3A5F", "input": "#C9971C", "live": "#2A7F77", "result": "#44719B",
+    "notes": "#8C8C8C",
+}  # fmt: skip
+KIND_WORDS = {
+    "summary": "",
+    "input": "Inputs",
+    "live": "Live: worksheet functions answer as you type",
+    "result": "Results: written by torsionbook; only units may be changed",
+    "notes": "",
+}
+
+#: Left and right half of sheet `Case`: first column and the groups of scalars below each other.
+CASE_HALVES: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("B", ("Document", "Motor and line", "Continuous operation")),
+    ("G", ("Start-up", "Accuracy and method", "Effects")),
+)
+
+#: Title block of the Summary: label cell, first and last value cell, what it shows.
+TITLE_BLOCK: tuple[tuple[str, str, str, str, str], ...] = (
+    ("B4", "C4", "F4", "Title", "Title"),
+    ("B5", "C5", "F5", "Equipment tag", "Tag"),
+    ("B6", "C6", "F6", "Client", "Client"),
+    ("B7", "C7", "F7", "Inputs SHA-256", "run_SHA256"),
+    ("H4", "I4", "J4", "Document no.", "Document"),
+    ("K4", "L4", "L4", "Revision", "Revision"),
+    ("H5", "I5", "J5", "Prepared by", "PreparedBy"),
+    ("K5", "L5", "L5", "Checked by", "CheckedBy"),
+    ("H6", "I6", "J6", "Software", "run_Software"),
+    ("K6", "L6", "L6", "Calculated (UTC)", "run_Date"),
+    ("H7", "I7", "L7", "Results", "run_Stamp"),
+)
+
+
+def _of_shaft(column: str) -> str:
+    """An input of the shaft that table `StartCycles` belongs to."""
+    return (
+        '=IF(run_GoverningShaft="","",IFERROR('
+        f'INDEX(Elements[{column}],MATCH(run_GoverningShaft,Elements[Element],0)),""))'
+    )
+
+
+#: Cell of the caption above the facts of the governing shaft on sheet `Starts`.
+CYCLE_FACTS_AT = "K31"
+
+#: What leads from the cycles of one start to 1/q: label, formula, unit (a column), number format.
+CYCLE_FACTS: tuple[tuple[str, str, str, str], ...] = (
+    ("Governing shaft", BLANK_TEXT.format("run_GoverningShaft"), "", "@"),
+    ("Stress diameter", _of_shaft("Stress diameter"), "Elements[Stress diameter]", "0.000"),
+    ("Stress bore", _of_shaft("Stress bore"), "Elements[Stress bore]", "0.000"),
+    ("SCF", _of_shaft("SCF"), "", "General"),
+    ("Material", _of_shaft("Material"), "", "General"),
+    ("Endurance limit in torsion", BLANK_TEXT.format("run_Endurance"), "StartCycles[Amplitude]",
+     "[>=1000]#,##0;0.000"),
+    ("S-N exponent k at the limit", BLANK_TEXT.format("run_SNExponent"), "", "0.000"),
+    ("Sum of n / N = damage q", '=IF(run_GoverningShaft="","",SUM(StartCycles[Damage check]))', "",
+     "0.000000E+00"),
+    (
+        "1 / sum = allowable starts",
+        '=IF(run_GoverningShaft="","",'
+        'IF(COUNTIF(AllowableStarts[Allowable starts],"not judged")>0,"not judged",'
+        'IF(SUM(StartCycles[Damage check])>0,1/SUM(StartCycles[Damage check]),"unlimited")))',
+        "",
+        "#,##0.0",
+    ),
+    (
+        "Allowable starts of the table",
+        '=IF(run_GoverningShaft="","",IFERROR(INDEX(AllowableStarts[Allowable starts],'
+        'MATCH(run_GoverningShaft,AllowableStarts[Element],0)),""))',
+        "",
+        "#,##0.0",
+    ),
+)  # fmt: skip
+
+
+def _element_at(column: str, extreme: str) -> str:
+    """Element of the row where a result column has its extreme."""
+    table = column.split("[")[0]
+    return f'=IFERROR(INDEX({table}[Element],MATCH({extreme}({column}),{column},0)),"")'
+
+
+def _extreme(column: str, extreme: str) -> str:
+    return f'=IF(COUNT({column})=0,"",{extreme}({column}))'
+
+
+#: Key numbers of the Summary: label, value, unit (a text, or a column whose unit is shown), where.
+KEY_NUMBERS: tuple[tuple[str, str, str, str, str], ...] = (
+    ("Synchronous speed", BLANK_TEXT.format("run_SynchronousSpeed"), "rpm", "", "#,##0.0"),
+    (
+        "First torsional mode",
+        '=IFERROR(INDEX(NaturalFrequencies[Frequency],MATCH(1,NaturalFrequencies[Mode],0)),"")',
+        "NaturalFrequencies[Frequency]",
+        "",
+        "0.000",
+    ),
+    (
+        "Modes below 2 × line frequency",
+        '=IF(COUNT(NaturalFrequencies[Percent speed])=0,"",COUNT(NaturalFrequencies[Percent speed]))',
+        "",
+        "",
+        "0",
+    ),
+    (
+        "Least separation margin",
+        _extreme("SeparationMargins[Margin]", "MIN"),
+        "SeparationMargins[Margin]",
+        '=IFERROR("mode "&INDEX(SeparationMargins[Mode],MATCH(MIN(SeparationMargins[Margin]),'
+        'SeparationMargins[Margin],0))&", "&INDEX(SeparationMargins[Excitation],'
+        'MATCH(MIN(SeparationMargins[Margin]),SeparationMargins[Margin],0)),"")',
+        "0.00",
+    ),
+    ("Duration of the start", BLANK_TEXT.format("run_StartTime"), "s",
+     BLANK_TEXT.format("run_OutcomeWord"), "0.000"),
+    (
+        "Least mesh torque / transmitted",
+        _extreme("TorqueReversals[Margin]", "MIN"),
+        "TorqueReversals[Margin]",
+        _element_at("TorqueReversals[Margin]", "MIN"),
+        "0.0",
+    ),
+    (
+        "Largest nominal stress, p-p",
+        _extreme("StartupPeaks[Peak-to-peak stress]", "MAX"),
+        "StartupPeaks[Peak-to-peak stress]",
+        _element_at("StartupPeaks[Peak-to-peak stress]", "MAX"),
+        "[>=1000]#,##0;0.000",
+    ),
+    (
+        "Least allowable starts, whole",
+        '=IF(COUNT(AllowableStarts[Starts to judge])>0,MIN(AllowableStarts[Starts to judge]),'
+        'IF(COUNTIF(AllowableStarts[Allowable starts],"unlimited")>0,"unlimited",'
+        'IF(COUNTIF(AllowableStarts[Allowable starts],"?*")>0,"not judged","")))',
+        "",
+        _element_at("AllowableStarts[Starts to judge]", "MIN"),
+        "#,##0",
+    ),
+)  # fmt: skip

@@ -1,0 +1,352 @@
+"""One of the two files: its inputs and its results, as they stand or calculated again."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from addin.calculation.calculation import Calculation
+from addin.charts.data import ShownUnits
+from addin.contract.problems import CellProblem
+from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES, TableSpec
+from addin.contract.units import UnitError, parse_unit
+from addin.reading.typed_case import CaseInput, TypedCase
+from addin.reading.workbook import WorkbookInput
+from addin.recorded.provenance import of_results_json, of_workbook
+from addin.recorded.results import standing_rows
+from addin.recorded.studies import StudyThere, studies_there
+from addin.verify.json_file import header_rows, read_results_json
+from addin.writing.recalculate import Unreadable, of_file, read_checked
+from addin.writing.recalculate_case import calculated_again
+from addin.writing.workbook import read_shown_units
+from engine.case.data import CaseData, case_digest
+from engine.case.study_inputs import StudyInputs
+
+__all__ = ["CannotBeCompared", "COMPARED", "Judged", "Side", "read_side", "side_of"]
+
+#: Result tables that are compared; wall times and the study of accuracy are no results of the train.
+COMPARED: tuple[TableSpec, ...] = (
+    *(spec for spec in RESULT_TABLES if spec.name != "AccuracyCost"),
+    *(spec for spec in WORKBOOK_TABLES if spec.name == "BearingForces"),
+)
+
+Rows = Sequence[Mapping[str, Any]]
+
+
+class CannotBeCompared(Exception):
+    """A file that cannot be one of two sides.
+
+    Parameters
+    ----------
+    source : Path
+        The file. [path]
+    problems : tuple of CellProblem
+        Why. [problems]
+    """
+
+    def __init__(self, source: Path, problems: tuple[CellProblem, ...]) -> None:
+        super().__init__(problems[0].message)
+        self.source = source
+        self.problems = problems
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A number of table `Verdicts`, which a workbook shows in words with few digits.
+
+    Parameters
+    ----------
+    number : float
+        It. [SI]
+    half_step : float
+        Half the last digit shown; 0 where all digits are there. [SI]
+    words : str
+        As shown. [words]
+    """
+
+    number: float
+    half_step: float
+    words: str
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the two files.
+
+    Parameters
+    ----------
+    source : Path
+        The file. [path]
+    data : CaseData or None
+        Its inputs; None of a result JSON. [SI]
+    typed : TypedCase or None
+        The same as typed. [as typed]
+    units : ShownUnits or None
+        Units above the columns of a workbook.
+    tables : mapping of str to rows
+        Results by table and header. [SI]
+    results_from : str
+        Where they come from, in words. [sentence]
+    software : str
+        What calculated them. [text]
+    digest : str
+        Digest of the inputs. [hex]
+    settings : dict
+        Settings of the command line they were calculated with. [SI]
+    study_inputs : StudyInputs or None
+        Rows of its study sheets; None of a result JSON. [SI]
+    studies : tuple of StudyThere
+        Studies that stand in a workbook. [SI]
+    """
+
+    source: Path
+    data: CaseData | None
+    typed: TypedCase | None
+    units: ShownUnits | None
+    tables: Mapping[str, Rows]
+    results_from: str
+    software: str
+    digest: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    study_inputs: StudyInputs | None = None
+    studies: tuple[StudyThere, ...] = ()
+
+    @property
+    def revision(self) -> str:
+        """Tag, document and revision as the title block states them. [words]"""
+        if self.data is None:
+            return ""
+        parts = (
+            self.data.tag,
+            self.data.document,
+            self.data.revision and f"Rev. {self.data.revision}",
+        )
+        return ", ".join(part for part in parts if part)
+
+
+def read_side(
+    source: Path,
+    *,
+    recalculate: bool = False,
+    on_stage: Callable[[str], None] | None = None,
+) -> Side:
+    """Read one of the two files.
+
+    Parameters
+    ----------
+    source : Path
+        Workbook, case JSON or result JSON. [path]
+    recalculate : bool
+        Calculate again although the file holds results of its inputs. [flag]
+    on_stage : callable, optional
+        Called with the name of each analysis as it begins.
+
+    Returns
+    -------
+    Side
+        Inputs and results.
+
+    Raises
+    ------
+    CannotBeCompared
+        When it cannot be read, or its inputs cannot be calculated.
+    """
+    if source.suffix.lower() == ".json":
+        try:
+            return _of_results(source, read_results_json(source))
+        except OSError as wrong:
+            raise CannotBeCompared(source, (of_file(source, wrong),)) from wrong
+        except ValueError:
+            pass  # a case, or no JSON at all: the reader of cases says which
+    read = read_checked(source)
+    if isinstance(read, Unreadable) or read.problems:
+        raise CannotBeCompared(source, read.problems)
+    if isinstance(read, WorkbookInput):
+        return with_studies(_of_workbook(source, read, recalculate, on_stage), read)
+    side = _calculated(source, read, None, {}, "calculated now, a case holds none", on_stage)
+    return with_studies(side, read)
+
+
+def with_studies(side: Side, read: CaseInput) -> Side:
+    """A side with its study sheets.
+
+    Parameters
+    ----------
+    side : Side
+        Inputs and results.
+    read : CaseInput
+        The input they are of. [SI]
+
+    Returns
+    -------
+    Side
+        With the rows of its study tables, and of a workbook the studies that stand in it.
+    """
+    asked = StudyInputs() if read.studies is None else read.studies.inputs
+    if isinstance(read, WorkbookInput) and side.units is not None:
+        return replace(side, study_inputs=asked, studies=studies_there(read, side.units))
+    return replace(side, study_inputs=asked)
+
+
+def _of_results(source: Path, content: Mapping[str, Any]) -> Side:
+    tables = {
+        spec.name: header_rows(spec, [r for r in content.get(spec.key, ()) if isinstance(r, dict)])
+        for spec in COMPARED
+        if isinstance(content.get(spec.key), list)
+    }
+    startup = content.get("startup")
+    if isinstance(startup, dict) and isinstance(startup.get("bearing_forces"), list):
+        tables["BearingForces"] = header_rows(_spec("BearingForces"), startup["bearing_forces"])
+    return Side(
+        source,
+        None,
+        None,
+        None,
+        _plain_tables(tables),
+        "as they stand in the file, which holds no inputs",
+        f"torsionbook {content.get('version', '')}".strip(),
+        str(content.get("case_sha256") or ""),
+        of_results_json(content).settings,
+    )
+
+
+def _of_workbook(
+    source: Path,
+    read: WorkbookInput,
+    recalculate: bool,
+    on_stage: Callable[[str], None] | None,
+) -> Side:
+    units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
+    tables = {spec.name: standing_rows(read.workbook, spec, units) for spec in COMPARED}
+    tables["Verdicts"] = [_with_judged(row) for row in tables["Verdicts"]]
+    recorded = of_workbook(read.workbook)
+    digest = case_digest(read.data)
+    if recorded.digest == digest and not recalculate:
+        return Side(
+            source, read.data, read.typed, units, tables,
+            "as they stand in the file, whose recorded digest is that of its inputs",
+            recorded.software, digest, recorded.settings,
+        )  # fmt: skip
+    if not recorded.digest:
+        why = "calculated now, the workbook holds none"
+    elif recorded.digest == digest:
+        why = "calculated now, as asked"
+    else:
+        why = "calculated now, those in the workbook belong to other inputs"
+    return _calculated(source, read, units, recorded.settings, why, on_stage)
+
+
+def _calculated(
+    source: Path,
+    read: CaseInput,
+    units: ShownUnits | None,
+    settings: Mapping[str, Any],
+    why: str,
+    on_stage: Callable[[str], None] | None,
+) -> Side:
+    run, problems = calculated_again(read, settings, on_stage)
+    if run is None:
+        raise CannotBeCompared(source, problems)
+    return side_of(source, read, run, units, why, settings)
+
+
+def side_of(
+    source: Path,
+    read: CaseInput,
+    run: Calculation,
+    units: ShownUnits | None,
+    results_from: str,
+    settings: Mapping[str, Any] | None = None,
+) -> Side:
+    """A side whose results have been calculated.
+
+    Parameters
+    ----------
+    source : Path
+        The file. [path]
+    read : CaseInput
+        Its inputs. [SI]
+    run : Calculation
+        Their results. [SI]
+    units : ShownUnits or None
+        Units in which it is shown; None for a case JSON.
+    results_from : str
+        Where the results come from, in words. [sentence]
+    settings : mapping, optional
+        Settings of the command line. [SI]
+
+    Returns
+    -------
+    Side
+        Inputs and results.
+    """
+    tables = {
+        spec.name: header_rows(spec, run.tables[spec.name])
+        for spec in COMPARED
+        if spec.name in run.tables
+    }
+    forces = (run.startup or {}).get("bearing_forces") or ()
+    tables["BearingForces"] = header_rows(_spec("BearingForces"), list(forces))
+    return Side(
+        source, read.data, read.typed, units, _plain_tables(tables), results_from,
+        run.stamp.software, run.case_sha256, dict(settings or {}),
+    )  # fmt: skip
+
+
+def _spec(name: str) -> TableSpec:
+    return next(spec for spec in COMPARED if spec.name == name)
+
+
+def _plain_tables(tables: Mapping[str, list[dict[str, Any]]]) -> dict[str, Rows]:
+    """Rows with Python's own numbers, and verdicts' numbers as `Judged`."""
+    return {name: [_plain_row(name, row) for row in rows] for name, rows in tables.items()}
+
+
+def _plain_row(table: str, row: Mapping[str, Any]) -> dict[str, Any]:
+    plain = {k: v.item() if hasattr(v, "item") else v for k, v in row.items()}
+    if table == "Verdicts":
+        for column in ("Result", "Limit"):
+            value = plain.get(column)
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                plain[column] = Judged(float(value), 0.0, "")
+    for column in ("Allowable starts", "Paper count"):
+        if table == "AllowableStarts" and plain.get(column) is None:
+            # a row that does not say whether its starts are limited is of no whole start
+            plain[column] = "unlimited" if "unlimited" in plain else "not judged"
+    return plain
+
+
+# --- numbers that a workbook shows as words --------------------------------------------------------
+
+
+def _with_judged(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row of table `Verdicts` with its numbers read out of the words."""
+    judged = {k: _judged(row[k]) for k in ("Result", "Limit") if k in row}
+    return dict(row) | judged
+
+
+_NUMBER_AND_UNIT = re.compile(r"(-?\d[\d,]*(?:\.(\d+))?(?:[eE][+-]?\d+)?)\s*(\S.*)?")
+_DIMENSIONS = ("fraction", "frequency", "pressure", "torque", "time", "speed")
+
+
+def _judged(shown: Any) -> Any:
+    """A judged number out of words such as ``12.34 %``; words without one stay words."""
+    if isinstance(shown, float):
+        return Judged(shown, 0.0, f"{shown:,.10g}")
+    match = _NUMBER_AND_UNIT.fullmatch(str(shown).strip())
+    if match is None:
+        return shown
+    text, decimals, unit = match.group(1), match.group(2) or "", match.group(3) or ""
+    number = float(text.replace(",", ""))
+    half = 0.5 * 10.0 ** -len(decimals)
+    for dimension in _DIMENSIONS if unit else ():
+        try:
+            scale = parse_unit(unit, dimension)
+        except UnitError:
+            continue
+        if not scale.base:
+            return Judged(number * scale.factor, half * scale.factor, str(shown))
+    return shown if unit else Judged(number, half, str(shown))

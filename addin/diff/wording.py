@@ -1,0 +1,204 @@
+"""Differences as JSON, and single values and changes in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from addin.diff.changes import Change, Differences, Value
+from addin.diff.files import Side
+from addin.reference.json_schemas import AUDIT_FORMAT
+from addin.writing.results_json import storable
+
+__all__ = ["as_json", "change_in_words", "in_words", "telling"]
+
+#: Changed results shown of each table unless all are asked for. [count]
+SHOWN = 12
+#: Columns shown unless all are asked for.
+TELLING: Mapping[str, tuple[str, ...]] = {
+    "NaturalFrequencies": ("Frequency", "Largest strain energy"),
+    "SeparationMargins": ("Margin",),
+    "SteadyState": ("Peak-to-peak stress",),
+    "StartupPeaks": ("Maximum torque", "Peak-to-peak stress"),
+    "StartupCrossings": ("Peak-to-peak torque", "Mesh minimum torque"),
+    "AllowableStarts": ("Allowable starts",),
+    "TorqueReversals": ("Minimum torque", "Reversals", "Impacts", "Tooth force"),
+    "Effects": ("On",),
+    "BearingForces": ("Force",),
+    "TuningResults": ("Rank", "Allowable starts", "Worst margin"),
+    "ToleranceStarts": ("P10", "P50", "P90", "Probability"),
+    "ToleranceDrivers": ("Share",),
+    "ToleranceMargins": ("Probability",),
+    "Sensitivities": ("Starts change", "Peak change"),
+    "StartMatrix": ("Outcome", "Allowable starts"),
+    "DamageLedger": ("Used", "Remaining years", "Verdict"),
+    "CalibratedFrequencies": ("After",),
+    "CalibratedParameters": ("Change",),
+}
+#: JSON keys of the kinds of change.
+_KINDS = {
+    "changed": "changed",
+    "row added": "row_added",
+    "row removed": "row_removed",
+    "row renamed": "row_renamed",
+}
+
+
+def in_words(change: Change, value: Value, *, unit: bool = True) -> str:
+    """A value of a change as shown.
+
+    Parameters
+    ----------
+    change : Change
+        It.
+    value : number, text or None
+        Its `before` or `after`. [SI]
+    unit : bool
+        Put the unit behind a number. [flag]
+
+    Returns
+    -------
+    str
+        Six significant digits; a dash for a blank.
+    """
+    shown = change.shown(value)
+    if shown is None or shown == "":
+        return "–"
+    if isinstance(shown, bool):
+        return "yes" if shown else "no"
+    if isinstance(shown, float) and not math.isfinite(shown):
+        return str(shown)
+    if isinstance(shown, int | float):
+        shown = round(shown, 4) + 0.0 if change.unit == "%" else shown
+        number = f"{shown:,.6g}" if abs(shown) < 1e6 else f"{shown:.6g}"
+        return f"{number} {change.unit if unit and change.unit != '1' else ''}".rstrip()
+    return str(shown)
+
+
+def change_in_words(change: Change) -> str:
+    """How much changed.
+
+    Parameters
+    ----------
+    change : Change
+        It.
+
+    Returns
+    -------
+    str
+        ``+5.2 %`` where both are positive; points where the quantity is a percentage itself; else
+        the difference in its unit, as −60 % of a negative number could be either way. Empty where
+        nothing can be said.
+    """
+    difference, relative = change.difference, change.relative
+    if difference is None:
+        return {"row added": "added", "row removed": "removed", "row renamed": "renamed"}.get(
+            change.kind, ""
+        )
+    if change.unit == "%":
+        return f"{change.shown(difference):+.3g} points"
+    positive = _size(change.before) > 0.0 and _size(change.after) > 0.0
+    if relative is None or not positive:
+        shown = float(change.shown(difference) or 0.0)
+        number = f"{shown:+,.4g}" if not 1e4 <= abs(shown) < 1e6 else f"{shown:+,.0f}"
+        return f"{number} {change.unit if change.unit != '1' else ''}".rstrip()
+    return f"{100.0 * relative:+.3g} %" if abs(relative) < 10.0 else f"× {1.0 + relative:.3g}"
+
+
+def telling(name: str, changes: Sequence[Change]) -> list[Change]:
+    """The changes of a result table that an engineer asks for first.
+
+    Parameters
+    ----------
+    name : str
+        Result table. [name]
+    changes : sequence of Change
+        All its changes.
+
+    Returns
+    -------
+    list of Change
+        At most `SHOWN`; of margins the least, of stresses the largest.
+    """
+    columns = TELLING.get(name, ())
+    shown = [one for one in changes if one.column in columns and one.kind == "changed"]
+    if name == "SeparationMargins":  # the margin nearest to the line
+        shown.sort(key=lambda one: min(_size(one.before), _size(one.after)))
+    elif name == "SteadyState":  # the most stressed
+        shown.sort(key=lambda one: -max(_size(one.before), _size(one.after)))
+    return shown[:SHOWN]
+
+
+def _size(value: Value) -> float:
+    return float(value) if isinstance(value, int | float) else 0.0
+
+
+def as_json(found: Differences) -> dict[str, Any]:
+    """Everything that differs as a JSON object.
+
+    Parameters
+    ----------
+    found : Differences
+        It.
+
+    Returns
+    -------
+    dict
+        Ready for `json.dumps`; numbers in SI, with the unit they are shown in beside.
+    """
+    return {
+        "format": AUDIT_FORMAT,
+        "a": _side(found.first),
+        "b": _side(found.second),
+        "same_inputs": found.same_inputs,
+        "same_results": found.same_results,
+        "verdicts": [
+            {
+                "table": one.table,
+                "row": one.row,
+                "a": one.before,
+                "b": one.after,
+                "result_a": one.result_before,
+                "result_b": one.result_after,
+                "limit": one.limit,
+                "changed": one.changed,
+            }
+            for one in found.verdicts
+        ],
+        "inputs": None if found.inputs is None else [_change(one) for one in found.inputs],
+        "results": [_change(one) for one in found.results],
+        "studies": {
+            "notes": list(found.studies.notes),
+            "same_inputs": found.studies.same_inputs,
+            "same_results": found.studies.same_results,
+            "inputs": [_change(one) for one in found.studies.inputs],
+            "results": [_change(one) for one in found.studies.results],
+        },
+    }
+
+
+def _side(side: Side) -> dict[str, Any]:
+    return {
+        "file": str(side.source),
+        "revision": side.revision,
+        "case_sha256": side.digest,
+        "software": side.software,
+        "results": side.results_from,
+        "settings": dict(side.settings),
+    }
+
+
+def _change(one: Change) -> dict[str, Any]:
+    return {
+        "kind": _KINDS[one.kind],
+        "table": one.table,
+        "row": one.row,
+        "column": one.column,
+        "a": storable(one.before),
+        "b": storable(one.after),
+        "difference": one.difference,
+        "relative": one.relative,
+        "shown_unit": one.unit,
+        "administrative": one.administrative,
+    }

@@ -1,0 +1,268 @@
+"""Differences as a workbook: what is compared and the verdicts, the inputs, the results."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import xlsxwriter
+
+from addin.contract.studies.registry import STUDY_CAPTIONS
+from addin.contract.texts import CAPTIONS
+from addin.diff.changes import Change, Differences
+from addin.diff.files import Side
+from addin.diff.wording import in_words
+
+__all__ = ["write_book"]
+
+_HEADERS = ("Table", "Row", "Quantity", "Unit", "A", "B", "B − A", "(B − A) / A", "What")
+_WIDTHS = (21, 36, 21, 10, 20, 20, 14, 11, 50)
+_ABOUT = (
+    "File",
+    "Revision",
+    "Inputs SHA-256",
+    "Software",
+    "Results",
+    "Settings of the command line",
+)
+_NAVY, _PALE, _GRID = "#1F3A5F", "#EEF3F8", "#BFC7D1"
+
+
+class _Formats:
+    """The formats of this workbook, each made once."""
+
+    def __init__(self, book: Any) -> None:
+        base = {"font_name": "Arial", "font_size": 9, "valign": "top"}
+        cell = base | {"border": 1, "border_color": _GRID}
+
+        def made(**more: Any) -> Any:
+            return book.add_format(base | more)
+
+        def in_grid(**more: Any) -> Any:
+            return book.add_format(cell | more)
+
+        self.banner = made(
+            bold=True, font_size=14, font_color="white", bg_color=_NAVY, valign="vcenter"
+        )
+        self.caption = made(bold=True, font_size=11, font_color=_NAVY)
+        self.note = made(italic=True, font_color="#595959", text_wrap=True)
+        self.label = in_grid(bold=True, bg_color=_PALE)
+        self.header = in_grid(
+            bold=True, font_color="white", bg_color=_NAVY, text_wrap=True, valign="vcenter"
+        )
+        self.text = in_grid(text_wrap=True)
+        self.plain = in_grid()
+        self.centred = in_grid(align="center")
+        self.right = in_grid(align="right", text_wrap=True)
+        self.percent = in_grid(num_format="+0.0%;-0.0%;0.0%")
+        self.quiet = in_grid(font_color="#7F7F7F", text_wrap=True)
+        self.good = book.add_format({"font_color": "#1E6B2E", "bg_color": "#DDF0E0"})
+        self.bad = book.add_format({"font_color": "#9C1B1B", "bg_color": "#F8DADA"})
+        self.fair = book.add_format({"font_color": "#7A5600", "bg_color": "#FBEFCB"})
+        self._numbers: dict[str, Any] = {}
+        self._number = lambda code: in_grid(num_format=code)
+
+    def number(self, *values: Any) -> Any:
+        """A format that shows six significant digits of the largest of some numbers."""
+        sizes = [abs(v) for v in values if isinstance(v, int | float) and v and math.isfinite(v)]
+        if not sizes:
+            code = "0"
+        elif max(sizes) >= 1e9 or max(sizes) < 1e-4:
+            code = "0.00000E+00"
+        else:
+            decimals = max(0, 5 - math.floor(math.log10(max(sizes))))
+            code = "#,##0" + ("." + "0" * min(decimals, 8) if decimals else "")
+        if code not in self._numbers:
+            self._numbers[code] = self._number(code)
+        return self._numbers[code]
+
+
+def write_book(found: Differences, target: Path) -> None:
+    """Write the differences as a workbook.
+
+    Parameters
+    ----------
+    found : Differences
+        It.
+    target : Path
+        The .xlsx file, replaced when it is there. [path]
+
+    Raises
+    ------
+    OSError
+        When it cannot be written.
+    """
+    target.parent.mkdir(parents=True, exist_ok=True)
+    options = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
+    temporary = target.with_name(f".{target.name}.tmp")
+    try:
+        with xlsxwriter.Workbook(temporary, options) as book:
+            book.set_properties(
+                {"title": "Differences of two torsional analyses", "author": "torsionbook"}
+            )
+            formats = _Formats(book)
+            _cover(book.add_worksheet("Diff"), formats, found)
+            inputs = book.add_worksheet("Inputs")
+            _changes(inputs, formats, "Inputs", found.inputs or (), _of_inputs(found))
+            results = book.add_worksheet("Results")
+            said = f"{found.same_results} results are the same. Stresses, torques and frequencies in the unit shown."
+            _changes(results, formats, "Results", found.results, said)
+            if found.studies.anything or found.studies.same_results:
+                studies = book.add_worksheet("Studies")
+                both = (*found.studies.inputs, *found.studies.results)
+                _changes(studies, formats, "Studies", both, _of_studies(found))
+                studies.set_row(1, 13 * (2 + len(found.studies.notes)))
+        temporary.replace(target)
+    except xlsxwriter.exceptions.FileCreateError as wrong:
+        cause = wrong.args[0] if wrong.args else wrong
+        raise cause if isinstance(cause, OSError) else OSError(str(wrong)) from wrong
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _of_inputs(found: Differences) -> str:
+    if found.inputs is None:
+        return "A result JSON holds no inputs, so that only results are compared."
+    return (
+        f"{found.same_inputs} input quantities are the same, whatever unit they are typed in. Title block "
+        "and descriptions, which change no result, are grey."
+    )
+
+
+def _of_studies(found: Differences) -> str:
+    said = (
+        f"{found.studies.same_inputs} quantities on the study sheets and {found.studies.same_results} "
+        "results of studies are the same. Sentences, maps and numbers behind charts are not compared."
+    )
+    return "\n".join([said, *found.studies.notes])
+
+
+def _cover(page: Any, formats: _Formats, found: Differences) -> None:
+    _set_up(page, formats, "Differences of two torsional analyses", (46, 26, 26, 22, 26, 26))
+    page.write_blank(2, 0, None, formats.header)
+    page.merge_range(2, 1, 2, 2, "A", formats.header)
+    page.merge_range(2, 3, 2, 5, "B", formats.header)
+    sides = zip(_ABOUT, _about(found.first), _about(found.second), strict=True)
+    for row, (label, one, other) in enumerate(sides, 3):
+        page.write_string(row, 0, label, formats.label)
+        page.merge_range(row, 1, row, 2, one, formats.text)
+        page.merge_range(row, 3, row, 5, other, formats.text)
+        page.set_row(row, 13 * max(1, math.ceil(max(len(one) / 66, len(other) / 95))))
+    _verdicts(page, formats, found, len(_ABOUT) + 4)
+
+
+def _verdicts(page: Any, formats: _Formats, found: Differences, row: int) -> None:
+    """Every check of table `Verdicts`, and the verdicts of other tables that changed."""
+    changed = sum(one.changed for one in found.verdicts)
+    page.write_string(row, 0, f"Verdicts: {changed} of those below changed", formats.caption)
+    for k, header in enumerate(
+        ("Check", "Result A", "Result B", "Limit", "Verdict A", "Verdict B")
+    ):
+        page.write_string(row + 1, k, header, formats.header)
+    first = last = row + 2
+    ordered = sorted(found.verdicts, key=lambda one: (one.table != "Verdicts", not one.changed))
+    for last, check in enumerate(ordered, first):
+        name = check.row if check.table == "Verdicts" else f"{CAPTIONS[check.table]}: {check.row}"
+        page.write_string(last, 0, name, formats.text)
+        for k, words in enumerate((check.result_before, check.result_after, check.limit), 1):
+            page.write_string(last, k, words, formats.right)
+        for k, words in enumerate((check.before, check.after), 4):
+            page.write_string(last, k, words or "–", formats.text)
+        page.set_row(last, 13 * max(1, math.ceil(len(name) / 56)))
+    _colours(page, formats, first, last, 4, 5)
+
+
+def _about(side: Side) -> list[str]:
+    settings = ", ".join(f"{name} = {value}" for name, value in side.settings.items())
+    return [str(side.source), side.revision or "–", side.digest or "–", side.software,
+            side.results_from, settings or "none"]  # fmt: skip
+
+
+def _colours(page: Any, formats: _Formats, first: int, last: int, left: int, right: int) -> None:
+    for words, style in (("pass", formats.good), ("accepted", formats.fair), ("fail", formats.bad),
+                         ("unbounded", formats.bad), ("not judged", formats.fair)):  # fmt: skip
+        rule = {"type": "text", "criteria": "begins with", "value": words, "format": style}
+        page.conditional_format(first, left, max(first, last), right, rule)
+
+
+def _changes(
+    page: Any, formats: _Formats, title: str, changes: Sequence[Change], said: str
+) -> None:
+    _set_up(page, formats, title, _WIDTHS)
+    page.merge_range(1, 0, 1, len(_HEADERS) - 1, said, formats.note)
+    head = 3
+    for k, header in enumerate(_HEADERS):
+        page.write_string(head, k, header, formats.header)
+    page.freeze_panes(head + 1, 0)
+    page.repeat_rows(head)
+    for row, one in enumerate(changes, head + 1):
+        _change(page, formats, row, one)
+    if changes:
+        page.autofilter(head, 0, head + len(changes), len(_HEADERS) - 1)
+    else:
+        page.write_string(head + 1, 0, "no difference", formats.plain)
+
+
+def _change(page: Any, formats: _Formats, row: int, one: Change) -> None:
+    words = formats.quiet if one.administrative else formats.text
+    table = CAPTIONS.get(one.table) or STUDY_CAPTIONS.get(one.table, one.table)
+    for k, text in enumerate((table, one.row, one.column, "" if one.unit == "1" else one.unit)):
+        page.write_string(row, k, text, words)
+    before, after = one.shown(one.before), one.shown(one.after)
+    said = "" if one.kind == "changed" else one.kind
+    if one.kind in ("row added", "row removed"):
+        said = f"{said}: {before or after or ''}"
+        before = after = None
+        for k in range(4, 8):
+            page.write_blank(row, k, None, formats.plain)
+    else:
+        _numbers(page, formats, row, one)
+    page.write_string(row, 8, said, words)
+    page.set_row(
+        row, _height(one.row, table, *(v for v in (before, after) if isinstance(v, str)), said)
+    )
+
+
+def _numbers(page: Any, formats: _Formats, row: int, one: Change) -> None:
+    """Before, after, difference and relative change."""
+    before, after = one.shown(one.before), one.shown(one.after)
+    number = formats.number(before, after)
+    for k, value, shown in ((4, one.before, before), (5, one.after, after)):
+        is_number = isinstance(shown, int | float) and not isinstance(shown, bool)
+        if is_number and math.isfinite(shown):  # type: ignore[arg-type]
+            page.write_number(row, k, shown, number)
+        else:
+            style = formats.quiet if one.administrative else formats.text
+            page.write_string(row, k, in_words(one, value), style)
+    difference, relative = one.difference, one.relative
+    if difference is None:
+        page.write_blank(row, 6, None, formats.plain)
+    else:
+        shown = one.shown(difference)
+        page.write_number(row, 6, shown, formats.number(shown))
+    if relative is None:
+        page.write_blank(row, 7, None, formats.plain)
+    else:
+        page.write_number(row, 7, relative, formats.percent)
+
+
+def _height(name: str, table: str, *words: str) -> float:
+    """Height of a row whose longest text wraps; the last text has the wide column. [point]"""
+    *values, said = words
+    lines = [len(name) / 46, len(table) / 26, len(said) / 64, *(len(v) / 25 for v in values)]
+    return 13.0 * max(1, math.ceil(max(lines)))
+
+
+def _set_up(page: Any, formats: _Formats, title: str, widths: Sequence[float]) -> None:
+    page.hide_gridlines(2)
+    for k, width in enumerate(widths):
+        page.set_column(k, k, width)
+    page.set_row(0, 26)
+    page.merge_range(0, 0, 0, len(widths) - 1, title, formats.banner)
+    page.set_landscape()
+    page.set_paper(9)
+    page.set_margins(left=0.4, right=0.4, top=0.45, bottom=0.6)
+    page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
+    page.fit_to_pages(1, 0)

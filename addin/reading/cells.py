@@ -1,0 +1,307 @@
+"""One cell of a workbook → a number, words, nothing, or a sentence on what is wrong with it."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from addin.contract.problems import shortened
+from addin.contract.tables import Field
+from addin.xlsx import ErrorValue
+
+__all__ = [
+    "Cell", "Fault", "is_date_format", "is_percent_format", "number_in_text", "read_number",
+    "read_text", "read_unit",
+]  # fmt: skip
+
+Constant = None | bool | int | float | str | ErrorValue
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What a cell shows.
+
+    Parameters
+    ----------
+    value : None, bool, int, float, str or ErrorValue
+        Its value; of a formula the value of the last calculation. [as typed]
+    is_formula : bool
+        Whether a formula stands in it. [flag]
+    number_format : str
+        Format code, such as ``0.00`` or ``dd/mm/yyyy``. [code]
+    """
+
+    value: Constant
+    is_formula: bool = False
+    number_format: str = "General"
+
+    @property
+    def is_blank(self) -> bool:
+        """Whether it holds nothing, or a formula that shows nothing."""
+        blank_text = isinstance(self.value, str) and not _trimmed(self.value)
+        return blank_text or (self.value is None and not self.is_formula)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Why a cell cannot be taken as it is.
+
+    Parameters
+    ----------
+    found : str
+        What it shows. [as shown]
+    allowed : str
+        What would be accepted. [words]
+    message : str
+        What is wrong and what to do. [sentence]
+    """
+
+    found: str
+    allowed: str
+    message: str
+
+
+_NUMBER = "a number"
+
+
+def read_number(cell: Cell, spec: Field, unit_place: str) -> float | Fault | None:
+    """The number in a cell.
+
+    Parameters
+    ----------
+    cell : Cell
+        Not merged away. [cell]
+    spec : Field
+        Its field. [field]
+    unit_place : str
+        Where its unit belongs, in words. [words]
+
+    Returns
+    -------
+    float, Fault or None
+        None for a blank. [shown unit]
+    """
+    value = cell.value
+    if cell.is_blank:
+        return None
+    fault = _formula_fault(cell)
+    if fault is not None:
+        return fault
+    if isinstance(value, bool):
+        shown = "TRUE" if value else "FALSE"
+        return Fault(shown, _NUMBER, f"found {shown}; a number is needed. Type it.")
+    if isinstance(value, str):
+        return _text_fault(value, spec, unit_place)
+    assert isinstance(value, (int, float))
+    if not math.isfinite(value):
+        return Fault(
+            str(value), "a finite number", f"found {value}; it must be a finite number. Correct it."
+        )
+    if is_date_format(cell.number_format):
+        return Fault(
+            f"a date or time ({value:.10g})",
+            _NUMBER,
+            f"the cell is formatted as a date or time, Excel holds {value:.10g}. Excel turns "
+            "entries such as 1-2 or 3/4 into dates: format the cell as Number and type the value "
+            "again.",
+        )
+    return float(value)
+
+
+def read_text(cell: Cell, spec: Field) -> str | Fault | None:
+    """The words in a cell; a number stands for its digits.
+
+    Parameters
+    ----------
+    cell : Cell
+        Not merged away. [cell]
+    spec : Field
+        Its field. [field]
+
+    Returns
+    -------
+    str, Fault or None
+        None for a blank. [text]
+    """
+    value = cell.value
+    if cell.is_blank:
+        return None
+    fault = _formula_fault(cell)
+    if fault is not None:
+        return fault
+    if isinstance(value, bool):
+        shown = "TRUE" if value else "FALSE"
+        allowed = "one of " + ", ".join(spec.choices) if spec.choices else "text"
+        return Fault(shown, allowed, f"found {shown}; it must be {allowed}. Type it as text.")
+    if isinstance(value, str):
+        return value
+    assert isinstance(value, (int, float))
+    return f"{value:.15g}"
+
+
+def read_unit(cell: Cell) -> str | Fault:
+    """The unit in a cell; the number 1 is a unit too.
+
+    A unit that cannot be told is no blank one: a ratio would be taken for what is per cent.
+
+    Parameters
+    ----------
+    cell : Cell
+        Beside the number or above the header. [cell]
+
+    Returns
+    -------
+    str or Fault
+        Empty for a blank. [text]
+    """
+    value = cell.value
+    if cell.is_blank:
+        return ""
+    fault = _formula_fault(cell)
+    if fault is not None:
+        return fault
+    if isinstance(value, bool):
+        shown = "TRUE" if value else "FALSE"
+        return Fault(shown, "a unit", f"found {shown}; a unit is needed. Type it.")
+    return value.strip() if isinstance(value, str) else f"{value:.15g}"
+
+
+def _formula_fault(cell: Cell) -> Fault | None:
+    """An error value, or a formula nobody has calculated."""
+    value = cell.value
+    if isinstance(value, ErrorValue) or (isinstance(value, str) and re.match(r"#[A-Z/0]", value)):
+        code = value.code if isinstance(value, ErrorValue) else shortened(value)
+        if cell.is_formula:
+            action = "Correct the formula or the cells it reads"
+        else:
+            action = "Type the value, or leave the cell blank"
+        return Fault(code, "a value", f"found the error {code}. {action}.")
+    if cell.is_formula and value is None:
+        return Fault(
+            "a formula without value",
+            "a calculated value",
+            "found a formula that has never been calculated: the file holds no value for it. Open "
+            "the workbook in Excel or LibreOffice, let it calculate, and save it.",
+        )
+    return None
+
+
+# --- text where a number belongs ------------------------------------------------------------------
+
+_DIGITS = re.compile(r"[+\-−]?(\d+\.?\d*|\.\d+)([eE][+\-−]?\d+)?")
+_COMMA = re.compile(r"[+\-−]?\d+,\d+([eE][+\-−]?\d+)?")
+_GROUPED = re.compile(r"[+\-−]?\d{1,3}([ ,'’]\d{3})+(\.\d*)?")
+_WITH_UNIT = re.compile(r"([+\-−]?(?:\d[\d.,]*|\.\d+)(?:[eE][+\-−]?\d+)?)\s*([A-Za-z%°µ\"'].*)")
+
+
+def number_in_text(text: str) -> str:
+    """Why a text is not the number it looks like, where no unit belongs.
+
+    Parameters
+    ----------
+    text : str
+        As typed. [text]
+
+    Returns
+    -------
+    str
+        What is wrong and what to do; empty if it does not look like a number. [sentence]
+    """
+    text = shortened(text)
+    why = _why_no_number(_trimmed(text), "")
+    return f"found '{text}', which {why}" if why else ""
+
+
+def _text_fault(text: str, spec: Field, unit_place: str) -> Fault:
+    """Why a text is not the number it may look like."""
+    text = shortened(text)
+    why = _why_no_number(_trimmed(text), unit_place if spec.has_unit else "")
+    why = why or "is not a number. Type a number or leave the cell blank."
+    return Fault(text, _NUMBER, f"found '{text}', which {why}")
+
+
+def _why_no_number(trimmed: str, unit_place: str) -> str:
+    """What is wrong with a text that looks like a number; `unit_place` where it may have a unit."""
+    if _DIGITS.fullmatch(trimmed):
+        return (
+            "looks like a number but is text. Retype it, or use Data > Text to Columns; "
+            "mind blanks and a leading apostrophe."
+        )
+    if _GROUPED.fullmatch(trimmed):
+        return "is text, with a thousands separator or a decimal comma. Type the digits without it."
+    if _COMMA.fullmatch(trimmed):
+        return (
+            "has a decimal comma and is text. Retype it with the decimal sign of your Excel "
+            f"({trimmed.replace(',', '.')} here)."
+        )
+    with_unit = _WITH_UNIT.fullmatch(trimmed)
+    if with_unit is None:
+        return ""
+    number, unit = with_unit.groups()
+    if unit_place:
+        return (
+            f"has its unit inside the cell. Leave only the number {number} and put the unit "
+            f"{unit} {unit_place}."
+        )
+    return f"is not a number alone. Type {number}."
+
+
+def _trimmed(text: str) -> str:
+    """Without blanks at both ends, the unbreakable ones too."""
+    return text.replace("\u00a0", " ").replace("\u202f", " ").strip()
+
+
+# --- number formats -------------------------------------------------------------------------------
+
+_BUILT_IN_DATES = frozenset([*range(14, 23), *range(27, 37), *range(45, 48), *range(50, 59)])
+_LITERAL = re.compile(r'"[^"]*"|\\.|_.|\*.|\[(?!h+\]|m+\]|s+\])[^\]]*\]', re.IGNORECASE)
+
+
+def is_date_format(code: str) -> bool:
+    """Whether a number format shows a date or a time.
+
+    Parameters
+    ----------
+    code : str
+        Format code. [code]
+
+    Returns
+    -------
+    bool
+    """
+    bare = _LITERAL.sub("", code).split(";")[0]
+    return bare.casefold() != "general" and bool(re.search("[dmyhs]", bare, re.IGNORECASE))
+
+
+def is_percent_format(code: str) -> bool:
+    """Whether a number format shows a hundred times the value and a percent sign.
+
+    Parameters
+    ----------
+    code : str
+        Format code. [code]
+
+    Returns
+    -------
+    bool
+    """
+    return "%" in _LITERAL.sub("", code)
+
+
+def built_in_format(number: int) -> str:
+    """A code that stands for a built-in number format: date, percent, or any other.
+
+    Parameters
+    ----------
+    number : int
+        Identifier below 164. [count]
+
+    Returns
+    -------
+    str
+        Format code.
+    """
+    if number in _BUILT_IN_DATES:
+        return "yyyy-mm-dd"
+    return "0%" if number in (9, 10) else "General"

@@ -1,0 +1,703 @@
+"""A case as typed → `CaseData`: units resolved, per unit and percent of what they refer to.
+
+The workbook and the JSON reader both end here, so that a number means the same in both. Rows are
+counted as in `CaseData` (blank rows left out); the readers know which row that is for the engineer.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, TypeGuard
+
+from addin.contract.problems import CellProblem, nearest, printable, shortened
+from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
+from addin.contract.units import (
+    RATED_TORQUE,
+    STATION_SPEED,
+    SYNCHRONOUS_SPEED,
+    TRANSMITTED_TORQUE,
+    UnitScale,
+)
+from engine.case.checks.find_problems import find_problems
+from engine.case.data import GROUND, TABLES, Case, CaseData, Ratings
+from engine.errors import Problem, Quoted
+
+if TYPE_CHECKING:
+    from addin.reading.study_inputs import StudiesRead
+
+__all__ = [
+    "Bases",
+    "CaseInput",
+    "Entry",
+    "Findings",
+    "Place",
+    "Typed",
+    "TypedCase",
+    "all_problems",
+    "ratios_of",
+    "rows_in_si",
+    "told_as_typed",
+    "to_case_data",
+    "too_many_rows",
+    "word_entry",
+]
+
+#: Longest name, title or remark. [characters]
+LONGEST_WORDS = 1_000
+#: Most rows of a table, far more than any train has; stations and elements are checked against each other.
+MOST_ROWS, MOST_PARTS = 20_000, 2_000
+_HALF_CHARACTERS = re.compile("[\ud800-\udfff]")
+
+#: Table (``Case`` for a scalar), row of `CaseData` counted from 1 or None, column or scalar.
+Place = tuple[str, int | None, str]
+
+
+@dataclass(frozen=True)
+class Typed:
+    """A number with its unit.
+
+    Parameters
+    ----------
+    number : float
+        As typed. [its unit]
+    scale : UnitScale
+        What one such unit is worth. [scale]
+    unit : str
+        The unit as typed. [unit]
+    """
+
+    number: float
+    scale: UnitScale
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.number:.10g} {'' if self.unit == '1' else self.unit}".rstrip()
+
+
+Entry = Typed | str
+
+
+@dataclass
+class TypedCase:
+    """Everything typed; a blank has no entry.
+
+    Parameters
+    ----------
+    scalars : dict of str to Entry
+        By defined name. [entries]
+    tables : dict of str to list of dict
+        By table name; each row by column header. [entries]
+    """
+
+    scalars: dict[str, Entry] = field(default_factory=dict)
+    tables: dict[str, list[dict[str, Entry]]] = field(default_factory=dict)
+
+    def entry(self, place: Place) -> Entry | None:
+        """What was typed in one place.
+
+        Parameters
+        ----------
+        place : tuple
+            Table, row (None for a scalar), column. [names]
+
+        Returns
+        -------
+        Entry or None
+            None for a blank.
+        """
+        table, row, column = place
+        if row is None:
+            return self.scalars.get(column) if table == SCALAR_TABLE else None
+        rows = self.tables.get(table, [])
+        return rows[row - 1].get(column) if row <= len(rows) else None
+
+
+class Findings:
+    """Problems found so far, and the places nothing more shall be said of."""
+
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+        self._bad: set[Place] = set()
+
+    def add(self, place: Place, found: object, allowed: str, message: str) -> None:
+        """Note a problem.
+
+        Parameters
+        ----------
+        place : tuple
+            Table, row, column. [names]
+        found : object
+            What was found. [as typed]
+        allowed : str
+            What would be accepted. [words]
+        message : str
+            What is wrong and what to do. [sentence]
+        """
+        self.problems.append(Problem(*place, found, allowed, message))
+        self._bad.add(place)
+
+    def silence(self, place: Place) -> None:
+        """Say nothing more of a place whose cause is already noted.
+
+        Parameters
+        ----------
+        place : tuple
+            Table, row, column. [names]
+        """
+        self._bad.add(place)
+
+    def is_bad(self, place: Place) -> bool:
+        """Whether a place has been noted or silenced.
+
+        Parameters
+        ----------
+        place : tuple
+            Table, row, column. [names]
+
+        Returns
+        -------
+        bool
+        """
+        return place in self._bad
+
+    @property
+    def bad_cells(self) -> frozenset[Place]:
+        """Every noted or silenced place."""
+        return frozenset(self._bad)
+
+
+@dataclass(frozen=True)
+class CaseInput:
+    """A case as read, from a workbook or from JSON.
+
+    Parameters
+    ----------
+    data : CaseData
+        What could be read. [SI]
+    problems : tuple of CellProblem
+        Everything wrong; the case may be calculated when it is empty. [count]
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+    typed : TypedCase
+        Every entry with its unit as typed. [as typed]
+    studies : StudiesRead or None
+        What is typed on the study sheets; None where there are none. [SI]
+    """
+
+    data: CaseData
+    problems: tuple[CellProblem, ...]
+    warnings: tuple[str, ...]
+    typed: TypedCase
+    studies: StudiesRead | None = field(default=None, kw_only=True)
+
+    def case(self) -> Case:
+        """The checked case.
+
+        Returns
+        -------
+        Case
+            Ready to be calculated. [SI]
+
+        Raises
+        ------
+        CaseError
+            When the engine finds problems; those of single cells are in `problems` only.
+        """
+        return Case(**vars(self.data))
+
+
+def all_problems(data: CaseData, findings: Findings) -> list[Problem]:
+    """What the reader found and what the engine finds, in the order of the tables.
+
+    Parameters
+    ----------
+    data : CaseData
+        The case as far as it could be read. [SI]
+    findings : Findings
+        Of the reader. [problems]
+
+    Returns
+    -------
+    list of Problem
+        Rows counted as in `data`.
+    """
+    problems = [*findings.problems, *find_problems(data, findings.bad_cells)]
+    order = {spec.name: i for i, spec in enumerate(INPUT_TABLES)}
+    return sorted(problems, key=lambda p: (order.get(p.table, -1), p.row or 0))
+
+
+def told_as_typed(problem: Problem, typed: TypedCase) -> Problem:
+    """A problem of the engine with the number in the unit in which it was typed.
+
+    Parameters
+    ----------
+    problem : Problem
+        With the number in SI. [SI]
+    typed : TypedCase
+        Everything typed. [as typed]
+
+    Returns
+    -------
+    Problem
+        ``found -12 lbf*in/rad = -1.36 N m/rad; it must be positive. ...``
+    """
+    entry = typed.entry((problem.table, problem.row, problem.column))
+    for quoted in problem.quoted:
+        problem = _quoted_as_typed(problem, quoted, entry, typed)
+    if not isinstance(entry, Typed) or not isinstance(problem.found, (int, float)):
+        return problem
+    if entry.scale == UnitScale(1.0):
+        return replace(problem, found=str(entry) if entry.unit else entry.number)
+    head, message = f"found {entry}", problem.message
+    if not message.startswith((f"{head};", f"{head},")):
+        message = message.replace("found ", f"{head} = ", 1)
+    return replace(problem, found=str(entry), message=message)
+
+
+def _quoted_as_typed(
+    problem: Problem, quoted: Quoted, own: Entry | None, typed: TypedCase
+) -> Problem:
+    """Another quantity of the sentence as it was typed, or else in the unit of what was found."""
+    there = None if quoted.place is None else typed.entry(quoted.place)
+    if isinstance(there, Typed):
+        shown = "" if there.scale == UnitScale(1.0) else str(there)
+    elif isinstance(own, Typed) and own.scale != UnitScale(1.0) and _is_number(problem.found):
+        # of the kind of what was found, so that their ratio is the same in every unit
+        shown = f"{quoted.value * own.number / problem.found:.6g} {own.unit}".rstrip()
+    else:
+        shown = ""
+    if not shown:
+        return problem
+    alone = re.compile(rf"(?<![\d.]){re.escape(quoted.text)}(?![\w/])")
+    return replace(
+        problem,
+        allowed=alone.sub(lambda _: shown, problem.allowed),
+        message=alone.sub(lambda _: shown, problem.message),
+    )
+
+
+def _is_number(found: object) -> TypeGuard[float]:
+    return isinstance(found, (int, float)) and not isinstance(found, bool) and found != 0
+
+
+# --- words --------------------------------------------------------------------------------------
+
+
+def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str | None:
+    """A word or name as the engine wants it.
+
+    Parameters
+    ----------
+    text : str
+        As typed. [text]
+    spec : Field
+        Its field. [field]
+    place : tuple
+        Table, row, column. [names]
+    findings : Findings
+        Takes a word that is not among the choices. [problems]
+
+    Returns
+    -------
+    str or None
+        Trimmed; a choice in the spelling of the list; None for a blank or a wrong choice.
+    """
+    text = text.replace("\u00a0", " ").strip()
+    if not text:
+        return None
+    if len(text) > LONGEST_WORDS:
+        findings.add(
+            place,
+            shortened(text),
+            f"at most {LONGEST_WORDS} characters",
+            f"found a text of {len(text)} characters, '{shortened(printable(text[:60]), 40)}'; it may have "
+            f"{LONGEST_WORDS} at most. Shorten it.",
+        )
+        return None
+    text = _HALF_CHARACTERS.sub("\ufffd", text)  # JSON may hold them, no file nor screen can
+    if spec.kind == "station" and spec.name in ("From", "To") and text.casefold() == GROUND:
+        return GROUND
+    if spec.kind != "choice":
+        return text
+    folded = {_folded(choice): choice for choice in spec.choices}
+    if _folded(text) in folded:
+        return folded[_folded(text)]
+    allowed = "one of " + ", ".join(spec.choices)
+    text = shortened(text)
+    meant = nearest(text, spec.choices)
+    advice = f"Did you mean '{meant}'?" if meant else "Choose from the list."
+    findings.add(place, text, allowed, f"found '{text}'; it must be {allowed}. {advice}")
+    return None
+
+
+def too_many_rows(table: str, count: int, findings: Findings) -> bool:
+    """Whether a table has more rows than are read; noted if so.
+
+    Parameters
+    ----------
+    table : str
+        Its name. [name]
+    count : int
+        Its rows. [count]
+    findings : Findings
+        Takes the problem. [problems]
+
+    Returns
+    -------
+    bool
+        The rows are not to be read then.
+    """
+    most = MOST_PARTS if table in ("Stations", "Elements") else MOST_ROWS
+    if count <= most:
+        return False
+    findings.add(
+        (table, None, ""),
+        count,
+        f"at most {most} rows",
+        f"the table has {count} rows; at most {most} are read. Delete those that are not needed.",
+    )
+    return True
+
+
+def _folded(word: str) -> str:
+    """A choice without capitals, double blanks and kinds of dashes."""
+    for dash in "‐‑–—−":
+        word = word.replace(dash, "-")
+    return " ".join(word.casefold().split())
+
+
+# --- numbers ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Bases:
+    """What relative units refer to; None where it is not known.
+
+    Parameters
+    ----------
+    rated_torque : float or None
+        Of `Ratings`. [N m]
+    synchronous_speed : float or None
+        Of the reference shaft. [rad/s]
+    ratios : mapping of str to float or None
+        Speed ratio of each station. [1]
+    """
+
+    rated_torque: float | None
+    synchronous_speed: float | None
+    ratios: Mapping[str, float | None]
+
+    def si(self, typed: Typed, station: str | None) -> float | None:
+        """A typed number in SI, None if its base is not known.
+
+        Parameters
+        ----------
+        typed : Typed
+            The number. [as typed]
+        station : str or None
+            Whose speed a speed is compared with. [name]
+
+        Returns
+        -------
+        float or None
+            [SI]
+        """
+        number = typed.scale.to_si(typed.number)
+        if typed.scale.base in ("", TRANSMITTED_TORQUE):
+            return number
+        if typed.scale.base == RATED_TORQUE:
+            return None if self.rated_torque is None else number * self.rated_torque
+        if self.synchronous_speed is None:
+            return None
+        if typed.scale.base == SYNCHRONOUS_SPEED:
+            return number * self.synchronous_speed
+        full = self.synchronous_speed * (self.ratios.get(station or "") or 0.0)
+        return number / full if full > 0.0 else None
+
+
+_NO_BASES = Bases(None, None, {})
+
+#: Sizes in SI beyond which a number is a slip, and products of two would overflow.
+_SMALLEST, _LARGEST = 1e-30, 1e30
+
+#: Where a base comes from, and what to do when it is not known.
+_SOURCES = {
+    RATED_TORQUE: (
+        ("RatedTorque", "RatedPower", "SynchronousSpeed", "LineFrequency", "Poles"),
+        "per unit of RatedTorque, but RatedTorque is neither typed nor given by RatedPower and "
+        "speed. Type RatedTorque, or give the torque in lbf*ft or N*m",
+    ),
+    SYNCHRONOUS_SPEED: (
+        ("SynchronousSpeed", "LineFrequency", "Poles"),
+        "relative to synchronous speed, but that is not known. Type SynchronousSpeed, or "
+        "LineFrequency and Poles",
+    ),
+    STATION_SPEED: (
+        ("SynchronousSpeed", "LineFrequency", "Poles"),
+        "a speed, to be compared with synchronous speed, but that is not known. Type "
+        "SynchronousSpeed, or LineFrequency and Poles, or give the speed in %",
+    ),
+}
+
+
+def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
+    """The case in SI.
+
+    Parameters
+    ----------
+    typed : TypedCase
+        Everything typed. [as typed]
+    findings : Findings
+        Takes every number that cannot be resolved. [problems]
+
+    Returns
+    -------
+    CaseData
+        Unchecked; unresolved numbers are left blank and noted in `findings`. [SI]
+    """
+    absolute = {
+        name: entry
+        for name, entry in typed.scalars.items()
+        if isinstance(entry, str) or not entry.scale.base
+    }
+    scalars = _scalars(absolute, _NO_BASES, findings)
+    ratings = CaseData(**scalars).ratings  # type: ignore[arg-type]
+    _refuse_circular(typed, findings)
+    bases = Bases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(typed))
+    relative = {n: e for n, e in typed.scalars.items() if n not in absolute and n != "RatedTorque"}
+    scalars |= _scalars(relative, bases, findings)
+    _silence_followers(ratings, findings)
+    tables = {
+        spec.key: rows_in_si(spec, TABLES[spec.name][1], typed, bases, findings)
+        for spec in INPUT_TABLES
+    }
+    _silence_meshes(typed, findings)
+    _silence_references(typed, findings)
+    return CaseData(**scalars, **tables)  # type: ignore[arg-type]
+
+
+def _refuse_circular(typed: TypedCase, findings: Findings) -> None:
+    """RatedTorque in per unit of itself."""
+    entry = typed.scalars.get("RatedTorque")
+    if isinstance(entry, Typed) and entry.scale.base:
+        findings.add(
+            (SCALAR_TABLE, None, "RatedTorque"),
+            str(entry),
+            "a torque in lbf*ft, N*m or the like",
+            f"found {entry}; RatedTorque is what pu and % refer to and cannot be given in them. "
+            "Write it in lbf*ft or N*m.",
+        )
+
+
+def ratios_of(typed: TypedCase) -> dict[str, float | None]:
+    """Speed ratio of each station as typed.
+
+    Parameters
+    ----------
+    typed : TypedCase
+        Everything typed. [as typed]
+
+    Returns
+    -------
+    dict of str to (float or None)
+        By station. [1]
+    """
+    ratios: dict[str, float | None] = {}
+    for row in typed.tables.get("Stations", []):
+        name, ratio = row.get("Station"), row.get("Speed ratio")
+        if isinstance(name, str):
+            ratios[name] = ratio.scale.to_si(ratio.number) if isinstance(ratio, Typed) else 1.0
+    return ratios
+
+
+def _scalars(
+    entries: Mapping[str, Entry], bases: Bases, findings: Findings
+) -> dict[str, float | str | None]:
+    values: dict[str, float | str | None] = {}
+    for spec in SCALARS:
+        if spec.name in entries:
+            place = (SCALAR_TABLE, None, spec.name)
+            value = _value(entries[spec.name], spec, place, bases, None, findings)
+            entry = entries[spec.name]
+            if value is None and isinstance(entry, Typed) and not findings.is_bad(place):
+                _note_unresolved([place], entry, findings)
+            values[spec.attribute] = value
+    return values
+
+
+def rows_in_si(
+    spec: TableSpec, row_class: type, typed: TypedCase, bases: Bases, findings: Findings
+) -> tuple[Any, ...]:
+    """The rows of one table in SI.
+
+    Parameters
+    ----------
+    spec : TableSpec
+        The table. [table]
+    row_class : type
+        Its rows.
+    typed : TypedCase
+        Everything typed. [as typed]
+    bases : Bases
+        What relative units refer to. [SI]
+    findings : Findings
+        Takes every number that cannot be resolved. [problems]
+
+    Returns
+    -------
+    tuple
+        Of `row_class`. [SI]
+    """
+    unresolved: dict[str, list[Place]] = defaultdict(list)
+    rows = []
+    for number, entries in enumerate(typed.tables.get(spec.name, []), start=1):
+        values: dict[str, float | str | None] = {}
+        station = entries.get("Station")
+        for column in spec.columns:
+            if column.name not in entries:
+                continue
+            entry, place = entries[column.name], (spec.name, number, column.name)
+            where = station if isinstance(station, str) else None
+            value = _value(entry, column, place, bases, where, findings)
+            if value is None and not findings.is_bad(place):
+                unresolved[column.name].append(place)
+            values[_attribute(column, entry)] = value
+        rows.append(row_class(**values))
+    for places in unresolved.values():
+        first = typed.entry(places[0])
+        assert isinstance(first, Typed)
+        _note_unresolved(places, first, findings, bases)
+    return tuple(rows)
+
+
+def _attribute(column: Field, entry: Entry) -> str:
+    """A torque given as a share of the transmitted torque has a field of its own."""
+    if isinstance(entry, Typed) and entry.scale.base == TRANSMITTED_TORQUE:
+        return "torque_share"
+    return column.attribute
+
+
+def _value(
+    entry: Entry,
+    spec: Field,
+    place: Place,
+    bases: Bases,
+    station: str | None,
+    findings: Findings,
+) -> float | str | None:
+    """One entry in SI; None when it cannot be resolved."""
+    if isinstance(entry, str):
+        return entry
+    value = bases.si(entry, station)
+    if value is None:
+        return None
+    if value and not _SMALLEST <= abs(value) <= _LARGEST:
+        findings.add(
+            place,
+            str(entry),
+            "a quantity of this world",
+            f"found {entry}; no train has such a quantity. Correct the number or its unit.",
+        )
+        return None
+    if spec.kind != "integer":
+        return value
+    if value == round(value):
+        return int(value)
+    findings.add(
+        place,
+        entry.number,
+        "a whole number",
+        f"found {entry}; it must be a whole number. Correct it.",
+    )
+    return None
+
+
+def _note_unresolved(
+    places: list[Place], entry: Typed, findings: Findings, bases: Bases = _NO_BASES
+) -> None:
+    """One problem for all cells of a column that refer to something unknown."""
+    names, sentence = _SOURCES[entry.scale.base]
+    reported = any(findings.is_bad((SCALAR_TABLE, None, name)) for name in names)
+    station_unknown = entry.scale.base == STATION_SPEED and bases.synchronous_speed is not None
+    if reported or station_unknown:  # the cause has, or will have, a sentence of its own
+        for place in places:
+            findings.silence(place)
+        return
+    others = f" ({len(places) - 1} more rows of the column too)" if len(places) > 1 else ""
+    findings.add(
+        places[0],
+        str(entry),
+        f"a number whose reference ({entry.scale.base}) is known",
+        f"found {entry}{others}; it is {sentence}.",
+    )
+    for place in places[1:]:
+        findings.silence(place)
+
+
+# --- what follows from a cell that could not be read ----------------------------------------------
+
+_RATINGS = ("LineFrequency", "SynchronousSpeed", "Poles")
+#: A cell that could not be read → cells that would be called blank or contradictory because of it.
+_FOLLOWERS = {
+    ("Elements", "OD"): ("Stiffness", "Density"),
+    ("Elements", "Length"): ("Stiffness", "Density"),
+    ("Elements", "Shear modulus"): ("Stiffness",),
+    ("Elements", "Kind"): ("Stiffness", "To"),
+    ("Excitations", "Frequency"): ("Order",),
+    ("Meshes", "Mesh stiffness"): ("Backlash",),
+}
+#: Kind of a reference → the column it refers to.
+_REFERRED = {
+    "station": ("Stations", "Station"),
+    "element": ("Elements", "Element"),
+    "material": ("Materials", "Material"),
+}
+
+
+def _silence_followers(ratings: Ratings, findings: Findings) -> None:
+    """Nothing is said of what is only missing because another cell could not be read."""
+    bad = list(findings.bad_cells)
+    for table, row, column in bad:
+        for follower in _FOLLOWERS.get((table, column), ()):
+            findings.silence((table, row, follower))
+    if ratings.synchronous_speed is None and any(b[2] in _RATINGS for b in bad):
+        for name in _RATINGS:
+            findings.silence((SCALAR_TABLE, None, name))
+
+
+#: Columns of `Meshes` that need the Stiffness of their element in table `Elements`.
+_NEED_STIFFNESS = ("Mesh stiffness", "Mesh damping", "Backlash", "Angular backlash")
+
+
+def _silence_meshes(typed: TypedCase, findings: Findings) -> None:
+    """A stiffness that could not be read is not called blank by the mesh data of its element."""
+    elements = typed.tables.get("Elements", [])
+    names = {
+        elements[row - 1].get("Element")
+        for table, row, column in findings.bad_cells
+        if (table, column) == ("Elements", "Stiffness") and row is not None
+    }
+    for row, entries in enumerate(typed.tables.get("Meshes", []), start=1):
+        if entries.get("Element") in names:
+            for column in _NEED_STIFFNESS:
+                findings.silence(("Meshes", row, column))
+
+
+def _silence_references(typed: TypedCase, findings: Findings) -> None:
+    """When names could not be read, nothing is said of references to names."""
+    for kind, (table, column) in _REFERRED.items():
+        spoilt = any(bad[0] == table and bad[2] in (column, "") for bad in findings.bad_cells)
+        if spoilt:
+            for place in _references(typed, kind):
+                findings.silence(place)
+
+
+def _references(typed: TypedCase, kind: str) -> Iterator[Place]:
+    for spec in INPUT_TABLES:
+        for row in range(1, len(typed.tables.get(spec.name, [])) + 1):
+            for column in spec.columns:
+                if column.kind == kind:
+                    yield spec.name, row, column.name

@@ -1,0 +1,748 @@
+"""Workbook → `CaseData`, and every problem with the cell where it is corrected.
+
+Cells are found by defined names and Excel tables, never by address: the unit of a scalar stands in
+the cell to its right, the unit of a column right above its header. Nothing stops at the first
+problem: cells that cannot be read are noted here, the physics is checked by `engine.case.checks.find_problems`,
+and both are told together.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from addin.contract.problems import CellProblem, nearest, placed
+from addin.contract.tables import (
+    INPUT_TABLES,
+    SCALAR_SHEET,
+    SCALAR_TABLE,
+    SCALARS,
+    STUDY_INPUT_TABLES,
+    TEMPLATE_VERSION,
+    Field,
+    TableSpec,
+    input_table,
+)
+from addin.contract.units import UnitError, UnitScale, parse_unit
+from addin.reading.cells import (
+    Cell,
+    Fault,
+    built_in_format,
+    is_percent_format,
+    read_number,
+    read_text,
+    read_unit,
+)
+from addin.reading.typed_case import (
+    CaseInput,
+    Entry,
+    Findings,
+    Place,
+    Typed,
+    TypedCase,
+    all_problems,
+    to_case_data,
+    told_as_typed,
+    too_many_rows,
+    word_entry,
+)
+from addin.xlsx import DefinedName, Table, Workbook, open_workbook
+from addin.xlsx.references import Rect, cell_name, parse_cell, whole_number
+from addin.xlsx.xml_part import main
+from engine.errors import Problem
+
+if TYPE_CHECKING:
+    from addin.reading.study_inputs import StudiesRead
+
+__all__ = ["Locations", "WorkbookInput", "read_workbook"]
+
+#: Names this product has beyond the contract; a workbook without them reads as blank there.
+_OPTIONAL = frozenset({"RainflowResidue", "Gear type", "ContactLaw"})
+
+
+#: What a defined name of cells stands for: a sheet, in quotes where need be, and cells.
+_TO_CELLS = re.compile(
+    r"(?:'((?:[^'\[\]]|'')+)'|([^'!\[\]#]+))!\$?[A-Z]{1,3}\$?\d+(?::\$?[A-Z]{1,3}\$?\d+)?"
+)
+#: Names that are listed of a sheet that is not there. [count]
+_LISTED = 12
+
+
+@lru_cache(maxsize=1)
+def _own_names() -> frozenset[str]:
+    """Names of the product itself, which stand for something else; without capitals."""
+    from addin.contract.shipped import template_path
+
+    names = set(open_workbook(template_path("blank_us.xlsx"), read_only=True).defined_names)
+    return frozenset(name.casefold() for name in names | {one.name for one in SCALARS})
+
+
+@dataclass
+class Locations:
+    """Where everything stands in the workbook.
+
+    Parameters
+    ----------
+    scalars : dict of str to (sheet, cell)
+        By defined name. [cells]
+    units : dict of (table, column) to (sheet, cell)
+        Unit cells; of a scalar under its table ``Case``. [cells]
+    tables : dict of str to Table
+        Input tables found, by the name of the contract. [tables]
+    columns : dict of (table, column) to int
+        Sheet column of each column found. [count]
+    rows : dict of str to list of int
+        Table row, counted from 1, of each row read. [count]
+    """
+
+    scalars: dict[str, tuple[str, str]] = field(default_factory=dict)
+    units: dict[tuple[str, str], tuple[str, str]] = field(default_factory=dict)
+    tables: dict[str, Table] = field(default_factory=dict)
+    columns: dict[tuple[str, str], int] = field(default_factory=dict)
+    rows: dict[str, list[int]] = field(default_factory=dict)
+
+    def table_row(self, table: str, row: int) -> int:
+        """The row of a table as the engineer counts it.
+
+        Parameters
+        ----------
+        table : str
+            Input table. [name]
+        row : int
+            Row of `CaseData`, counted from 1. [count]
+
+        Returns
+        -------
+        int
+            Row of the Excel table counted from 1, blank rows included. [count]
+        """
+        rows = self.rows.get(table, [])
+        return rows[row - 1] if row <= len(rows) else row
+
+    def cell(self, table: str, row: int | None, column: str) -> tuple[str, str]:
+        """Sheet and cell of an input.
+
+        Parameters
+        ----------
+        table : str
+            Input table, or ``Case`` for a scalar. [name]
+        row : int or None
+            Row of `CaseData`, counted from 1; None for a scalar, or for the unit of a column. [count]
+        column : str
+            Header, name of the scalar, or empty for the whole table. [name]
+
+        Returns
+        -------
+        tuple of str
+            Sheet and cell; the cell is empty when there is none.
+        """
+        if table == SCALAR_TABLE:
+            return self.scalars.get(column, (SCALAR_SHEET, ""))
+        found = self.tables.get(table)
+        if found is None:
+            return input_table(table).sheet, ""
+        if row is None:
+            return self.units.get((table, column), (found.sheet, ""))
+        at = self.columns.get((table, column))
+        if at is None:
+            return found.sheet, ""
+        return found.sheet, cell_name(found.data.top + self.table_row(table, row) - 1, at)
+
+
+@dataclass(frozen=True)
+class WorkbookInput(CaseInput):
+    """A workbook as read; see `CaseInput` for data, problems, warnings and entries.
+
+    Parameters
+    ----------
+    path : Path
+        The file. [path]
+    sha256 : str
+        Digest of the file. [hexadecimal]
+    template_version : str
+        As written in the workbook; empty when missing. [text]
+    locations : Locations
+        Where everything stands. [cells]
+    workbook : Workbook
+        The open workbook; results are written into what the inputs were read from. [file]
+    """
+
+    path: Path
+    sha256: str
+    template_version: str
+    locations: Locations
+    workbook: Workbook = field(repr=False, compare=False)
+
+    def locate(self, problem: Problem) -> CellProblem:
+        """A problem of the engine with its sheet and cell.
+
+        Parameters
+        ----------
+        problem : Problem
+            Rows counted as in `data`. [problem]
+
+        Returns
+        -------
+        CellProblem
+            The problem with its place and the number as typed. [problem]
+        """
+        return _located(problem, self.typed, self.locations)
+
+    def otherwise_now(self) -> tuple[list[str], list[str]]:
+        """Inputs that are formulas and show something else since results were written.
+
+        Returns
+        -------
+        without_value : list of str
+            Cells of inputs and units, with their sheet, that nothing here could calculate again.
+        changed : list of str
+            Cells of inputs that hang on results and have got another value.
+        """
+        places = dict(self._places())
+        if not any(self._is_calculated(*cell) for cell in places):
+            return [], []
+        after = read_workbook(self.workbook).typed
+        without_value, changed = [], []
+        for (sheet, cell), (place, entry) in places.items():
+            if self.workbook.shown_value(sheet, cell) is None:
+                without_value.append(f"{sheet}!{cell}")
+            elif after.entry(place) != entry and self._is_calculated(sheet, cell):
+                changed.append(f"{sheet}!{cell}")
+        return without_value, changed
+
+    def _places(self) -> Iterator[tuple[tuple[str, str], tuple[Place, Entry]]]:
+        """Cells of all entries, and of their units."""
+        rows: list[tuple[str, int | None, Mapping[str, Entry]]]
+        rows = [(SCALAR_TABLE, None, self.typed.scalars)]
+        for table, entries in self.typed.tables.items():
+            rows += [(table, row, entry) for row, entry in enumerate(entries, start=1)]
+        for table, row, line in rows:
+            for column, entry in line.items():
+                place = (table, row, column)
+                yield self.locations.cell(*place), (place, entry)
+                if isinstance(entry, Typed) and entry.unit:
+                    yield self.locations.units[table, column], (place, entry)
+
+    def _is_calculated(self, sheet: str, cell: str) -> bool:
+        part, place = self.workbook.sheet_part(sheet), parse_cell(cell)
+        return place in part.formulas or part.array_across(Rect(*place, *place)) is not None
+
+
+def read_workbook(source: str | Path | Workbook) -> WorkbookInput:
+    """Read the inputs of a workbook, all problems collected.
+
+    Parameters
+    ----------
+    source : str, Path or Workbook
+        File, opened for reading only, or a workbook that is open already. [path]
+
+    Returns
+    -------
+    WorkbookInput
+        Data, problems, warnings and where everything stands. [SI]
+
+    Raises
+    ------
+    addin.xlsx.PackageError
+        When the file is not a workbook that can be opened.
+    """
+    if isinstance(source, Workbook):
+        return _Reading(source).result()
+    return _Reading(open_workbook(source, read_only=True)).result()
+
+
+class _Reading:
+    """One reading of one workbook: what has been found so far."""
+
+    def __init__(self, workbook: Workbook) -> None:
+        self.workbook = workbook
+        self.sheets = _Sheets(workbook)
+        self.typed = TypedCase()
+        self.findings = Findings()
+        self.locations = Locations()
+        self.warnings: list[str] = []
+        self.lost: dict[str, list[str]] = {}  # sheet that is not there → names that lead to it
+        self.names = {name.casefold(): one for name, one in workbook.defined_names.items()}
+        self.tables = {name.casefold(): one for name, one in workbook.tables.items()}
+
+    def result(self) -> WorkbookInput:
+        """Everything read and checked."""
+        version = self._version()
+        for spec in SCALARS:
+            self._read_scalar(spec)
+        self._note_lost_sheets()
+        for table in INPUT_TABLES:
+            self._read_table(table)
+        data = to_case_data(self.typed, self.findings)
+        problems = all_problems(data, self.findings)
+        return WorkbookInput(
+            path=self.workbook.path,
+            sha256=self.workbook.sha256,
+            data=data,
+            problems=tuple(_located(p, self.typed, self.locations) for p in problems),
+            warnings=tuple(self.warnings),
+            template_version=version,
+            typed=self.typed,
+            studies=self._studies(),
+            locations=self.locations,
+            workbook=self.workbook,
+        )
+
+    def _studies(self) -> StudiesRead | None:
+        """The study sheets, where the workbook has any: read apart, so that they spoil no case."""
+        present = [one for one in STUDY_INPUT_TABLES if one.name.casefold() in self.tables]
+        if not present:
+            return None
+        from addin.reading.study_inputs import studies_read
+
+        apart = _Reading(self.workbook)
+        for table in present:
+            apart._read_table(table)
+        return studies_read(
+            {table.name for table in present},
+            apart.typed,
+            self.typed,
+            apart.findings,
+            lambda problem: _located(problem, apart.typed, apart.locations),
+            tuple(apart.warnings),
+        )
+
+    # ---- scalars -------------------------------------------------------------------------------
+
+    def _version(self) -> str:
+        """Version of the template, with a warning when it is not this one's."""
+        name = self.names.get("templateversion")
+        if name is None or name.sheet is None or name.rect is None:
+            return ""
+        value = self.sheets.cell(name.sheet, name.rect.top, name.rect.left).value
+        version = f"{value:.15g}" if isinstance(value, float) else str(value or "").strip()
+        if version != TEMPLATE_VERSION:
+            self.warnings.append(
+                f"The workbook says template version '{version}', this program ships version "
+                f"'{TEMPLATE_VERSION}'. Compare with a new template if anything looks odd."
+            )
+        return version
+
+    def _read_scalar(self, spec: Field) -> None:
+        """One scalar, by its defined name."""
+        place = (SCALAR_TABLE, None, spec.name)
+        name = self.names.get(spec.name.casefold())
+        if name is None or name.sheet is None or name.rect is None:
+            lost = "" if name is None else self._lost_sheet(name)
+            if lost:
+                self.lost.setdefault(lost, []).append(spec.name)
+            elif spec.name not in _OPTIONAL:
+                self._note_missing_name(spec, broken=name is not None)
+            return
+        sheet, top, left = name.sheet, name.rect.top, name.rect.left
+        self.locations.scalars[spec.name] = (sheet, cell_name(top, left))
+        unit_at = (top, name.rect.right + 1)
+        self.locations.units[SCALAR_TABLE, spec.name] = (sheet, cell_name(*unit_at))
+        cell = self.sheets.cell(sheet, top, left)
+        entry: Entry | None
+        if spec.is_number:
+            unit = self.sheets.cell(sheet, *unit_at)
+            entry = self._scalar_number(cell, unit, spec, place)
+        else:
+            entry = self._words(cell, spec, place)
+        if entry is not None:
+            self.typed.scalars[spec.name] = entry
+
+    def _scalar_number(self, cell: Cell, unit: Cell, spec: Field, place: Place) -> Typed | None:
+        """A number and the unit to its right."""
+        number = self._number(cell, spec, place, "in the cell to the right of it")
+        if number is None:
+            return None
+        found = self._scale(unit, spec, place)
+        return None if found is None else self._typed(number, *found, cell, place)
+
+    def _lost_sheet(self, name: DefinedName) -> str:
+        """The sheet that a name leads to, where the workbook has none of it; else empty."""
+        match = _TO_CELLS.fullmatch(name.text.strip())
+        if match is None:
+            return ""
+        sheet = (match.group(1) or match.group(2)).replace("''", "'")
+        there = {one.casefold() for one in self.workbook.sheet_names}
+        return "" if sheet.casefold() in there else sheet
+
+    def _note_lost_sheets(self) -> None:
+        """One problem for all names that lead to a sheet that is not there."""
+        for sheet, names in self.lost.items():
+            rest = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+            listed = ", ".join(names[:_LISTED]) + rest
+            what = (
+                f"the defined name refers to sheet {sheet}, which"
+                if len(names) == 1
+                else f"{len(names)} defined names refer to sheet {sheet} ({listed}), which"
+            )
+            self.findings.add(
+                (SCALAR_TABLE, None, names[0]),
+                sheet,
+                "a sheet of the workbook",
+                f"{what} the workbook no longer has. If the sheet was renamed by another program, "
+                f"give it the name {sheet} back; if it was deleted, start from a new template.",
+            )
+            for name in names[1:]:
+                self.findings.silence((SCALAR_TABLE, None, name))
+
+    def _note_missing_name(self, spec: Field, broken: bool) -> None:
+        own = _own_names()
+        others = [
+            n
+            for n in self.workbook.defined_names
+            if n.casefold() not in own and not n.casefold().startswith("run_")
+        ]
+        meant = nearest(spec.name, others, 0.75)
+        if broken:
+            what = "the defined name leads to no cell any more (its row or sheet was deleted)"
+        else:
+            what = "the workbook has no such defined name"
+        hint = f" The name '{meant}' looks like it; rename it." if meant else ""
+        self.findings.add(
+            (SCALAR_TABLE, None, spec.name),
+            meant,
+            "a defined name",
+            f"{what}.{hint} Define it again (Formulas > Name Manager), or start from a new "
+            "template.",
+        )
+
+    # ---- tables --------------------------------------------------------------------------------
+
+    def _read_table(self, spec: TableSpec) -> None:
+        """One input table, by its name."""
+        table = self.tables.get(spec.name.casefold())
+        if table is None or not table.has_header:
+            self._note_missing_table(spec, table)
+            return
+        self.locations.tables[spec.name] = table
+        headers = {_header(name): i for i, name in enumerate(table.columns)}
+        for column in spec.columns:
+            index = headers.get(_header(column.name))
+            if index is None:
+                self._note_missing_column(spec, column, table)
+                continue
+            at = table.ref.left + index
+            self.locations.columns[spec.name, column.name] = at
+            if table.ref.top > 1:
+                unit_cell = cell_name(table.ref.top - 1, at)
+                self.locations.units[spec.name, column.name] = (table.sheet, unit_cell)
+        self._read_rows(spec, table)
+        self._note_merges(spec, table)
+        self._warn_of_rows(spec, table)
+        self._silence_missing_columns(spec)
+
+    def _note_missing_table(self, spec: TableSpec, found: Table | None) -> None:
+        if found is not None:
+            message = "the table has no header row. Switch it on (Table Design > Header Row)."
+        else:
+            known = {one.name.casefold() for one in INPUT_TABLES}
+            others = [name for name in self.workbook.tables if name.casefold() not in known]
+            meant = nearest(spec.name, others, 0.75)
+            hint = f" Table '{meant}' looks like it; rename it." if meant else ""
+            message = (
+                f"the workbook has no table of this name.{hint} Give the table its name back "
+                "(Table Design > Table Name), or start from a new template."
+            )
+        self.findings.add((spec.name, None, ""), None, "an Excel table of this name", message)
+
+    def _note_missing_column(self, spec: TableSpec, column: Field, table: Table) -> None:
+        if column.name in _OPTIONAL:
+            return
+        known = {_header(one.name) for one in (*spec.columns, *spec.extra_columns)}
+        others = [name for name in table.columns if _header(name) not in known]
+        meant = nearest(column.name, others, 0.5)
+        hint = f" Column '{meant}' looks like it; rename it." if meant else ""
+        self.findings.add(
+            (spec.name, None, column.name),
+            meant,
+            f"a column with the header {column.name}",
+            f"the table has no such column.{hint} Give the column its header back, or add it "
+            "(it may stay blank).",
+        )
+
+    def _silence_missing_columns(self, spec: TableSpec) -> None:
+        for column in spec.columns:
+            if self.findings.is_bad((spec.name, None, column.name)):
+                for row in range(1, len(self.locations.rows[spec.name]) + 1):
+                    self.findings.silence((spec.name, row, column.name))
+
+    def _read_rows(self, spec: TableSpec, table: Table) -> None:
+        """All rows that hold something; the others are passed over."""
+        columns = {
+            self.locations.columns[spec.name, column.name]: column
+            for column in spec.columns
+            if (spec.name, column.name) in self.locations.columns
+        }
+        lines: dict[int, dict[str, Cell]] = {}
+        for row, at in self.sheets.filled(table.sheet, table.data):
+            if at in columns:
+                cell = self.sheets.cell(table.sheet, row, at)
+                if not cell.is_blank:
+                    lines.setdefault(row, {})[columns[at].name] = cell
+        if spec.states:
+            lines = {row: line for row, line in lines.items() if spec.states in line}
+        if too_many_rows(spec.name, len(lines), self.findings):
+            lines = {}
+        self.locations.rows[spec.name] = [row - table.data.top + 1 for row in lines]
+        entries: list[dict[str, Entry]] = [{} for _ in lines]
+        self.typed.tables[spec.name] = entries
+        for column in columns.values():
+            cells = {
+                i: line[column.name] for i, line in enumerate(lines.values()) if column.name in line
+            }
+            for i, entry in self._column_entries(spec, column, cells):
+                entries[i][column.name] = entry
+
+    def _column_entries(
+        self, spec: TableSpec, column: Field, cells: Mapping[int, Cell]
+    ) -> Iterator[tuple[int, Entry]]:
+        """Index and entry of the cells of one column that can be read."""
+        if not cells:
+            return
+        if not column.is_number:
+            for i, cell in cells.items():
+                words = self._words(cell, column, (spec.name, i + 1, column.name))
+                if words is not None:
+                    yield i, words
+            return
+        place = (spec.name, None, column.name)
+        sheet, at = self.locations.units.get((spec.name, column.name), ("", ""))
+        unit = self.sheets.cell(sheet, *parse_cell(at)) if at else Cell(None)
+        scaled = self._scale(unit, column, place)
+        for i, cell in cells.items():
+            number = self._number(
+                cell, column, (spec.name, i + 1, column.name), "in the cell above the header"
+            )
+            if scaled is None:
+                self.findings.silence((spec.name, i + 1, column.name))
+            elif number is not None:
+                here = (spec.name, i + 1, column.name)
+                entry = self._typed(number, *scaled, cell, here)
+                if entry is not None:
+                    yield i, entry
+
+    def _note_merges(self, spec: TableSpec, table: Table) -> None:
+        """Merged cells inside a table: Excel keeps one value and shows it for all."""
+        for merge in self.sheets.merges(table.sheet):
+            if not merge.meets(table.data):
+                continue
+            name = next(
+                (
+                    column.name
+                    for column in spec.columns
+                    if merge.left
+                    <= self.locations.columns.get((spec.name, column.name), 0)
+                    <= merge.right
+                ),
+                "",
+            )
+            rows = self.locations.rows[spec.name]
+            inside = range(merge.top - table.data.top + 1, merge.bottom - table.data.top + 2)
+            index = next((i for i, row in enumerate(rows, start=1) if row in inside), None)
+            if index is None:
+                continue  # nothing is typed there
+            self.findings.add(
+                (spec.name, index, name),
+                f"merged cells {merge}",
+                "one cell a value",
+                f"the cells {merge} are merged and hold one value between them. Unmerge them and "
+                "fill each.",
+            )
+            self._silence_area(spec, table, merge)
+
+    def _silence_area(self, spec: TableSpec, table: Table, area: Rect) -> None:
+        for index, row in enumerate(self.locations.rows[spec.name], start=1):
+            for column in spec.columns:
+                at = self.locations.columns.get((spec.name, column.name), 0)
+                if area.has(table.data.top + row - 1, at):
+                    self.findings.silence((spec.name, index, column.name))
+
+    # ---- cells ---------------------------------------------------------------------------------
+
+    def _number(self, cell: Cell, spec: Field, place: Place, unit_place: str) -> float | None:
+        number = read_number(cell, spec, unit_place)
+        if isinstance(number, Fault):
+            self.findings.add(place, number.found, number.allowed, number.message)
+            return None
+        return number
+
+    def _words(self, cell: Cell, spec: Field, place: Place) -> str | None:
+        words = read_text(cell, spec)
+        if isinstance(words, Fault):
+            self.findings.add(place, words.found, words.allowed, words.message)
+            return None
+        return None if words is None else word_entry(words, spec, place, self.findings)
+
+    def _scale(self, cell: Cell, spec: Field, place: Place) -> tuple[UnitScale, str] | None:
+        """The scale of a unit cell and the unit; one that cannot be read is noted."""
+        if not spec.has_unit:
+            return UnitScale(1.0), ""
+        unit = read_unit(cell)
+        if isinstance(unit, Fault):
+            self._note_unit(unit.message, unit.found, unit.allowed, place)
+            return None
+        try:
+            return parse_unit(unit, spec.dimension), unit
+        except UnitError as error:
+            self._note_unit(error.message, unit or None, error.allowed, place)
+            return None
+
+    def _note_unit(self, message: str, found: str | None, allowed: str, place: Place) -> None:
+        if place[0] == SCALAR_TABLE:
+            message = f"unit cell {self.locations.units[place[0], place[2]][1]}: {message}"
+        self.findings.add(place, found, allowed, message)
+
+    def _typed(
+        self,
+        number: float,
+        scale: UnitScale,
+        unit: str,
+        cell: Cell,
+        place: Place,
+    ) -> Typed | None:
+        """A number with its unit, unless percent is stated twice."""
+        if scale.factor == 0.01 and is_percent_format(cell.number_format):
+            self.findings.add(
+                place,
+                f"{100 * number:.10g}%",
+                "a plain number of percent",
+                f"the cell shows {100 * number:.10g}% but holds {number:.10g}, and its unit is % "
+                f"already. Format the cell as Number and type {100 * number:.10g}.",
+            )
+            return None
+        return Typed(number, scale, unit)
+
+    # ---- warnings ------------------------------------------------------------------------------
+
+    def _warn_of_rows(self, spec: TableSpec, table: Table) -> None:
+        """Hidden rows are read; rows right below the table are not."""
+        hidden = self.sheets.hidden_rows(table.sheet)
+        rows = [r for r in self.locations.rows[spec.name] if table.data.top + r - 1 in hidden]
+        if rows:
+            self.warnings.append(
+                f"Sheet {table.sheet}, table {spec.name}: {_rows_in_words(rows)} hidden or "
+                "filtered out, and included in the calculation."
+            )
+        if table.has_totals:
+            return
+        below = Rect(table.ref.bottom + 1, table.ref.left, table.ref.bottom + 1, table.ref.right)
+        if any(True for _ in self.sheets.filled(table.sheet, below)):
+            self.warnings.append(
+                f"Sheet {table.sheet}, table {spec.name}: the row right below the table (row "
+                f"{below.top} of the sheet) is not part of it and is not read. Drag the corner of "
+                "the table down if it belongs to it."
+            )
+
+
+# --- the sheets of a workbook ---------------------------------------------------------------------
+
+
+class _Sheets:
+    """Cells, merged ranges, formats and hidden rows of an open workbook."""
+
+    def __init__(self, workbook: Workbook) -> None:
+        self._workbook = workbook
+        self._formats: list[str] | None = None
+        self._hidden: dict[str, frozenset[int]] = {}
+
+    def cell(self, sheet: str, row: int, column: int) -> Cell:
+        """One cell."""
+        part = self._workbook.sheet_part(sheet)
+        value = part.constant(row, column)
+        style = part.style(row, column) if isinstance(value, float) else None
+        return Cell(
+            value,
+            is_formula=(row, column) in part.formulas,
+            number_format=self._format(style),
+        )
+
+    def filled(self, sheet: str, area: Rect) -> Iterator[tuple[int, int]]:
+        """Cells of an area that hold something, row by row."""
+        return self._workbook.sheet_part(sheet).filled_cells(area)
+
+    def merges(self, sheet: str) -> list[Rect]:
+        """Merged ranges of a sheet."""
+        return self._workbook.sheet_part(sheet).merges
+
+    def hidden_rows(self, sheet: str) -> frozenset[int]:
+        """Rows of a sheet that are hidden, by hand or by a filter."""
+        if sheet not in self._hidden:
+            self._hidden[sheet] = _hidden_rows(self._workbook.sheet_bytes(sheet))
+        return self._hidden[sheet]
+
+    def _format(self, style: str | None) -> str:
+        """Number format of a style index."""
+        if self._formats is None:
+            self._formats = _number_formats(self._workbook)
+        index = whole_number(style or "0", len(self._formats) - 1)
+        return "General" if index is None else self._formats[index]
+
+
+_ROW_TAG = re.compile(rb"<(?:\w+:)?row\b([^<>]*)>")
+_ROW_NUMBER = re.compile(rb'\br="(\d+)"')
+_HIDDEN = re.compile(rb'\bhidden="(?:1|true)"')
+
+
+def _hidden_rows(sheet: bytes) -> frozenset[int]:
+    if b"hidden=" not in sheet:
+        return frozenset()
+    tags = (tag.group(1) for tag in _ROW_TAG.finditer(sheet))
+    numbers = (_ROW_NUMBER.search(tag) for tag in tags if _HIDDEN.search(tag))
+    return frozenset(int(number.group(1)) for number in numbers if number)
+
+
+def _number_formats(workbook: Workbook) -> list[str]:
+    """Number format code of each style index."""
+    part = workbook.structure.related("styles")
+    if part is None:
+        return []
+    root = workbook.container.tree(part)
+    custom = {
+        whole_number(entry.get("numFmtId")): entry.get("formatCode", "")
+        for entry in root.iterfind(f"{main('numFmts')}/{main('numFmt')}")
+    }
+    identifiers = (
+        whole_number(entry.get("numFmtId", "0")) or 0
+        for entry in root.iterfind(f"{main('cellXfs')}/{main('xf')}")
+    )
+    return [custom.get(number) or built_in_format(number) for number in identifiers]
+
+
+# --- places ---------------------------------------------------------------------------------------
+
+
+def _located(problem: Problem, typed: TypedCase, locations: Locations) -> CellProblem:
+    """A problem with rows as the engineer counts them, its cell, and the number as typed."""
+    sheet, cell = locations.cell(problem.table, problem.row, problem.column)
+    told = told_as_typed(problem, typed)
+    row = None if told.row is None else locations.table_row(told.table, told.row)
+    kind = "unit cell" if row is None and told.table != SCALAR_TABLE else "cell"
+    return placed(replace(told, row=row, message=_renumbered(told, locations)), sheet, cell, kind)
+
+
+_ROW_IN_WORDS = re.compile(r"(?:table (\w+), )?\brow (\d+)\b")
+
+
+def _renumbered(problem: Problem, locations: Locations) -> str:
+    """The sentence with every row it names counted as in the Excel table."""
+
+    def counted(match: re.Match[str]) -> str:
+        row = locations.table_row(match.group(1) or problem.table, int(match.group(2)))
+        return match.group()[: -len(match.group(2))] + str(row)
+
+    return _ROW_IN_WORDS.sub(counted, problem.message)
+
+
+def _rows_in_words(rows: list[int]) -> str:
+    if len(rows) == 1:
+        return f"row {rows[0]} is"
+    return "rows " + ", ".join(map(str, rows)) + " are"
+
+
+def _header(text: str) -> str:
+    """A header without line breaks, double blanks and capitals."""
+    return " ".join(text.replace("\u00a0", " ").split()).casefold()

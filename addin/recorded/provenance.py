@@ -1,0 +1,156 @@
+"""What a file says of its own making: digest of its inputs, software, settings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from addin.charts.data import ShownUnits
+from addin.contract.tables import SCALARS, json_key, result_table
+from addin.recorded.results import standing_rows
+from addin.xlsx import Workbook
+
+__all__ = [
+    "DIGEST_ITEM",
+    "Recorded",
+    "is_own_of_each_run",
+    "of_results_json",
+    "of_workbook",
+    "rows_of",
+]
+
+#: Items of table `Audit`, see `addin.calculation.audit`.
+DIGEST_ITEM = "Inputs, SHA-256 of the canonical case"
+_SETTING = "Setting of the command line: "
+_SOFTWARE = "Software"
+#: Items that differ from run to run and from machine to machine.
+_OWN_OF_EACH_RUN = re.compile(r"Software|Date \(UTC\)|Python|Libraries|Time spent: .*")
+_DIGEST = re.compile(r"[0-9a-f]{64}")
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What a file records of the calculation.
+
+    Parameters
+    ----------
+    digest : str
+        Digest of the inputs; empty when there is none. [hex]
+    software : str
+        Name and version. [text]
+    settings : dict
+        Fields of the case that the command line set. [SI]
+    unreadable : tuple of str
+        Settings that cannot be used again. [text]
+    """
+
+    digest: str = ""
+    software: str = ""
+    settings: dict[str, Any] = field(default_factory=dict)
+    unreadable: tuple[str, ...] = ()
+
+
+def is_own_of_each_run(item: str) -> bool:
+    """Whether an item of the audit trail belongs to one run and not to the inputs.
+
+    Parameters
+    ----------
+    item : str
+        Item of table `Audit`. [text]
+
+    Returns
+    -------
+    bool
+        True for dates, versions and wall times.
+    """
+    return _OWN_OF_EACH_RUN.fullmatch(item) is not None
+
+
+def of_workbook(workbook: Workbook) -> Recorded:
+    """What table `Audit` of a workbook records.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The open workbook.
+
+    Returns
+    -------
+    Recorded
+        Blank where nothing is recorded.
+    """
+    rows = standing_rows(workbook, result_table("Audit"), ShownUnits({}, {}))
+    return _of_audit({"item": row.get("Item"), "value": row.get("Value")} for row in rows)
+
+
+def of_results_json(content: Mapping[str, Any]) -> Recorded:
+    """What table `Audit` of a result JSON records.
+
+    Parameters
+    ----------
+    content : mapping
+        What the file holds. [SI]
+
+    Returns
+    -------
+    Recorded
+        Blank where nothing is recorded.
+    """
+    return _of_audit(rows_of(content, "Audit"))
+
+
+def rows_of(content: Mapping[str, Any], table: str) -> list[dict[str, Any]]:
+    """Rows of a table of a result JSON, whatever a damaged file has in their place.
+
+    Parameters
+    ----------
+    content : mapping
+        What the file holds. [SI]
+    table : str
+        Result table. [name]
+
+    Returns
+    -------
+    list of dict
+        By JSON key. [SI]
+    """
+    rows = content.get(json_key(table))
+    return [row for row in rows if isinstance(row, dict)] if isinstance(rows, list) else []
+
+
+def _of_audit(rows: Iterable[Mapping[str, Any]]) -> Recorded:
+    """What rows with the keys ``item`` and ``value`` record."""
+    said = {str(row.get("item") or ""): row.get("value") for row in rows}
+    settings: dict[str, Any] = {}
+    unreadable = []
+    for item, value in said.items():
+        if item.startswith(_SETTING):
+            name = item.removeprefix(_SETTING)
+            found = _setting(name, value)
+            if found is None:
+                unreadable.append(f"{name} = {value}")
+            else:
+                settings[name] = found
+    digest = str(said.get(DIGEST_ITEM) or "").strip().lower()
+    return Recorded(
+        digest if _DIGEST.fullmatch(digest) else "",
+        str(said.get(_SOFTWARE) or ""),
+        settings,
+        tuple(unreadable),
+    )
+
+
+def _setting(name: str, value: Any) -> Any:
+    """A recorded setting as the case takes it; None when it is not one."""
+    spec = next((one for one in SCALARS if one.attribute == name), None)
+    text = str(value if value is not None else "").strip()
+    if spec is None or not text:
+        return None
+    if not spec.is_number:
+        return text if not spec.choices or text in spec.choices else None
+    try:
+        return float(text)
+    except ValueError:
+        return None

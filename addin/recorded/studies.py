@@ -1,0 +1,147 @@
+"""Studies as they stand in a workbook, in SI, and whether they are those of its inputs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from addin.charts.data import ShownUnits
+from addin.contract.studies.registry import STUDIES, StudyOnSheet
+from addin.contract.tables import STUDY_RESULT_TABLES
+from addin.recorded.results import recorded_fact, standing_rows
+from addin.recorded.study_digests import edited_tables
+
+if TYPE_CHECKING:
+    from addin.reading.workbook import WorkbookInput
+    from engine.case.study_inputs import StudyInputs
+
+__all__ = ["StudyThere", "rows_digest", "studies_there"]
+
+#: What the stamp of a study says of its rows.
+_ROWS = re.compile(r"study rows ([0-9a-f]{12})")
+
+
+@dataclass(frozen=True, eq=False)
+class StudyThere:
+    """A study that stands on the sheets of a workbook.
+
+    Parameters
+    ----------
+    on_sheet : StudyOnSheet
+        Which study, its sheet and its command.
+    sentence, stamp : str
+        What it found; who made it, when, from which inputs. [sentences]
+    tables : mapping of str to sequence of mapping
+        Rows of its result tables by table and header, of tables that the workbook has. [SI]
+    outdated : str
+        Why it is not a study of the inputs as they are now; empty where it is. [sentence]
+    edited : tuple of str
+        Its tables that do not hold what it wrote. [names]
+    is_recorded : bool
+        What it wrote is recorded, so that edits are seen. [flag]
+    is_cut_short : bool
+        Ctrl-C ended it: a part of it stands there. [flag]
+    """
+
+    on_sheet: StudyOnSheet
+    sentence: str
+    stamp: str
+    tables: Mapping[str, Sequence[Mapping[str, Any]]]
+    outdated: str
+    edited: tuple[str, ...]
+    is_recorded: bool
+    is_cut_short: bool = False
+
+    @property
+    def key(self) -> str:
+        """Its key. [name]"""
+        return self.on_sheet.key
+
+
+def rows_digest(tables: Sequence[str], inputs: StudyInputs) -> str:
+    """Digest of the rows that a study is made from, whatever its settings are.
+
+    Parameters
+    ----------
+    tables : sequence of str
+        Study tables that it reads. [names]
+    inputs : StudyInputs
+        What is typed in them. [SI]
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits; the same in any unit. [hex]
+    """
+    from engine.case.study_inputs import STUDY_TABLES, study_digest
+
+    return study_digest(*(row for name in tables for row in getattr(inputs, STUDY_TABLES[name][0])))
+
+
+def studies_there(read: WorkbookInput, units: ShownUnits) -> tuple[StudyThere, ...]:
+    """The studies that stand in a workbook, in the order of their sheets.
+
+    Parameters
+    ----------
+    read : WorkbookInput
+        The workbook, its case without problems. [SI]
+    units : ShownUnits
+        The units above its columns.
+
+    Returns
+    -------
+    tuple of StudyThere
+        Of studies that have been made.
+    """
+    from addin.studies.registry import every_study
+    from addin.studies.study import CUT_SHORT
+    from engine.case.data import case_digest
+    from engine.case.study_inputs import StudyInputs
+
+    inputs = StudyInputs() if read.studies is None else read.studies.inputs
+    studies = {study.key: study for study in every_study()}
+    digest = case_digest(read.data)
+    specs = {spec.name: spec for spec in STUDY_RESULT_TABLES}
+    found = []
+    for one in STUDIES:
+        sentence, made, stamp, written = (
+            recorded_fact(read.workbook, f"{one.key}_{fact}")
+            for fact in ("Sentence", "SHA256", "Stamp", "Tables")
+        )
+        if not (sentence or made):
+            continue
+        study = studies[one.key]
+        names = [name for name in (*study.results, *study.charts) if name in specs]
+        tables = {name: standing_rows(read.workbook, specs[name], units) for name in names}
+        rows = rows_digest(study.inputs, inputs)
+        outdated = _outdated(study.inputs, made, digest, stamp, rows) or _unread(study.inputs, read)
+        edited = edited_tables(read.workbook, (specs[name] for name in names), units, written)
+        is_part = sentence.startswith(CUT_SHORT)
+        found.append(
+            StudyThere(one, sentence, stamp, tables, outdated, edited, bool(written), is_part)
+        )
+    return tuple(found)
+
+
+def _unread(tables: Sequence[str], read: WorkbookInput) -> str:
+    """That a cell of its tables cannot be read: it counts as blank in the digest, but is not."""
+    problems = () if read.studies is None else read.studies.problems
+    for one in problems:
+        if one.table in tables:
+            place = one.column if one.row is None else f"row {one.row}, {one.column}"
+            return f"table {one.table} has a cell that cannot be read ({place}), which it was not made with"
+    return ""
+
+
+def _outdated(tables: Sequence[str], made: str, digest: str, stamp: str, rows: str) -> str:
+    """Why a study is not one of the inputs as they are now."""
+    if made != digest:
+        of = f"inputs with SHA-256 {made[:12]}…" if made else "inputs that it does not name"
+        return f"it was made from {of}; those in the file have {digest[:12]}…"
+    stated = _ROWS.search(stamp)
+    if tables and (stated is None or not rows.startswith(stated.group(1))):
+        of = f"table {tables[0]}" if len(tables) == 1 else f"tables {' and '.join(tables)}"
+        return f"it was made from other rows of {of} than those in the file"
+    return ""

@@ -1,0 +1,105 @@
+"""The function reference docs/functions.md, made from the registry: `python -m addin.reference.functions_page`."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+
+from addin.worksheet import functions  # noqa: F401  (enters the functions)
+from addin.worksheet.registry import FUNCTIONS, Argument, Function
+
+__all__ = ["PAGE", "reference"]
+
+#: Where the page stands.
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "functions.md"
+
+KINDS = {
+    "block": "range with headers and units",
+    "model": "handle",
+    "number": "number",
+    "numbers": "number or range",
+    "text": "text",
+    "flag": "TRUE or FALSE",
+    "count": "whole number",
+}
+
+#: What follows an example.
+MORE = {
+    "TV_MODEL": """The shortest call for the same workbook leaves the start out, which modes and margins do not need:
+`=TV_MODEL(Train!B6:G22, Train!B26:U42, Case!B5:J43, , , , , , Fatigue!B6:G12)`. Materials are in it
+because a shaft names one.""",
+}
+
+HEAD = """# Worksheet functions
+
+Made from the registry by `python -m addin.reference.functions_page`; do not edit.
+
+The same functions answer in every front (desktop Excel, the calculation server, LibreOffice Calc,
+Python), with the same doubles. `TV_MODEL` checks the tables and gives a *handle*, a short
+text made of the digest of the inputs; every other function of a train takes the cell with it. A start
+is calculated once and serves every cell that asks for it. What is wrong with the tables is said in
+the cell of `TV_MODEL`, with table, row and column; a blank is never taken for zero.
+
+A range for `TV_MODEL` is the table with its headers **and the row of units above them**, such as
+`Train!B6:G22`: units are not guessed. The ranges of the examples are those of the shipped examples
+(`torsionbook new train.xlsx --example proposed`) and of the blank template; a table that has grown has
+more rows. Workbooks for a front (`torsionbook new train.xlsm`, `--for server`, `--for calc`) have a
+sheet `Live` with the formula ready, its ranges growing with the tables: the name `LiveModel` is its
+cell, so that `=TV_PEAKS(LiveModel)` works anywhere in the book. Answers are tables with one row of headers; they spill in Excel
+365 and 2021, and are entered as array formulas (Ctrl+Shift+Enter) in older Excel and in Calc. *Units*
+is `SI` or `US`, blank as the tables are typed; *Headers* `FALSE` leaves the row of headers out.
+
+**Do not type the per cent sign where the unit is `%` already.** A cell that shows `1.5%` holds 0.015, and a
+spreadsheet program hands a function that number without its format. With the unit `%` it is read as
+0.015 %, a hundred times too small, in every front: the functions cannot notice, and no error is
+shown. It concerns all that is typed in per cent: damping ratios, margins, tolerances, voltage,
+and speeds and torques as shares of the rated ones. Type 1.5 in a cell formatted as Number; or keep the
+per cent format and write 1 as the unit. `torsionbook check train.xlsx` and `recalc` read the saved file
+with its formats and refuse such a cell by its name: run `check` once where numbers were pasted or come
+from another workbook. (Where the format was changed afterwards and the cell shows 0.015, nobody can tell.)
+
+| function | what it answers | calculates a start |
+|---|---|---|
+"""
+
+
+def reference() -> str:
+    """The page.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
+    rows = [
+        f"| [`{f.name}`](#{f.name.casefold()}) | {_first(f.help)} | {'yes' if f.long else ''} |\n"
+        for f in FUNCTIONS.values()
+    ]
+    return HEAD + "".join(rows) + "".join(_section(f) for f in FUNCTIONS.values())
+
+
+def _section(function: Function) -> str:
+    text = inspect.getdoc(function.answer) or ""
+    lines = [f"\n## {function.name}\n", f"\n`{_call(function)}`\n", f"\n{text}\n"]
+    lines += ["\n| argument | kind | what to give |\n|---|---|---|\n"]
+    lines += [f"| {_named(a)} | {KINDS[a.kind]} | {a.help} |\n" for a in function.arguments]
+    lines += [f"\nExample: `{function.example}`\n"]
+    lines += [f"\n{MORE[function.name]}\n"] if function.name in MORE else []
+    return "".join(lines)
+
+
+def _call(function: Function) -> str:
+    return f"{function.name}({', '.join(_named(a) for a in function.arguments)})"
+
+
+def _named(argument: Argument) -> str:
+    return f"[{argument.name}]" if argument.optional else argument.name
+
+
+def _first(text: str) -> str:
+    """The first sentence, or the text to its colon."""
+    return text.split(": ")[0].split(". ")[0].rstrip(".")
+
+
+if __name__ == "__main__":
+    PAGE.write_text(reference(), encoding="utf-8")

@@ -1,0 +1,194 @@
+"""Units of one document, and its inputs as they were typed.
+
+A workbook is shown in its own units. A case JSON is shown in those it is typed in; its plain
+numbers, which are in SI, in the usual units of its system.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from addin.charts.data import ShownUnits
+from addin.contract import tables as fields
+from addin.contract.problems import shortened
+from addin.contract.shown_units import shown_units
+from addin.contract.tables import Field
+from addin.contract.units import parse_unit
+from addin.reading.typed_case import CaseInput, Entry, Typed
+from addin.report.numbers import clean, pretty_unit, typed
+from engine.case.data import CaseData
+
+__all__ = ["Shown", "entry_text", "own_speeds", "shown_of"]
+
+#: Digits of an input that was converted to another unit: as good as the factor of its unit.
+_CONVERTED_DIGITS = 7
+#: Longest text of a cell. [characters]
+_LONGEST = 1000
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a document is shown in.
+
+    Parameters
+    ----------
+    units : ShownUnits
+        Units of the columns. [units]
+    system : str
+        ``US`` or ``SI``; it chooses the paper. [word]
+    is_workbook : bool
+        Whether numbers stand in the units they are typed in. [flag]
+    notes : tuple of str
+        Units that cannot be used. [sentences]
+    """
+
+    units: ShownUnits
+    system: str
+    is_workbook: bool
+    notes: tuple[str, ...]
+
+    @property
+    def paper(self) -> str:
+        """Letter for US customary units, else A4. [word]"""
+        return "us-letter" if self.system == "US" else "a4"
+
+    def unit(self, table: str, column: str) -> str:
+        """The unit of a result column as printed.
+
+        Parameters
+        ----------
+        table, column : str
+            Result table and header. [names]
+
+        Returns
+        -------
+        str
+            The unit; empty where there is none. [unit]
+        """
+        return pretty_unit(self.units.name(table, column))
+
+
+def shown_of(read: CaseInput) -> Shown:
+    """Units of a document about an input.
+
+    Parameters
+    ----------
+    read : CaseInput
+        What was read; of a workbook a `WorkbookInput`.
+
+    Returns
+    -------
+    Shown
+        Its units.
+    """
+    from addin.reading.workbook import WorkbookInput
+    from addin.writing.workbook import read_shown_units
+
+    rated = read.data.ratings.rated_torque
+    if isinstance(read, WorkbookInput):
+        found, problems = read_shown_units(read.workbook, rated)
+        system = _system(found.names.values())
+        usual = template_units(system)  # a cell above a column without a unit holds other words
+        names = usual | {k: v for k, v in found.names.items() if v and k in usual}
+        units, _ = shown_units(names, rated)
+        return Shown(units, system, True, tuple(problems))
+    system = _system(entry.unit for entry in _entries(read) if isinstance(entry, Typed))
+    units, _ = shown_units(template_units(system), rated)
+    return Shown(units, system, False, ())
+
+
+def template_units(system: str) -> dict[tuple[str, str], str]:
+    """The units of a blank template.
+
+    Parameters
+    ----------
+    system : str
+        ``US`` or ``SI``. [word]
+
+    Returns
+    -------
+    dict
+        Table and column → unit. [units]
+    """
+    names = {}
+    every = (fields.INPUT_TABLES, fields.RESULT_TABLES, fields.WORKBOOK_TABLES)
+    for table in (one for tables in (*every, fields.STUDY_RESULT_TABLES) for one in tables):
+        repeated = () if table.repeated is None else (table.repeated,)
+        for field in (*table.columns, *repeated, *table.extra_columns):
+            if field.has_unit:
+                names[table.name, field.name] = field.unit_us if system == "US" else field.unit_si
+    return names
+
+
+def entry_text(entry: Entry | None, field: Field, shown: Shown) -> tuple[str, str]:
+    """An input as typed, and its unit.
+
+    Parameters
+    ----------
+    entry : Entry or None
+        What was typed; None for a blank. [entry]
+    field : Field
+        Its column or scalar.
+    shown : Shown
+        The units of the document.
+
+    Returns
+    -------
+    tuple of str
+        Number or words, and the unit as printed; both empty for a blank. [text, unit]
+    """
+    if entry is None:
+        return "", ""
+    if isinstance(entry, str):
+        return shortened(clean(entry), _LONGEST), ""
+    number, unit, digits = entry.number, entry.unit, 10
+    usual = field.unit_us if shown.system == "US" else field.unit_si
+    is_plain_si = entry.scale.factor == 1.0 and not entry.scale.base
+    if not shown.is_workbook and is_plain_si and usual and usual != unit:
+        scale = parse_unit(usual, field.dimension)
+        if not scale.base:
+            number, unit, digits = scale.from_si(number), usual, _CONVERTED_DIGITS
+    return typed(number, digits), pretty_unit(unit)
+
+
+def own_speeds(case: CaseData) -> dict[str | None, float]:
+    """How fast each element turns, of a mesh its From side.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    dict
+        Element → speed ratio to the motor. [1]
+    """
+    ratio = {row.station: row.speed_ratio or 1.0 for row in case.stations}
+    return {e.element: ratio.get(e.from_) or ratio.get(e.to) or 1.0 for e in case.elements}
+
+
+def _system(units: Iterable[str]) -> str:
+    """US where most units that tell the systems apart are US customary."""
+    words = ("lb", "psi", "ksi", "Mpsi", "in", "ft", "hp")
+    us: Counter[bool] = Counter()
+    for unit in units:
+        parts = {part.split("^")[0] for part in unit.replace("/", "*").split("*")}
+        if parts & {*words, "lbf", "kip"}:
+            us[True] += 1
+        elif parts & {"kg", "N", "kN", "Pa", "MPa", "GPa", "mm", "m", "kW", "MW", "W"}:
+            us[False] += 1
+    return "US" if us[True] > us[False] else "SI"
+
+
+def _entries(read: CaseInput) -> Iterable[Entry]:
+    yield from read.typed.scalars.values()
+    for rows in read.typed.tables.values():
+        for row in rows:
+            yield from _values(row)
+
+
+def _values(row: Mapping[str, Entry]) -> Iterable[Entry]:
+    return row.values()

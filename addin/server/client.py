@@ -1,0 +1,210 @@
+"""A client of the calculation server, with the standard library alone.
+
+    from addin.server.client import Client
+
+    server = Client("http://127.0.0.1:8765")
+    model = server.model("train.xlsx")
+    rows = server.call("TV_PEAKS", model)
+    server.recalculate("train.xlsx", "train.out.xlsx")
+
+This file stands by itself: copied elsewhere it works without torsionbook.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import ssl
+import urllib.error
+import urllib.parse
+import urllib.request
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+__all__ = ["Client", "Refusal"]
+
+
+class Refusal(Exception):
+    """What the server said instead of an answer.
+
+    Parameters
+    ----------
+    message : str
+        Why, and what to do. [sentence]
+    code : str
+        What a cell would show, such as ``#N/A``; empty for a request as a whole. [code]
+    errors : sequence of dict
+        Everything wrong with a workbook, each with sheet, table, row and column.
+    """
+
+    def __init__(self, message: str, code: str = "", errors: Sequence[dict[str, Any]] = ()) -> None:
+        super().__init__(message)
+        self.message = message
+        self.code = code
+        self.errors = tuple(errors)
+
+
+class Client:
+    """One server.
+
+    Parameters
+    ----------
+    address : str
+        Such as ``https://torsion.example.com``. [URL]
+    key : str
+        API key, where the server asks for one. [text]
+    timeout : float
+        Longest wait for one answer. [s]
+    """
+
+    def __init__(
+        self, address: str = "http://127.0.0.1:8765", key: str = "", timeout: float = 900.0
+    ) -> None:
+        self._address = address.rstrip("/")
+        self._headers = {"X-API-Key": key} if key else {}
+        self._timeout = timeout
+
+    def call(self, name: str, *arguments: Any) -> list[list[Any]]:
+        """The cells a function shows.
+
+        Parameters
+        ----------
+        name : str
+            Name of the function. [name]
+        *arguments : object
+            A value, a list (one row) or a list of rows each; None or NaN for a blank. [as typed]
+
+        Returns
+        -------
+        list of list
+            Rows of cells. [shown units]
+
+        Raises
+        ------
+        Refusal
+            If there is no answer.
+        """
+        (found,) = self.batch([(name, *arguments)])
+        if isinstance(found, Refusal):
+            raise found
+        return found
+
+    def batch(self, calls: Iterable[Sequence[Any]]) -> list[list[list[Any]] | Refusal]:
+        """The answers of many calls in one request.
+
+        Parameters
+        ----------
+        calls : iterable of sequence
+            Name and arguments of each.
+
+        Returns
+        -------
+        list of (list of list, or Refusal)
+            In the same order; what has no answer says why. [shown units]
+        """
+        found: list[Any] = [_as_json(name, given) for name, *given in calls]
+        sent = ",".join(one for one in found if isinstance(one, str))
+        if not sent:
+            return found
+        body = f'{{"calls": [{sent}]}}'.encode()
+        said = iter(json.loads(self._post("/api/v1/batch", body, "application/json"))["results"])
+        return [_answer(next(said)) if isinstance(one, str) else one for one in found]
+
+    def model(self, path: str | Path) -> str:
+        """The handle of the model in a workbook or a case JSON.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file. [path]
+
+        Returns
+        -------
+        str
+            For the functions that take a model. [text]
+
+        Raises
+        ------
+        Refusal
+            With everything that is wrong in it.
+        """
+        return str(json.loads(self._file("/api/v1/model", path))["model"])
+
+    def recalculate(self, path: str | Path, target: str | Path) -> None:
+        """Have a workbook recalculated.
+
+        Parameters
+        ----------
+        path : str or Path
+            The workbook. [path]
+        target : str or Path
+            Where the recalculated one is written. [path]
+
+        Raises
+        ------
+        Refusal
+            With everything that is wrong in it; nothing is written then.
+        """
+        Path(target).write_bytes(self._file("/api/v1/workbook", path))
+
+    def _file(self, route: str, path: str | Path) -> bytes:
+        name = urllib.parse.quote(Path(path).name)
+        return self._post(
+            f"{route}?name={name}", Path(path).read_bytes(), "application/octet-stream"
+        )
+
+    def _post(self, route: str, body: bytes, kind: str) -> bytes:
+        headers = {**self._headers, "Content-Type": kind}
+        request = urllib.request.Request(self._address + route, body, headers)
+        try:
+            with urllib.request.urlopen(request, timeout=self._timeout) as said:
+                return bytes(said.read())
+        except urllib.error.HTTPError as refused:
+            raise _refusal(refused) from None
+        except urllib.error.URLError as wrong:
+            hint = ""
+            if isinstance(wrong.reason, ssl.SSLCertVerificationError):
+                hint = (
+                    " Its certificate is not trusted here: set the environment variable "
+                    "SSL_CERT_FILE to the file of that certificate, or of who issued it."
+                )
+            raise Refusal(f"{self._address} cannot be reached: {wrong.reason}.{hint}") from None
+
+
+def _as_json(name: str, given: Sequence[Any]) -> str | Refusal:
+    """A call as it is sent, or why it cannot be."""
+    try:
+        return json.dumps({"name": name, "arguments": _without_nan(given)}, allow_nan=False)
+    except ValueError:
+        return Refusal(
+            f"{name}: an argument is infinite, which no cell holds. Give finite numbers, and None "
+            "for a blank."
+        )
+    except TypeError as wrong:
+        return Refusal(
+            f"{name}: an argument cannot be sent ({wrong}). Give numbers, texts, True, False, None, "
+            "or lists of them."
+        )
+
+
+def _without_nan(value: Any) -> Any:
+    """NaN is a blank, as in a table of pandas."""
+    if isinstance(value, (list, tuple)):
+        return [_without_nan(one) for one in value]
+    return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def _answer(one: dict[str, Any]) -> Any:
+    """The rows of one call, or why there are none."""
+    if "error" in one:
+        return Refusal(one["error"]["message"], one["error"]["code"])
+    return one["value"]
+
+
+def _refusal(refused: urllib.error.HTTPError) -> Refusal:
+    try:
+        content = json.load(refused)
+        return Refusal(content["error"]["message"], errors=content.get("errors", ()))
+    except (ValueError, KeyError, TypeError):
+        return Refusal(f"The server answered with status {refused.code}.")

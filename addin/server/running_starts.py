@@ -1,0 +1,194 @@
+"""One calculation of a start, or of a large train, for everybody who waits for it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from addin.server.processes import Cancelled, Job, Work
+from addin.server.studies import Asked
+from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
+from addin.worksheet.registry import FunctionError
+
+__all__ = ["Starts", "waited_for"]
+
+Tell = Callable[[str], None]
+#: Result → task of the pool.
+TASK = {RUN: "start", AT_SPEED: "speed"}
+
+
+async def waited_for(job: Job, tell: Tell | None = None) -> Any:
+    """The result of a job; whoever stops waiting gives the job up.
+
+    Parameters
+    ----------
+    job : Job
+        As submitted.
+    tell : callable, optional
+        Called with each stage, in the event loop. [words]
+
+    Returns
+    -------
+    object
+        Its result.
+    """
+    loop = asyncio.get_running_loop()
+    leave = job.listen(lambda stage: _post(loop, tell, stage))
+    try:
+        return await asyncio.wrap_future(job.future)
+    except asyncio.CancelledError:
+        job.cancel()
+        raise
+    finally:
+        leave()
+
+
+def _post(loop: asyncio.AbstractEventLoop, tell: Tell | None, stage: str) -> None:
+    if tell is not None and not loop.is_closed():
+        loop.call_soon_threadsafe(tell, stage)
+
+
+@dataclass
+class _Shared:
+    """A start on its way, with those who wait."""
+
+    task: asyncio.Task[Any]
+    tellers: list[Tell]
+    stage: str = ""
+    waiting: int = 0
+
+    def tell(self, stage: str) -> None:
+        self.stage = stage
+        for one in list(self.tellers):
+            one(stage)
+
+
+class Starts:
+    """The results being calculated, by what can change them.
+
+    Parameters
+    ----------
+    work : Work
+        Where they are calculated.
+    """
+
+    def __init__(self, work: Work) -> None:
+        self._work = work
+        self._shared: dict[tuple[str, str], _Shared] = {}
+
+    async def ready(self, model: Model, tell: Tell | None = None, what: str = RUN) -> Any:
+        """A result of a model, kept or calculated in the pool, never in this process.
+
+        Cancelling this call gives the calculation up, unless somebody else waits for it.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+        tell : callable, optional
+            Called with each stage. [words]
+        what : str
+            Name of the result. [name]
+
+        Returns
+        -------
+        object
+            The result, or the `FunctionError` that says why there is none: kept with the model for
+            as long as there is memory, so whoever asked takes it from here. [SI]
+
+        Raises
+        ------
+        Busy, TooLong, RuntimeError
+            If there is no result.
+        """
+        found = model.kept.get(what)
+        if found is not None:
+            return found
+        shared = self._shared.get((model.results, what))
+        if shared is None:
+            shared = self._begin(model, what)
+        elif tell is not None and shared.stage:
+            tell(shared.stage)
+        if tell is not None:
+            shared.tellers.append(tell)
+        shared.waiting += 1
+        try:
+            return await asyncio.shield(shared.task)
+        finally:
+            shared.waiting -= 1
+            if tell is not None:
+                shared.tellers.remove(tell)
+            if not shared.waiting and not shared.task.done():
+                self._forget(model, what, shared)
+                shared.task.cancel()
+
+    async def view(self, model: Model) -> Any:
+        """What the page draws of a large train without its start; not kept.
+
+        Parameters
+        ----------
+        model : Model
+            The model.
+
+        Returns
+        -------
+        dict
+            Plain values. [shown units]
+        """
+        job = self._work.submit("view", (model.handle, model.case, model.system))
+        return await waited_for(job)
+
+    async def study(self, asked: Asked, tell: Tell) -> dict[str, Any]:
+        """A study, made for the one who asks; cancelling this call gives it up.
+
+        Parameters
+        ----------
+        asked : Asked
+            What is asked for.
+        tell : callable
+            Called with each stage. [words]
+
+        Returns
+        -------
+        dict
+            Key ``value``, or ``error`` and ``errors``. [SI]
+
+        Raises
+        ------
+        Busy, TooLong, RuntimeError, FunctionError
+            If there is no result.
+        """
+        return dict(await waited_for(self._work.submit("study", asked), tell))
+
+    def _begin(self, model: Model, what: str) -> _Shared:
+        job = self._work.submit(TASK[what], model.case)
+        shared = _Shared(asyncio.create_task(self._calculate(model, what, job)), [])
+        # whoever waited may be gone by the time it fails: that is no error of the server's
+        shared.task.add_done_callback(lambda task: task.cancelled() or task.exception())
+        self._shared[model.results, what] = shared
+        return shared
+
+    async def _calculate(self, model: Model, what: str, job: Job) -> Any:
+        shared = self._shared[model.results, what]
+        try:
+            found = await _found(job, shared.tell)
+            await asyncio.to_thread(MODELS.keep, model, what, found)
+            return found
+        finally:
+            self._forget(model, what, shared)
+
+    def _forget(self, model: Model, what: str, shared: _Shared) -> None:
+        if self._shared.get((model.results, what)) is shared:
+            del self._shared[model.results, what]
+
+
+async def _found(job: Job, tell: Tell) -> Any:
+    """The result of a job, or the sentence why the train has none: that is kept, too."""
+    try:
+        return await waited_for(job, tell)
+    except FunctionError as wrong:
+        return wrong
+    except Cancelled:
+        raise RuntimeError("The calculation was given up. Ask for it again.") from None

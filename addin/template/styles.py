@@ -1,0 +1,401 @@
+"""How the shipped workbooks look: one palette, one table of cell formats, number formats by dimension.
+
+Blue on light yellow is typed by the engineer, black on white is calculated, grey is words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from addin.contract.result_tables import SHARE_MODES
+
+__all__ = ["FONT", "PALETTE", "SPEED_GROUPS", "Styles", "number_format"]
+
+#: Metric-compatible fonts exist on every system, so that nothing is clipped on another computer.
+FONT = "Arial"
+
+PALETTE: Mapping[str, str] = {
+    "navy": "#1F3A5F",
+    "steel": "#44719B",
+    "mist": "#DCE6F0",
+    "rust": "#B5541C",
+    "teal": "#2A7F77",
+    "gold": "#C9971C",
+    "plum": "#6B4C86",
+    "grey": "#595959",
+    "silver": "#BFBFBF",
+    "paper": "#F5F6F8",
+    "white": "#FFFFFF",
+    "input": "#FFFFCC",
+    "blue": "#0000FF",
+    "pass": "#C6EFCE",
+    "pass_ink": "#00612E",
+    "accepted": "#FFEB9C",
+    "accepted_ink": "#7F6000",
+    "fail": "#FFC7CE",
+    "fail_ink": "#9C0006",
+    "open": "#E7E6E6",
+}
+
+#: Colour of the discs and of the shafts between them, by speed of the shaft line.
+SPEED_GROUPS: tuple[tuple[str, str], ...] = (
+    (PALETTE["navy"], "#A9BCD3"),
+    (PALETTE["rust"], "#E9BFA5"),
+    (PALETTE["teal"], "#A8D3CE"),
+    (PALETTE["plum"], "#CDBBDC"),
+)
+
+_THIN = {"border": 1, "border_color": PALETTE["silver"]}
+_SIDELESS = {
+    "top": 1,
+    "bottom": 1,
+    "top_color": PALETTE["silver"],
+    "bottom_color": PALETTE["silver"],
+}
+_INPUT = {"bg_color": PALETTE["input"], "font_color": PALETTE["blue"], **_THIN}
+_HEADER = {
+    "bold": True,
+    "font_color": PALETTE["white"],
+    "text_wrap": True,
+    "align": "center",
+    "valign": "vcenter",
+    "border": 1,
+    "border_color": PALETTE["white"],
+}
+
+#: Cell formats by name; each starts from Arial 9.
+_FORMATS: Mapping[str, Mapping[str, Any]] = {
+    "plain": {},
+    "banner": {
+        "bold": True,
+        "font_size": 16,
+        "font_color": PALETTE["white"],
+        "valign": "vcenter",
+        "bg_color": PALETTE["navy"],
+        "indent": 1,
+    },
+    "banner_right": {
+        "font_size": 9,
+        "font_color": PALETTE["white"],
+        "valign": "vcenter",
+        "align": "right",
+        "bg_color": PALETTE["navy"],
+        "indent": 1,
+    },
+    "strip": {
+        "font_color": PALETTE["navy"],
+        "bg_color": PALETTE["mist"],
+        "valign": "vcenter",
+        "indent": 1,
+    },
+    "strip_right": {
+        "font_color": PALETTE["navy"],
+        "bg_color": PALETTE["mist"],
+        "valign": "vcenter",
+        "align": "center",
+        "bold": True,
+        "shrink": True,
+    },
+    "note": {"italic": True, "font_color": PALETTE["grey"]},
+    "note_beside": {"italic": True, "font_color": PALETTE["grey"], "indent": 1},
+    "fact": {"bold": True, "font_color": PALETTE["navy"], "valign": "vcenter", "align": "left"},
+    "sentence": {
+        "bold": True,
+        "font_size": 11,
+        "font_color": PALETTE["navy"],
+        "bg_color": PALETTE["paper"],
+        "text_wrap": True,
+        "align": "left",
+        "valign": "vcenter",
+        "indent": 1,
+        **_THIN,
+    },
+    "caption": {"bold": True, "font_size": 11, "font_color": PALETTE["navy"]},
+    "drawn": {
+        "bold": True,
+        "font_color": PALETTE["navy"],
+        "valign": "vcenter",
+        "align": "left",
+        "indent": 1,
+        "shrink": True,
+    },
+    "group": {
+        "bold": True,
+        "font_color": PALETTE["white"],
+        "bg_color": PALETTE["steel"],
+        "valign": "vcenter",
+        "indent": 1,
+    },
+    "label": {"bg_color": PALETTE["paper"], "valign": "vcenter", "indent": 1, **_THIN},
+    "hint": {
+        "italic": True,
+        "font_size": 8,
+        "font_color": PALETTE["grey"],
+        "valign": "vcenter",
+        "indent": 1,
+        **_THIN,
+    },
+    "input": {**_INPUT, "valign": "vcenter"},
+    "input_text": {
+        **_INPUT,
+        "valign": "vcenter",
+        "align": "left",
+        "indent": 1,
+        "num_format": "@",
+    },
+    "input_wide": {
+        "bg_color": PALETTE["input"],
+        "font_color": PALETTE["blue"],
+        "valign": "vcenter",
+        "align": "left",
+        "indent": 1,
+        "num_format": "@",
+        **_SIDELESS,
+    },
+    "input_more": {"bg_color": PALETTE["input"], **_SIDELESS},
+    "input_unit": {
+        **_INPUT,
+        "italic": True,
+        "align": "center",
+        "valign": "vcenter",
+        "font_size": 8,
+    },
+    "no_unit": {
+        "align": "center",
+        "valign": "vcenter",
+        "font_size": 8,
+        "bg_color": PALETTE["paper"],
+        "font_color": PALETTE["grey"],
+        **_THIN,
+    },
+    "fixed_unit": {
+        "align": "center",
+        "valign": "vcenter",
+        "font_size": 8,
+        "italic": True,
+        "bg_color": PALETTE["paper"],
+        "font_color": PALETTE["grey"],
+        **_THIN,
+    },
+    "header_input": {**_HEADER, "bg_color": PALETTE["navy"]},
+    "header_result": {**_HEADER, "bg_color": PALETTE["grey"]},
+    "header_check": {**_HEADER, "bg_color": PALETTE["teal"]},
+    "result": {**_THIN, "valign": "vcenter", "align": "right"},
+    "result_text": {**_THIN, "valign": "vcenter", "align": "left", "indent": 1, "shrink": True},
+    "result_wrap": {
+        **_THIN,
+        "valign": "vcenter",
+        "align": "left",
+        "indent": 1,
+        "text_wrap": True,
+    },
+    "result_mixed": {
+        **_THIN,
+        "valign": "vcenter",
+        "align": "right",
+        "shrink": True,
+        "num_format": "#,##0.####",
+    },
+    "result_center": {**_THIN, "valign": "vcenter", "align": "center"},
+    "verdict": {
+        **_THIN,
+        "valign": "vcenter",
+        "align": "center",
+        "bold": True,
+        "font_size": 8,
+        "shrink": True,
+    },
+    "check": {**_THIN, "valign": "vcenter", "font_color": PALETTE["teal"], "bg_color": "#F1F8F7"},
+    "check_value": {
+        **_THIN,
+        "valign": "vcenter",
+        "align": "right",
+        "font_color": PALETTE["teal"],
+        "bg_color": "#F1F8F7",
+    },
+    "title_label": {
+        "font_size": 8,
+        "font_color": PALETTE["grey"],
+        "bg_color": PALETTE["paper"],
+        "indent": 1,
+        "valign": "vcenter",
+        **_THIN,
+    },
+    "title_value": {
+        "bold": True,
+        "font_color": PALETTE["navy"],
+        "indent": 1,
+        "valign": "vcenter",
+        "align": "left",
+        **_THIN,
+    },
+    "verdict_banner": {
+        "bold": True,
+        "font_size": 12,
+        "align": "center",
+        "valign": "vcenter",
+        "bg_color": PALETTE["open"],
+        "font_color": PALETTE["grey"],
+        **_THIN,
+    },
+    "key_label": {"bg_color": PALETTE["paper"], "indent": 1, "valign": "vcenter", **_THIN},
+    "key_value": {"bold": True, "align": "right", "valign": "vcenter", **_THIN},
+    "key_unit": {"font_color": PALETTE["grey"], "indent": 1, "valign": "vcenter", **_THIN},
+    "prose": {"text_wrap": True, "valign": "top"},
+    "prose_beside": {"text_wrap": True, "valign": "vcenter", "indent": 1},
+    "prose_bold": {"text_wrap": True, "valign": "top", "bold": True},
+    "cf_pass": {"bg_color": PALETTE["pass"], "font_color": PALETTE["pass_ink"]},
+    "cf_accepted": {"bg_color": PALETTE["accepted"], "font_color": PALETTE["accepted_ink"]},
+    "cf_fail": {"bg_color": PALETTE["fail"], "font_color": PALETTE["fail_ink"]},
+    "cf_open": {"bg_color": PALETTE["open"], "font_color": PALETTE["grey"]},
+}
+
+_LARGE = "[>=1000]#,##0;[<=-1000]-#,##0;0.000"
+#: For what may be negative: LibreOffice drops the sign of a negative number in any section but the
+#: first, and in that one shows it of itself.
+_SIGNED = "[<1000]#,##0.00;#,##0"
+_SMALL = "[>=0.01]0.00;[>0]0.00000;0.00"
+#: Errors of a study span many decades.
+_STUDIED = "[>=0.01]0.000;[>=0.000001]0.000000;0.0E+00"
+
+#: Number format of a result by its dimension; typed numbers stay as typed.
+_NUMBER_FORMATS: Mapping[str, str] = {
+    "count": "0",
+    "frequency": "0.000",
+    "cycles per minute": "#,##0.0",
+    "fraction": _SMALL,
+    "ratio": "0.0000",
+    "speed": "0.0",
+    "time": "0.000",
+    "calculation time": "[>=100]#,##0;[>=1]0.0;0.00",
+    "deciding number": "[<0.01]0.00000;#,##0.000",
+    "sweep rate": "0.000",
+    "angular acceleration": "0.00",
+}
+
+#: Results whose size says nothing of their dimension.
+_COLUMN_FORMATS: Mapping[str, str] = {
+    "Minimum torque": _SIGNED,
+    "Maximum torque": _SIGNED,
+    "Mesh minimum torque": _SIGNED,
+    "Average torque": _SIGNED,
+    "Load torque": _SIGNED,
+    **dict.fromkeys((f"Share {mode}" for mode in range(1, SHARE_MODES + 1)), "0.0000"),
+    "Damage": "0.000E+00",
+    "Damage check": "0.000E+00",
+    "Damage low": "0.000E+00",
+    "Damage high": "0.000E+00",
+    "Allowed": "0.0000",
+    "Used": "[>=0.001]0.0000;[>0]0.00E+00;0",
+    "Yearly": "[>=0.001]0.0000;[>0]0.00E+00;0",
+    "Left": "0.0000",
+    "Remaining years": "[>=100]#,##0;0.0",
+    "Years low": "[>=100]#,##0;0.0",
+    "Years high": "[>=100]#,##0;0.0",
+    "So far": "General",
+    "Per year": "General",
+    "Loaded starts": "#,##0.0",
+    "Unloaded starts": "#,##0.0",
+    "Remaining starts": "#,##0.0",
+    "Change": "0.00",
+    "Change low": "0.00",
+    "Change high": "0.00",
+    "Margin before": "0.00",
+    "Required before": "0.0",
+    "Reduction": "0.0",
+    "Residual": "0.00",
+    "Residual before": "0.00",
+    "Left-out residual": "0.00",
+    "Pull": "0.00",
+    "Cycles": "#,##0.0",
+    "Cycles to failure": "#,##0",
+    "Allowable starts": "#,##0.0",
+    "Paper count": "#,##0.0",
+    "Starts check": "#,##0.0",
+    "Starts to judge": "#,##0",
+    "Error": "[>=0.01]0.00;[>0]0.00000;0",
+    "Error peak": _STUDIED,
+    "Error starts": _STUDIED,
+    "Percent speed": "0.00",
+    "Percent speed check": "0.00",
+    "Margin": "0.00",
+    "Margin check": "0.00",
+    "Required": "0.0",
+    "Share": "0.0",
+    **dict.fromkeys(
+        (
+            "At P10",
+            "At P90",
+            "Change at P10",
+            "Change at P90",
+            "Peak change",
+            "Peak below",
+            "Peak above",
+            "Starts change",
+            "Starts below",
+            "Starts above",
+        ),
+        "+0.00;-0.00;0.00",
+    ),
+    **dict.fromkeys(("Shift 1", "Shift 2", "Shift 3"), "+0.000;-0.000;0.000"),
+    "Recontact speed": "[>=0.01]0.000;[>0]0.00000;0",
+    "Recontact speed angular": "[>=0.01]0.000;[>0]0.00000;0",
+}
+
+
+def number_format(name: str, dimension: str) -> str:
+    """Number format of a result column.
+
+    Parameters
+    ----------
+    name : str
+        Header of the column. [name]
+    dimension : str
+        Key of `fields.DIMENSIONS`. [word]
+
+    Returns
+    -------
+    str
+        Excel number format.
+    """
+    return _COLUMN_FORMATS.get(name, _NUMBER_FORMATS.get(dimension, _LARGE))
+
+
+class Styles:
+    """The cell formats of one workbook, made when first asked for.
+
+    Parameters
+    ----------
+    workbook : xlsxwriter.Workbook
+        The workbook under construction.
+    """
+
+    def __init__(self, workbook: Any) -> None:
+        self._workbook = workbook
+        self._made: dict[tuple[str, str], Any] = {}
+
+    def __call__(self, name: str, number: str = "") -> Any:
+        """A format of the table above.
+
+        Parameters
+        ----------
+        name : str
+            Its name. [name]
+        number : str
+            Number format instead of its own. [Excel number format]
+
+        Returns
+        -------
+        xlsxwriter.format.Format
+            The format.
+        """
+        key = (name, number)
+        if key not in self._made:
+            properties = dict(_FORMATS[name])
+            if not name.startswith("cf_"):
+                properties = {"font_name": FONT, "font_size": 9, **properties}
+            if number:
+                properties["num_format"] = number
+            self._made[key] = self._workbook.add_format(properties)
+        return self._made[key]

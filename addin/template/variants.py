@@ -1,0 +1,69 @@
+"""The flavours of the shipped workbooks: how each front's program spells a worksheet function.
+
+A cell shows one name; the file holds another, and a third program none at all. The plain flavour
+has no functions: it is for calculation without a spreadsheet program, and opens everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+__all__ = ["FLAVOURS", "Flavour"]
+
+
+def _classic(function: str) -> str:
+    """VBA functions stand in the file as they are typed."""
+    return function
+
+
+def _office(function: str) -> str:
+    """Custom functions of Office.js stand in the file behind a mark, the point as an underscore."""
+    return f"_xldudf_{function}"
+
+
+def _calc(function: str) -> str:
+    """LibreOffice reads an .xlsx by the programmatic name of an extension's function only."""
+    from addin.libreoffice.names import programmatic_name
+
+    return programmatic_name(function)
+
+
+@dataclass(frozen=True)
+class Flavour:
+    """One kind of workbook.
+
+    Parameters
+    ----------
+    name : str
+        As the command line names it. [word]
+    suffix : str
+        Ending of its files. [text]
+    help : str
+        Whom it is for. [sentence]
+    spelled : callable or None
+        Name of a function of the registry → what the file holds; None = no sheet `Live`.
+    dynamic : bool
+        Whether its array formulas are dynamic arrays; else of fixed size. [flag]
+    """
+
+    name: str
+    suffix: str
+    help: str
+    spelled: Callable[[str], str] | None = None
+    dynamic: bool = False
+
+
+#: By name; the first is the usual one.
+FLAVOURS: Mapping[str, Flavour] = {
+    one.name: one
+    for one in (
+        Flavour("files", ".xlsx", "without functions: recalculated as a file, opens everywhere"),
+        Flavour("excel", ".xlsm", "desktop Excel on Windows, functions through xlwings", _classic),
+        Flavour(
+            "server", ".xlsx", "Excel on Mac, Windows and in the browser, functions from a server",
+            _office, dynamic=True,
+        ),
+        Flavour("calc", ".xlsx", "LibreOffice Calc with torsionbook.oxt", _calc),
+    )
+}  # fmt: skip

@@ -1,0 +1,357 @@
+"""Which cells the charts of a workbook draw, and whether they carry the values of those cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import isclose
+from typing import Any
+
+from addin.charts.data import LABELS
+from addin.contract.problems import shortened
+from addin.contract.sheets import SHEETS, Sheet
+from addin.contract.studies.registry import with_studies
+from addin.contract.tables import INPUT_TABLES
+from addin.template.chart_parts import Place, Places
+from addin.template.charts import CHARTS, make_chart
+from addin.template.study_charts import STUDY_CHARTS
+from addin.verify.compare import ROUNDING
+from addin.verify.findings import Finding
+from addin.verify.structure import plain
+from addin.xlsx import Drawn, DrawnChart, Workbook
+from addin.xlsx.references import Rect, absolute_range, cell_name, quoted_sheet
+
+__all__ = ["compare_copies", "compare_drawings"]
+
+_KINDS: Mapping[str, Callable[[Any, Places, int], Any]] = {**CHARTS, **STUDY_CHARTS}
+#: Charts of words above them alone may be anybody's; from so many series on they are known by these.
+_TELLING = 2
+
+Area = tuple[str, Rect]
+#: Name (its cell, or fixed words), categories and values of a series.
+Series = tuple[Area | str, Area | None, Area | None]
+
+
+@dataclass(frozen=True)
+class _Expected:
+    """A chart of ours as it is written: its sheet where that is known, title, series."""
+
+    sheet: str | None
+    title: str
+    title_cell: Area | None
+    series: tuple[Series, ...]
+
+
+def compare_drawings(
+    workbook: Workbook, charts: Sequence[DrawnChart], same_version: bool
+) -> Iterator[Finding]:
+    """Charts of ours that draw other cells than they were written to draw.
+
+    A chart that was taken out is nobody's concern, nor is a chart of the engineer's own or a series
+    that he put into one of ours.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    charts : sequence of DrawnChart
+        Its charts.
+    same_version : bool
+        Whether this version drew it; what another one drew may differ. [flag]
+
+    Yields
+    ------
+    Finding
+        One a chart.
+    """
+    known = [(chart, _series(workbook, chart)) for chart in charts]
+    for one in _expected(workbook):
+        here = [pair for pair in known if one.sheet in (None, pair[0].sheet)]
+        if any(_is_whole(one, series) for _, series in here):
+            continue
+        for chart, series in here:
+            said = _astray(one, chart, series)
+            if said:
+                yield Finding("chart", chart.sheet, chart.cell, said, fails=same_version)
+                break
+
+
+def compare_copies(workbook: Workbook, charts: Sequence[DrawnChart]) -> Iterator[Finding]:
+    """Charts that carry other values than the cells they draw, which programs show that do not calculate.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+    charts : sequence of DrawnChart
+        Its charts.
+
+    Yields
+    ------
+    Finding
+        One a chart, of anybody.
+    """
+    for chart in charts:
+        wrong = [one for drawn in chart.references() for one in _wrong_points(workbook, drawn)]
+        if wrong:
+            (sheet, cell), carried, held = wrong[0]
+            more = "" if len(wrong) == 1 else f", and so {len(wrong) - 1:,} more"
+            yield Finding(
+                "chart", chart.sheet, chart.cell,
+                f"{_called(chart)} carries {_shown(carried)} for {quoted_sheet(sheet)}!{cell}, where "
+                f"{_shown(held)} stands{more}",
+                found=carried, expected=held,
+            )  # fmt: skip
+
+
+# --- what is drawn --------------------------------------------------------------------------------
+
+
+def _series(workbook: Workbook, chart: DrawnChart) -> list[Series]:
+    """The series of a chart as it stands."""
+    return [
+        (
+            _first_cell(_only(one.name)) or plain(one.name.words),
+            _as_typed(workbook, _only(one.categories)),
+            _as_typed(workbook, _only(one.values)),
+        )
+        for one in chart.series
+    ]
+
+
+def _only(drawn: Drawn) -> Area | None:
+    """The cells of a reference; where it has several areas or leads nowhere, its text and no cell of ours."""
+    if len(drawn.areas) == 1:
+        return drawn.areas[0]
+    return (drawn.text, Rect(1, 1, 1, 1)) if drawn.text else None
+
+
+def _first_cell(area: Area | None) -> Area | None:
+    """Where a name begins: its cell grows with a table that had one row."""
+    if area is None:
+        return None
+    sheet, rect = area
+    return sheet, Rect(rect.top, rect.left, rect.top, rect.left)
+
+
+def _as_typed(workbook: Workbook, area: Area | None) -> Area | None:
+    """Points of an input table, of which a chart may draw fewer or more rows than it has now."""
+    if area is None:
+        return None
+    sheet, rect = area
+    for spec in INPUT_TABLES:
+        table = workbook.tables.get(spec.name)
+        if table is None or table.sheet != sheet or rect.top != table.data.top:
+            continue
+        if table.data.left <= rect.left and rect.right <= table.data.right:
+            return sheet, Rect(rect.top, rect.left, table.data.bottom, rect.right)
+    return area
+
+
+def _drawn(series: Iterable[Series]) -> set[tuple[Area | None, Area | None]]:
+    return {(categories, values) for _, categories, values in series}
+
+
+def _is_whole(one: _Expected, series: Sequence[Series]) -> bool:
+    """Whether a chart draws all that ours draws, under the names of ours."""
+    return _drawn(one.series) <= _drawn(series) and not _other_names(one, series)
+
+
+def _other_names(one: _Expected, series: Sequence[Series]) -> list[tuple[Area, Area]]:
+    """Names that stand in another cell than ours, of series that draw the same; fixed words are anybody's."""
+    found = []
+    for name, *drawn in one.series:
+        names = [other for other, *cells in series if cells == drawn]
+        if not isinstance(name, str) and names and name not in names:
+            found += [(other, name) for other in names[:1] if not isinstance(other, str)]
+    return found
+
+
+def _astray(one: _Expected, chart: DrawnChart, series: Sequence[Series]) -> str:
+    """What is said of a chart that is ours and draws other cells; nothing where it is not, or does not."""
+    if not _is_ours(one, chart, series):
+        return ""
+    missing, extra = _drawn(one.series) - _drawn(series), _drawn(series) - _drawn(one.series)
+    if missing and extra:
+        wanted = next(cells for _, *cells in one.series if tuple(cells) in missing)
+        found = next(cells for _, *cells in series if tuple(cells) in extra)
+        return f"{_called(chart)} draws {_pair(found)}, not {_pair(wanted)} as it was written"
+    names = [] if missing else _other_names(one, series)
+    if names:
+        other, name = names[0]
+        return f"{_called(chart)} names a series by {_place(other)}, not by {_place(name)}"
+    return ""
+
+
+def _is_ours(one: _Expected, chart: DrawnChart, series: Sequence[Series]) -> bool:
+    """Whether a chart is one of ours by its title, by half of what it draws, or by half of its names."""
+    if one.title_cell is not None and _only(chart.title_cell) == one.title_cell:
+        return True
+    if one.title and plain(chart.title) == plain(one.title):
+        return True
+    if len(one.series) < _TELLING:
+        return False
+    shared = len(_drawn(one.series) & _drawn(series))
+    names = {name for name, *_ in one.series if name} & {name for name, *_ in series}
+    return 2 * max(shared, len(names)) >= len(one.series)
+
+
+# --- what would be drawn --------------------------------------------------------------------------
+
+
+class _Standing(Places):
+    """Tables where they stand in a workbook."""
+
+    def __init__(self, workbook: Workbook) -> None:
+        super().__init__(
+            {
+                table.name: Place(
+                    table.sheet,
+                    table.data.top - 1,
+                    table.data.bottom - 1,
+                    {name: table.ref.left - 1 + k for k, name in enumerate(table.columns)},
+                )
+                for table in workbook.tables.values()
+            }
+        )
+
+    def label(self, key: str) -> str:
+        sheet, row, column, *_ = self.cell("ChartLabels", "Text", LABELS.index(key))
+        cell = absolute_range(Rect(row + 1, column + 1, row + 1, column + 1))
+        return f"={quoted_sheet(sheet)}!{cell}"
+
+
+class _Recorder:
+    """Takes the place of XlsxWriter's workbook and chart, and keeps what a chart is told to draw."""
+
+    def __init__(self) -> None:
+        self.series: list[Mapping[str, Any]] = []
+        self.title = ""
+
+    def add_chart(self, options: object) -> _Recorder:
+        return self
+
+    def add_series(self, options: Mapping[str, Any]) -> None:
+        self.series.append(options)
+
+    def set_title(self, options: Mapping[str, Any]) -> None:
+        self.title = str(options.get("name", ""))
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        return lambda *words, **more: None
+
+
+def _expected(workbook: Workbook) -> Iterator[_Expected]:
+    """Charts of ours whose tables stand in the workbook."""
+    places = _Standing(workbook)
+    for sheet in with_studies(SHEETS):
+        for at in sheet.charts:
+            recorder = _Recorder()
+            try:
+                make_chart(recorder, places, at.name, (at.width, at.height), _KINDS)
+            except KeyError:  # a table or column that is not there, which is told by itself
+                continue
+            title_cell = _area(workbook, recorder.title)
+            yield _Expected(
+                _present(workbook, sheet),
+                recorder.title if title_cell is None else _words_in(workbook, title_cell),
+                title_cell,
+                tuple(
+                    (
+                        _first_cell(_area(workbook, one.get("name"))) or plain(one.get("name")),
+                        _area(workbook, one.get("categories")),
+                        _area(workbook, one.get("values")),
+                    )
+                    for one in recorder.series
+                ),
+            )
+
+
+def _words_in(workbook: Workbook, area: Area) -> str:
+    """The words that a title shows, which other programs keep instead of its cell."""
+    sheet, rect = area
+    return str(workbook.shown_value(sheet, cell_name(rect.top, rect.left)) or "")
+
+
+def _present(workbook: Workbook, sheet: Sheet) -> str | None:
+    """A sheet under its shipped name, or under the one it has now, told by its tables."""
+    if sheet.name in workbook.sheet_names:
+        return sheet.name
+    tables = (workbook.tables.get(name) for name in sheet.tables)
+    return next((table.sheet for table in tables if table is not None), None)
+
+
+def _area(workbook: Workbook, told: Any) -> Area | None:
+    """Cells as XlsxWriter is told them; None for words."""
+    if isinstance(told, str):
+        found = workbook.chart_areas(told[1:]) if told.startswith("=") else None
+        return found[0] if found else None
+    if not told:
+        return None
+    sheet, top, left, *rest = told
+    bottom, right = rest or (top, left)
+    return sheet, Rect(top + 1, left + 1, bottom + 1, right + 1)
+
+
+# --- what is carried ------------------------------------------------------------------------------
+
+
+def _wrong_points(workbook: Workbook, drawn: Drawn) -> Iterator[tuple[tuple[str, str], Any, Any]]:
+    """Points of a copy that are not the value of their cell: the cell, what is carried, what stands there."""
+    if not drawn.points or len(drawn.areas) != 1:
+        return
+    sheet, rect = drawn.areas[0]
+    part = workbook.sheet_part(sheet)
+    if part.hidden_rows(rect.top, rect.bottom) or (rect.height > 1 and rect.width > 1):
+        return  # hidden cells are not drawn, and the others move up
+    down = rect.height > 1 or rect.width == 1
+    for at, carried in drawn.points.items():
+        row, column = (rect.top + at, rect.left) if down else (rect.top, rect.left + at)
+        cell = part.constant(row, column) if rect.has(row, column) else None
+        number = _number(carried) if drawn.numbers else None
+        if drawn.numbers and isinstance(cell, float):
+            alike = number is None or isclose(number, cell, rel_tol=ROUNDING, abs_tol=1e-300)
+        elif drawn.numbers:
+            alike = not number  # texts count as zero
+        else:
+            alike = not isinstance(cell, str) or plain(carried) == plain(cell)
+        if not alike:
+            yield (
+                (sheet, cell_name(row, column)),
+                carried if number is None else number,
+                cell if isinstance(cell, str | float) else None,
+            )
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+# --- words ----------------------------------------------------------------------------------------
+
+
+def _called(chart: DrawnChart) -> str:
+    return (
+        f"the chart '{shortened(chart.title, 60)}'" if chart.title else "the chart without a title"
+    )
+
+
+def _pair(pair: Sequence[Area | None]) -> str:
+    categories, values = pair
+    return f"{_place(values)} over {_place(categories)}"
+
+
+def _place(area: Area | None) -> str:
+    if area is None:
+        return "nothing"
+    sheet, rect = area
+    return sheet if "!" in sheet else f"{quoted_sheet(sheet)}!{rect}"
+
+
+def _shown(value: object) -> str:
+    if value is None:
+        return "nothing"
+    return f"{value:.9g}" if isinstance(value, float) else f"'{shortened(str(value), 60)}'"

@@ -1,0 +1,142 @@
+"""Whether our tables still stand in a workbook as tables, under the headers they were written with."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Iterator
+
+from addin.contract.chart_rows import workbook_columns
+from addin.contract.problems import shortened
+from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, TableSpec
+from addin.verify.findings import Finding
+from addin.xlsx import Table, Workbook
+from addin.xlsx.references import Rect, cell_name
+
+__all__ = ["missing_tables", "odd_columns", "plain"]
+
+#: Headers side by side by which the cells of a table are known again that is a table no more.
+_TELLING = 3
+_EVERYTHING = Rect(1, 1, 3000, 200)
+
+
+def missing_tables(workbook: Workbook) -> Iterator[Finding]:
+    """Result tables that the workbook has no more, so that nobody can say what stands there.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+
+    Yields
+    ------
+    Finding
+        One a table. Templates of earlier versions lack tables of `WORKBOOK_TABLES`: these are
+        missed only where their headers still stand in cells.
+    """
+    for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
+        if spec.name in workbook.tables:
+            continue
+        at = _as_cells(workbook, spec)
+        if at is None and spec in WORKBOOK_TABLES:
+            continue
+        if at is None:
+            said = f"the workbook has no table {spec.name}: its results were taken out"
+        else:
+            said = (
+                f"{spec.name} is a range of cells here, no table: nothing in it was compared. Make it "
+                f"a table of that name again, or recalculate in a new template"
+            )
+        yield Finding("table missing", *(at or ("", "")), said, spec.name)
+
+
+def odd_columns(workbook: Workbook) -> Iterator[Finding]:
+    """Headers that show other words than the columns are called, and columns nobody compared.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+
+    Yields
+    ------
+    Finding
+        One a header cell or column. A column of the engineer's own is a note.
+    """
+    for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES):
+        table = workbook.tables.get(spec.name)
+        if table is None:
+            continue
+        if table.header_row is None:
+            said = "the table shows no headers, so that nobody can tell its columns apart"
+            yield Finding("edited", table.sheet, "", said, spec.name)
+            continue
+        for k, name in enumerate(table.columns):
+            cell = cell_name(table.header_row, table.ref.left + k)
+            shown = workbook.shown_value(table.sheet, cell)
+            if plain(shown) != plain(name):
+                said = f"the header shows '{shortened(str(shown), 60)}', the column is '{name}'"
+                yield Finding(
+                    "edited", table.sheet, cell, said, spec.name, "", name, str(shown), name
+                )
+        if spec not in INPUT_TABLES:
+            yield from _unknown_columns(workbook, table, spec)
+
+
+def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Iterator[Finding]:
+    """Columns that are none of ours; with one of ours missing, nobody can say which is which."""
+    ours = {field.name.casefold(): field.name for field in workbook_columns(spec)}
+    missing = [name for key, name in ours.items() if key not in map(str.casefold, table.columns)]
+    part = workbook.sheet_part(table.sheet)
+    for k, name in enumerate(table.columns):
+        if name.casefold() in ours:
+            continue
+        column = table.ref.left + k
+        held = (part.constant(row, column) for row in range(table.data.top, table.data.bottom + 1))
+        if all(value in (None, "") for value in held):
+            continue
+        alike = next((one for one in missing if plain(one) == plain(name)), None)
+        said = f"the column '{name}' is none of ours and is not judged"
+        if missing:
+            lost = f"'{alike}'" if alike else " and ".join(f"'{one}'" for one in missing)
+            said = f"{said}, while {lost} is missing: give it its name back"
+        yield Finding(
+            "edited" if missing else "not shown", table.sheet,
+            cell_name(table.ref.top, column), said, spec.name, "", name, name, alike,
+            fails=bool(missing),
+        )  # fmt: skip
+
+
+def _as_cells(workbook: Workbook, spec: TableSpec) -> tuple[str, str] | None:
+    """Sheet and cell where the headers of a table that is none any more begin."""
+    wanted = [plain(field.name) for field in workbook_columns(spec)[:_TELLING]]
+    for sheet in workbook.sheet_names:
+        if not workbook.sheet_bytes(sheet):
+            continue
+        part = workbook.sheet_part(sheet)
+        inside = [table.ref for table in workbook.tables.values() if table.sheet == sheet]
+        for row, column in part.filled_cells(_EVERYTHING):
+            if plain(part.constant(row, column)) != wanted[0]:
+                continue
+            beside = [plain(part.constant(row, column + k)) for k in range(len(wanted))]
+            if beside == wanted and not any(ref.has(row, column) for ref in inside):
+                return sheet, cell_name(row, column)
+    return None
+
+
+def plain(text: object) -> str:
+    """A header without blanks and capitals that nobody sees.
+
+    Parameters
+    ----------
+    text : object
+        What stands in the cell.
+
+    Returns
+    -------
+    str
+        Words in small letters.
+    """
+    if not isinstance(text, str):
+        return ""
+    shown = "".join(c for c in text if unicodedata.category(c) != "Cf")
+    return " ".join(shown.split()).casefold()

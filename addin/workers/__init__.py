@@ -1,0 +1,13 @@
+"""Work in other processes.
+
+==============  ==================================================================================
+module          responsibility
+==============  ==================================================================================
+`processes`     processes of our own on this machine, each with a line to it; none outlives the
+                program
+`pool`          processes of this machine that do tasks; one that dies loses nothing
+`cluster`       the work of a batch on an existing Dask cluster
+`parallel_map`  units of work over processes or a cluster: in order, with progress, ended by
+                Ctrl-C
+==============  ==================================================================================
+"""

@@ -1,0 +1,198 @@
+"""Units of work over processes or a cluster: in order, with progress, ended by Ctrl-C."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from addin.workers.pool import Crashed, Task, Workers
+
+__all__ = ["Cancelled", "Spread", "UnitLost", "alone", "as_far", "over_workers", "spread_over"]
+
+Payload = TypeVar("Payload")
+Answer = TypeVar("Answer")
+#: Does a function of a module with each payload; answers in the order of the payloads. The last
+#: argument is called with how many are done.
+Spread = Callable[
+    [Callable[[Any], Any], Sequence[Any], Callable[[int], None]],
+    list[Any],
+]
+#: Units given to the workers before answers come back, a worker. [count]
+AHEAD = 3
+
+
+class Cancelled(Exception):
+    """Ctrl-C: what was asked for is not there.
+
+    Parameters
+    ----------
+    answers : sequence of object, optional
+        Of the payloads before the first that has none.
+    why : str, optional
+        Why these are not enough to be written. [sentence]
+    """
+
+    def __init__(self, answers: Sequence[Any] = (), why: str = "") -> None:
+        super().__init__(why)
+        self.answers, self.why = list(answers), why
+
+
+class UnitLost(Exception):
+    """A process died twice with the same unit of work; the sentence says how."""
+
+
+def alone(stopped: Callable[[], bool] = lambda: False) -> Spread:
+    """Everything in this process.
+
+    Parameters
+    ----------
+    stopped : callable, optional
+        Asked before each unit.
+
+    Returns
+    -------
+    Spread
+        Raises `Cancelled` once stopped.
+    """
+
+    def spread(
+        do: Callable[[Any], Any], payloads: Sequence[Any], done: Callable[[int], None]
+    ) -> list[Any]:
+        answers: list[Any] = []
+        for number, payload in enumerate(payloads):
+            if stopped():
+                raise Cancelled(answers)
+            done(number)
+            answers.append(do(payload))
+        done(len(payloads))
+        return answers
+
+    return spread
+
+
+def over_workers(workers: Workers, stopped: Callable[[], bool] = lambda: False) -> Spread:
+    """Over processes of this machine or a cluster.
+
+    Parameters
+    ----------
+    workers : Workers
+        What does tasks.
+    stopped : callable, optional
+        Asked all the time.
+
+    Returns
+    -------
+    Spread
+        Raises `Cancelled` once stopped, `UnitLost` when a unit ends its process twice.
+    """
+
+    def spread(
+        do: Callable[[Any], Any], payloads: Sequence[Any], done: Callable[[int], None]
+    ) -> list[Any]:
+        answers: dict[int, Any] = {}
+        waiting = iter(enumerate(payloads))
+        done(0)
+        for _ in range(AHEAD * workers.threads):
+            _add(workers, do, waiting)
+        for task, answer in workers.answers(stopped):
+            if isinstance(answer, Crashed):
+                raise UnitLost(answer.sentence)
+            answers[task.tag] = answer
+            done(len(answers))
+            _add(workers, do, waiting)
+        if len(answers) < len(payloads):
+            raise Cancelled(_first(answers))
+        return [answers[number] for number in range(len(payloads))]
+
+    return spread
+
+
+def _first(answers: dict[int, Any]) -> list[Any]:
+    """Answers up to the first that is missing: whether one is there never hangs on what it says."""
+    found = []
+    for number in range(len(answers)):
+        if number not in answers:
+            break
+        found.append(answers[number])
+    return found
+
+
+def as_far(
+    spread: Spread,
+    do: Callable[[Any], Any],
+    payloads: Sequence[Any],
+    done: Callable[[int], None],
+) -> list[Any]:
+    """As `spread`, but after Ctrl-C the answers of the first payloads, as many as there are.
+
+    Parameters
+    ----------
+    spread : Spread
+        Where units of work are done.
+    do : callable
+        A function of a module.
+    payloads : sequence of object
+        What it is called with.
+    done : callable
+        Told how many are done. [count]
+
+    Returns
+    -------
+    list of object
+        Shorter than `payloads` after Ctrl-C.
+    """
+    try:
+        return spread(do, payloads, done)
+    except Cancelled as cut:
+        return cut.answers
+
+
+def _add(workers: Workers, do: Callable[[Any], Any], waiting: Iterator[tuple[int, Any]]) -> None:
+    for number, payload in waiting:
+        workers.add(Task(do, payload, number))
+        return
+
+
+@contextmanager
+def spread_over(
+    jobs: int | None, scheduler: str | None, stopped: Callable[[], bool]
+) -> Iterator[Spread]:
+    """The cluster of an address, or processes, or this process where one is asked for.
+
+    Parameters
+    ----------
+    jobs : int or None
+        Processes; None = one a core, 1 = this one. [count]
+    scheduler : str or None
+        Address of a Dask cluster. [address]
+    stopped : callable
+        Asked all the time.
+
+    Yields
+    ------
+    Spread
+
+    Raises
+    ------
+    addin.workers.cluster.ClusterRefused
+        If the cluster cannot be used.
+    """
+    from addin.batch.scheduler import cores
+
+    if scheduler is None and (jobs or cores()) == 1:
+        yield alone(stopped)
+        return
+    workers: Workers
+    if scheduler is not None:
+        from addin.workers.cluster import Cluster
+
+        workers = Cluster(scheduler, when_lost="Nothing was written.")
+    else:
+        from addin.workers.pool import Pool
+
+        workers = Pool(jobs or cores())
+    try:
+        yield over_workers(workers, stopped)
+    finally:
+        workers.close()

@@ -1,0 +1,692 @@
+"""Results → the cells the product owns: result tables, facts for live formulas, chart data.
+
+Numbers are written in the unit that stands above each result column, whatever the engineer has
+put there. Everything owned is rewritten on each recalculation, so that nothing stale remains;
+`addin.xlsx` sees to it that nothing else changes.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from addin.calculation.run_view import RunView
+from addin.charts.data import (
+    CHART_TABLES,
+    HISTORIES,
+    LABELS,
+    METHODS,
+    ShownUnits,
+    accuracy_block,
+    accuracy_title,
+    chart_blocks,
+)
+from addin.charts.effects import FORCES
+from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
+from addin.contract import tables as fields
+from addin.contract.chart_rows import (
+    CHECK_FORMULAS,
+    ROOMS,
+    RUN_FACTS,
+    WHOLE_STARTS,
+    WRAPPED,
+    plot_name,
+    text_height,
+    workbook_columns,
+)
+from addin.contract.shown_units import shown_units
+from addin.contract.tables import Field, TableSpec
+from addin.recorded.study_digests import stated_digests, twelve_digits
+from addin.xlsx import (
+    PackageError,
+    SaveReport,
+    Table,
+    TableData,
+    TitleLink,
+    Workbook,
+    open_workbook,
+)
+from addin.xlsx.references import Rect, cell_name
+
+__all__ = [
+    "ANALYSES",
+    "NO_STUDY",
+    "RunStamp",
+    "VERDICT_UNITS",
+    "chart_tables",
+    "chosen_elements",
+    "read_shown_units",
+    "result_blocks",
+    "shown_cell",
+    "tables_to_write",
+    "write_results",
+    "write_study",
+    "write_study_results",
+]
+
+#: Column whose unit shows a judged number of a dimension in `Verdicts`.
+VERDICT_UNITS: Mapping[str, tuple[str, str]] = {
+    "frequency": ("NaturalFrequencies", "Frequency"),
+    "fraction": ("SeparationMargins", "Margin"),
+    "pressure": ("SteadyState", "Allowable"),
+    "torque": ("StartupPeaks", "Maximum torque"),
+    "time": ("StartupPeaks", "Time"),
+    "speed": ("SeparationMargins", "Speed"),
+}
+_RPM = math.pi / 30.0
+#: Tables that workbooks made by earlier versions lack; nobody misses them there.
+_OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
+    "ChartReversal",
+    "ChartBlow",
+    "ChartForces",
+    "ChartPullIn",
+    "ChartEvents",
+    "ChartAccuracy",
+}
+#: Columns in which no number means that there is no limit.
+_STARTS = frozenset(
+    {"Allowable starts", "Paper count", "Cycles to failure", "Remaining starts", "Remaining years"}
+)
+#: Flags that are shown as on or off; all others as yes or nothing.
+_SWITCHES = frozenset({"On"})
+#: Words on sheet Accuracy until the study has been run.
+NO_STUDY = (
+    "Errors are those this calculation estimates, times those it took. Error against time by the "
+    "exponential and by the paper's method, for this very case: torsionbook accuracy FILE"
+)
+#: What the rows of a plain recalculation are, below `NO_STUDY`.
+ANALYSES = (
+    "Start: the linear start, all teeth in contact, from which the plan is made. Start with events: "
+    "the same with the effects that sheet Effects shows as on. Errors compare a step with its half."
+)
+
+
+@dataclass(frozen=True)
+class RunStamp:
+    """Who calculated, when, from which inputs.
+
+    Parameters
+    ----------
+    software : str
+        Name and version. [text]
+    date : datetime
+        When, in UTC. [date]
+    sha256 : str
+        Digest of the inputs. [hexadecimal]
+    """
+
+    software: str
+    date: dt.datetime
+    sha256: str
+
+    @property
+    def sentence(self) -> str:
+        """What stands on Summary."""
+        return f"Results belong to the inputs with SHA-256 {self.sha256[:12]}…"
+
+    @property
+    def day(self) -> str:
+        """Date and minute. [text]"""
+        return f"{self.date:%Y-%m-%d %H:%M}"
+
+
+def write_results(
+    source: Path | Workbook,
+    destination: Path | None,
+    run: RunView,
+    stamp: RunStamp,
+    *,
+    in_place: bool = False,
+    ignore_lock: bool = False,
+) -> SaveReport:
+    """Write the results of a run into a workbook.
+
+    Parameters
+    ----------
+    source : Path or Workbook
+        The workbook the case was read from; if it is open already, as it was then.
+    destination : Path or None
+        The new workbook; None with `in_place`.
+    run : RunView
+        Results, see `run_view.view_of`. [SI]
+    stamp : RunStamp
+        Who, when, from which inputs.
+    in_place : bool
+        Replace the source; it stays as ``.bak``. [flag]
+    ignore_lock : bool
+        Open it although a lock file says somebody has it open. [flag]
+
+    Returns
+    -------
+    SaveReport
+        What was written, and sentences the user should read.
+
+    Raises
+    ------
+    PackageError
+        When the workbook cannot be opened, has no room for a table, or cannot be saved; nothing
+        has been written then.
+    """
+    if isinstance(source, Workbook):
+        workbook = source
+        workbook.allow_saving(ignore_lock=ignore_lock)
+    else:
+        workbook = open_workbook(source, ignore_lock=ignore_lock)
+    present = tables_to_write(workbook, run, stamp, chosen_elements(workbook))
+    workbook.write_tables(present)
+    workbook.link_chart_titles(_title_links(workbook))
+    _fit_rows(workbook, present)
+    return workbook.save(destination, in_place=in_place)
+
+
+def tables_to_write(
+    workbook: Workbook, run: RunView, stamp: RunStamp, chosen: Sequence[str | None]
+) -> list[TableData]:
+    """What recalculation writes into the tables of a workbook, in the units it shows.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The open workbook; sentences on what it lacks are added to its notes.
+    run : RunView
+        Results. [SI]
+    stamp : RunStamp
+        Who, when, from which inputs.
+    chosen : sequence of (str or None)
+        Elements whose histories are drawn, see `chosen_elements`. [names]
+
+    Returns
+    -------
+    list of TableData
+        Results, facts and chart data of the tables that the workbook has.
+    """
+    units, problems = read_shown_units(workbook, run.case.ratings.rated_torque)
+    wanted = [*result_blocks(run, units), _run_facts(run, stamp, units)]
+    wanted += chart_tables(run, units, chosen)
+    workbook.notes += problems
+    return _present(workbook, wanted)
+
+
+def write_study(
+    workbook: Workbook,
+    destination: Path | None,
+    rows: Sequence[Mapping[str, Any]],
+    words: Mapping[str, str],
+    stamp: RunStamp,
+    rated_torque: float | None,
+    *,
+    ignore_lock: bool = False,
+) -> SaveReport:
+    """Write what an accuracy study showed into sheet `Accuracy`, and nothing else.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The workbook the case was read from.
+    destination : Path or None
+        The new workbook; None replaces the source, which stays as ``.bak``.
+    rows : sequence of mapping
+        Rows of `AccuracyCost`. [SI]
+    words : mapping
+        ``sentence`` and ``reference`` of the study. [sentences]
+    stamp : RunStamp
+        Who, when, from which inputs.
+    rated_torque : float or None
+        Base of pu. [N m]
+    ignore_lock : bool
+        Write although a lock file says somebody has the workbook open. [flag]
+
+    Returns
+    -------
+    SaveReport
+        What was written, and sentences the user should read.
+
+    Raises
+    ------
+    PackageError
+        When the workbook cannot be saved; nothing has been written then.
+    """
+    units = _units_to_write(workbook, rated_torque, ignore_lock)
+    spec = fields.result_table("AccuracyCost")
+    chart = next(table for table in CHART_TABLES if table.name == "ChartAccuracy")
+    wanted = [
+        _result_block(spec, rows, units),
+        TableData(chart.name, accuracy_block(rows), chart.columns),
+    ]
+    workbook.write_tables(_present(workbook, wanted))
+    facts = {
+        "run_AccuracySentence": words["sentence"],
+        "run_AccuracyReference": words["reference"],
+        "run_AccuracyInputs": f"Study of the inputs with SHA-256 {stamp.sha256[:12]}…, "
+        f"{stamp.day} UTC, {stamp.software}",
+    }
+    _set_facts(workbook, facts)
+    labels = workbook.tables.get("ChartLabels")
+    if labels is not None and _has_label(labels, _ACCURACY_TITLE):
+        cell = _label_cell(labels, _ACCURACY_TITLE)
+        workbook.set_cell(labels.sheet, cell, accuracy_title(bool(rows), studied=True))
+        workbook.link_chart_titles(_title_links(workbook, _ACCURACY_TITLE))
+    return workbook.save(destination, in_place=destination is None)
+
+
+def write_study_results(
+    workbook: Workbook,
+    destination: Path | None,
+    tables: Mapping[str, Sequence[Mapping[str, Any]]],
+    facts: Mapping[str, str],
+    rated_torque: float | None,
+    *,
+    recorded: str = "",
+    ignore_lock: bool = False,
+) -> SaveReport:
+    """Write the results of a study into its sheets, and nothing else.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The workbook the inputs were read from.
+    destination : Path or None
+        The new workbook; None replaces the source, which stays as ``.bak``.
+    tables : mapping of str to sequence of mapping
+        Rows of its result tables, by name. [SI]
+    facts : mapping of str to str
+        Defined names and their words, see `study_sheets.STUDY_FACTS`. [text]
+    rated_torque : float or None
+        Base of pu. [N m]
+    recorded : str
+        Defined name that takes digests of what is written, so that edits are seen. [name]
+    ignore_lock : bool
+        Write although a lock file says somebody has the workbook open. [flag]
+
+    Returns
+    -------
+    SaveReport
+        What was written, and sentences the user should read.
+
+    Raises
+    ------
+    PackageError
+        When the workbook cannot be saved; nothing has been written then.
+    """
+    units = _units_to_write(workbook, rated_torque, ignore_lock)
+    wanted = [
+        _result_block(fields.result_table(name), rows, units) for name, rows in tables.items()
+    ]
+    present = [
+        replace(one, rows=[tuple(map(twelve_digits, row)) for row in one.rows])
+        for one in _present(workbook, wanted)
+    ]
+    workbook.write_tables(present)
+    _fit_rows(workbook, present)
+    if recorded:
+        specs = [fields.result_table(one.name) for one in present]
+        facts = {**facts, recorded: "; ".join(stated_digests(workbook, specs, units))}
+    _set_facts(workbook, facts)
+    return workbook.save(destination, in_place=destination is None)
+
+
+def _units_to_write(
+    workbook: Workbook, rated_torque: float | None, ignore_lock: bool
+) -> ShownUnits:
+    """The units a study is written in; the workbook may be saved from now on."""
+    workbook.allow_saving(ignore_lock=ignore_lock)
+    units, problems = read_shown_units(workbook, rated_torque)
+    workbook.notes += problems
+    return units
+
+
+def _set_facts(workbook: Workbook, facts: Mapping[str, str]) -> None:
+    """Words behind defined names, where the workbook has them."""
+    for name, text in facts.items():
+        if name in workbook.defined_names:
+            workbook.set_name(name, text)
+
+
+def read_shown_units(
+    workbook: Workbook, rated_torque: float | None
+) -> tuple[ShownUnits, list[str]]:
+    """The units above the columns of a workbook.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The open workbook.
+    rated_torque : float or None
+        Base of pu. [N m]
+
+    Returns
+    -------
+    units : ShownUnits
+        Names and factors; a table that is not in the workbook has none.
+    problems : list of str
+        A sentence for each unit that cannot be used.
+    """
+    names: dict[tuple[str, str], str] = {}
+    for spec in fields.EVERY_TABLE:
+        table = workbook.tables.get(spec.name)
+        if table is None or not table.header_row or table.header_row < 2:
+            continue
+        for offset, header in enumerate(table.columns):
+            cell = cell_name(table.header_row - 1, table.ref.left + offset)
+            text = workbook.shown_value(table.sheet, cell)
+            if isinstance(text, str):
+                names[spec.name, header] = text.strip()
+    return shown_units(names, rated_torque)
+
+
+def result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
+    """Rows of every result table in the units shown.
+
+    Parameters
+    ----------
+    run : RunView
+        Results. [SI]
+    units : ShownUnits
+        Units above the columns.
+
+    Returns
+    -------
+    list of TableData
+        One a table; live checks are formulas whose value is calculated when saving.
+    """
+    specs = (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
+    tables = dict(run.tables) | {
+        "StartCycles": start_cycle_rows(run),
+        "Plans": [{"plan": plan["number"], "reason": plan["reason"]} for plan in run.plans],
+        "BearingForces": (run.startup or {}).get("bearing_forces", ()),
+        "EnergyShares": run.energies,
+    }
+    return [_result_block(spec, tables.get(spec.name, ()), units) for spec in specs]
+
+
+def chart_tables(
+    run: RunView, units: ShownUnits, chosen: Sequence[str | None] = ()
+) -> list[TableData]:
+    """Rows of every chart table.
+
+    Parameters
+    ----------
+    run : RunView
+        Results. [SI]
+    units : ShownUnits
+        Units above the columns.
+    chosen : sequence of (str or None)
+        Elements the engineer wants drawn. [names]
+
+    Returns
+    -------
+    list of TableData
+        One a table of sheet `ChartData`.
+    """
+    blocks = chart_blocks(run.case, units, run, chosen)
+    return [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
+
+
+def _result_block(
+    spec: TableSpec, results: Sequence[Mapping[str, Any]], units: ShownUnits
+) -> TableData:
+    columns = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
+    rows = [[shown_cell(spec, f, row, units) for f in columns] for row in results]
+    formulas = {f.name: CHECK_FORMULAS[spec.name, f.name] for f in spec.extra_columns if rows}
+    return TableData(spec.name, rows, [f.name for f in columns], formulas)
+
+
+def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: ShownUnits) -> Any:
+    """What a cell shows of one result.
+
+    Parameters
+    ----------
+    spec : TableSpec
+        Its table. [table]
+    field : Field
+        Its column. [field]
+    row : mapping
+        The row by JSON key. [SI]
+    units : ShownUnits
+        Units shown. [units]
+
+    Returns
+    -------
+    object
+        A number in the shown unit, words, or None for a blank.
+    """
+    value = row.get(field.key)
+    if value is None:
+        if field.name not in _STARTS:
+            return None
+        # A row that does not say whether its starts are limited is of no whole start.
+        says = "unlimited" in spec.json_only
+        return "not judged" if says and "unlimited" not in row else "unlimited"
+    if isinstance(value, bool):
+        if field.name in _SWITCHES:
+            return "on" if value else "off"
+        return "yes" if value else None
+    if field.kind == "mixed":
+        return _mixed(value, row.get("dimension"), units)
+    if not field.is_number:
+        return str(value)
+    if not math.isfinite(value):
+        return "unlimited" if field.name in _STARTS else "unbounded"
+    name = spec.repeated.name if spec.repeated and field.name not in _names(spec) else field.name
+    factor = units.factors.get((spec.name, field.name), units.factor(spec.name, name))
+    return int(value) if field.kind == "integer" else float(value) / factor
+
+
+def _names(spec: TableSpec) -> frozenset[str]:
+    return frozenset(field.name for field in spec.columns)
+
+
+def _mixed(value: Any, dimension: str | None, units: ShownUnits) -> Any:
+    """A judged number with its unit, or words as they are."""
+    if isinstance(value, str):
+        return value
+    if dimension == "count":  # whole starts, never rounded up
+        return float(math.floor(value * (1.0 + WHOLE_STARTS)))
+    if dimension is None or dimension not in VERDICT_UNITS:
+        return float(f"{value:.4g}") if abs(value) < 1000.0 else float(round(value))
+    place = VERDICT_UNITS[dimension]
+    number = value / units.factor(*place)
+    if dimension == "fraction":
+        digits = f"{number:.2f}"
+    else:
+        digits = f"{number:,.0f}" if abs(number) >= 1000.0 else f"{number:.4g}"
+    return f"{digits} {units.name(*place)}".rstrip()
+
+
+def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
+    ratings = run.case.ratings
+    start = run.startup or {}
+    speed = ratings.synchronous_speed
+    governing = start_cycle_facts(run)
+    endurance = governing["endurance"]
+    facts: dict[str, Any] = {
+        "run_Stamp": stamp.sentence,
+        "run_Software": stamp.software,
+        "run_Date": stamp.day,
+        "run_SHA256": stamp.sha256,
+        "run_Outcome": start.get("sentence") or start.get("outcome"),
+        "run_OutcomeWord": start.get("outcome"),
+        "run_StartTime": start.get("time"),
+        "run_SynchronousSpeed": speed / _RPM if speed else None,
+        "run_LineFrequency": ratings.line_frequency,
+        "run_StartsFactor": run.case.starts_factor or 1.0,
+        "run_HzPerFrequency": units.factor("NaturalFrequencies", "Frequency"),
+        "run_HzPerExcitation": units.factor("SeparationMargins", "Excitation frequency"),
+        "run_PaPerUTS": units.factor("Materials", "UTS"),
+        "run_PaPerAllowable": units.factor("SteadyState", "Allowable"),
+        "run_GoverningShaft": governing["shaft"],
+        "run_SNExponent": governing["exponent"],
+        "run_Endurance": endurance and endurance / units.factor("StartCycles", "Amplitude"),
+        "run_NmPerMinimum": units.factor("TorqueReversals", "Minimum torque"),
+        "run_NmPerTransmitted": units.factor("TorqueReversals", "Transmitted torque"),
+        "run_ContactLaw": run.contact_law,
+        "run_AccuracySentence": NO_STUDY,
+        "run_AccuracyReference": ANALYSES,
+        "run_AccuracyInputs": stamp.sentence,
+    }
+    rows = [[name, meaning, facts[name]] for name, meaning in RUN_FACTS]
+    return TableData("RunFacts", rows, ["Name", "Meaning", "Value"])
+
+
+def chosen_elements(workbook: Workbook) -> list[str | None]:
+    """What the engineer wrote into the cells above the history charts.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The open workbook.
+
+    Returns
+    -------
+    list of (str or None)
+        One a chart; None leaves the choice to the program. [names]
+    """
+    chosen: list[str | None] = []
+    for number in range(1, HISTORIES + 1):
+        try:
+            target = workbook.name(plot_name(number))
+        except PackageError:
+            chosen.append(None)
+            continue
+        assert target.sheet
+        assert target.rect
+        cell = cell_name(target.rect.top, target.rect.left)
+        text = workbook.shown_value(target.sheet, cell)
+        chosen.append(text.strip() or None if isinstance(text, str) else None)
+    return chosen
+
+
+#: Words that a calculation gives titles; other words in their place are the engineer's own.
+_HISTORY_TITLE = r".*: (tangential tooth load|nominal shear stress|torque)|History \d .*|unused.*"
+_HISTORY_AXIS = r"(Tooth load|Nominal shear stress|Torque)( \[.*\])?"
+_SN_TITLE, _SN_AXIS = r"S-N line.*", r"Stress amplitude with SCF.*"
+_REVERSAL_TITLE = r".*: torque around its least value.*|Torque around the deepest reversal.*"
+_REVERSAL_AXIS = r"Torque( \[.*\])?"
+_BLOW_TITLE = r"Torque at its deepest moment.*|.*: (torque at its least value|teeth part).*"
+_FORCE_TITLE = r"Tooth and bearing forces.*|.*: (forces at its deepest moment|no forces drawn).*"
+_FORCE_AXIS = r"Force( \[.*\])?"
+_ACCURACY_TITLE = "Accuracy title"
+_ACCURACY_LINES = tuple(f"{method} {error}" for method in METHODS for error in ("peak", "starts"))
+_PULL_IN_TITLE, _PULL_IN_AXIS = r"Load angle and slip.*", r"Load angle.*"
+
+
+def _title_links(workbook: Workbook, only: str = "") -> list[TitleLink]:
+    """Cells of the titles of our charts: a spreadsheet program may have made fixed words of them."""
+    labels = workbook.tables.get("ChartLabels")
+    if labels is None:
+        return []
+    histories, sn = (_HISTORY_TITLE, _HISTORY_AXIS), (_SN_TITLE, _SN_AXIS)
+    of_histories = [
+        ("ChartHistory", (f"Value {k}",), f"History title {k}", f"History axis {k}", histories)
+        for k in range(1, HISTORIES + 1)
+    ]
+    links = []
+    for name, columns, title, axis, words in (
+        *of_histories,
+        ("ChartSN", ("Line", "One start", "Starts required"), "S-N title", "S-N axis", sn),
+        ("ChartReversal", ("Torque",), "Reversal title", "Reversal axis",
+         (_REVERSAL_TITLE, _REVERSAL_AXIS)),
+        ("ChartBlow", ("Torque",), "Blow title", "Blow axis", (_BLOW_TITLE, _REVERSAL_AXIS)),
+        ("ChartForces", tuple(f"Force {k + 1}" for k in range(FORCES)), "Force title", "Force axis",
+         (_FORCE_TITLE, _FORCE_AXIS)),
+        ("ChartPullIn", ("Load angle", "Slip"), "Pull-in title", "Pull-in axis",
+         (_PULL_IN_TITLE, _PULL_IN_AXIS)),
+        ("ChartAccuracy", _ACCURACY_LINES, _ACCURACY_TITLE, "Accuracy axis",
+         (r"Error against wall time.*", r"Error \[%\]")),
+    ):  # fmt: skip
+        if only not in ("", title):
+            continue
+        table = workbook.tables.get(name)
+        if table is None or not set(columns) <= set(table.columns) or table.sheet != labels.sheet:
+            continue
+        if not (_has_label(labels, title) and _has_label(labels, axis)):
+            continue  # a workbook of an earlier version
+        lefts = [table.ref.left + table.column_index(column) for column in columns]
+        links.append(
+            TitleLink(
+                table.sheet,
+                tuple(Rect(table.data.top, at, table.data.bottom, at) for at in lefts),
+                _label_cell(labels, title),
+                _label_cell(labels, axis),
+                *words,
+            )
+        )
+    return links
+
+
+def _has_label(labels: Table, key: str) -> bool:
+    return bool(labels.data.bottom >= labels.data.top + LABELS.index(key))
+
+
+def _label_cell(labels: Table, key: str) -> str:
+    return cell_name(labels.data.top + LABELS.index(key), labels.ref.left + 1)
+
+
+def _present(workbook: Workbook, wanted: Sequence[TableData]) -> list[TableData]:
+    """The tables and columns that the workbook still has; the others are named in its notes."""
+    kept = []
+    for data in wanted:
+        table = workbook.tables.get(data.name)
+        if table is None:
+            if data.name in _OPTIONAL:
+                continue
+            workbook.notes.append(
+                f"The workbook has no table {data.name}; its results are not shown. They are in "
+                "the JSON, and a new template has the table."
+            )
+            continue
+        kept.append(_cut_to_room(workbook, _with_columns(workbook, data, table.columns)))
+    return kept
+
+
+def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
+    """Some tables have a fixed room; what does not fit is in the JSON only."""
+    if data.name not in ROOMS:
+        return data
+    count = len(data.rows)
+    while count > 1 and workbook.obstacles({data.name: count}):
+        count -= 1
+    if count < len(data.rows):
+        workbook.notes.append(
+            f"Table {data.name} has room for {count} of {len(data.rows)} rows; the others are in "
+            "the JSON. Move what stands below the table to see them all."
+        )
+    return TableData(data.name, data.rows[:count], data.columns, data.formulas)
+
+
+def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
+    """Row heights of tables with sentences that wrap; rows no longer used get the usual one."""
+    by_name = {data.name: data for data in written}
+    heights: dict[str, list[float]] = {}
+    for (name, column), width in WRAPPED.items():
+        data = by_name.get(name)
+        if data is None or data.columns is None or column not in data.columns:
+            continue
+        at = list(data.columns).index(column)
+        spare = ROOMS[name] - len(data.rows) if name in ROOMS else 0
+        texts = [str(row[at] or "") for row in data.rows] + [""] * max(spare, 0)
+        needed = [text_height(text, width) for text in texts]
+        known = heights.setdefault(name, needed)
+        heights[name] = [max(pair) for pair in zip(known, needed, strict=True)]
+    for name, needed in heights.items():
+        table = workbook.table(name)
+        for row, height in enumerate(needed, table.data.top):
+            workbook.set_row_height(table.sheet, row, height)
+
+
+def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> TableData:
+    known = {name.casefold() for name in there}
+    names = list(data.columns or there)
+    keep = [k for k, name in enumerate(names) if name.casefold() in known]
+    missing = [name for name in names if name.casefold() not in known]
+    if missing:
+        workbook.notes.append(
+            f"Table {data.name} has no column {', '.join(missing)}; it is not shown."
+        )
+    formulas = {name: text for name, text in data.formulas.items() if name.casefold() in known}
+    rows = [[row[k] for k in keep] for row in data.rows] if missing else data.rows
+    return TableData(data.name, rows, [names[k] for k in keep], formulas)

@@ -1,0 +1,163 @@
+"""Titles of charts that lost their cell.
+
+A spreadsheet program other than Excel stores a chart title that shows a cell as fixed words. A calculation afterwards
+would leave the old words above new curves; hence the titles of charts known by the cells they draw are linked again.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+
+from addin.xlsx.references import Rect, absolute_range, parse_range, quoted_sheet
+from addin.xlsx.xml_part import CHART, Element
+
+_DRAWING = "http://schemas.openxmlformats.org/drawingml/2006/main"
+_AFTER_TEXT_FORMAT = frozenset({"extLst"})
+
+
+@dataclass(frozen=True)
+class TitleLink:
+    """Which cells title the chart that draws certain cells as its values, and nothing else.
+
+    Attributes
+    ----------
+    sheet : str
+        Sheet of the values and of the titles.
+    values : tuple of Rect
+        The values of its series.
+    title, value_axis : str
+        Cells of the chart's title and of the title of its vertical value axis.
+    title_words, axis_words : str
+        Pattern of the words that these cells may have shown; other words are somebody's own and stay.
+    """
+
+    sheet: str
+    values: tuple[Rect, ...]
+    title: str
+    value_axis: str
+    title_words: str
+    axis_words: str
+
+
+def link_titles(
+    root: Element,
+    links: Sequence[TitleLink],
+    areas: Callable[[str], list[tuple[str, Rect]] | None],
+    shown: Callable[[str, str], str],
+) -> int:
+    """Link the titles of one chart to their cells where they are fixed words.
+
+    Parameters
+    ----------
+    root : Element
+        The chart part.
+    links : sequence of TitleLink
+        The first that fits is used.
+    areas : callable
+        Areas of a reference text; None when it cannot be followed.
+    shown : callable
+        Text that a cell of a sheet shows.
+
+    Returns
+    -------
+    int
+        Number of titles changed.
+    """
+    drawn = {area for text in _value_references(root) for area in areas(text) or ()}
+    for link in links:
+        if drawn != {(link.sheet, rect) for rect in link.values}:
+            continue
+        wanted = (
+            (_chart_title(root), link.title, link.title_words),
+            (_value_axis_title(root), link.value_axis, link.axis_words),
+        )
+        return sum(
+            _link(title, link.sheet, cell, shown(link.sheet, cell))
+            for title, cell, words in wanted
+            if title is not None and _has_words(title, words)
+        )
+    return 0
+
+
+def _value_references(root: Element) -> Iterator[str]:
+    for kind in ("val", "yVal"):
+        for values in root.iter(_c(kind)):
+            for formula in values.iter(_c("f")):
+                yield formula.text or ""
+
+
+def _chart_title(root: Element) -> Element | None:
+    chart = root.find(_c("chart"))
+    return None if chart is None else chart.find(_c("title"))
+
+
+def _value_axis_title(root: Element) -> Element | None:
+    for axis in root.iter(_c("valAx")):
+        side = axis.find(_c("axPos"))
+        if side is not None and side.get("val") in ("l", "r"):
+            found: Element | None = axis.find(_c("title"))
+            return found
+    return None
+
+
+def _has_words(title: Element, pattern: str) -> bool:
+    """Whether a title shows fixed words that a cell may have given it; False when it shows a cell."""
+    words = title.find(_c("tx"))
+    if words is None or words.find(_c("strRef")) is not None:
+        return False
+    text = "".join(run.text or "" for run in words.iter(_a("t"))).strip()
+    return not text or re.fullmatch(pattern, text) is not None
+
+
+def _link(title: Element, sheet: str, cell: str, text: str) -> int:
+    """Replace the fixed words of a title by a reference."""
+    words = title.find(_c("tx"))
+    rich = words.find(_c("rich"))
+    if rich is not None:
+        if title.find(_c("txPr")) is None:
+            _insert_text_format(title, rich)
+        words.remove(rich)
+    reference = _child(words, "strRef")
+    _child(reference, "f").text = f"{quoted_sheet(sheet)}!{absolute_range(parse_range(cell))}"
+    cache = _child(reference, "strCache")
+    _child(cache, "ptCount").set("val", "1")
+    point = _child(cache, "pt")
+    point.set("idx", "0")
+    _child(point, "v").text = text
+    return 1
+
+
+def _insert_text_format(title: Element, rich: Element) -> None:
+    """The letters of the fixed words become those of the linked ones."""
+    properties = title.makeelement(_c("txPr"))
+    for part in rich:
+        properties.append(deepcopy(part))
+    paragraphs = properties.findall(_a("p"))
+    for extra in paragraphs[1:]:
+        properties.remove(extra)
+    for paragraph in paragraphs[:1]:
+        for run in paragraph.findall(_a("r")) + paragraph.findall(_a("br")):
+            paragraph.remove(run)
+        if paragraph.find(_a("endParaRPr")) is None:
+            end = paragraph.makeelement(_a("endParaRPr"))
+            end.set("lang", "en-US")
+            paragraph.append(end)
+    last = [child for child in title if child.tag not in {_c(t) for t in _AFTER_TEXT_FORMAT}][-1]
+    last.addnext(properties)
+
+
+def _child(parent: Element, tag: str) -> Element:
+    child = parent.makeelement(_c(tag))
+    parent.append(child)
+    return child
+
+
+def _c(tag: str) -> str:
+    return f"{{{CHART}}}{tag}"
+
+
+def _a(tag: str) -> str:
+    return f"{{{_DRAWING}}}{tag}"

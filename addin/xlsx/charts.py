@@ -1,0 +1,290 @@
+"""Charts: ranges that follow a resized table, and the copies of cell values that charts carry.
+
+A chart part stores, beside each range, the values that were in it (``numCache``, ``strCache``). Viewers that do not
+calculate show those, so they are renewed with the cells. Only chart parts whose ranges reach changed cells are
+rewritten, and of these only the ``c:f`` texts and the caches.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property, lru_cache
+from math import isfinite
+from xml.sax.saxutils import escape
+
+from addin.xlsx.chart_titles import TitleLink, link_titles
+from addin.xlsx.references import Rect, parse_range, retargeted, split_areas, split_sheet
+from addin.xlsx.values import Constant, ErrorValue
+from addin.xlsx.xml_part import CHART, Element, parse_part, serialise
+
+Area = tuple[str, Rect]
+Shown = Callable[[str, Rect], Sequence[Constant]]
+
+_F, _PT_COUNT, _PT, _LEVEL = (f"{{{CHART}}}{tag}" for tag in ("f", "ptCount", "pt", "lvl"))
+_EXTENSIONS = f"{{{CHART}}}extLst"
+_CACHES = {
+    f"{{{CHART}}}{kind}Ref": f"{{{CHART}}}{kind}Cache" for kind in ("num", "str", "multiLvlStr")
+}
+_MULTI_LEVEL = f"{{{CHART}}}multiLvlStrRef"
+_NUMBERS = f"{{{CHART}}}numRef"
+# Labels whose words stand in cells ("value from cells"), which Excel 2013 and later keep in an extension.
+_C15 = "http://schemas.microsoft.com/office/drawing/2012/chart"
+_LABELS, _LABELS_F, _LABELS_CACHE = (
+    f"{{{_C15}}}{tag}" for tag in ("datalabelsRange", "f", "dlblRangeCache")
+)
+# Where points go that are still text: a point with an index that no chart has.
+_PLACE = re.compile(rb"<[^<>]*pt idx=\"points-([0-9]{1,7})\"/>")
+# Some whole columns; programs draw far fewer points.
+MOST_POINTS = 4 * 2**20
+#: Points of the longest series that our own charts draw, twice over.
+_USUAL_POINTS = 2048
+
+
+class ChartPart:
+    """One chart.
+
+    Parameters
+    ----------
+    part : str
+        Name of the part.
+    data : bytes
+        The part as stored.
+    """
+
+    def __init__(self, part: str, data: bytes) -> None:
+        self.part = part
+        self.changed = False
+        self._original = data
+        self._root = parse_part(data, part)
+        # Points of renewed caches. They stay text until the part is stored: as elements they would cost more than all
+        # the rest of it.
+        self._points: list[bytes] = []
+        self._points_left = MOST_POINTS
+
+    def retarget(self, sheet: str, old: Rect, new: Rect) -> int:
+        """Let ranges that covered exactly the old rows of a block cover its new rows.
+
+        Parameters
+        ----------
+        sheet : str
+            Sheet of the block.
+        old, new : Rect
+            The block before and after; same columns, same first row.
+
+        Returns
+        -------
+        int
+            Number of ranges changed.
+        """
+        count = 0
+        for formula in self._by_rows.pop((sheet, old.top, old.bottom), {}):
+            areas = split_areas(formula.text)
+            moved = [retargeted(area, sheet, old, new) for area in areas]
+            if moved != areas:
+                formula.text = f"({','.join(moved)})" if len(moved) > 1 else moved[0]
+                count += 1
+            for place in _rows_of_areas(formula.text):
+                self._by_rows[place][formula] = None
+        self.changed = self.changed or count > 0
+        return count
+
+    def refresh(
+        self,
+        resolve: Callable[[str], list[Area] | None],
+        touched: Callable[[str, Rect], bool],
+        shown: Shown,
+        known: dict[tuple[str, str, tuple[Area, ...]], bytes] | None = None,
+    ) -> int:
+        """Renew the caches of all ranges that reach changed cells.
+
+        Parameters
+        ----------
+        resolve : callable
+            Areas of a reference text; None when it cannot be followed.
+        touched : callable
+            Whether a rectangle of a sheet holds a changed cell.
+        shown : callable
+            Values that the cells of a rectangle of a sheet show, row by row.
+        known : dict, optional
+            Points that other charts of the workbook draw, too, by kind, prefix and areas; added to.
+
+        Returns
+        -------
+        int
+            Number of caches renewed.
+        """
+        count = 0
+        known = {} if known is None else known
+        for reference in self._root.iter(*_CACHES, _LABELS):
+            text, cache_tag = (
+                (_LABELS_F, _LABELS_CACHE)
+                if reference.tag == _LABELS
+                else (_F, _CACHES[reference.tag])
+            )
+            cache = reference.find(cache_tag)
+            areas = resolve(reference.findtext(text) or "") if cache is not None else None
+            if areas is None or not any(touched(*area) for area in areas):
+                continue
+            self._fill(reference.tag, cache, areas, shown, known)
+            count += 1
+        self.changed = self.changed or count > 0
+        return count
+
+    def link_titles(
+        self,
+        links: Sequence[TitleLink],
+        resolve: Callable[[str], list[Area] | None],
+        text: Callable[[str, str], str],
+    ) -> int:
+        """Link titles that became fixed words to their cells again.
+
+        Parameters
+        ----------
+        links : sequence of TitleLink
+            Cells of the titles, by the cells a chart draws.
+        resolve : callable
+            Areas of a reference text; None when it cannot be followed.
+        text : callable
+            Text that a cell of a sheet shows.
+
+        Returns
+        -------
+        int
+            Number of titles changed.
+        """
+        count = link_titles(self._root, links, resolve, text)
+        self.changed = self.changed or count > 0
+        return count
+
+    def to_bytes(self) -> bytes:
+        """The part as it shall be stored."""
+        data = serialise(self._root, self._original)
+
+        def points(found: re.Match[bytes]) -> bytes:
+            number = int(found[1])
+            return self._points[number] if number < len(self._points) else found[0]
+
+        return _PLACE.sub(points, data)
+
+    def _fill(
+        self,
+        kind: str,
+        cache: Element,
+        areas: list[Area],
+        shown: Shown,
+        known: dict[tuple[str, str, tuple[Area, ...]], bytes],
+    ) -> None:
+        for old in cache.findall(_PT_COUNT) + cache.findall(_PT) + cache.findall(_LEVEL):
+            cache.remove(old)
+        # The points are of the chart's own namespace, in an extension too.
+        short = next((one for one, uri in cache.nsmap.items() if uri == CHART), None)
+        prefix = f"{short}:" if short else ""
+        self._points_left -= sum(rect.height * rect.width for _, rect in areas)
+        place = (kind, prefix, tuple(areas))
+        if self._points_left < 0:
+            # more than any chart draws: blank beats wrong
+            xml = f'<{prefix}ptCount val="0"/>'.encode()
+        elif place in known:
+            xml = known[place]
+        else:
+            xml = known[place] = _cache_xml(kind, areas, shown, prefix).encode()
+        # The schema wants format code, count and points in this order, extensions last.
+        extensions = cache.find(_EXTENSIONS)
+        at = len(cache) if extensions is None else cache.index(extensions)
+        cache.insert(at, cache.makeelement(_PT, idx=f"points-{len(self._points)}"))
+        self._points.append(xml)
+
+    @cached_property
+    def _by_rows(self) -> dict[tuple[str, int, int], dict[Element, None]]:
+        """Range texts by the sheet, first and last row of their areas, as every resized table asks for some."""
+        index: dict[tuple[str, int, int], dict[Element, None]] = defaultdict(dict)
+        for formula in self._root.iter(_F, _LABELS_F):
+            for place in _rows_of_areas(formula.text or ""):
+                index[place][formula] = None
+        return index
+
+
+def _rows_of_areas(reference: str) -> Iterator[tuple[str, int, int]]:
+    for area in split_areas(reference):
+        sheet, text = split_sheet(area)
+        try:
+            rect = parse_range(text)
+        except ValueError:
+            continue
+        yield sheet, rect.top, rect.bottom
+
+
+def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
+    """Count and points of a range."""
+    if kind == _MULTI_LEVEL:
+        return _levels_xml(areas, shown, prefix)
+    values = [value for sheet, rect in areas for value in shown(sheet, rect)]
+    if kind != _NUMBERS:
+        points = [_text_point(value) for value in values]
+        return f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
+    numbers = [
+        value if type(value) is float and isfinite(value) else _other_number(value)
+        for value in values
+    ]
+    xml = f'<{prefix}ptCount val="{len(numbers)}"/>{_points_xml(numbers, prefix)}'
+    # Whole numbers without a point, as `number_text` writes them.
+    return xml.replace(f".0</{prefix}v>", f"</{prefix}v>")
+
+
+def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:
+    """Levels of a category axis with several label columns, the innermost (last column) first."""
+    sheet, rect = areas[0]
+    by_columns = rect.height >= rect.width
+    lines = (
+        range(rect.right, rect.left - 1, -1) if by_columns else range(rect.bottom, rect.top - 1, -1)
+    )
+    count = rect.height if by_columns else rect.width
+    levels = []
+    for line in lines:
+        area = (
+            Rect(rect.top, line, rect.bottom, line)
+            if by_columns
+            else Rect(line, rect.left, line, rect.right)
+        )
+        points = [_text_point(value) for value in shown(sheet, area)]
+        levels.append(f"<{prefix}lvl>{_points_xml(points, prefix)}</{prefix}lvl>")
+    return f'<{prefix}ptCount val="{count}"/>' + "".join(levels)
+
+
+def _points_xml(points: Sequence[str | float | None], prefix: str) -> str:
+    end = f"</{prefix}v></{prefix}pt>"
+    count = len(points)
+    starts = _kept_starts(prefix, count) if count <= _USUAL_POINTS else _starts(prefix, count)
+    return "".join(
+        [
+            f"{start}{point}{end}"
+            for start, point in zip(starts, points, strict=True)
+            if point is not None
+        ]
+    )
+
+
+def _starts(prefix: str, count: int) -> list[str]:
+    """What stands before the value of each point."""
+    return [f'<{prefix}pt idx="{index}"><{prefix}v>' for index in range(count)]
+
+
+#: Kept, as charts have many series of the same length.
+_kept_starts = lru_cache(maxsize=32)(_starts)
+
+
+def _other_number(value: Constant) -> float | None:
+    """Number of a point that is no number; text and errors have none, as a spreadsheet program leaves them out too."""
+    return float(value) if isinstance(value, bool) else None
+
+
+def _text_point(value: Constant) -> str | None:
+    if value is None or value == "":
+        return None
+    if isinstance(value, bool):
+        return "TRUE" if value else "FALSE"
+    if isinstance(value, float):
+        return f"{value:.15g}"
+    return escape(value.code if isinstance(value, ErrorValue) else str(value))

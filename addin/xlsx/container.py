@@ -1,0 +1,446 @@
+"""The zip file of a workbook: pre-flight guards, reading within limits, and writing with untouched entries copied raw.
+
+Nothing is inflated before the directory of the archive has passed the guards, and nothing is inflated beyond the size
+that the directory states (the limits of `Limits` therefore hold even when a header lies).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import stat
+import struct
+import zipfile
+import zlib
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+from addin.xlsx.errors import WorkbookRefused
+from addin.xlsx.xml_part import Element, parse_part
+
+_OLE_MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
+_ZIP_MAGIC = b"PK\x03\x04"
+_UTF8_FLAG = 0x800
+_ENCRYPTED_FLAG = 0x1
+_LONG_PART = 32 * 2**10
+_FIXED_DATE = (1980, 1, 1, 0, 0, 0)
+
+# What reading an archive raises when its bytes are not what its headers say.
+_UNPACKING = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    EOFError,
+    ValueError,
+    OverflowError,
+    NotImplementedError,
+    RuntimeError,
+)
+
+_LOCAL_HEADER = struct.Struct("<4s5H3L2H")
+_CENTRAL_HEADER = struct.Struct("<4s4B4H3L5H2L")
+_END_RECORD = struct.Struct("<4s4H2LH")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What is still taken for a workbook and not for an attack.
+
+    Attributes
+    ----------
+    file_size, total_size, part_size : int
+        Largest file, sum of all inflated parts and single inflated part. [byte]
+    inflated : int
+        Sum of the parts that are inflated here; pictures and the like stay packed. [byte]
+    marks : int
+        Sum of brackets and twice the equal signs of the parts that are parsed, each of which costs some hundred
+        bytes of memory; 300,000 cells have about as many. [count]
+    entries : int
+        Largest number of parts.
+    ratio : int
+        Largest inflated/stored ratio of a part above ``ratio_from``; ordinary sheets reach 10 to 20.
+    ratio_from : int
+        Parts below this inflated size may have any ratio. [byte]
+    """
+
+    file_size: int = 100 * 2**20
+    total_size: int = 500 * 2**20
+    part_size: int = 100 * 2**20
+    inflated: int = 150 * 2**20
+    marks: int = 2_500_000
+    entries: int = 5_000
+    ratio: int = 200
+    ratio_from: int = 2**20
+
+
+DEFAULT_LIMITS = Limits()
+
+
+class Container:
+    """One workbook file, read whole into memory, with its parts.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    limits : Limits, optional
+        Guards against archives that are not workbooks.
+
+    Raises
+    ------
+    WorkbookRefused
+        Each guard with its own reason.
+    """
+
+    def __init__(self, path: Path, limits: Limits = DEFAULT_LIMITS) -> None:
+        self.path = path
+        self.data = read_file(path, limits.file_size)
+        self.sha256 = hashlib.sha256(self.data).hexdigest()
+        self.limits = limits
+        _check_magic(self.data, path)
+        try:
+            self._zip = zipfile.ZipFile(io.BytesIO(self.data))
+        except _UNPACKING as problem:
+            raise _damaged(path, "it is cut off, or its list of contents is broken") from problem
+        self.entries = self._zip.infolist()
+        _check_directory(self.entries, path, limits)
+        _check_places(self.entries, self.data, self._zip.start_dir, path)
+        self._by_name = {entry.filename: entry for entry in self.entries}
+        self._by_lower = {name.lower(): name for name in self._by_name}
+        self._inflated: dict[str, bytes] = {}
+        self._inflated_size = 0
+        self._marks = 0
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all parts in the order of the file."""
+        return list(self._by_name)
+
+    def find(self, name: str) -> str | None:
+        """Stored name of a part (part names ignore case), None when absent."""
+        return name if name in self._by_name else self._by_lower.get(name.lower())
+
+    def read(self, name: str) -> bytes:
+        """A part, inflated and checked against its CRC.
+
+        Raises
+        ------
+        WorkbookRefused
+            ``damaged`` when it is not there or does not inflate, ``bomb`` when too much would have been inflated.
+        """
+        if name not in self._inflated:
+            entry = self._by_name.get(name)
+            if entry is None or entry.is_dir():
+                raise _damaged(self.path, f"it lacks the part {shown_name(name)}")
+            self._inflated_size += entry.file_size
+            if self._inflated_size > self.limits.inflated:
+                raise WorkbookRefused(
+                    "bomb",
+                    f"{self.path.name} would unpack to more than {self.limits.inflated // 2**20} MB of cells and "
+                    "charts, too much for a workbook of this kind. Move the data to a workbook of its own.",
+                )
+            try:
+                self._inflated[name] = self._zip.read(entry)
+            except _UNPACKING as problem:
+                raise _damaged(
+                    self.path, f"the part {shown_name(name)} cannot be unpacked"
+                ) from problem
+        return self._inflated[name]
+
+    def tree(self, name: str) -> Element:
+        """Root element of a part."""
+        return parse_part(self.charged(name), name)
+
+    def charged(self, name: str) -> bytes:
+        """A part that is about to be parsed; refused when all parsed parts together would take too much memory."""
+        data = self.read(name)
+        self._marks += data.count(b"<") + 2 * data.count(b"=")
+        if self._marks > self.limits.marks:
+            raise WorkbookRefused(
+                "too large",
+                f"The part {shown_name(name)} of {self.path.name} brings the workbook to more cells than this program "
+                "works with, about 300,000 on sheets with inputs, results or formulas. Move the data to a workbook "
+                "of its own.",
+            )
+        return data
+
+    def stored(self, entry: zipfile.ZipInfo) -> bytes:
+        """The stored (compressed) bytes of an entry."""
+        return stored_bytes(self.data, entry)
+
+    def write(
+        self,
+        stream: BinaryIO,
+        replaced: Mapping[str, bytes],
+        dropped: Collection[str] = (),
+        *,
+        added: Mapping[str, bytes] | None = None,
+        compress: bool = True,
+    ) -> None:
+        """Write the workbook with some parts replaced, some left out and some added.
+
+        Every other entry is copied as it is stored. Dates, attributes and order are copied too, hence equal input gives
+        equal bytes.
+
+        Parameters
+        ----------
+        stream : binary file
+            Where to write; only written forward.
+        replaced : mapping of str to bytes
+            New content of parts, by stored name.
+        dropped : collection of str
+            Parts to leave out.
+        added : mapping of str to bytes, optional
+            New parts, which come last.
+        compress : bool
+            Whether replaced parts are compressed or merely stored.
+        """
+        directory: list[bytes] = []
+        position = 0
+        for entry in self.entries:
+            if entry.filename in dropped:
+                continue
+            if entry.filename in replaced:
+                local, central, payload = _packed_entry(
+                    entry, replaced[entry.filename], compress, position
+                )
+            else:
+                payload = self.stored(entry)
+                sizes = (entry.CRC, len(payload), entry.file_size)
+                local, central = _headers(entry, entry.compress_type, sizes, position)
+            stream.write(local)
+            stream.write(payload)
+            directory.append(central)
+            position += len(local) + len(payload)
+        for name, data in (added or {}).items():
+            entry = zipfile.ZipInfo(name, _FIXED_DATE)
+            entry.create_system = 0  # the same bytes on every system
+            local, central, payload = _packed_entry(entry, data, compress, position)
+            stream.write(local)
+            stream.write(payload)
+            directory.append(central)
+            position += len(local) + len(payload)
+        _write_directory(stream, directory, position, self._zip.comment)
+
+
+def read_file(path: Path, limit: int = DEFAULT_LIMITS.file_size) -> bytes:
+    """All bytes of a file, refusing what is too large or not readable.
+
+    Raises
+    ------
+    WorkbookRefused
+        ``missing``, ``unreadable`` or ``too large``.
+    """
+    try:
+        about = path.stat()
+        if not (stat.S_ISREG(about.st_mode) or stat.S_ISDIR(about.st_mode)):
+            # A device or a pipe may never end.
+            raise WorkbookRefused("unreadable", f"{path} is a device or a pipe, not a workbook.")
+        if about.st_size > limit:
+            raise WorkbookRefused(
+                "too large",
+                f"{path.name} is larger than {limit // 2**20} MB, too large for a workbook of this kind.",
+            )
+        return path.read_bytes()
+    except ValueError as problem:
+        raise WorkbookRefused(
+            "missing", f"{str(path)!r} cannot be the name of a file. Name the workbook."
+        ) from problem
+    except FileNotFoundError as problem:
+        raise WorkbookRefused("missing", f"{path} does not exist.") from problem
+    except IsADirectoryError as problem:
+        raise WorkbookRefused(
+            "unreadable",
+            f"{path} is a folder, not a workbook. Name the workbooks in it, such as {path / '*.xlsx'}; "
+            f"torsionbook batch {path} --out results calculates them all.",
+        ) from problem
+    except PermissionError as problem:
+        raise WorkbookRefused(
+            "unreadable",
+            f"{path} may not be read. Close it in the spreadsheet program or ask for the right to read it.",
+        ) from problem
+
+
+def stored_bytes(archive: bytes, entry: zipfile.ZipInfo) -> bytes:
+    """Compressed bytes of an entry inside an archive held in memory."""
+    start = entry.header_offset
+    name_length, extra_length = struct.unpack_from("<HH", archive, start + 26)
+    begin = start + _LOCAL_HEADER.size + name_length + extra_length
+    return archive[begin : begin + entry.compress_size]
+
+
+def _check_magic(data: bytes, path: Path) -> None:
+    if data.startswith(_OLE_MAGIC):
+        # An encrypted workbook is an OLE file with a stream of this name (UTF-16); anything else OLE is the old format.
+        if "EncryptedPackage".encode("utf-16-le") in data:
+            raise WorkbookRefused(
+                "encrypted",
+                f"{path.name} is protected by a password to open. Save a copy without that password and run again.",
+            )
+        raise WorkbookRefused(
+            "xls",
+            f"{path.name} is in the old .xls format. Save it as Excel workbook (.xlsx) and run again.",
+        )
+    if not data:
+        raise WorkbookRefused("empty", f"{path.name} is empty.")
+    if not data.startswith(_ZIP_MAGIC):
+        raise WorkbookRefused(
+            "not a workbook", f"{path.name} is not an Excel workbook (.xlsx or .xlsm)."
+        )
+
+
+def _check_directory(entries: list[zipfile.ZipInfo], path: Path, limits: Limits) -> None:
+    if len(entries) > limits.entries:
+        raise WorkbookRefused(
+            "too many parts",
+            f"{path.name} contains {len(entries)} parts; a workbook has fewer than {limits.entries}.",
+        )
+    seen: set[str] = set()
+    total = 0
+    for entry in entries:
+        _check_name(entry, seen, path)
+        _check_size(entry, path, limits)
+        total += entry.file_size
+    if total > limits.total_size:
+        raise WorkbookRefused(
+            "bomb",
+            f"{path.name} would unpack to {total // 2**20} MB; more than {limits.total_size // 2**20} MB is refused.",
+        )
+
+
+def _check_places(entries: list[zipfile.ZipInfo], data: bytes, directory: int, path: Path) -> None:
+    """Each entry must stand in the file under its own name, before the directory, and none within another.
+
+    Entries that share bytes are how a small file unpacks to an enormous one.
+    """
+    end = 0
+    for entry in sorted(entries, key=lambda one: one.header_offset):
+        start = entry.header_offset
+        if (
+            start < 0
+            or start + _LOCAL_HEADER.size > len(data)
+            or data[start : start + 4] != _ZIP_MAGIC
+        ):
+            raise _damaged(path, f"the part {shown_name(entry.filename)} is not where it should be")
+        if start < end:
+            raise WorkbookRefused(
+                "overlap",
+                f"{path.name} contains the part {shown_name(entry.filename)} inside another one, as no program packs "
+                "a workbook. It is not opened.",
+            )
+        name_length, extra_length = struct.unpack_from("<HH", data, start + 26)
+        begin = start + _LOCAL_HEADER.size
+        end = begin + name_length + extra_length + entry.compress_size
+        if end > directory:
+            raise _damaged(path, f"the part {shown_name(entry.filename)} is cut off")
+        encoding = "utf-8" if entry.flag_bits & _UTF8_FLAG else "cp437"
+        if data[begin : begin + name_length] != entry.orig_filename.encode(encoding):
+            raise _damaged(
+                path, f"the part {shown_name(entry.filename)} stands there under another name"
+            )
+
+
+def shown_name(name: str) -> str:
+    """A name out of the file as it may stand in a sentence."""
+    return repr(name if len(name) <= 80 else name[:77] + "...")
+
+
+def _check_name(entry: zipfile.ZipInfo, seen: set[str], path: Path) -> None:
+    name = entry.orig_filename
+    if (
+        name.startswith("/")
+        or "\\" in name
+        or ":" in name
+        or "\0" in name
+        or ".." in name.split("/")
+    ):
+        raise WorkbookRefused(
+            "path",
+            f"{path.name} contains a part named {shown_name(name)}, which points outside the workbook. It is not opened.",
+        )
+    if name.lower() in seen:
+        raise WorkbookRefused(
+            "duplicate part",
+            f"{path.name} contains the part {shown_name(name)} twice, so programs may read different content from it. "
+            "Open it in the spreadsheet program and save it again.",
+        )
+    seen.add(name.lower())
+    if entry.flag_bits & _ENCRYPTED_FLAG:
+        raise WorkbookRefused(
+            "encrypted", f"{path.name} is an encrypted archive. Save a copy without encryption."
+        )
+    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise WorkbookRefused(
+            "compression",
+            f"{path.name} is packed in a way that workbooks do not use. Open it in the spreadsheet program and save it again.",
+        )
+
+
+def _check_size(entry: zipfile.ZipInfo, path: Path, limits: Limits) -> None:
+    too_big = entry.file_size > limits.part_size
+    packed_too_well = entry.file_size > limits.ratio_from and entry.file_size > limits.ratio * max(
+        entry.compress_size, 1
+    )
+    if too_big or packed_too_well:
+        raise WorkbookRefused(
+            "bomb",
+            f"The part {shown_name(entry.filename)} of {path.name} would unpack from {entry.compress_size} to {entry.file_size} "
+            "bytes, which looks like an attack and not like a workbook. It is not opened.",
+        )
+
+
+def _damaged(path: Path, detail: str) -> WorkbookRefused:
+    return WorkbookRefused(
+        "damaged",
+        f"{path.name} is damaged ({detail}). Open it in the spreadsheet program, let it repair the file, and save it again.",
+    )
+
+
+def _packed_entry(
+    entry: zipfile.ZipInfo, data: bytes, compress: bool, position: int
+) -> tuple[bytes, bytes, bytes]:
+    if compress:
+        # Long number blocks shrink by a further seventh at four times the time; that is not worth it.
+        level = 6 if len(data) <= _LONG_PART else 1
+        packer = zlib.compressobj(level, zlib.DEFLATED, -15)
+        method, payload = zipfile.ZIP_DEFLATED, packer.compress(data) + packer.flush()
+    else:
+        method, payload = zipfile.ZIP_STORED, data
+    local, central = _headers(entry, method, (zlib.crc32(data), len(payload), len(data)), position)
+    return local, central, payload
+
+
+def _headers(
+    entry: zipfile.ZipInfo, method: int, sizes: tuple[int, int, int], position: int
+) -> tuple[bytes, bytes]:
+    """Local and central header of an entry; sizes are (CRC, stored, inflated)."""
+    utf8 = bool(entry.flag_bits & _UTF8_FLAG)
+    # Directory names come decoded from one of these two encodings; orig_filename is what stood in the file.
+    name = entry.orig_filename.encode("utf-8" if utf8 else "cp437")
+    flags = _UTF8_FLAG if utf8 else 0
+    year, month, day, hour, minute, second = (
+        entry.date_time if entry.date_time[0] >= 1980 else _FIXED_DATE
+    )
+    date = (year - 1980) << 9 | month << 5 | day
+    time = hour << 11 | minute << 5 | second // 2
+    common = (flags, method, time, date, *sizes, len(name), 0)
+    local = _LOCAL_HEADER.pack(_ZIP_MAGIC, 20, *common) + name
+    central = _CENTRAL_HEADER.pack(
+        b"PK\x01\x02", entry.create_version, entry.create_system, 20, 0, *common,
+        len(entry.comment), 0, entry.internal_attr, entry.external_attr, position,
+    )  # fmt: skip
+    return local, central + name + entry.comment
+
+
+def _write_directory(
+    stream: BinaryIO, directory: list[bytes], position: int, comment: bytes
+) -> None:
+    for central in directory:
+        stream.write(central)
+    size = sum(map(len, directory))
+    count = len(directory)
+    stream.write(
+        _END_RECORD.pack(b"PK\x05\x06", 0, 0, count, count, size, position, len(comment)) + comment
+    )

@@ -1,0 +1,186 @@
+"""What the charts of a workbook draw, and the copies of cell values that they carry; nothing is changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from addin.xlsx.references import Rect, cell_name, whole_number
+from addin.xlsx.xml_part import CHART, RELATIONSHIP_IDS, Element, parse_part
+
+if TYPE_CHECKING:
+    from addin.xlsx.workbook import Workbook
+
+__all__ = ["Drawn", "DrawnChart", "DrawnSeries", "drawn_charts"]
+
+_DRAWING = "http://schemas.openxmlformats.org/drawingml/2006/main"
+_ANCHORS = "http://schemas.openxmlformats.org/drawingml/2006/spreadsheetDrawing"
+#: Rows and columns of a sheet, of which a drawing may state any number.
+_MOST_ROWS, _MOST_COLUMNS = 1_048_575, 16_383
+
+Area = tuple[str, Rect]
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Cells that a chart draws or names, and its copy of their values.
+
+    Attributes
+    ----------
+    text : str
+        The reference as written; empty for fixed words.
+    areas : tuple of (str, Rect)
+        Sheet and cells; empty where the reference cannot be followed.
+    numbers : bool
+        Whether the copy holds numbers.
+    count : int
+        Points that the copy claims; -1 without a copy.
+    points : dict of int to str
+        Values of the copy by their place.
+    words : str
+        Fixed words in place of a reference.
+    """
+
+    text: str = ""
+    areas: tuple[Area, ...] = ()
+    numbers: bool = False
+    count: int = -1
+    points: dict[int, str] | None = None
+    words: str = ""
+
+
+@dataclass(frozen=True)
+class DrawnSeries:
+    """One series: its name, its categories (or x), its values (or y)."""
+
+    name: Drawn
+    categories: Drawn
+    values: Drawn
+
+
+@dataclass(frozen=True)
+class DrawnChart:
+    """One chart of a worksheet.
+
+    Attributes
+    ----------
+    sheet, cell : str
+        Where it lies: its sheet and the cell under its upper left corner.
+    title : str
+        Words above it, as the file holds them.
+    title_cell : Drawn
+        The cell that gives these words; empty for fixed ones.
+    series : tuple of DrawnSeries
+        In the order of the part.
+    """
+
+    sheet: str
+    cell: str
+    title: str
+    title_cell: Drawn
+    series: tuple[DrawnSeries, ...]
+
+    def references(self) -> Iterator[Drawn]:
+        """Everything in it that refers to cells."""
+        yield self.title_cell
+        for one in self.series:
+            yield from (one.name, one.categories, one.values)
+
+
+def drawn_charts(workbook: Workbook) -> list[DrawnChart]:
+    """The charts on the worksheets of a workbook.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        As it stands.
+
+    Returns
+    -------
+    list of DrawnChart
+        Sheet by sheet. Charts on chart sheets are left out.
+    """
+    structure = workbook.structure
+    found = []
+    for sheet in workbook.sheet_names:
+        part = structure.worksheet_part(sheet)
+        for drawing in structure.relationships(part) if part else ():
+            if drawing.kind != "drawing" or workbook.container.find(drawing.part) is None:
+                continue
+            charts = {
+                one.id: one.part
+                for one in structure.relationships(drawing.part)
+                if one.kind == "chart" and workbook.container.find(one.part) is not None
+            }
+            root = parse_part(workbook.container.charged(drawing.part), drawing.part)
+            for anchor in root:
+                for frame in anchor.iter(_c("chart")):
+                    chart = charts.get(frame.get(f"{{{RELATIONSHIP_IDS}}}id", ""))
+                    if chart is not None:
+                        found.append(_chart(workbook, sheet, _cell_of(anchor), chart))
+    return found
+
+
+def _chart(workbook: Workbook, sheet: str, cell: str, part: str) -> DrawnChart:
+    root = parse_part(workbook.container.charged(part), part)
+    holder = root.find(_c("chart"))
+    title = None if holder is None else holder.find(_c("title"))
+    words = None if title is None else title.find(_c("tx"))
+    title_cell = Drawn() if words is None else _drawn(workbook, words)
+    text = "" if words is None else "".join(run.text or "" for run in words.iter(_a("t")))
+    return DrawnChart(
+        sheet,
+        cell,
+        text or (title_cell.points or {}).get(0, ""),
+        title_cell,
+        tuple(_series(workbook, one) for one in root.iter(_c("ser"))),
+    )
+
+
+def _series(workbook: Workbook, series: Element) -> DrawnSeries:
+    def of(*tags: str) -> Drawn:
+        held = (series.find(_c(tag)) for tag in tags)
+        return next((_drawn(workbook, one) for one in held if one is not None), Drawn())
+
+    return DrawnSeries(of("tx"), of("cat", "xVal"), of("val", "yVal"))
+
+
+def _drawn(workbook: Workbook, holder: Element) -> Drawn:
+    """The reference in an element, and its copy."""
+    for kind in ("num", "str", "multiLvlStr"):
+        reference = holder.find(_c(f"{kind}Ref"))
+        if reference is None:
+            continue
+        text = reference.findtext(_c("f")) or ""
+        areas = tuple(workbook.chart_areas(text) or ())
+        cache = reference.find(_c(f"{kind}Cache"))
+        if cache is None or kind == "multiLvlStr":
+            return Drawn(text, areas)
+        stated = cache.find(_c("ptCount"))
+        count = whole_number("" if stated is None else stated.get("val", ""), _MOST_ROWS + 1)
+        points = {}
+        for point in cache.iter(_c("pt")):
+            at = whole_number(point.get("idx", ""), _MOST_ROWS)
+            if at is not None:
+                points[at] = point.findtext(_c("v")) or ""
+        return Drawn(text, areas, kind == "num", -1 if count is None else count, points)
+    return Drawn(words=holder.findtext(_c("v")) or "")
+
+
+def _cell_of(anchor: Element) -> str:
+    """The cell under the upper left corner; empty where the drawing does not say."""
+    corner = anchor.find(f"{{{_ANCHORS}}}from")
+    if corner is None:
+        return ""
+    row = whole_number(corner.findtext(f"{{{_ANCHORS}}}row") or "", _MOST_ROWS)
+    column = whole_number(corner.findtext(f"{{{_ANCHORS}}}col") or "", _MOST_COLUMNS)
+    return "" if row is None or column is None else cell_name(row + 1, column + 1)
+
+
+def _c(tag: str) -> str:
+    return f"{{{CHART}}}{tag}"
+
+
+def _a(tag: str) -> str:
+    return f"{{{_DRAWING}}}{tag}"

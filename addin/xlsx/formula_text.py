@@ -1,0 +1,294 @@
+"""Which cells a formula reads, and how its references move.
+
+Only what bears on dependence is recognised. Whatever this module does not understand for certain is reported as reading
+*everything*, so that a value can be recalculated needlessly but is never left stale.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from addin.xlsx.references import MAX_COLUMN, MAX_ROW, column_letters, column_number
+from addin.xlsx.values import MAX_FORMULA
+
+_SHEET = r"(?:'(?:[^']|'')+'|[^\W\d][\w.]*(?::[^\W\d][\w.]*)?|\[\d+\][\w. ]*)!"
+_CELL = r"\$?[A-Za-z]{1,3}\$?[1-9][0-9]{0,6}"
+_COLUMN = r"\$?[A-Za-z]{1,3}"
+_ROW = r"\$?[1-9][0-9]{0,6}"
+_TOKEN = re.compile(
+    rf"""(?P<text>"(?:[^"]|"")*")
+    |(?P<error>\#(?:NULL!|DIV/0!|VALUE!|REF!|NAME\?|NUM!|N/A|SPILL!|CALC!|GETTING_DATA))
+    |(?P<sheet>{_SHEET})?(?P<ref>{_CELL}:{_CELL}|{_COLUMN}:{_COLUMN}|{_ROW}:{_ROW}|{_CELL})(?![\w(.!\[])
+    |(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)
+    |(?P<function>[^\W\d][\w.]*)\(
+    |(?P<nsheet>{_SHEET})?(?P<name>[^\W\d][\w.\\?]*)(?P<bracket>\[)?
+    |(?P<lone>\[)
+    """,
+    re.VERBOSE,
+)
+_CELL_PARTS = re.compile(r"(\$?)([A-Za-z]{1,3})(\$?)([0-9]+)")
+
+# Functions whose value depends on cells that no reference of the formula names.
+READS_ANYTHING = frozenset(
+    ["INDIRECT", "OFFSET", "GETPIVOTDATA", "CELL", "INFO", "RTD", "CALL", "EVALUATE", "FORMULATEXT"]
+)
+# Functions whose value depends on the moment; their cached value is as good as any until somebody recalculates.
+CHANGES_BY_ITSELF = frozenset(["NOW", "TODAY", "RAND", "RANDBETWEEN", "RANDARRAY"])
+# Functions that may pass over hidden rows.
+LOOKS_AT_HIDDEN_ROWS = frozenset(["SUBTOTAL", "AGGREGATE"])
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A cell range written in a formula.
+
+    Attributes
+    ----------
+    sheet : str
+        Text before the exclamation mark, with it; empty = the formula's own sheet.
+    text : str
+        The range as written.
+    """
+
+    sheet: str
+    text: str
+
+
+@dataclass(frozen=True)
+class TableReference:
+    """A structured reference; ``table`` is empty when it stands for the table around the formula."""
+
+    table: str
+    inside: str
+
+
+@dataclass(frozen=True)
+class NameReference:
+    """A defined name or a table named without brackets."""
+
+    sheet: str
+    name: str
+
+
+@dataclass(frozen=True)
+class Span:
+    """``A1:INDEX(range, ...)``: cells from one reference to a place within another.
+
+    Attributes
+    ----------
+    start : Reference
+    within : Reference, TableReference or NameReference
+        What INDEX chooses from; all cells read lie in the rectangle around both.
+    """
+
+    start: Reference
+    within: Reference | TableReference | NameReference
+
+
+@dataclass(frozen=True)
+class Parsed:
+    """What a formula text refers to.
+
+    Attributes
+    ----------
+    cells : tuple of Reference
+    tables : tuple of TableReference
+    names : tuple of NameReference
+    spans : tuple of Span
+        Their two ends are not repeated among cells, tables and names.
+    functions : frozenset of str
+        Upper case, without ``_xlfn.`` and ``_xlws.``.
+    unclear : bool
+        Something was not understood, or a function reads cells that are not named: it may read everything.
+    """
+
+    cells: tuple[Reference, ...]
+    tables: tuple[TableReference, ...]
+    names: tuple[NameReference, ...]
+    spans: tuple[Span, ...]
+    functions: frozenset[str]
+    unclear: bool
+
+
+@lru_cache(maxsize=65_536)
+def parse_formula(text: str) -> Parsed:
+    """Find the references and functions of a formula.
+
+    Parameters
+    ----------
+    text : str
+        The formula in file syntax, without ``=``.
+    """
+    if len(text) > MAX_FORMULA or (len(text) > 1_000 and _has_stray_quotes(text)):
+        # No program takes it, or each of its quotes would be followed to the end.
+        return Parsed((), (), (), (), frozenset(), unclear=True)
+    cells: list[Reference] = []
+    tables: list[TableReference] = []
+    names: list[NameReference] = []
+    spans: list[Span] = []
+    functions: set[str] = set()
+    rest: list[str] = []
+    tokens = list(_tokens(text))
+    at = 0
+    while at < len(tokens):
+        kind, first, second = tokens[at]
+        span = _span(tokens[at : at + 5])
+        if span is not None:
+            spans.append(span)
+            functions.add("INDEX")
+            at += 4
+            continue
+        at += 1
+        if kind == "cells":
+            cells.append(Reference(first, second))
+        elif kind == "table":
+            tables.append(TableReference(first, second))
+        elif kind == "name":
+            names.append(NameReference(first, second))
+        elif kind == "function":
+            functions.add(first)
+        else:
+            rest.append(first)
+    leftover = "".join(rest)
+    # A colon or bracket that is not part of a plain range builds a reference at run time, e.g. A1:CHOOSE(...).
+    unclear = any(mark in leftover for mark in ":![]") or not READS_ANYTHING.isdisjoint(functions)
+    return Parsed(
+        tuple(cells), tuple(tables), tuple(names), tuple(spans), frozenset(functions), unclear
+    )
+
+
+def _has_stray_quotes(text: str) -> bool:
+    return bool(text.count("'") % 2 or text.count('"') % 2 or text.count("''") > 50)
+
+
+def _span(tokens: Sequence[tuple[str, str, str]]) -> Span | None:
+    """A range that ends in INDEX, if the next tokens are one: cells ``:`` INDEX( reference ``,``."""
+    if len(tokens) < 5:
+        return None
+    start, colon, function, within, after = tokens
+    if start[0] != "cells" or colon != ("rest", ":", "") or function != ("function", "INDEX", ""):
+        return None
+    # Anything but a comma behind it makes the argument an expression.
+    if after[0] != "rest" or not after[1].lstrip().startswith(","):
+        return None
+    kinds: dict[str, type[Reference] | type[TableReference] | type[NameReference]] = {
+        "cells": Reference, "table": TableReference, "name": NameReference
+    }  # fmt: skip
+    kind = kinds.get(within[0])
+    return None if kind is None else Span(Reference(*start[1:]), kind(*within[1:]))
+
+
+def _tokens(text: str) -> Iterator[tuple[str, str, str]]:
+    """Tokens as (kind, first, second); what is between them comes as kind ``rest``."""
+    position = 0
+    while True:
+        found = _TOKEN.search(text, position)
+        if found is None:
+            yield "rest", text[position:], ""
+            return
+        if found.start() > position:
+            yield "rest", text[position : found.start()], ""
+        position = found.end()
+        kind = found.lastgroup
+        if kind == "ref":
+            yield from _cell_token(found)
+        elif kind == "function":
+            yield "function", _bare_function(found["function"]), ""
+        elif kind in ("bracket", "lone"):
+            inside, position = _bracketed(text, position)
+            if inside is None:
+                # Never closed: the rest is not to be understood, nor to be gone through again from each bracket.
+                yield "rest", text[found.start() :], ""
+                return
+            if found["nsheet"]:
+                yield "rest", "!", ""
+            else:
+                yield "table", found["name"] or "", inside
+        elif kind == "name":
+            yield "name", found["nsheet"] or "", found["name"]
+
+
+def _cell_token(found: re.Match[str]) -> Iterator[tuple[str, str, str]]:
+    sheet, text = found["sheet"] or "", found["ref"]
+    for part in _CELL_PARTS.finditer(text):
+        if column_number(part[2]) > MAX_COLUMN:
+            # XFE1 and beyond are not cells: names may look like that.
+            yield "name", sheet, text
+            return
+    yield "cells", sheet, text
+
+
+def _bare_function(name: str) -> str:
+    bare = name.upper()
+    for prefix in ("_XLFN.", "_XLWS.", "_XLUDF."):
+        bare = bare.removeprefix(prefix)
+    return bare
+
+
+def _bracketed(text: str, position: int) -> tuple[str | None, int]:
+    """Text up to the bracket that closes the one before ``position``; an apostrophe escapes the next character."""
+    depth, at = 1, position
+    while at < len(text):
+        mark = text[at]
+        if mark == "'":
+            at += 1
+        elif mark == "[":
+            depth += 1
+        elif mark == "]":
+            depth -= 1
+            if depth == 0:
+                return text[position:at], at + 1
+        at += 1
+    return None, position
+
+
+def shifted_formula(text: str, rows: int, columns: int) -> str:
+    """The formula as it reads when filled ``rows`` down and ``columns`` to the right.
+
+    Used to write out shared formulas, which the file states once for the first cell only.
+    """
+    pieces: list[str] = []
+    position = 0
+    while (found := _TOKEN.search(text, position)) is not None:
+        pieces.append(text[position : found.start()])
+        position = found.end()
+        kind = found.lastgroup
+        if kind == "ref":
+            pieces.append((found["sheet"] or "") + shifted_range(found["ref"], rows, columns))
+            continue
+        if kind in ("bracket", "lone"):
+            inside, position = _bracketed(text, position)
+            position = len(text) if inside is None else position
+        pieces.append(text[found.start() : position])
+    pieces.append(text[position:])
+    return "".join(pieces)
+
+
+def shifted_range(text: str, rows: int, columns: int) -> str:
+    """A written range moved along its relative parts; ``#REF!`` when it leaves the sheet."""
+    ends = [_shifted_end(end, rows, columns) for end in text.split(":")]
+    return "#REF!" if None in ends else ":".join(end for end in ends if end)
+
+
+def _shifted_end(end: str, rows: int, columns: int) -> str | None:
+    found = re.fullmatch(r"(\$?)([A-Za-z]*)(\$?)([0-9]*)", end)
+    if found is None:
+        return None
+    mark_column, letters, mark_row, digits = found.groups()
+    if not letters:
+        # A whole row such as $4: its only dollar sign stands in the first group.
+        mark_row, mark_column = mark_column or mark_row, ""
+    if letters and not mark_column:
+        column = column_number(letters) + columns
+        if not 1 <= column <= MAX_COLUMN:
+            return None
+        letters = column_letters(column)
+    if digits and not mark_row:
+        row = int(digits) + rows
+        if not 1 <= row <= MAX_ROW:
+            return None
+        digits = str(row)
+    return f"{mark_column}{letters}{mark_row}{digits}"

@@ -1,0 +1,612 @@
+"""Cached values of formulas: never stale.
+
+A formula cell stores its last result. When other cells were written into the file, the results that hang on them are
+wrong until a spreadsheet program recalculates, and viewers never do. Hence, for every formula that hangs on a changed
+cell, the result is renewed, and where that cannot be done for certain, removed: blank beats wrong.
+
+Renewed values come from formualizer, when it is installed. It is not trusted blindly: functions it does not know, values
+that it gets otherwise than the file has them in cells that did not change, new errors, clock or random functions, and rich
+values (pictures in cells, linked data types), which it takes for errors, make everything that hangs on them suspect, and
+that is removed and not replaced. So are the results of data tables, which it does not calculate.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import zipfile
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from addin.xlsx.calculator_copy import calculator_copy, reads_other_workbook
+from addin.xlsx.dependents import (
+    ChangedCells,
+    DependencyGraph,
+    FormulaCell,
+    ReferenceResolver,
+    spill_rect,
+)
+from addin.xlsx.formula_text import (
+    CHANGES_BY_ITSELF,
+    LOOKS_AT_HIDDEN_ROWS,
+    Reference,
+    TableReference,
+    parse_formula,
+)
+from addin.xlsx.references import Rect, cell_name
+from addin.xlsx.sheet_part import SheetPart
+from addin.xlsx.values import MAX_FORMULA, Constant, ErrorValue
+from addin.xlsx.xml_part import Element, in_short, main
+
+if TYPE_CHECKING:
+    from addin.xlsx.workbook import Workbook
+
+_F = main("f")
+_HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
+_HAS_RICH_VALUE = re.compile(rb"""\svm=["']""")
+
+_PARENTHESES = re.compile(r"[()]")
+# How the calculator calls a structured reference that it does not know.
+_NAMED_REFERENCE = re.compile(r"[^\s\[\]]*\[.*\]")
+# The calculator takes no more columns of tables in all.
+MOST_COLUMNS = 256
+# Spreadsheet programs take 64 levels of functions; a calculator that is given far more may run out of stack.
+MAX_DEPTH = 256
+
+# What may be spent on finding formulas that the calculator refuses: calculations, and formulas calculated in all of them.
+_MOST_TRIES = 50
+_MOST_TRIED = 20_000
+
+# Results that tell of the data rather than of a calculator's shortcomings.
+_HONEST_ERRORS = frozenset(["#DIV/0!", "#N/A", "#NUM!"])
+# Two programs evaluate the same formula alike to the last digit or two; a larger difference is a disagreement.
+_SAME_VALUE = 1e-14
+_SAME_RESULT = 1e-9
+
+
+@dataclass(frozen=True)
+class CacheReport:
+    """What was done about the cached values of formulas.
+
+    Attributes
+    ----------
+    method : str
+        ``"not needed"`` (no formula hangs on a changed cell), ``"recalculated"`` or ``"removed"``.
+    formulas : int
+        Formula cells of the workbook whose value is not given by the writer.
+    affected : int
+        Those that hang on changed cells.
+    changed : int
+        Those that got a new value.
+    removed : int
+        Those that were left without a value, to be calculated when the workbook is opened.
+    disagreements : tuple of str
+        Formula cells written with a value that the recalculation gets otherwise (relative difference above 1e-9).
+    reason : str
+        Why values were removed, in words; empty otherwise.
+    """
+
+    method: str
+    formulas: int = 0
+    affected: int = 0
+    changed: int = 0
+    removed: int = 0
+    disagreements: tuple[str, ...] = ()
+    reason: str = ""
+
+
+def refresh_formula_caches(workbook: Workbook) -> CacheReport:
+    """Renew or remove the cached value of each formula that hangs on changed cells.
+
+    Sheets without such a formula stay byte-identical.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The workbook, after all cells are written.
+    """
+    if not workbook.changed:
+        return CacheReport("not needed")
+    everything = list(_formula_cells(workbook))
+    others = [
+        cell
+        for cell in everything
+        if not workbook.is_owned_formula(cell.sheet, cell.rect.top, cell.rect.left)
+    ]
+    if not others:
+        return CacheReport("not needed")
+    resolver = ReferenceResolver(
+        workbook.sheet_names, workbook.structure.names, workbook.tables.values()
+    )
+    graph = DependencyGraph(others, resolver.reads)
+    reached = graph.downstream_of_cells(workbook.changed)
+    reached |= graph.downstream_of_formulas(_over_shown_rows(workbook, others, resolver.reads))
+    affected = [others[index] for index in sorted(reached)]
+    affected += _never_calculated(workbook, others, affected)
+    if not affected:
+        return CacheReport("not needed", formulas=len(others))
+    return _Refresh(workbook, everything, affected, len(others), resolver.reads).run()
+
+
+def _over_shown_rows(
+    workbook: Workbook,
+    cells: Sequence[FormulaCell],
+    reads: Callable[[FormulaCell], list[tuple[str, Rect]] | None],
+) -> list[int]:
+    """Formulas that passed over rows which were hidden then, by their index."""
+    if not workbook.shown_rows:
+        return []
+    return [
+        index
+        for index in _looking_at_hidden_rows(workbook, cells)
+        if any(workbook.shown_rows.touch(*area) for area in reads(cells[index]) or ())
+    ]
+
+
+def _looking_at_hidden_rows(workbook: Workbook, cells: Sequence[FormulaCell]) -> dict[int, bool]:
+    """Formulas that may pass over hidden rows, by their index, and whether they do through a name."""
+    names = _names_looking_at_hidden_rows(workbook)
+    found = {}
+    for index, cell in enumerate(cells):
+        parsed = parse_formula(cell.text)
+        by_name = any(one.name.casefold() in names for one in parsed.names)
+        if by_name or not LOOKS_AT_HIDDEN_ROWS.isdisjoint(parsed.functions):
+            found[index] = by_name
+    return found
+
+
+def _names_looking_at_hidden_rows(workbook: Workbook) -> set[str]:
+    """Names for formulas that may pass over hidden rows, also through other names."""
+    parsed = [(one.name.casefold(), parse_formula(one.text)) for one in workbook.structure.names]
+    found = {name for name, one in parsed if not LOOKS_AT_HIDDEN_ROWS.isdisjoint(one.functions)}
+    while more := {
+        name
+        for name, one in parsed
+        if name not in found and any(inner.name.casefold() in found for inner in one.names)
+    }:
+        found |= more
+    return found
+
+
+def _never_calculated(
+    workbook: Workbook, others: Sequence[FormulaCell], affected: Sequence[FormulaCell]
+) -> list[FormulaCell]:
+    """Formulas that we wrote without a value, which nothing else makes us calculate."""
+    known = set(map(id, affected))
+    return [
+        cell
+        for cell in others
+        if id(cell) not in known and workbook.changed.touch(cell.sheet, _home(cell))
+    ]
+
+
+def _formula_cells(workbook: Workbook) -> Iterator[FormulaCell]:
+    for sheet in workbook.sheet_names:
+        data = workbook.sheet_bytes(sheet)
+        # The quick look spares parsing long sheets of numbers; a sheet already open may have gained formulas.
+        if data and (workbook.is_loaded(sheet) or _HAS_FORMULA.search(data)):
+            yield from _formulas_of(workbook.sheet_part(sheet))
+
+
+def _formulas_of(sheet: SheetPart) -> Iterator[FormulaCell]:
+    masters: dict[str, tuple[str, int, int]] = {}
+    arrays = sheet.arrays
+    for (row, column), cell in sheet.formulas.items():
+        formula = cell.find(_F)
+        kind, text = formula.get("t"), formula.text or ""
+        here = Rect(row, column, row, column)
+        if kind == "shared":
+            if text:
+                masters[formula.get("si")] = (text, row, column)
+            text, from_row, from_column = masters.get(formula.get("si"), ("", row, column))
+            yield FormulaCell(sheet.name, here, text, (row - from_row, column - from_column))
+        elif kind == "dataTable":
+            rect = arrays.get((row, column), here)
+            text = _read_by_data_table(formula, rect)
+            yield FormulaCell(sheet.name, rect, text, is_data_table=True)
+        elif cell.get("cm"):
+            yield FormulaCell(sheet.name, spill_rect(here), text, spills=True)
+        else:
+            yield FormulaCell(sheet.name, arrays.get((row, column), here), text)
+
+
+def _read_by_data_table(formula: Element, rect: Rect) -> str:
+    """What a data table reads, as a formula: the cells that it varies, its axes and formulas above and left of it."""
+    varied = [formula.get(name) for name in ("r1", "r2") if formula.get(name)]
+    if not varied or rect.top == 1 or rect.left == 1:
+        return ""
+    around = Rect(rect.top - 1, rect.left - 1, rect.bottom, rect.right)
+    return f"TABLE({','.join([str(around), *varied])})"
+
+
+def _rich_values(workbook: Workbook) -> ChangedCells:
+    """Cells that show rich values, in all sheets."""
+    found = ChangedCells()
+    for sheet in workbook.sheet_names:
+        data = workbook.sheet_bytes(sheet)
+        # Looked for without pattern first, as sheets are long.
+        if b"vm=" in data and _HAS_RICH_VALUE.search(data):
+            for row, column in workbook.sheet_part(sheet).rich_values:
+                found.add(sheet, Rect(row, column, row, column))
+    return found
+
+
+def _home(cell: FormulaCell) -> Rect:
+    """The cell that holds the formula."""
+    return Rect(cell.rect.top, cell.rect.left, cell.rect.top, cell.rect.left)
+
+
+def _naming(
+    workbook: Workbook, cells: Sequence[FormulaCell], left_out: Collection[str] = ()
+) -> dict[str, list[FormulaCell]]:
+    """Tables that formulas name, and the formulas; one without a name is the table around its formula."""
+    tables = {table.name.casefold(): table for table in workbook.tables.values()}
+    found: dict[str, list[FormulaCell]] = defaultdict(list)
+    for cell in cells:
+        if cell.text in left_out:
+            continue
+        parsed = parse_formula(cell.text)
+        ends = [span.within for span in parsed.spans]
+        words = {
+            one.table if isinstance(one, TableReference) else one.name
+            for one in (*parsed.tables, *parsed.names, *ends)
+            if not isinstance(one, Reference)
+        }
+        named = [table for word in words if (table := tables.get(word.casefold()))]
+        if "" in words:
+            named += (
+                t for t in tables.values() if t.sheet == cell.sheet and t.ref.meets(cell.rect)
+            )
+        for table in named:
+            found[table.name].append(cell)
+    return found
+
+
+def _beyond_the_limit(
+    workbook: Workbook, naming: dict[str, list[FormulaCell]]
+) -> dict[str, list[FormulaCell]]:
+    """Tables that are too many for the calculator, those that the fewest formulas name; and these formulas."""
+    left, beyond = MOST_COLUMNS, {}
+    for name in sorted(naming, key=lambda one: len(naming[one]), reverse=True):
+        columns = len(workbook.tables[name].columns)
+        if columns > left:
+            beyond[name] = naming[name]
+        else:
+            left -= columns
+    return beyond
+
+
+class _Refresh:
+    """One renewal of cached values: recalculate, judge, replace or remove."""
+
+    def __init__(
+        self,
+        workbook: Workbook,
+        everything: Sequence[FormulaCell],
+        affected: Sequence[FormulaCell],
+        count: int,
+        reads: Callable[[FormulaCell], list[tuple[str, Rect]] | None],
+    ) -> None:
+        self.workbook = workbook
+        self.everything = everything
+        self.affected = affected
+        self.count = count
+        self.reads = reads
+        self.rich_values = _rich_values(workbook)
+        self.left_out: Collection[str] = frozenset()
+        self.changed = 0
+        self.removed = 0
+
+    def run(self) -> CacheReport:
+        with_formulas = {cell.sheet for cell in self.everything}
+        recalculated, reason = self._recalculate(with_formulas)
+        if recalculated is None:
+            for cell in self.affected:
+                self._remove(cell)
+            return self._report("removed", reason)
+        suspects = self._suspects(recalculated)
+        for cell in self.affected:
+            if cell in suspects:
+                self._remove(cell)
+            else:
+                self._renew(cell, recalculated)
+        disagreements = tuple(self._disagreements(recalculated))
+        reason = "Some formulas cannot be recalculated for certain." if self.removed else ""
+        return self._report("recalculated", reason, disagreements)
+
+    def _recalculate(self, with_formulas: Collection[str]) -> tuple[_Recalculated | None, str]:
+        """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
+        areas = [self.reads(cell) for cell in self.everything]
+        known = {area for found in areas for area in found or ()}
+        read = None if None in areas else known
+        naming = _naming(self.workbook, self.everything)
+        recalculated, reason = _recalculate(
+            self.workbook, self.everything, with_formulas, read, named=naming
+        )
+        if recalculated is not None:
+            return recalculated, reason
+        # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
+        # refuses circles, which spreadsheet programs leave or calculate round by round. It is not given what would be
+        # beyond spreadsheet programs.
+        circles = DependencyGraph(self.everything, self.reads).in_circles()
+        left_out = {self.everything[index].text for index in circles}
+        left_out |= {cell.text for cell in self.everything if _is_beyond_programs(cell.text)}
+        left_out |= {cell.text for cell in self._over_hidden_rows()}
+        left_out |= {
+            cell.text for cell in self.everything if "LAMBDA" in parse_formula(cell.text).functions
+        }
+        left_out |= {
+            cell.text for cell, area in zip(self.everything, areas, strict=True) if area is None
+        }
+        crowded = _beyond_the_limit(
+            self.workbook, _naming(self.workbook, self.everything, left_out)
+        )
+        left_out |= {cell.text for cells in crowded.values() for cell in cells}
+
+        def calculated_without(texts: Collection[str]) -> tuple[_Recalculated | None, str]:
+            naming = _naming(self.workbook, self.everything, texts)
+            return _recalculate(self.workbook, self.everything, with_formulas, known, texts, naming)
+
+        if left_out:
+            again = calculated_without(left_out)
+            recalculated, reason = again[0], again[1] or reason
+        if recalculated is None:
+            refused = self._refused(left_out, calculated_without, reason)
+            if refused:
+                left_out |= refused
+                again = calculated_without(left_out)
+                recalculated, reason = again[0], again[1] or reason
+        self.left_out = left_out
+        return recalculated, reason
+
+    def _refused(
+        self,
+        left_out: set[str],
+        calculated_without: Callable[[Collection[str]], tuple[_Recalculated | None, str]],
+        reason: str,
+    ) -> set[str]:
+        """Formulas that the calculator does not take, of which it refuses the whole workbook; found by halving them.
+
+        Those that are not told from their neighbours in the tries allowed are among them.
+        """
+        texts = dict.fromkeys(cell.text for cell in self.everything)
+        asked = [text for text in texts if text not in left_out]
+        tries = min(_MOST_TRIES, _MOST_TRIED // max(len(self.everything), 1))
+
+        def refusal(of: Collection[str]) -> str | None:
+            calculated, why = calculated_without((texts.keys() - set(of)).union(left_out))
+            return why if calculated is None else None
+
+        if not asked or not tries or refusal([]) is not None:
+            return set()  # it is no formula that it refuses
+        refused: set[str] = set()
+        doubtful = [(asked, reason)]
+        while doubtful:
+            group, reason = doubtful.pop()
+            if len(group) == 1 or tries <= 0:
+                refused.update(group)
+                continue
+            first, second = _parted(group, reason)
+            tries -= 2
+            why = refusal(first)
+            if why is None:
+                doubtful.append((second, reason))
+                continue
+            doubtful.append((first, why))
+            if (why := refusal(second)) is not None:
+                doubtful.append((second, why))
+        return refused
+
+    def _over_hidden_rows(self) -> Iterator[FormulaCell]:
+        """Formulas that pass over rows which are hidden, which the calculator cannot."""
+        known: dict[tuple[str, Rect], bool] = {}
+        for index, by_name in _looking_at_hidden_rows(self.workbook, self.everything).items():
+            cell = self.everything[index]
+            if by_name:  # it refuses those names altogether
+                yield cell
+                continue
+            for sheet, rect in self.reads(cell) or ():
+                if (sheet, rect) not in known:
+                    part = self.workbook.sheet_part(sheet)
+                    known[sheet, rect] = bool(part.hidden_rows(rect.top, rect.bottom))
+                if known[sheet, rect]:
+                    yield cell
+                    break
+
+    def _report(self, method: str, reason: str, disagreements: tuple[str, ...] = ()) -> CacheReport:
+        return CacheReport(
+            method,
+            self.count,
+            len(self.affected),
+            self.changed,
+            self.removed,
+            disagreements,
+            reason,
+        )
+
+    def _suspects(self, recalculated: _Recalculated) -> set[FormulaCell]:
+        """Formulas whose recalculated value is not to be trusted."""
+        affected = set(self.affected)
+        sources = [
+            index
+            for index, cell in enumerate(self.everything)
+            if self._is_doubtful(cell, cell in affected, recalculated)
+        ]
+        if not sources:
+            return set()
+        graph = DependencyGraph(self.everything, self.reads)
+        return {self.everything[index] for index in graph.downstream_of_formulas(sources)}
+
+    def _is_doubtful(self, cell: FormulaCell, affected: bool, recalculated: _Recalculated) -> bool:
+        if cell.is_data_table or cell.text in self.left_out:
+            return affected  # calculated nowhere: the copy had its old value
+        if not parse_formula(cell.text).functions.isdisjoint(recalculated.doubtful_functions):
+            return True
+        if affected and reads_other_workbook(cell.text):
+            return True  # nor is this one
+        if affected and self.rich_values and self._meets_rich_value(cell):
+            return True  # the calculator sees an error there, spreadsheet programs do not
+        sheet = self.workbook.sheet_part(cell.sheet)
+        again = recalculated.sheet(cell.sheet)
+        if again is sheet:
+            return False
+        home = (cell.rect.top, cell.rect.left)
+        if sheet.arrays.get(home) != again.arrays.get(home):
+            return True
+        trusted = affected or self.workbook.is_owned_formula(cell.sheet, *home)
+        for row, column in self._places(cell):
+            old, new = sheet.constant(row, column), again.constant(row, column)
+            if old == new:
+                continue
+            if isinstance(new, ErrorValue) and new.code not in _HONEST_ERRORS:
+                return True
+            if not trusted and old is not None and not _alike(old, new, _SAME_RESULT):
+                return True
+        return False
+
+    def _meets_rich_value(self, cell: FormulaCell) -> bool:
+        """Whether a formula reads or shows a rich value."""
+        areas = self.reads(cell)
+        shown = [(cell.sheet, Rect(*place, *place)) for place in self._places(cell)]
+        return areas is None or any(self.rich_values.touch(*area) for area in (*areas, *shown))
+
+    def _places(self, cell: FormulaCell) -> Sequence[tuple[int, int]]:
+        """Cells that show the result of the formula now."""
+        home = (cell.rect.top, cell.rect.left)
+        rect = self.workbook.sheet_part(cell.sheet).arrays.get(home)
+        if rect is None:
+            return [home]
+        # Cells that are not in the file show nothing; a damaged file may state a range of any size.
+        return list(self.workbook.sheet_part(cell.sheet).cells_in(rect))
+
+    def _renew(self, cell: FormulaCell, recalculated: _Recalculated) -> None:
+        sheet = self.workbook.sheet_part(cell.sheet)
+        for row, column in self._places(cell):
+            new = recalculated.value(cell.sheet, row, column)
+            if not _alike(sheet.constant(row, column), new, _SAME_VALUE):
+                sheet.set_cached(row, column, new)
+                self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
+                self.changed += 1
+
+    def _remove(self, cell: FormulaCell) -> None:
+        sheet = self.workbook.sheet_part(cell.sheet)
+        for row, column in self._places(cell):
+            if sheet.constant(row, column) is not None:
+                sheet.set_cached(row, column, None)
+                self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
+        self.removed += 1
+
+    def _disagreements(self, recalculated: _Recalculated) -> Iterator[str]:
+        for cell in self.everything:
+            row, column = cell.rect.top, cell.rect.left
+            if not self.workbook.is_owned_formula(cell.sheet, row, column):
+                continue
+            ours = self.workbook.sheet_part(cell.sheet).constant(row, column)
+            theirs = recalculated.value(cell.sheet, row, column)
+            if not isinstance(theirs, ErrorValue) and not _alike(ours, theirs, _SAME_RESULT):
+                yield f"{cell.sheet}!{cell_name(row, column)}"
+
+
+class _Recalculated:
+    """Values of a recalculated copy of the workbook.
+
+    Parameters
+    ----------
+    workbook : Workbook
+        The workbook.
+    fed : dict of str to bytes
+        Changed parts that went into the copy.
+    result : dict
+        What formualizer returned.
+    """
+
+    def __init__(self, workbook: Workbook, fed: dict[str, bytes], result: dict[str, Any]) -> None:
+        self._workbook = workbook
+        self._fed = fed
+        self._zip = zipfile.ZipFile(io.BytesIO(result["bytes"]))
+        self._sheets: dict[str, SheetPart] = {}
+        unknown = result["summary"].get("unknown_functions", ())
+        names = frozenset(name for one in unknown for name in _spellings(one["name"]))
+        self.doubtful_functions = names | CHANGES_BY_ITSELF
+
+    def value(self, sheet: str, row: int, column: int) -> Constant:
+        """Recalculated value of a cell."""
+        return self.sheet(sheet).constant(row, column)
+
+    def sheet(self, name: str) -> SheetPart:
+        """Recalculated sheet; the workbook's own when nothing came back differently."""
+        if name not in self._sheets:
+            mine = self._workbook.sheet_part(name)
+            data = self._zip.read(mine.part)
+            before = self._fed.get(mine.part) or self._workbook.container.read(mine.part)
+            again = (
+                SheetPart(name, mine.part, data, mine.shared_strings) if data != before else mine
+            )
+            self._sheets[name] = again
+        return self._sheets[name]
+
+
+def _spellings(name: str) -> Iterator[str]:
+    yield name.upper()
+    yield name.upper().rpartition(".")[2]
+
+
+def _parted(texts: Sequence[str], reason: str) -> tuple[list[str], list[str]]:
+    """Two groups of formulas, those last that hold the reference which the calculator names as its reason."""
+    named = _NAMED_REFERENCE.search(reason)
+    holding = [text for text in texts if named and named[0] in text]
+    if holding and len(holding) < len(texts):
+        return [text for text in texts if text not in set(holding)], holding
+    return list(texts[: len(texts) // 2]), list(texts[len(texts) // 2 :])
+
+
+def _is_beyond_programs(text: str) -> bool:
+    """Whether a formula is longer, or its parentheses are deeper, than any program takes."""
+    if len(text) > MAX_FORMULA or text.count("(") <= MAX_DEPTH:
+        return len(text) > MAX_FORMULA
+    depth = deepest = 0
+    for mark in _PARENTHESES.findall(text):
+        depth += 1 if mark == "(" else -1
+        deepest = max(deepest, depth)
+    return deepest > MAX_DEPTH
+
+
+def _recalculate(
+    workbook: Workbook,
+    everything: Sequence[FormulaCell],
+    with_formulas: Collection[str],
+    read: Collection[tuple[str, Rect]] | None,
+    left_out: Collection[str] = (),
+    named: Collection[str] | None = None,
+) -> tuple[_Recalculated | None, str]:
+    """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
+    try:
+        import formualizer
+    except ImportError:
+        return None, "The package formualizer is not installed, so formulas were not recalculated."
+    if any(_is_beyond_programs(cell.text) for cell in everything if cell.text not in left_out):
+        return None, "A formula is longer or deeper than a spreadsheet program takes."
+    fed, dropped = calculator_copy(workbook, with_formulas, read, left_out, named)
+    package = io.BytesIO()
+    # Not compressed, as it lives for milliseconds.
+    workbook.container.write(package, fed, dropped, compress=False)
+    try:
+        result = formualizer.recalculate_xlsx_bytes(package.getvalue())
+    except (KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as problem:  # a panic of the Rust side is a BaseException
+        return None, f"The formulas could not be recalculated ({in_short(problem)})."
+    return _Recalculated(workbook, fed, result), ""
+
+
+def _alike(old: Constant, new: Constant, tolerance: float) -> bool:
+    if isinstance(old, float) and isinstance(new, float):
+        return math.isclose(old, new, rel_tol=tolerance, abs_tol=0.0)
+    return (
+        (old or None) == (new or None)
+        if isinstance(old, str) or isinstance(new, str)
+        else old == new
+    )

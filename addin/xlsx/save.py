@@ -1,0 +1,301 @@
+"""Writing the file: whole or not at all.
+
+Order of events: build the new package in memory; write it beside the destination; flush it to the disk; read it back and
+compare; check that nobody changed the original meanwhile; keep a copy of the original if it is to be replaced; replace in
+one step; flush the folder. Whatever goes wrong before the last but one step leaves the original as it was.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import stat
+import tempfile
+import zipfile
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from addin.xlsx.container import Container, stored_bytes
+from addin.xlsx.errors import SaveRefused, SourceChanged
+from addin.xlsx.formulas import CacheReport
+from addin.xlsx.locks import check_not_open
+
+Check = Callable[[Mapping[str, bytes]], list[str]]
+
+
+@dataclass(frozen=True)
+class SaveReport:
+    """What was written.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    backup : Path or None
+        Copy of the original, when it was replaced.
+    parts : tuple of str
+        Parts that are new or differ from the original; all others are byte-identical.
+    dropped : tuple of str
+        Parts left out (the calculation chain, which spreadsheet programs make anew).
+    caches : CacheReport
+        What was done about the cached values of formulas.
+    notes : tuple of str
+        What the user should know, in sentences.
+    """
+
+    path: Path
+    backup: Path | None
+    parts: tuple[str, ...]
+    dropped: tuple[str, ...]
+    caches: CacheReport
+    notes: tuple[str, ...] = ()
+
+
+def save_package(
+    container: Container,
+    replaced: Mapping[str, bytes],
+    dropped: Collection[str],
+    *,
+    destination: Path | None,
+    in_place: bool,
+    read_only: bool,
+    ignore_lock: bool,
+    check: Check,
+    caches: CacheReport,
+    notes: tuple[str, ...] = (),
+    added: Mapping[str, bytes] | None = None,
+    suffix: str = "",
+    keep_backups: bool = False,
+) -> SaveReport:
+    """Write a changed package.
+
+    Parameters
+    ----------
+    container : Container
+        The package as opened.
+    replaced : mapping of str to bytes
+        Changed parts.
+    dropped : collection of str
+        Parts to leave out.
+    destination : Path or None
+        The new file.
+    in_place : bool
+        Replace the file that was opened.
+    read_only, ignore_lock : bool
+        As it was opened.
+    check : callable
+        Names the cells that read back wrongly from the changed parts.
+    caches, notes
+        Passed on into the report.
+    added : mapping of str to bytes, optional
+        New parts.
+    suffix : str
+        Ending of the new file's name, where the change makes another kind of workbook of it.
+    keep_backups : bool
+        Leave earlier backups as they are and number this one.
+
+    Raises
+    ------
+    SaveRefused
+        When nothing was written, with the reason.
+    """
+    added = added or {}
+    kind = suffix or container.path.suffix
+    target = _target(container.path, destination, in_place, read_only, kind)
+    if not ignore_lock:
+        check_not_open(target)
+    _check_source(container)
+    payload = io.BytesIO()
+    container.write(payload, replaced, dropped, added=added)
+    package = payload.getvalue()
+    _verify(container, package, replaced, dropped, added, check)
+    with _Temporary(target) as temporary:
+        temporary.write(package, _mode(target, container.path))
+        if temporary.path.read_bytes() != package:
+            raise SaveRefused(
+                f"{target.name} was not written: the disk returned other data than were stored on it."
+            )
+        _check_source(container)
+        backup = _keep_original(container, target, keep_backups) if in_place else None
+        temporary.put(target)
+    return SaveReport(
+        target, backup, tuple(sorted([*replaced, *added])), tuple(sorted(dropped)), caches, notes
+    )
+
+
+def _target(
+    source: Path, destination: Path | None, in_place: bool, read_only: bool, suffix: str
+) -> Path:
+    if read_only:
+        raise SaveRefused(f"{source.name} was opened for reading only.")
+    if destination is None and not in_place:
+        raise SaveRefused("No file to write was named.")
+    # A link is followed, so that the file behind it is replaced and the link stays.
+    original = Path(os.path.realpath(source))
+    target = original if destination is None else Path(os.path.realpath(destination))
+    if target == original and not in_place:
+        raise SaveRefused(
+            f"{source.name} is the file that was opened; it is replaced only on request."
+        )
+    if target != original and in_place:
+        raise SaveRefused(
+            f"{source.name} shall be replaced, but another file was named: {target.name}."
+        )
+    if target.suffix.lower() != suffix.lower():
+        what = "the kind of the workbook stays" if suffix == source.suffix else "it is of that kind"
+        raise SaveRefused(
+            f"{target.name} must end in {suffix}: {what}, and Excel opens no file "
+            "whose name says otherwise."
+        )
+    if target.exists() and not os.access(target, os.W_OK):
+        raise SaveRefused(
+            f"{target.name} is write-protected. Remove the protection or name another file."
+        )
+    return target
+
+
+def _verify(
+    container: Container,
+    package: bytes,
+    replaced: Mapping[str, bytes],
+    dropped: Collection[str],
+    added: Mapping[str, bytes],
+    check: Check,
+) -> None:
+    """Compare the new package with the old one, part by part, and read the written cells again."""
+    archive = zipfile.ZipFile(io.BytesIO(package))
+    entries = {entry.filename: entry for entry in archive.infolist()}
+    expected = [name for name in container.names if name not in dropped]
+    if list(entries) != [*expected, *added]:
+        raise SaveRefused("Nothing was written: the new workbook would lack parts of the original.")
+    parts: dict[str, bytes] = {}
+    for entry in container.entries:
+        name = entry.filename
+        if name in replaced:
+            parts[name] = archive.read(name)
+        # Equal stored bytes, sizes and check sum: the part inflates to the same bytes as before.
+        elif name not in dropped and not _identical(container, entry, package, entries[name]):
+            raise SaveRefused(f"Nothing was written: the part {name} would have changed.")
+    parts |= {name: archive.read(name) for name in added}
+    wrong = [name for name, data in (*replaced.items(), *added.items()) if parts.get(name) != data]
+    wrong += check(parts)
+    if wrong:
+        raise SaveRefused(
+            f"Nothing was written: {', '.join(wrong[:10])} read back otherwise than written."
+        )
+
+
+def _identical(
+    container: Container, old: zipfile.ZipInfo, package: bytes, new: zipfile.ZipInfo
+) -> bool:
+    return (old.CRC, old.file_size, old.compress_type) == (
+        new.CRC,
+        new.file_size,
+        new.compress_type,
+    ) and (container.stored(old) == stored_bytes(package, new))
+
+
+def _check_source(container: Container) -> None:
+    try:
+        now = container.path.read_bytes()
+    except OSError as problem:
+        raise SourceChanged(
+            f"{container.path.name} can no longer be read ({problem}); nothing was written."
+        ) from problem
+    if now != container.data:
+        raise SourceChanged(
+            f"{container.path.name} was changed by somebody else since it was opened; nothing was written. Run again."
+        )
+
+
+def _mode(target: Path, source: Path) -> int:
+    like = target if target.exists() else source
+    return stat.S_IMODE(like.stat().st_mode)
+
+
+def _keep_original(container: Container, target: Path, keep_backups: bool) -> Path:
+    backup, number = target.with_name(f"{target.name}.bak"), 1
+    while keep_backups and backup.exists():
+        number += 1
+        backup = target.with_name(f"{target.name}.bak{number}")
+    with _Temporary(backup) as temporary:
+        temporary.write(container.data, _mode(target, container.path))
+        temporary.put(backup)
+    return backup
+
+
+class _Temporary:
+    """A file beside the target that takes its place in one step or disappears.
+
+    Parameters
+    ----------
+    target : Path
+        The file to make or to replace.
+    """
+
+    def __init__(self, target: Path) -> None:
+        self._target = target
+        self._done = False
+        try:
+            handle, name = tempfile.mkstemp(
+                dir=target.parent, prefix=f".~{target.name}.", suffix=".tmp"
+            )
+        except OSError as problem:
+            raise SaveRefused(
+                f"Nothing can be written in the folder {target.parent} ({problem.strerror})."
+            ) from problem
+        os.close(handle)
+        self.path = Path(name)
+
+    def __enter__(self) -> _Temporary:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if not self._done:
+            self.path.unlink(missing_ok=True)
+
+    def write(self, data: bytes, mode: int) -> None:
+        """Write and flush to the disk."""
+        try:
+            with open(self.path, "wb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            os.chmod(self.path, mode)
+        except OSError as problem:
+            raise SaveRefused(
+                f"{self._target.name} could not be written ({problem.strerror})."
+            ) from problem
+
+    def put(self, target: Path) -> None:
+        """Put the file in its place."""
+        try:
+            os.replace(self.path, target)
+        except PermissionError as problem:
+            raise SaveRefused(
+                f"{target.name} could not be replaced; it is probably open in Excel. Close it there and run again."
+            ) from problem
+        except OSError as problem:
+            raise SaveRefused(
+                f"{target.name} could not be replaced ({problem.strerror})."
+            ) from problem
+        self._done = True
+        flush_folder(target.parent)
+
+
+def flush_folder(folder: Path) -> None:
+    """Make new names in a folder durable; Windows has no such call and needs none.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder. [path]
+    """
+    if os.name != "posix":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -1,0 +1,824 @@
+"""The cells of one worksheet part.
+
+The part is parsed once; cells are changed in the tree and the tree is written back. Blocks of cells are built as text,
+parsed in one go and put in place row by row, which keeps the cost in proportion to the number of cells.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple, cast
+
+from lxml import etree
+
+from addin.xlsx.errors import CellRefused, WorkbookRefused
+from addin.xlsx.formula_text import shifted_formula
+from addin.xlsx.references import (
+    MAX_COLUMN,
+    Rect,
+    cell_name,
+    column_letters,
+    column_number,
+    parse_cell,
+    parse_range,
+    retargeted,
+    whole_number,
+)
+from addin.xlsx.values import (
+    FORMULA_MARK,
+    CellValue,
+    Constant,
+    Formula,
+    constant_text,
+    read_cell,
+    read_constant,
+    row_writer,
+    row_xml,
+)
+from addin.xlsx.xml_part import (
+    EXCEL_2010,
+    EXCEL_2010_FORMULA,
+    MAIN,
+    Element,
+    main,
+    parse_part,
+    serialise,
+)
+
+_C, _F, _V, _ROW = (main(tag) for tag in ("c", "f", "v", "row"))
+_SQREF = f"{{{EXCEL_2010_FORMULA}}}sqref"
+_SPARKLINE = f"{{{EXCEL_2010}}}sparkline"
+_SPARKLINE_RANGE = f"{{{EXCEL_2010_FORMULA}}}f"
+# Where cells go that are still text: a cell with a name that no cell has.
+_PLACE_NAME = "written-"
+_PLACE = re.compile(rb'<c r="written-([0-9]{1,9})"/>')
+# Blocks of so many rows stay text.
+_LONG = 8
+_XML_SPACE = "{http://www.w3.org/XML/1998/namespace}space"
+
+SharedStrings = Callable[[str], str]
+
+
+@dataclass
+class Row:
+    """A ``<row>`` with its cells by column and the columns in order."""
+
+    element: Element
+    cells: dict[int, Element] = field(default_factory=dict)
+    columns: list[int] = field(default_factory=list)
+    # Runs of cells that are still text, by their first column: the last column of each and the number of its text. In
+    # `cells` a run is one element that keeps its place.
+    waiting: dict[int, tuple[int, int]] = field(default_factory=dict)
+    # No cell stands beyond this column.
+    right: int = 0
+
+    def waits_in(self, rect: Rect) -> bool:
+        """Whether some cell in the columns of the rectangle is still text."""
+        return any(
+            first <= rect.right and last >= rect.left for first, (last, _) in self.waiting.items()
+        )
+
+
+class _Block(NamedTuple):
+    """A written rectangle with the values given for its first rows; those below are blank."""
+
+    rect: Rect
+    rows: Sequence[Sequence[Constant]]
+
+
+class SheetPart:
+    """Cells, styles and row order of one worksheet.
+
+    Parameters
+    ----------
+    name : str
+        Sheet name, for messages.
+    part : str
+        Name of the part.
+    data : bytes
+        The part as stored.
+    shared_strings : callable
+        Gives the shared string of an index, given as text.
+    """
+
+    def __init__(self, name: str, part: str, data: bytes, shared_strings: SharedStrings) -> None:
+        self.name = name
+        self.part = part
+        self._changed = False
+        self._bytes: bytes | None = None
+        self._original = data
+        self.shared_strings = shared_strings
+        self._root = parse_part(data, part)
+        self._data = self._root.find(main("sheetData"))
+        if self._data is None:
+            raise WorkbookRefused(
+                "damaged", f"Sheet {name} has no cell data. Open the workbook and save it again."
+            )
+        self._rows: dict[int, Element] = {}
+        self._row_numbers: list[int] = []
+        self._indexed: dict[int, Row] = {}
+        self._index_rows()
+        self._formulas: dict[tuple[int, int], Element] | None = None
+        self._arrays: dict[tuple[int, int], Rect] | None = None
+        self._formula_before: dict[tuple[int, int], bool] = {}
+        self._merges: list[Rect] | None = None
+        self._extent: Rect | None = None
+        # Long blocks that still stand as they were written; they do not overlap.
+        self._blocks: list[_Block] = []
+        # Rows of long blocks stay text until somebody asks for one of their cells or the part is stored: as elements
+        # they would cost more than all the rest. A sheet that writes its tags with a prefix cannot take the text as it
+        # is, and one in which something bears the name of a place would be mistaken.
+        self._texts: list[str] = []
+        self._may_wait = self._root.prefix is None and _PLACE_NAME.encode() not in data
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything was written."""
+        return self._changed
+
+    def _touch(self) -> None:
+        self._changed = True
+        self._bytes = None
+
+    # ---- reading -----------------------------------------------------------------------------------------------
+
+    def value(self, row: int, column: int) -> CellValue:
+        """What a cell holds."""
+        cell = self._cell(row, column)
+        return None if cell is None else read_cell(cell, self.shared_strings)
+
+    def constant(self, row: int, column: int) -> Constant:
+        """The value that a cell shows; of a formula its cached value."""
+        cell = self._cell(row, column)
+        return None if cell is None else read_constant(cell, self.shared_strings)
+
+    def constants(self, rect: Rect) -> list[Constant]:
+        """The values that the cells of a rectangle show, row by row."""
+        block = next((one for one in self._blocks if one.rect.covers(rect)), None)
+        if block is None:
+            # Only rows that are there: a range may reach to the end of the sheet.
+            held: list[Constant] = [None] * (rect.height * rect.width)
+            for row in self._rows_between(rect.top, rect.bottom):
+                at = (row - rect.top) * rect.width - rect.left
+                for column in range(rect.left, rect.right + 1):
+                    held[at + column] = self.constant(row, column)
+            return held
+        # The values are in hand: taking them from the cells again would parse each number.
+        start, left = rect.top - block.rect.top, rect.left - block.rect.left
+        rows, right = block.rows[start : start + rect.height], left + rect.width
+        known = [value for row in rows for value in row[left:right]]
+        return known + [None] * (rect.height * rect.width - len(known))
+
+    def style(self, row: int, column: int) -> str | None:
+        """Style index that a cell has, or would have if it were written now."""
+        cell = self._cell(row, column)
+        if cell is not None:
+            return cell.get("s")  # type: ignore[no-any-return]
+        return self._default_styles(row, self._column_styles(Rect(row, column, row, column)))[0]
+
+    def filled_cells(self, rect: Rect) -> Iterator[tuple[int, int]]:
+        """Cells of a rectangle that hold a value or a formula."""
+        for number in self._rows_between(rect.top, rect.bottom):
+            row = self._row(number)
+            for column in row.columns[bisect_left(row.columns, rect.left) :]:
+                if column > rect.right:
+                    break
+                if len(row.cells[column]):
+                    yield number, column
+
+    def cells_in(self, rect: Rect) -> Iterator[tuple[int, int]]:
+        """Cells of a rectangle that are in the file, filled or not."""
+        for number in self._rows_between(rect.top, rect.bottom):
+            columns = self._row(number).columns
+            for column in columns[bisect_left(columns, rect.left) :]:
+                if column > rect.right:
+                    break
+                yield number, column
+
+    @property
+    def formulas(self) -> dict[tuple[int, int], Element]:
+        """Cells with a formula, by row and column."""
+        if self._formulas is None:
+            self._formulas = {}
+            for formula in self._data.iter(_F):
+                cell = formula.getparent()
+                self._formulas[self._place(cell)] = cell
+        return self._formulas
+
+    @property
+    def rich_values(self) -> list[tuple[int, int]]:
+        """Cells that show a rich value: a picture, a linked data type, an error without a code of its own."""
+        return [self._place(cell) for cell in self._data.iter(_C) if cell.get("vm")]
+
+    @property
+    def merges(self) -> list[Rect]:
+        """Merged ranges."""
+        if self._merges is None:
+            entries = self._root.iterfind(f"{main('mergeCells')}/{main('mergeCell')}")
+            what = f"A merged range of sheet {self.name}"
+            self._merges = [read_range(entry.get("ref", ""), what) for entry in entries]
+        return self._merges
+
+    @property
+    def arrays(self) -> dict[tuple[int, int], Rect]:
+        """Ranges of array formulas, spilled results and data tables, by their master cell."""
+        if self._arrays is None:
+            self._arrays = {}
+            for place, cell in self.formulas.items():
+                formula = cell.find(_F)
+                if formula.get("t") in ("array", "dataTable") and formula.get("ref"):
+                    what = f"An array formula of sheet {self.name}"
+                    self._arrays[place] = read_range(formula.get("ref"), what)
+        return self._arrays
+
+    def formula_set_changed(self) -> bool:
+        """Whether other cells hold formulas now than in the file."""
+        return any(
+            (place in self.formulas) != before for place, before in self._formula_before.items()
+        )
+
+    # ---- writing -----------------------------------------------------------------------------------------------
+
+    def set_cell(
+        self,
+        row: int,
+        column: int,
+        value: CellValue,
+        *,
+        style: str | None = None,
+        replace_formula: bool = False,
+    ) -> list[str]:
+        """Write one cell, keeping its style unless another is given.
+
+        Parameters
+        ----------
+        row, column : int
+            The cell.
+        value : CellValue
+            A value that has passed `values.clean`.
+        style : str, optional
+            Style index.
+        replace_formula : bool
+            Whether a formula of the sheet may be replaced by a value.
+
+        Raises
+        ------
+        CellRefused
+            For a merged cell other than the first, a part of an array formula, or a formula that may not be replaced.
+        """
+        self._check_single(row, column, value, replace_formula)
+        here = Rect(row, column, row, column)
+        if style is None:
+            return self.write_rows(here, [[value]])
+        return self.write_rows(here, [[value]], styles=[style], keep_styles=False)
+
+    def write_rows(
+        self,
+        rect: Rect,
+        rows: Sequence[Sequence[CellValue]],
+        *,
+        styles: Sequence[str | None] | None = None,
+        keep_styles: bool = True,
+    ) -> list[str]:
+        """Write a rectangle of cells.
+
+        Parameters
+        ----------
+        rect : Rect
+            Where; rows beyond those given are blanked.
+        rows : sequence of sequence of CellValue
+            Values that have passed `values.clean`, as wide as the rectangle.
+        styles : sequence of (str or None), optional
+            Style for each column, for cells that do not exist yet; left out, they take the style of their row or column.
+        keep_styles : bool
+            Whether cells that exist keep their style.
+
+        Returns
+        -------
+        list of str
+            XML of the cells of each row, as it stands in the part when its namespace has no prefix.
+        """
+        self._forget_formulas(rect)
+        column_styles = None if styles is not None else self._column_styles(rect)
+        starts = [f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)]
+        blank: list[CellValue] = [None] * rect.width
+        texts = []
+        usual = list(column_styles if column_styles is not None else styles or ())
+        usual_row = row_writer(starts, usual)
+        for offset in range(rect.height):
+            number = rect.top + offset
+            row = rows[offset] if offset < len(rows) else blank
+            default = usual
+            if column_styles is not None:
+                default = self._default_styles(number, column_styles)
+            row_styles = self._row_styles(number, rect, default, keep_styles)
+            if row_styles is usual:
+                texts.append(usual_row(number, row))
+            else:
+                texts.append(row_xml(number, starts, row_styles, row))
+        self._graft(rect, texts)
+        with_formulas = [offset for offset, text in enumerate(texts) if FORMULA_MARK in text]
+        for offset in with_formulas:
+            for shift, value in enumerate(rows[offset]):
+                if isinstance(value, Formula):
+                    self._note_formula(rect.top + offset, rect.left + shift)
+        self._forget_blocks(rect)
+        if len(rows) > 1 and not with_formulas:
+            self._blocks.append(_Block(rect, cast("Sequence[Sequence[Constant]]", rows)))
+        self._note_extent(rect)
+        self._touch()
+        return texts
+
+    def remove_cells(self, rect: Rect) -> None:
+        """Take cells out of the sheet, values and styles."""
+        self._forget_formulas(rect)
+        self._forget_blocks(rect)
+        for number in self._rows_between(rect.top, rect.bottom):
+            self._take_out(self._row(number), rect)
+        self._touch()
+
+    def move_row_cells(self, source: Rect, row: int) -> None:
+        """Move the cells of a one-row rectangle to another row, as they are.
+
+        Used for totals rows: their formulas name columns and need no adjustment.
+        """
+        self._unshare_all(source)
+        number = source.top
+        if number not in self._rows:
+            return
+        cells = self._take_out(self._row(number), source)
+        if row not in self._rows:
+            self._insert_row(row, self._data.makeelement(_ROW, r=str(row)))
+        target = self._row(row)
+        self._take_out(target, Rect(row, source.left, row, source.right))
+        for cell in cells:
+            _, column = parse_cell(cell.get("r"))
+            cell.set("r", cell_name(row, column))
+        self._put_in(target, cells)
+        self._forget_blocks(source)
+        self._forget_blocks(Rect(row, source.left, row, source.right))
+        for column in range(source.left, source.right + 1):
+            if (number, column) in self.formulas:
+                self._drop_formula(number, column)
+                self._note_formula(row, column)
+        self._note_extent(Rect(row, source.left, row, source.right))
+        self._touch()
+
+    def set_cached(self, row: int, column: int, value: Constant) -> None:
+        """Replace the cached value of a cell; the formula stays. None leaves it without a value."""
+        cell = self._cell(row, column)
+        if cell is None:
+            return
+        self._forget_blocks(Rect(row, column, row, column))
+        for old in cell.findall(_V):
+            cell.remove(old)
+        kind, text = constant_text(value)
+        cell.attrib.pop("t", None)
+        # What a rich value shows is not in the cell: it would outlive the value that it belongs to.
+        cell.attrib.pop("vm", None)
+        if kind:
+            cell.set("t", kind)
+        if text is not None:
+            new = etree.SubElement(cell, _V)
+            new.text = text
+            if text != text.strip():
+                new.set(_XML_SPACE, "preserve")
+        self._touch()
+
+    def show_rows(self, top: int, bottom: int) -> list[int]:
+        """Make hidden rows visible, and say which they were."""
+        hidden = self.hidden_rows(top, bottom)
+        for number in self._rows_between(top, bottom):
+            if self._rows[number].attrib.pop("hidden", None) is not None:
+                self._touch()
+        return hidden
+
+    def hidden_rows(self, top: int, bottom: int) -> list[int]:
+        """Rows that are not shown, in order."""
+        return [
+            number
+            for number in self._rows_between(top, bottom)
+            if self._rows[number].get("hidden", "0") not in ("0", "false")
+        ]
+
+    def set_row_height(self, row: int, height: float) -> None:
+        """Give a row of the sheet a height [point]; a row without cells keeps the usual one."""
+        element = self._rows.get(row)
+        if element is not None:
+            element.set("ht", f"{height:g}")
+            element.set("customHeight", "1")
+            self._touch()
+
+    def resize_ranges(self, old: Rect, new: Rect) -> int:
+        """Let conditional formats and data validations follow a resized block.
+
+        Only ranges that reach exactly from its first to its last row, within its columns, are changed.
+
+        Returns
+        -------
+        int
+            Number of rules changed.
+        """
+        count = 0
+        for around in self._around_cells():
+            for element in around.iter(main("conditionalFormatting"), main("dataValidation")):
+                resized = _resized_ranges(element.get("sqref", ""), old, new)
+                if resized is not None:
+                    element.set("sqref", resized)
+                    count += 1
+            for element in around.iter(_SQREF):
+                resized = _resized_ranges(element.text or "", old, new)
+                if resized is not None:
+                    element.text = resized
+                    count += 1
+        if count:
+            self._touch()
+        return count
+
+    def retarget_sparklines(self, sheet: str, old: Rect, new: Rect) -> int:
+        """Let sparklines over a column of a resized block follow it.
+
+        Returns
+        -------
+        int
+            Number of sparklines changed.
+        """
+        count = 0
+        for around in self._around_cells():
+            for formula in around.iterfind(f".//{_SPARKLINE}/{_SPARKLINE_RANGE}"):
+                moved = retargeted(formula.text or "", sheet, old, new)
+                if moved != formula.text:
+                    formula.text = moved
+                    count += 1
+        if count:
+            self._touch()
+        return count
+
+    def _around_cells(self) -> Iterator[Element]:
+        """What stands in the sheet beside its cells, which are too many to look through."""
+        return (element for element in self._root if element is not self._data)
+
+    def merge_across(self, rect: Rect) -> Rect | None:
+        """A merged range that shares a cell with the rectangle."""
+        return next((merge for merge in self.merges if merge.meets(rect)), None)
+
+    def array_across(self, rect: Rect) -> Rect | None:
+        """An array formula's range that reaches into the rectangle and out of it."""
+        for array in self.arrays.values():
+            if array.meets(rect) and not rect.covers(array):
+                return array
+        return None
+
+    def to_bytes(self) -> bytes:
+        """The part as it shall be stored."""
+        if self._bytes is None:
+            self._update_dimension()
+            data = serialise(self._root, self._original)
+            if self._texts:
+                data = _PLACE.sub(lambda found: self._texts[int(found[1])].encode(), data)
+            self._bytes = data
+        return self._bytes
+
+    # ---- rows and cells ----------------------------------------------------------------------------------------
+
+    def _index_rows(self) -> None:
+        last = 0
+        for element in self._data.iterchildren(_ROW):
+            number = whole_number(element.get("r") or str(last + 1))
+            if number is None or number <= last:
+                raise WorkbookRefused(
+                    "damaged",
+                    f"The rows of sheet {self.name} are out of order, or beyond the end of a sheet, after row {last}. "
+                    "Open the workbook in the spreadsheet program and save it again.",
+                )
+            element.set("r", str(number))
+            self._rows[number] = element
+            self._row_numbers.append(number)
+            last = number
+
+    def _rows_between(self, top: int, bottom: int) -> list[int]:
+        start = bisect_left(self._row_numbers, top)
+        return self._row_numbers[start : bisect_left(self._row_numbers, bottom + 1)]
+
+    def _row(self, number: int) -> Row:
+        """Row with its cells indexed; it must exist."""
+        row = self._row_as_it_is(number)
+        return self._with_cells(row) if row.waiting else row
+
+    def _with_cells(self, row: Row) -> Row:
+        """The row with elements for the cells that were text."""
+        for first, (_, number) in sorted(row.waiting.items()):
+            built = etree.fromstring(f'<row xmlns="{MAIN}">{self._texts[number]}</row>')
+            row.columns.remove(first)
+            row.element.remove(row.cells.pop(first))
+            self._put_in(row, built[:])
+        row.waiting.clear()
+        return row
+
+    def _row_as_it_is(self, number: int) -> Row:
+        """Row in which runs of cells may still be text; it must exist."""
+        if number not in self._indexed:
+            row = Row(self._rows[number])
+            ending, last = str(number), 0
+            try:
+                for cell in row.element.iterchildren(_C):
+                    name = cell.get("r")
+                    if name:
+                        before, last = last, column_number(name.removesuffix(ending))
+                        if not before < last <= MAX_COLUMN:
+                            raise ValueError("out of order, or beyond the last column")
+                    else:
+                        # Cells without a name follow the one before them; that would go wrong once one is inserted.
+                        last += 1
+                        cell.set("r", cell_name(number, last))
+                    row.cells[last] = cell
+                    row.columns.append(last)
+            except ValueError as problem:
+                raise WorkbookRefused(
+                    "damaged",
+                    f"Sheet {self.name} has a cell named {str(name)[:40]!r} in row {number}, where none belongs. "
+                    "Open the workbook in the spreadsheet program and save it again.",
+                ) from problem
+            if len(row.columns) != len(row.element):
+                # Positions of cells are used below: comments between them would shift these.
+                etree.strip_tags(row.element, etree.Comment, etree.ProcessingInstruction)
+            row.right = last
+            self._indexed[number] = row
+        return self._indexed[number]
+
+    def _cell(self, row: int, column: int) -> Element | None:
+        if self._formulas is not None and (row, column) in self._formulas:
+            # Formulas are asked for most often, and their index spares that of the row.
+            return self._formulas[row, column]
+        return self._row(row).cells.get(column) if row in self._rows else None
+
+    def _place(self, cell: Element) -> tuple[int, int]:
+        if not cell.get("r"):
+            # Indexing the row names its cells.
+            self._row(int(cell.getparent().get("r")))
+        try:
+            place = parse_cell(cell.get("r"))
+        except ValueError:
+            place = (0, 0)
+        if str(place[0]) != cell.getparent().get("r"):
+            # Indexing the row says what is wrong.
+            self._row(int(cell.getparent().get("r")))
+        return place
+
+    def _insert_row(self, number: int, element: Element) -> None:
+        position = bisect_left(self._row_numbers, number)
+        if position:
+            # Behind its neighbour: inserting by index would walk over all rows each time.
+            self._rows[self._row_numbers[position - 1]].addnext(element)
+        else:
+            self._data.insert(0, element)
+        self._rows[number] = element
+        self._row_numbers.insert(position, number)
+
+    def _column_styles(self, rect: Rect) -> list[str | None]:
+        """Style of each column of a rectangle, as far as the sheet gives columns a style."""
+        styles: list[str | None] = [None] * rect.width
+        for entry in self._root.iterfind(f"{main('cols')}/{main('col')}"):
+            first = whole_number(entry.get("min"), MAX_COLUMN)
+            last = whole_number(entry.get("max"), MAX_COLUMN)
+            if first is None or last is None:
+                raise WorkbookRefused(
+                    "damaged",
+                    f"Sheet {self.name} gives a width to columns that no sheet has. "
+                    "Open the workbook in the spreadsheet program and save it again.",
+                )
+            for column in range(max(first, rect.left), min(last, rect.right) + 1):
+                styles[column - rect.left] = entry.get("style")
+        return styles
+
+    def _default_styles(self, number: int, column_styles: list[str | None]) -> list[str | None]:
+        """Styles of cells that do not exist yet: a formatted row goes before the columns."""
+        element = self._rows.get(number)
+        if element is not None and element.get("customFormat") in ("1", "true"):
+            return [element.get("s")] * len(column_styles)
+        return column_styles
+
+    def _row_styles(
+        self, number: int, rect: Rect, new_styles: list[str | None], keep_styles: bool
+    ) -> list[str | None]:
+        if not keep_styles or number not in self._rows:
+            return new_styles
+        row = self._row_as_it_is(number)
+        if row.right < rect.left:
+            return new_styles
+        if row.waits_in(rect):
+            self._with_cells(row)
+        start = bisect_left(row.columns, rect.left)
+        stop = bisect_left(row.columns, rect.right + 1)
+        if start == stop:
+            return new_styles
+        new_styles = list(new_styles)
+        for column in row.columns[start:stop]:
+            new_styles[column - rect.left] = row.cells[column].get("s")
+        return new_styles
+
+    def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
+        """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""
+        if self._may_wait and rect.height >= _LONG and not any(FORMULA_MARK in t for t in texts):
+            for number, text in enumerate(texts, rect.top):
+                self._put_text(number, rect, text)
+            return
+        body = "</row><row>".join(texts)
+        built = etree.fromstring(f'<d xmlns="{MAIN}"><row>{body}</row></d>')
+        for number, new_row in enumerate(list(built), rect.top):
+            if number in self._rows:
+                self._replace_cells(number, rect, new_row)
+            elif len(new_row):
+                new_row.set("r", str(number))
+                self._insert_row(number, new_row)
+
+    def _put_text(self, number: int, rect: Rect, text: str) -> None:
+        """Put a row of new cells in the place of the old ones, as text."""
+        if number in self._rows:
+            row = self._row_as_it_is(number)
+            if row.right >= rect.left:
+                if row.waits_in(rect):
+                    self._with_cells(row)
+                self._take_out(row, rect)
+        elif text:
+            element = self._data.makeelement(_ROW, r=str(number))
+            self._insert_row(number, element)
+            row = self._indexed[number] = Row(element)
+        if not text:
+            return
+        if row.right < rect.left and row.columns and row.columns[-1] in row.waiting:
+            # Tables side by side: one run, which costs least.
+            first = row.columns[-1]
+            at = row.waiting[first][1]
+            self._texts[at] += text
+            row.waiting[first] = rect.right, at
+            row.right = rect.right
+            return
+        place = row.element.makeelement(_C, r=f"{_PLACE_NAME}{len(self._texts)}")
+        self._texts.append(text)
+        if row.right < rect.left:
+            row.element.append(place)
+            row.columns.append(rect.left)
+            row.right = rect.right
+        else:
+            position = bisect_left(row.columns, rect.left)
+            row.element.insert(position, place)
+            row.columns.insert(position, rect.left)
+            row.right = max(row.right, rect.right)
+        row.cells[rect.left] = place
+        if not row.waiting:  # as in `_put_in`
+            row.element.attrib.pop("spans", None)
+        row.waiting[rect.left] = rect.right, len(self._texts) - 1
+
+    def _replace_cells(self, number: int, rect: Rect, new_row: Element) -> None:
+        old = self._rows[number]
+        indexed = self._indexed.get(number)
+        columns = (
+            indexed.columns if indexed is not None and len(old) == len(indexed.columns) else None
+        )
+        if columns is None or (
+            columns and not rect.left <= columns[0] <= columns[-1] <= rect.right
+        ):
+            row = self._row(number)
+            self._take_out(row, rect)
+            self._put_in(row, new_row[:])
+            return
+        # No other cell in this row: exchange it whole, which spares touching each cell.
+        for name, value in old.attrib.items():
+            if name != "spans":
+                new_row.set(name, value)
+        self._data.replace(old, new_row)
+        self._rows[number] = new_row
+        self._indexed.pop(number, None)
+
+    def _forget_blocks(self, rect: Rect) -> None:
+        """Values of blocks that are changed in part are asked of the cells from now on."""
+        self._blocks = [block for block in self._blocks if not block.rect.meets(rect)]
+
+    def _take_out(self, row: Row, rect: Rect) -> list[Element]:
+        """Remove the cells of a row that lie in the columns of the rectangle."""
+        start = bisect_left(row.columns, rect.left)
+        stop = bisect_left(row.columns, rect.right + 1)
+        taken: list[Element] = row.element[start:stop]
+        del row.element[start:stop]
+        for column in row.columns[start:stop]:
+            del row.cells[column]
+        del row.columns[start:stop]
+        return taken
+
+    def _put_in(self, row: Row, cells: list[Element]) -> None:
+        """Insert neighbouring cells into a row from which the old ones are gone."""
+        if not cells:
+            return
+        ending = row.element.get("r")
+        columns = [column_number(cell.get("r").removesuffix(ending)) for cell in cells]
+        position = bisect_left(row.columns, columns[0])
+        row.element[position:position] = cells
+        row.columns[position:position] = columns
+        row.cells.update(zip(columns, cells, strict=True))
+        row.right = max(row.right, columns[-1])
+        # The span is a hint for readers and wrong as soon as a cell lies outside it; without it nothing is lost.
+        row.element.attrib.pop("spans", None)
+
+    # ---- formulas ----------------------------------------------------------------------------------------------
+
+    def _note_formula(self, row: int, column: int) -> None:
+        self._formula_before.setdefault((row, column), (row, column) in self.formulas)
+        self.formulas[row, column] = self._row(row).cells[column]
+
+    def _drop_formula(self, row: int, column: int) -> None:
+        self._formula_before.setdefault((row, column), True)
+        del self.formulas[row, column]
+        self.arrays.pop((row, column), None)
+
+    def _forget_formulas(self, rect: Rect) -> None:
+        """Prepare for overwriting a rectangle: shared formulas are written out, its formulas leave the index."""
+        if not self.formulas:
+            return
+        self._unshare_all(rect)
+        for row, column in self._formulas_in(rect):
+            self._drop_formula(row, column)
+
+    def _formulas_in(self, rect: Rect) -> list[tuple[int, int]]:
+        if rect.is_single:
+            # Scalars are written one by one; looking through all formulas each time would cost their product.
+            place = (rect.top, rect.left)
+            return [place] if place in self.formulas else []
+        return [place for place in self.formulas if rect.has(*place)]
+
+    def _unshare_all(self, rect: Rect) -> None:
+        """Write out the shared formulas whose master lies in the rectangle, so that the other cells keep theirs."""
+        for row, column in self._formulas_in(rect):
+            formula = self.formulas[row, column].find(_F)
+            if formula.get("t") == "shared" and formula.text:
+                self._unshare(row, column, formula.get("si"), formula.text)
+
+    def _unshare(self, row: int, column: int, group: str, text: str) -> None:
+        for (to_row, to_column), cell in self.formulas.items():
+            formula = cell.find(_F)
+            if formula.get("t") == "shared" and formula.get("si") == group:
+                formula.text = shifted_formula(text, to_row - row, to_column - column)
+                for attribute in ("t", "si", "ref"):
+                    formula.attrib.pop(attribute, None)
+
+    def _check_single(self, row: int, column: int, value: CellValue, replace_formula: bool) -> None:
+        name = cell_name(row, column)
+        here = Rect(row, column, row, column)
+        merge = self.merge_across(here)
+        if merge is not None and (merge.top, merge.left) != (row, column):
+            raise CellRefused(self.name, name, f"lies inside the merged range {merge}. Unmerge it.")
+        array = self.array_across(here)
+        if array is not None:
+            raise CellRefused(
+                self.name, name, f"belongs to the array formula in {array}. Move that formula away."
+            )
+        if (row, column) in self.formulas and not (replace_formula or isinstance(value, Formula)):
+            raise CellRefused(
+                self.name, name, "holds a formula, which is not overwritten. Clear the cell first."
+            )
+
+    # ---- dimension ---------------------------------------------------------------------------------------------
+
+    def _note_extent(self, rect: Rect) -> None:
+        self._extent = rect if self._extent is None else self._extent.join(rect)
+
+    def _update_dimension(self) -> None:
+        dimension = self._root.find(main("dimension"))
+        if dimension is None or self._extent is None:
+            return
+        try:
+            old = parse_range(dimension.get("ref", ""))
+        except ValueError:
+            return
+        if not old.covers(self._extent):
+            dimension.set("ref", str(old.join(self._extent)))
+
+
+def read_range(text: str, what: str) -> Rect:
+    """A range as it stands in the file; one that is none is refused, naming whose it is."""
+    try:
+        return parse_range(text)
+    except ValueError as problem:
+        raise WorkbookRefused(
+            "damaged",
+            f"{what} says that it covers {text[:40]!r}, which is no range of a sheet. "
+            "Open the workbook in the spreadsheet program and save it again.",
+        ) from problem
+
+
+def _resized_ranges(sqref: str, old: Rect, new: Rect) -> str | None:
+    """A list of ranges with those that follow the block changed; None when there is none."""
+    resized = [_follow(area, old, new) for area in sqref.split()]
+    return " ".join(resized) if resized != sqref.split() else None
+
+
+def _follow(area: str, old: Rect, new: Rect) -> str:
+    try:
+        rect = parse_range(area)
+    except ValueError:
+        return area
+    spans = (rect.top, rect.bottom) == (old.top, old.bottom) and old.covers(rect)
+    return str(rect.with_bottom(new.bottom)) if spans else area

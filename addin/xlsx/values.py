@@ -1,0 +1,323 @@
+"""What may stand in a cell, and its XML.
+
+Text is always written as text (an inline string): nothing that a caller passes as ``str`` can become a formula.
+Formulas are a type of their own.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+from xml.sax.saxutils import escape
+
+from addin.xlsx.xml_part import Element, main
+
+# Stands in the XML of a row exactly if one of its cells is a formula: in text the bracket is escaped.
+FORMULA_MARK = "<f>"
+MAX_TEXT = 32_767
+MAX_FORMULA = 8_192
+ERROR_CODES = frozenset(
+    [
+        "#NULL!",
+        "#DIV/0!",
+        "#VALUE!",
+        "#REF!",
+        "#NAME?",
+        "#NUM!",
+        "#N/A",
+        "#GETTING_DATA",
+        "#SPILL!",
+        "#CALC!",
+    ]
+)
+
+_ILLEGAL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+_ESCAPE = re.compile("_(?=x[0-9A-Fa-f]{4}_)")
+_ESCAPED = re.compile("_x([0-9A-Fa-f]{4})_")
+_NEEDS_SPACE = re.compile(r"\A\s|\s\Z|[\n\t]|  ")
+
+
+@dataclass(frozen=True)
+class ErrorValue:
+    """An error value of a cell, such as ``#N/A``."""
+
+    code: str
+
+    def __post_init__(self) -> None:
+        if self.code not in ERROR_CODES:
+            raise ValueError(f"{self.code!r} is not an error value of a cell")
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula with the value that it has now.
+
+    Parameters
+    ----------
+    text : str
+        The formula in file syntax: English names, commas, ``Table[[#This Row],[Column]]``, ``_xlfn.`` where Excel wants
+        it. A leading ``=`` is dropped.
+    cached : None, bool, int, float, str or ErrorValue
+        Its value. None = not known: it is recalculated with the formulas of the workbook, or left blank.
+    """
+
+    text: str
+    cached: bool | int | float | str | ErrorValue | None = None
+
+    def __post_init__(self) -> None:
+        text = self.text.strip().removeprefix("=")
+        if not text or len(text) > MAX_FORMULA or _ILLEGAL.search(text):
+            raise ValueError(f"not a formula that a cell can hold: {self.text[:80]!r}")
+        object.__setattr__(self, "text", text)
+        object.__setattr__(self, "cached", clean_constant(self.cached))
+
+
+Constant = bool | int | float | str | ErrorValue | None
+CellValue = Constant | Formula
+
+
+def clean(value: Any) -> CellValue:
+    """The value that a cell will hold.
+
+    Every number becomes a Python float, as a sheet knows no other; control characters in text become U+FFFD; text is cut at 32,767 UTF-16 units, the
+    limit of a cell.
+
+    Raises
+    ------
+    ValueError
+        For a number that is not finite: a sheet has no such number, and writing another one would be a lie.
+    TypeError
+        For anything else that is not a value of a cell.
+    """
+    return value if isinstance(value, Formula) else clean_constant(value)
+
+
+def clean_constant(value: Any) -> Constant:
+    """As `clean`, for values other than formulas."""
+    kind = type(value)
+    if kind is float:
+        return _finite(value)
+    if value is None or kind is bool or kind is ErrorValue:
+        return value  # type: ignore[no-any-return]
+    if isinstance(value, str):
+        return _clean_text(value)
+    if isinstance(value, numbers.Real):
+        return _finite(_as_double(value))
+    if kind.__module__ == "numpy" and kind.__name__ in ("bool", "bool_"):
+        return bool(value)
+    raise TypeError(f"a cell cannot hold {value!r} ({kind.__name__})")
+
+
+def _as_double(value: numbers.Real) -> float:
+    try:
+        return float(value)
+    except OverflowError as problem:
+        raise ValueError("a number beyond 1.8e308 cannot be held by a cell") from problem
+
+
+def _finite(value: float) -> float:
+    if not math.isfinite(value):
+        raise ValueError(
+            f"{value} is not a number that a cell can hold; write blank or a text instead"
+        )
+    return value
+
+
+def _clean_text(text: str) -> str:
+    if not text.isascii():
+        # UTF-16 units, because that is what the limit of a cell counts; a pair of surrogates is one character here.
+        text = text.encode("utf-16-le", "surrogatepass")[: 2 * MAX_TEXT].decode(
+            "utf-16-le", "replace"
+        )
+    return _ILLEGAL.sub("\ufffd", text[:MAX_TEXT].replace("\r\n", "\n").replace("\r", "\n"))
+
+
+def number_text(value: float) -> str:
+    """Shortest text that reads back as the same double; whole numbers without a point."""
+    return repr(value).removesuffix(".0")
+
+
+def row_xml(
+    number: int, starts: Sequence[str], styles: Sequence[str | None], row: Sequence[CellValue]
+) -> str:
+    """The ``<c>`` elements of a row in the default namespace; nothing for blank cells without a style.
+
+    Parameters
+    ----------
+    number : int
+        Row number.
+    starts : sequence of str
+        ``<c r="B`` and so on, one for each column.
+    styles : sequence of (str or None)
+        Style index of each cell.
+    row : sequence of CellValue
+        Values that have passed `clean`.
+    """
+    texts = []
+    for start, style, value in zip(starts, styles, row, strict=True):
+        if value is None and not style:
+            continue
+        # What is no number in the file may break out of the attribute.
+        named = f' s="{style}"' if style and style.isdigit() else ""
+        if type(value) is float:
+            # As `number_text`, written out: long blocks of numbers come through here.
+            texts.append(f'{start}{number}"{named}><v>{repr(value).removesuffix(".0")}</v></c>')
+        elif value is not None:
+            texts.append(f'{start}{number}"{named}{_rest_of_cell(value)}')
+        else:
+            texts.append(f'{start}{number}"{named}/>')
+    return "".join(texts)
+
+
+def row_writer(
+    starts: Sequence[str], styles: Sequence[str | None]
+) -> Callable[[int, Sequence[CellValue]], str]:
+    """`row_xml` for many rows with the same styles, quick where they hold numbers and blanks.
+
+    Parameters
+    ----------
+    starts, styles : sequence
+        As for `row_xml`.
+    """
+    around = [
+        (start, f'" s="{style}"><v>' if style and style.isdigit() else '"><v>')
+        for start, style in zip(starts, styles, strict=True)
+    ]
+    bare = not any(styles)
+
+    def written(number: int, row: Sequence[CellValue]) -> str:
+        kinds = set(map(type, row))
+        if not (_NUMBERS_AND_BLANKS if bare else _NUMBERS).issuperset(kinds):
+            return row_xml(number, starts, styles, row)
+        cells = [
+            f"{start}{number}{end}{value!r}</v></c>"
+            for (start, end), value in zip(around, row, strict=True)
+            if value is not None
+        ]
+        return "".join(cells).replace(".0</v>", "</v>")  # as `number_text`
+
+    return written
+
+
+_NUMBERS = frozenset([float])
+_NUMBERS_AND_BLANKS = frozenset([float, type(None)])
+
+
+def _rest_of_cell(value: CellValue) -> str:
+    if isinstance(value, str):
+        return f' t="inlineStr"><is>{_text_xml(value)}</is></c>'
+    if isinstance(value, Formula):
+        kind, cached = constant_xml(value.cached)
+        return f"{kind}><f>{escape(value.text)}</f>{cached}</c>"
+    kind, body = constant_xml(value)
+    return f"{kind}>{body}</c>"
+
+
+def constant_xml(value: Constant) -> tuple[str, str]:
+    """Type attribute and ``<v>`` element of a constant (text as a formula's result)."""
+    kind, text = constant_text(value)
+    if text is None:
+        return "", ""
+    if kind == "str" and _NEEDS_SPACE.search(text):
+        return f' t="{kind}"', f'<v xml:space="preserve">{escape(text)}</v>'
+    return (f' t="{kind}"' if kind else ""), f"<v>{escape(text)}</v>"
+
+
+def constant_text(value: Constant) -> tuple[str, str | None]:
+    """Cell type (empty for a number) and text of ``<v>``; None when there is no value."""
+    if value is None:
+        return "", None
+    if isinstance(value, bool):
+        return "b", "1" if value else "0"
+    if isinstance(value, float):
+        return "", number_text(value)
+    if isinstance(value, int):
+        return "", str(value)
+    if isinstance(value, ErrorValue):
+        return "e", value.code
+    return "str", _ESCAPE.sub("_x005F_", value)
+
+
+def _text_xml(text: str) -> str:
+    if not text:
+        return "<t/>"  # as it is stored
+    body = escape(_ESCAPE.sub("_x005F_", text))
+    return f'<t xml:space="preserve">{body}</t>' if _NEEDS_SPACE.search(text) else f"<t>{body}</t>"
+
+
+_F, _V, _IS, _T, _R, _RPH = (main(tag) for tag in ("f", "v", "is", "t", "r", "rPh"))
+
+
+def read_cell(cell: Element, shared_strings: Any) -> CellValue:
+    """Value of a ``<c>`` element.
+
+    Parameters
+    ----------
+    cell : Element
+        The cell.
+    shared_strings : callable
+        Gives the shared string of an index, given as text.
+    """
+    constant = read_constant(cell, shared_strings)
+    formula = cell.find(_F)
+    if formula is None:
+        return constant
+    try:
+        return Formula(formula.text, constant) if formula.text else constant
+    except ValueError:  # longer than any program takes, or blank, or a number that is none
+        return constant
+
+
+def read_constant(cell: Element, shared_strings: Any) -> Constant:
+    """Value of a ``<c>`` element, of a formula its cached value."""
+    kind = cell.get("t", "n")
+    if kind == "inlineStr":
+        inline = cell.find(_IS)
+        return None if inline is None else rich_text(inline)
+    # The value is the last child unless there are extensions; asking for it by position is several times faster.
+    value = cell[-1] if len(cell) else None
+    if value is not None and value.tag != _V:
+        value = cell.find(_V)
+    if value is None:
+        return None
+    text = value.text or ""
+    if kind == "s":
+        return shared_strings(text)  # type: ignore[no-any-return]
+    if kind in ("str", "d"):
+        return unescape(text)
+    if kind == "b":
+        return text.strip() in ("1", "true")
+    if kind == "e":
+        return ErrorValue(text) if text in ERROR_CODES else text
+    return _as_number(text)
+
+
+def _as_number(text: str) -> Constant:
+    """Number of a cell; what is none, in damaged files, is given as text for whoever reads it to judge."""
+    if not text.strip():
+        return None
+    try:
+        number = float(text)
+    except ValueError:
+        return text
+    # Python reads more than XML may hold: 1_000, digits of other scripts, NaN.
+    return number if text.isascii() and "_" not in text and number == number else text
+
+
+def rich_text(holder: Element) -> str:
+    """Plain text of ``<is>`` or ``<si>``, phonetic runs left out."""
+    return unescape("".join(t.text or "" for t in holder.iter(_T) if t.getparent().tag != _RPH))
+
+
+def unescape(text: str) -> str:
+    """Undo the ``_x000A_`` notation of the file format; what no text may hold becomes U+FFFD."""
+    if "_x" not in text:
+        return text
+    plain = _ESCAPED.sub(lambda found: chr(int(found.group(1), 16)), text)
+    return _ILLEGAL.sub(
+        "\ufffd", plain.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace")
+    )

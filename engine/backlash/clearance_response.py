@@ -1,0 +1,214 @@
+"""A train with clearances under given torques, from given angles and speeds.
+
+No motor and no start: what free impact oscillations, gaps closed by a step of torque and published
+examples of backlash are calculated with. The start with clearances is in `engine.backlash.event_start`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.backlash.contact_systems import ForcePlaces, PieceBasis, Pieces, piece_basis
+from engine.backlash.event_simulation import (
+    EventModel,
+    EventRun,
+    Script,
+    no_machines,
+    simulate_events,
+    torque_tables,
+)
+from engine.case.data import CaseData
+from engine.case.effects import CONTACT_LAWS
+from engine.model.modes import Modes
+from engine.model.motor import electrical_arrays
+from engine.model.train import Flank, Train
+from engine.start.time_response import PrescribedTorque
+from engine.stepping import contact_loop as events
+
+__all__ = ["ClearanceResponse", "clearance_response"]
+
+Floats = NDArray[np.float64]
+
+#: Phase of the fastest visible motion per step in a free or prescribed response. [rad]
+RESPONSE_ANGLE = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class ClearanceResponse:
+    """Response of a train with clearances at the requested times.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n_times,)
+        Times. [s]
+    station_angle, station_speed : ndarray, shape (n_stations, n_times)
+        In each station's running direction, at its own speed. [rad, rad/s]
+    torque : ndarray, shape (n_outputs, n_times)
+        Torque of each element. [N m]
+    log : ndarray, shape (n_events, 5)
+        Time, clearance, contact of a flank before and after, its speed, of each event. [SI]
+    run : EventRun
+        Everything at every step. [SI]
+    """
+
+    time: Floats
+    station_angle: Floats
+    station_speed: Floats
+    torque: Floats
+    log: Floats
+    run: EventRun
+
+
+def clearance_response(
+    train: Train,
+    modes: Modes,
+    clearances: Sequence[Flank],
+    times: Floats,
+    *,
+    torques: Sequence[PrescribedTorque] = (),
+    damping_ratio: float = 0.0,
+    initial_angle: Floats | None = None,
+    initial_speed: Floats | None = None,
+    contact_law: str = CONTACT_LAWS[0],
+    step: float | None = None,
+) -> ClearanceResponse:
+    """Follow a train with clearances from given angles and speeds under prescribed torques.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        All its modes with the drive flanks in contact. [SI]
+    clearances : sequence of Flank
+        Those that are modelled; at angle zero the drive flanks just touch. [count]
+    times : ndarray, shape (n_times,)
+        Times wanted, rising; the first is the start. [s]
+    torques : sequence of PrescribedTorque, optional
+        Torques linear between knots (`engine.start.time_response.linear`), one a station. [N m]
+    damping_ratio : float, optional
+        Stated damping of the elastic modes of every piece. [1]
+    initial_angle, initial_speed : ndarray, shape (n_stations,), optional
+        At the first time, in running direction; default zero. [rad, rad/s]
+    contact_law : str, optional
+        One of `engine.case.effects.CONTACT_LAWS`. [word]
+    step : float, optional
+        Longest step; default from the fastest mode. [s]
+
+    Returns
+    -------
+    ClearanceResponse
+        Angles, speeds and torques at `times`, and every event. [SI]
+    """
+    t = np.asarray(times, dtype=float)
+    keep = np.ones(modes.n_modes, dtype=np.bool_)
+    stated = np.where(modes.omega > 0.0, damping_ratio, 0.0)
+    basis = piece_basis(train, modes, clearances, keep, stated, damping_ratio)
+    stations = sorted({p.station for p in torques})
+    places = ForcePlaces(
+        np.array(stations, dtype=np.int64), np.zeros(0, dtype=np.int64), len(stations), np.zeros(0)
+    )
+    m = basis.vectors.shape[1]
+    q = _in_basis(basis, initial_angle)
+    v = _in_basis(basis, initial_speed)
+    scale = _response_scale(basis, torques, q, v)
+    pieces = Pieces(
+        basis,
+        places,
+        np.zeros(m),
+        np.full(len(train.element_rows) + len(train.rigid_meshes), scale),
+    )
+    fastest = max(float(modes.omega.max()), 1.0 / max(float(np.ptp(t)), 1e-12))
+    nc = len(basis.flanks)
+    model = EventModel(
+        pieces=pieces,
+        **no_machines(),
+        timed=_from_first_time(torque_tables(torques, stations), float(t[0])),
+        damper_force=np.arange(len(stations), len(stations) + 2 * nc),
+        electrical=electrical_arrays((), CaseData()),
+        phase=np.zeros(0),
+        sampled=fastest,
+        limited=contact_law == CONTACT_LAWS[0],
+        visible=0.0,
+    )
+    script = Script(
+        maximum_time=float(t[-1] - t[0]), stops=tuple((t - t[0]).tolist()), keep_state=True
+    )
+    run = simulate_events(
+        model,
+        step or RESPONSE_ANGLE / fastest,
+        script,
+        (q, v),
+        _contacts_at(basis, q, v, model.limited),
+    )
+    place = np.searchsorted(run.trajectory.time, (t - t[0]) * (1.0 + 1e-14), side="right") - 1
+    to_station = train.node_matrix()[: train.n_stations] @ basis.vectors
+    return ClearanceResponse(
+        t,
+        to_station @ run.position[:, place],
+        to_station @ run.velocity[:, place],
+        run.trajectory.torque[:, place],
+        run.log,
+        run,
+    )
+
+
+def _from_first_time(timed: tuple[Any, ...], first: float) -> tuple[Any, ...]:
+    """The same tables with their times counted from the first time wanted."""
+    force, times, values, counts = timed
+    return force, times - first, values, counts
+
+
+def _response_scale(
+    basis: PieceBasis, torques: Sequence[PrescribedTorque], q: Floats, v: Floats
+) -> float:
+    """A torque that this motion is about: what is applied, and what its energy does to a flank.
+
+    A gap is no scale: the other flank may be as good as infinitely far away.
+    """
+    applied = max((float(np.max(np.abs(p.value(p.knots, "right")))) for p in torques), default=0.0)
+    strain = basis.train.stiffness * (basis.rows @ q) ** 2
+    for flank in basis.flanks:  # one that stands free is not strained
+        strain[flank.drive_row] = 0.0
+    stiffest = max((f.stiffness for f in basis.flanks), default=0.0)
+    scale = applied + math.sqrt(stiffest * float(v @ v + strain.sum()))
+    return scale if scale > 0.0 else 1.0
+
+
+def _in_basis(basis: PieceBasis, station_values: Floats | None) -> Floats:
+    """Coordinates of given station angles or speeds: Vᵀ M θ."""
+    train = basis.train
+    value = np.zeros(train.n_dof)
+    if station_values is not None:
+        given = np.asarray(station_values, dtype=float)
+        n = train.n_stations
+        value[train.node_dof[:n]] = given / train.node_scale[:n]
+    return np.asarray(basis.vectors.T @ (train.inertia * value))
+
+
+def _contacts_at(basis: PieceBasis, q: Floats, v: Floats, limited: bool) -> tuple[int, ...]:
+    """Contact of each flank in a given state."""
+    gaps = [math.inf if f.gap is None else f.gap for f in basis.flanks]
+    drive = zip(basis.flanks, basis.drive_rows, [0.0] * len(gaps), strict=True)
+    back = zip(basis.flanks, basis.back_rows, gaps, strict=True)
+    return tuple(
+        _contact(f.stiffness, f.viscous, float(row @ q) - gap, float(row @ v), loaded, limited)
+        for side, loaded in ((drive, events.DRIVE), (back, events.BACK))
+        for f, row, gap in side
+    )
+
+
+def _contact(
+    stiffness: float, viscous: float, depth: float, speed: float, loaded: int, limited: bool
+) -> int:
+    """Contact of one flank; the limited one is the next number."""
+    spring, damping = stiffness * depth, viscous * speed
+    if depth < 0.0 or spring + damping < 0.0 or (depth == 0.0 and speed < 0.0):
+        return events.FREE
+    return loaded + 1 if limited and damping > spring else loaded

@@ -1,0 +1,596 @@
+"""A train with clearances as pieces: linear systems that share one basis.
+
+Each flank is free or loaded (`engine.stepping.contact_loop`); each combination is a piece with stiffness
+rows of its own: a free flank counts nothing, a loaded one with its stiffness; what its damping adds
+is a force. The pieces share one
+M-orthonormal basis, the kept modes of the train with all teeth in contact, completed by what these
+modes cannot do: the free flight of the parts that a clearance sets apart, and the static deflection
+under a tooth force. A piece is made when a run first comes to it.
+
+Stated damping ratios act on the modes of each piece; a mode of free flight has none.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from engine.model.modes import Modes
+from engine.model.train import Flank, Train
+from engine.stepping.contact_loop import FREE
+
+__all__ = ["ForcePlaces", "Piece", "PieceBasis", "Pieces", "piece_basis"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: A direction whose part outside the basis is smaller than this is in it already.
+INSIDE = 1e-9
+#: Normalised rows: singular values below this share of the largest are zero.
+RANK = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class PieceBasis:
+    """The basis that all pieces share, and the train in it.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    flanks : tuple of Flank
+        The clearances that are modelled. [count]
+    vectors : ndarray, shape (n_dof, m)
+        M-orthonormal; rigid modes of the closed train first, exactly. [1/√(kg m²)]
+    n_rigid : int
+        Rigid modes of the closed train. [count]
+    rows : ndarray, shape (n_rows, m)
+        Deflection of each row of the incidence matrix; exactly zero in the rigid modes. [rad]
+    back_rows : ndarray, shape (n_flanks, m)
+        Compression of each back flank. [rad]
+    closed_omega : ndarray, shape (n_kept,)
+        Frequencies of the kept modes of the closed train. [rad/s]
+    stated : ndarray, shape (m,)
+        Stated damping ratio along each basis vector; zero for the rigid ones. [1]
+    left_shape, left_torque : ndarray
+        Shapes (n_dof, n_left) of the modes left out, and row torques (n_rows, n_left). [SI]
+    left_flexibility : ndarray, shape (n_left, n_left)
+        Their flexibility beyond what the basis covers. [s²]
+    """
+
+    train: Train
+    flanks: tuple[Flank, ...]
+    vectors: Floats
+    n_rigid: int
+    rows: Floats
+    back_rows: Floats
+    closed_omega: Floats
+    stated: Floats
+    left_shape: Floats
+    left_torque: Floats
+    left_flexibility: Floats
+
+    @property
+    def drive_sign(self) -> Floats:
+        """+1 where the row of a clearance is positive with its drive flank loaded. [1]"""
+        return np.array([self.train.orientation[f.element] for f in self.flanks], dtype=np.float64)
+
+    @property
+    def drive_rows(self) -> Floats:
+        """Compression of each drive flank, shape (n_flanks, m). [rad]"""
+        places = [f.drive_row for f in self.flanks]
+        return np.asarray(self.rows[places] * self.drive_sign[:, None])
+
+
+@dataclass(frozen=True, eq=False)
+class ForcePlaces:
+    """Where torques act, in the order of the forces; those of the flanks come after them.
+
+    Parameters
+    ----------
+    nodes : ndarray of int, shape (n_nodes,)
+        Stations of motors, loads and prescribed torques, then nodes whose dampers to ground act as
+        forces. [indices]
+    rows : ndarray of int, shape (n_rows,)
+        Rows of the incidence matrix whose dampers act as forces. [indices]
+    first_damper : int
+        Number of forces before the first damper. [count]
+    viscous : ndarray, shape (n_nodes + n_rows − first_damper,)
+        Coefficients of the dampers. [N m s/rad]
+    """
+
+    nodes: Ints
+    rows: Ints
+    first_damper: int
+    viscous: Floats
+
+    @property
+    def n_forces(self) -> int:
+        """Number of these forces. [count]"""
+        return len(self.nodes) + len(self.rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One linear system.
+
+    Parameters
+    ----------
+    loaded : tuple of bool
+        Whether each flank is: all drive flanks, then all back flanks. [flags]
+    stiffness, rate : ndarray, shape (m,)
+        λ and damping coefficient of its modes. [1/s², 1/s]
+    turn : ndarray, shape (m, m)
+        Basis coordinates from its modal coordinates, orthogonal. [1]
+    reach : ndarray, shape (m, n_forces)
+        Forces to modes. [rad/√(kg m²)]
+    constant : ndarray, shape (m,)
+        Modal force of the gaps of loaded back flanks. [N m rad/√(kg m²)]
+    viscous : ndarray, shape (n_dampers,)
+        Coefficients of the dampers that act as forces; zero for the flanks. [N m s/rad]
+    output_position, output_velocity : ndarray, shape (n_outputs, m)
+        Element torques from modal coordinates and velocities. [N m, N m s]
+    output_force : ndarray, shape (n_outputs, n_forces)
+        Element torques from forces. [1]
+    output_constant : ndarray, shape (n_outputs,)
+        Element torques of the gaps. [N m]
+    """
+
+    loaded: tuple[bool, ...]
+    stiffness: Floats
+    rate: Floats
+    turn: Floats
+    reach: Floats
+    constant: Floats
+    viscous: Floats
+    output_position: Floats
+    output_velocity: Floats
+    output_force: Floats
+    output_constant: Floats
+
+
+def piece_basis(
+    train: Train,
+    modes: Modes,
+    flanks: Sequence[Flank],
+    keep: NDArray[np.bool_],
+    stated: Floats,
+    stated_elsewhere: float,
+) -> PieceBasis:
+    """The basis of all pieces.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        All its modes with the teeth in contact. [SI]
+    flanks : sequence of Flank
+        Clearances to be modelled. [count]
+    keep : ndarray of bool, shape (n_modes,)
+        Modes that are integrated. [mask]
+    stated : ndarray, shape (n_modes,)
+        Stated damping ratio of each mode. [1]
+    stated_elsewhere : float
+        Damping ratio of what the basis has beyond these modes. [1]
+
+    Returns
+    -------
+    PieceBasis
+        The basis. [SI]
+    """
+    left = ~keep
+    outside = modes.shape[:, left]
+    torque = modes.row_torque[:, left]
+    omega = modes.omega[left]
+    added = np.zeros((int(left.sum()), 0))
+    if len(omega):
+        candidates = []
+        for flank in flanks:
+            flight = _flight(train, flank)
+            candidates.append(outside.T @ (train.inertia * flight))
+            candidates.append(modes.row_twist[flank.drive_row, left] / omega**2)
+        added = _orthonormal(candidates, len(omega))
+    vectors = np.concatenate([modes.shape[:, keep], outside @ added], axis=1)
+    rows = np.concatenate([modes.row_twist[:, keep], modes.row_twist[:, left] @ added], axis=1)
+    n_rigid = modes.n_rigid
+    rows[:, :n_rigid] = 0.0
+    to_dof = train.node_matrix()
+    back = np.array([f.back @ to_dof @ vectors for f in flanks])
+    back = back.reshape(len(flanks), vectors.shape[1])
+    back[:, :n_rigid] = 0.0
+    flexibility = np.diag(1.0 / omega**2) if len(omega) else np.zeros((0, 0))
+    if added.shape[1]:
+        stiff = (added * omega[:, None] ** 2).T @ added
+        flexibility = flexibility - added @ np.linalg.solve(stiff, added.T)
+    ratio = np.concatenate([stated[keep], np.full(added.shape[1], stated_elsewhere)])
+    return PieceBasis(
+        train,
+        tuple(flanks),
+        vectors,
+        n_rigid,
+        rows,
+        back,
+        modes.omega[keep],
+        ratio,
+        outside,
+        torque,
+        flexibility,
+    )
+
+
+def _flight(train: Train, flank: Flank) -> Floats:
+    """Rigid rotation of what hangs on the To side once the flank is free, per degree of freedom."""
+    cut = np.ones(train.n_rows, dtype=np.bool_)
+    cut[flank.drive_row] = False
+    group = _groups(train.incidence[cut])
+    mine = train.incidence[flank.drive_row]
+    turning = train.dof_ratio
+    ends = np.flatnonzero((mine != 0.0) & (turning != 0.0))
+    if len(ends) == 0:
+        return np.zeros(train.n_dof)
+    return np.where(group == group[ends[-1]], turning, 0.0)
+
+
+def _groups(rows: Floats) -> Ints:
+    """Number of the connected part each degree of freedom belongs to."""
+    n = rows.shape[1]
+    a, b = [], []
+    for row in rows:
+        ends = np.flatnonzero(row)
+        a += list(itertools.repeat(int(ends[0]), len(ends) - 1)) if len(ends) else []
+        b += [int(e) for e in ends[1:]]
+    graph = csr_matrix((np.ones(len(a)), (a, b)), shape=(n, n))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def _orthonormal(candidates: Sequence[Floats], n: int) -> Floats:
+    """Orthonormal columns that span the candidates, without those that are there already."""
+    columns: list[Floats] = []
+    for vector in candidates:
+        size = float(np.linalg.norm(vector))
+        if size == 0.0:
+            continue
+        rest = vector / size
+        for _ in range(2):  # twice is enough (Kahan)
+            for column in columns:
+                rest = rest - column * float(column @ rest)
+        left = float(np.linalg.norm(rest))
+        if left > INSIDE:
+            columns.append(rest / left)
+    return np.array(columns).T if columns else np.zeros((n, 0))
+
+
+class Pieces:
+    """The pieces met so far, as growing tables for the compiled loop."""
+
+    def __init__(
+        self, basis: PieceBasis, places: ForcePlaces, mean_speed: Floats, shows_scale: Floats
+    ) -> None:
+        self.basis = basis
+        self.places = places
+        self.pieces: list[Piece] = []
+        self._keys: list[int] = []
+        self._mean = mean_speed
+        self._scale = shows_scale
+        self._tables: tuple[Any, ...] | None = None
+        self._levels = 1
+        self._step = 0.0
+        self._common_reach = _common_reach(basis, places)
+
+    def index_of(self, contact: Sequence[int]) -> int:
+        """Number of the piece with these contacts, made if it is new.
+
+        Parameters
+        ----------
+        contact : sequence of int
+            Contact of each flank: all drive flanks, then all back flanks. [1]
+
+        Returns
+        -------
+        int
+            Its place in the tables. [index]
+        """
+        loaded = tuple(int(c) != FREE for c in contact)
+        key = sum(1 << i for i, state in enumerate(loaded) if state)
+        if key in self._keys:
+            return self._keys.index(key)
+        self.pieces.append(_make_piece(self, loaded))
+        self._keys.append(key)
+        self._tables = None
+        return len(self._keys) - 1
+
+    @property
+    def n_dampers(self) -> int:
+        """Dampers that act as forces, the flanks among them. [count]"""
+        return len(self.places.viscous) + 2 * len(self.basis.flanks)
+
+    @property
+    def mean_speed(self) -> Floats:
+        """Mean speed from velocities in the common basis, shape (m,). [√(1/(kg m²))]"""
+        return self._mean
+
+    @property
+    def contacts(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Gap, stiffness, damping and torque scale of each flank. [rad, N m/rad, SI, N m]"""
+        flanks = self.basis.flanks
+        scale = [
+            float(np.max(self._scale[self.output_element == f.element], initial=0.0))
+            for f in flanks
+        ]
+        gap = [math.inf if f.gap is None else f.gap for f in flanks]
+        return (
+            np.array([0.0 for _ in flanks] + gap, dtype=np.float64),
+            np.array(2 * [f.stiffness for f in flanks], dtype=np.float64),
+            np.array(2 * [f.viscous for f in flanks], dtype=np.float64),
+            np.array(2 * scale, dtype=np.float64),
+        )
+
+    @property
+    def common_reach(self) -> Floats:
+        """Forces to the common basis, shape (m, n_forces). [rad/√(kg m²)]"""
+        return self._common_reach
+
+    def tables(self, step: float, sampled: float) -> tuple[Any, ...]:
+        """Arguments of the compiled loop; it fills in the coefficients of the steps it takes.
+
+        Parameters
+        ----------
+        step : float
+            Base step. [s]
+        sampled : float
+            Angular frequency that the base step samples. [rad/s]
+
+        Returns
+        -------
+        tuple
+            As `engine.stepping.contact_loop.advance_pieces` takes it. [SI]
+        """
+        if self._tables is not None and self._step == step:
+            return self._tables
+        self._step = step
+        p, basis = self.pieces, self.basis
+        fastest = max(float(np.max(x.stiffness, initial=0.0)) for x in p) ** 0.5
+        levels = 2 + max(int(np.ceil(np.log2(max(fastest / sampled, 1.0)))), 0)
+        self._levels = max(self._levels, levels)
+        n, m = len(p), basis.vectors.shape[1]
+
+        def stacked(parts: list[Floats]) -> Floats:
+            return np.ascontiguousarray(np.array(parts, dtype=np.float64))
+
+        flank_rows = np.concatenate([basis.drive_rows, basis.back_rows])
+        self._tables = (
+            np.array(self._keys, dtype=np.int64),
+            stacked([x.stiffness for x in p]),
+            stacked([x.rate for x in p]),
+            stacked([x.reach.T for x in p]),
+            stacked([x.constant for x in p]),
+            stacked([self._mean @ x.turn for x in p]),
+            stacked([flank_rows @ x.turn for x in p]),
+            stacked([x.viscous for x in p]).reshape(n, -1),
+            stacked([self._visibility(x) for x in p]),
+            stacked([x.turn for x in p]),
+            np.zeros((n, self._levels, 2, 2, m)),
+            np.zeros((n, self._levels, 2, 4, m)),
+            np.zeros((n, self._levels, 2 * self.n_dampers, 2 * self.n_dampers)),
+            np.zeros((n, self._levels), dtype=np.int64),
+        )
+        return self._tables
+
+    def _visibility(self, piece: Piece) -> Floats:
+        """Largest share of an output's scale that one unit of each mode is."""
+        position = np.abs(piece.output_position) / self._scale[:, None]
+        flank = np.zeros(position.shape[1])
+        for i, f in enumerate(self.basis.flanks):
+            scale = float(np.max(self._scale[self.output_element == f.element], initial=0.0))
+            if scale > 0.0:
+                both = np.maximum(
+                    np.abs(self.basis.drive_rows[i] @ piece.turn),
+                    np.abs(self.basis.back_rows[i] @ piece.turn),
+                )
+                flank = np.maximum(flank, f.stiffness * both / scale)
+        return np.asarray(np.maximum(np.max(position, axis=0, initial=0.0), flank))
+
+    @property
+    def output_element(self) -> Ints:
+        """Element of each output: the rows of elements, then rigid meshes. [index]"""
+        train = self.basis.train
+        rows = train.row_element[train.row_element >= 0]
+        meshes = np.array([mesh.element for mesh in train.rigid_meshes], dtype=np.int64)
+        return np.concatenate([rows, meshes])
+
+
+def _common_reach(basis: PieceBasis, places: ForcePlaces) -> Floats:
+    """Φᵀ of every force in the common basis: at nodes, across rows, on drive and on back flanks."""
+    train = basis.train
+    dof, scale = train.node_dof[places.nodes], train.node_scale[places.nodes]
+    return np.concatenate(
+        [
+            (basis.vectors[dof] * scale[:, None]).T,
+            basis.rows[places.rows].T,
+            basis.drive_rows.T,
+            basis.back_rows.T,
+        ],
+        axis=1,
+    )
+
+
+def _make_piece(pieces: Pieces, loaded: tuple[bool, ...]) -> Piece:
+    """Modes, damping and outputs of one combination of contacts."""
+    basis, places = pieces.basis, pieces.places
+    train, flanks = basis.train, basis.flanks
+    m, r = basis.vectors.shape[1], basis.n_rigid
+    factor = np.ones(train.n_rows)
+    factor[[flank.drive_row for flank in flanks]] = loaded[: len(flanks)]
+    back_factor = np.array(loaded[len(flanks) :], dtype=np.float64)
+    stiffness = train.stiffness * factor
+    back_stiffness = np.array([f.stiffness for f in flanks], dtype=np.float64) * back_factor
+    omega, turn = _modes_of_piece(basis, stiffness, back_stiffness)
+    rate = _rates(basis, places, stiffness, back_stiffness, omega, turn)
+    gap = np.array([f.gap if f.gap is not None else 0.0 for f in flanks], dtype=np.float64)
+    hold = np.where(back_factor > 0.0, back_stiffness * np.where(back_factor > 0.0, gap, 0.0), 0.0)
+    constant = (basis.back_rows.T @ hold) if len(flanks) else np.zeros(m)
+    constant[:r] = 0.0
+    own = places.viscous.copy()  # a flank damps in contact only, as a force of its own
+    on_flank = np.isin(places.rows, [f.drive_row for f in flanks])
+    own[len(places.nodes) - places.first_damper :][on_flank] = 0.0
+    viscous = np.concatenate([own, np.zeros(2 * len(flanks))])  # the loop knows the contacts
+    reach = turn.T @ pieces.common_reach
+    constant = turn.T @ constant
+    outputs = _outputs(pieces, stiffness, back_stiffness, hold, omega, turn, reach, constant)
+    return Piece(loaded, omega**2, rate, turn, reach, constant, viscous, *outputs)
+
+
+def _modes_of_piece(
+    basis: PieceBasis, stiffness: Floats, back_stiffness: Floats
+) -> tuple[Floats, Floats]:
+    """Frequencies of a piece, rising, and the rotation from its modes to the common basis."""
+    m, r = basis.vectors.shape[1], basis.n_rigid
+    closed = np.array_equal(stiffness, basis.train.stiffness) and not np.any(back_stiffness)
+    if closed and m == len(basis.closed_omega):
+        return basis.closed_omega.copy(), np.eye(m)
+    strained = np.concatenate(
+        [
+            np.sqrt(stiffness)[:, None] * basis.rows[:, r:],
+            np.sqrt(back_stiffness)[:, None] * basis.back_rows[:, r:],
+        ]
+    )
+    _, sigma, turned = np.linalg.svd(strained, full_matrices=True)
+    sigma = np.concatenate([sigma, np.zeros(m - r - min(len(sigma), m - r))])[: m - r]
+    sigma, turned = sigma[::-1].copy(), turned[::-1]
+    sigma[: max(_nullity(basis, stiffness, back_stiffness) - r, 0)] = 0.0
+    turn = np.zeros((m, m))
+    turn[:r, :r] = np.eye(r)
+    turn[r:, r:] = turned.T
+    return np.concatenate([np.zeros(r), sigma]), turn
+
+
+def _nullity(basis: PieceBasis, stiffness: Floats, back_stiffness: Floats) -> int:
+    """Free motions of a piece, counted on rows of unit size so that no stiffness enters."""
+    train = basis.train
+    rows = train.incidence[stiffness > 0.0]
+    loaded = np.flatnonzero(back_stiffness > 0.0)
+    if len(loaded):
+        to_dof = train.node_matrix()
+        rows = np.concatenate([rows, [basis.flanks[i].back @ to_dof for i in loaded]])
+    size = np.max(np.abs(rows), axis=1, keepdims=True, initial=0.0)
+    rows = rows / np.where(size > 0.0, size, 1.0)
+    if len(rows) == 0:
+        return train.n_dof
+    values = np.linalg.svd(rows, compute_uv=False)
+    return train.n_dof - int(np.count_nonzero(values > RANK * values[0]))
+
+
+def _rates(
+    basis: PieceBasis,
+    places: ForcePlaces,
+    stiffness: Floats,
+    back_stiffness: Floats,
+    omega: Floats,
+    turn: Floats,
+) -> Floats:
+    """Damping coefficient of each mode: stated, hysteretic, and the dampers that act modally."""
+    train, r = basis.train, basis.n_rigid
+    elastic = omega > 0.0
+    share = turn[r:] ** 2
+    stated = np.zeros(len(omega))
+    total = share.sum(axis=0)
+    stated[:] = (basis.stated[r:] @ share) / np.where(total > 0.0, total, 1.0)
+    square = np.where(elastic, omega, 1.0) ** 2
+    strain = stiffness[:, None] * (basis.rows @ turn) ** 2 / square
+    loss = train.loss_factor @ strain
+    if len(back_stiffness):
+        back_strain = back_stiffness[:, None] * (basis.back_rows @ turn) ** 2 / square
+        loss = loss + train.loss_factor[[f.drive_row for f in basis.flanks]] @ back_strain
+    rate = np.where(elastic, 2.0 * (stated + 0.5 * loss) * omega, 0.0)
+    viscous = train.viscous.copy()
+    viscous[places.rows] = 0.0
+    viscous[[f.drive_row for f in basis.flanks]] = 0.0  # a flank damps in contact only
+    damping = train.node_damping.copy()
+    damping[places.nodes[places.first_damper :]] = 0.0
+    ground = np.zeros(train.n_dof)
+    np.add.at(ground, train.node_dof, damping * train.node_scale**2)
+    modal = viscous @ (basis.rows @ turn) ** 2 + ground @ (basis.vectors @ turn) ** 2
+    return np.asarray(rate + modal)
+
+
+def _outputs(
+    pieces: Pieces,
+    stiffness: Floats,
+    back_stiffness: Floats,
+    hold: Floats,
+    omega: Floats,
+    turn: Floats,
+    reach: Floats,
+    constant: Floats,
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Element torques from the modal state of one piece (signs and meaning as in `outputs`)."""
+    basis, places = pieces.basis, pieces.places
+    train, flanks = basis.train, basis.flanks
+    n_forces = reach.shape[1]
+    shown = train.viscous_shown[:, None]
+    rows = basis.rows @ turn
+    torque_q = stiffness[:, None] * rows
+    torque_v = np.where(shown, train.viscous[:, None] * rows, 0.0)
+    torque_f = np.zeros((train.n_rows, n_forces))
+    torque_0 = np.zeros(train.n_rows)
+    if basis.left_shape.shape[1]:
+        n = len(places.nodes)
+        dof, scale = train.node_dof[places.nodes], train.node_scale[places.nodes]
+        left_reach = (basis.left_shape[dof] * scale[:, None]).T
+        torque_f[:, :n] = basis.left_torque @ basis.left_flexibility @ left_reach
+    for i, flank in enumerate(flanks):
+        row, sign = flank.drive_row, float(basis.drive_sign[i])
+        back = basis.back_rows[i] @ turn
+        torque_q[row] -= sign * back_stiffness[i] * back
+        torque_f[row] = torque_v[row] = 0.0
+        torque_f[row, places.n_forces + i] = -sign  # the damping of the drive flank
+        torque_f[row, places.n_forces + len(flanks) + i] = sign
+        torque_0[row] = sign * hold[i]
+    on_row = [torque_q, torque_v, torque_f, torque_0]
+    rows_out = train.element_rows
+    facing = train.orientation[train.row_element[rows_out]]
+    out = [part[rows_out] * (facing if part.ndim == 1 else facing[:, None]) for part in on_row]
+    for mesh in train.rigid_meshes:
+        extra = _rigid_mesh(basis, places, mesh, on_row, omega, turn, reach, constant)
+        out = [np.concatenate([a, b]) for a, b in zip(out, extra, strict=True)]
+    return out[0], out[1], out[2], out[3]
+
+
+def _rigid_mesh(
+    basis: PieceBasis,
+    places: ForcePlaces,
+    mesh: Any,
+    on_row: list[Floats],
+    omega: Floats,
+    turn: Floats,
+    reach: Floats,
+    constant: Floats,
+) -> list[Floats]:
+    """Torque of a rigid mesh from the power balance of its To side (see `outputs`)."""
+    train = basis.train
+    nodes = np.array(mesh.to_side)
+    ratio = train.speed_ratio[nodes] / mesh.from_ratio
+    weight = ratio * train.node_inertia[nodes] * train.node_scale[nodes]
+    inertial = weight @ (basis.vectors[train.node_dof[nodes]] @ turn)
+    draw = train.node_incidence[:, nodes] @ ratio
+    applied = np.zeros(reach.shape[1])
+    applied[: len(places.nodes)] = [float(ratio[nodes == s].sum()) for s in places.nodes]
+    # dampers beside a spring draw torque too; those without one are in the torque of their row
+    sprung = train.stiffness[places.rows] > 0.0
+    applied[len(places.nodes) : places.n_forces] = np.where(sprung, draw[places.rows], 0.0)
+    sign = float(train.orientation[mesh.element])
+    return [
+        (sign * (-inertial * omega**2 + draw @ on_row[0]))[None],
+        (sign * (draw @ on_row[1]))[None],
+        (sign * (inertial @ reach - applied + draw @ on_row[2]))[None],
+        np.array([sign * float(inertial @ constant + draw @ on_row[3])]),
+    ]

@@ -1,0 +1,132 @@
+"""What a run with clearances tells about teeth and bearings: impacts, speeds, forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.backlash.event_simulation import EventModel, EventRun
+from engine.case.effects import BearingForce, ContactRecord
+from engine.model.train import Train
+from engine.start.start import ForceHistories
+from engine.stepping import contact_loop as events
+
+__all__ = ["bearing_forces", "contact_records", "force_histories"]
+
+Floats = NDArray[np.float64]
+
+
+def contact_records(
+    model: EventModel, run: EventRun, turning: Sequence[tuple[Floats, Floats]], end: float
+) -> tuple[ContactRecord, ...]:
+    """What happened at each clearance.
+
+    Parameters
+    ----------
+    model : EventModel
+        The model that was run. [SI]
+    run : EventRun
+        The run. [SI]
+    turning : sequence of (ndarray, ndarray)
+        Turning points of every output. [s, N m]
+    end : float
+        When it ended. [s]
+
+    Returns
+    -------
+    tuple of ContactRecord
+        One a clearance. [SI]
+    """
+    basis = model.pieces.basis
+    elements = basis.train.elements
+    out = []
+    for c, flank in enumerate(basis.flanks):
+        log = run.log[run.log[:, 1] == c]
+        met = log[log[:, 2] == events.FREE]
+        speed = float(np.max(met[:, 4], initial=0.0))
+        rows = np.flatnonzero(run.trajectory.output_element == flank.element)
+        torque = max(float(np.max(np.abs(turning[int(i)][1]), initial=0.0)) for i in rows)
+        radius, factor = flank.base_radius, flank.normal_factor
+        out.append(
+            ContactRecord(
+                element=elements[flank.element],
+                impacts=len(met),
+                back_impacts=int(np.count_nonzero(met[:, 3] >= events.BACK)),
+                time_unloaded=_time_unloaded(log, end),
+                recontact_speed=None if radius is None else speed * radius / factor,
+                recontact_speed_angular=speed,
+                tooth_force=None if radius is None else torque / radius * factor,
+                tooth_torque=torque,
+            )
+        )
+    return tuple(out)
+
+
+def _time_unloaded(log: Floats, end: float) -> float:
+    """Total time during which neither flank of a clearance is loaded, the drive flank being so first.
+
+    A flank that is still compressed but would pull is unloaded, too.
+    """
+    loaded = {False: True, True: False}  # back flank?
+    total, since = 0.0, 0.0
+    for time, _, before, after, _ in log:
+        before_loaded = any(loaded.values())
+        back = (before if after == events.FREE else after) >= events.BACK
+        loaded[bool(back)] = after != events.FREE
+        if before_loaded and not any(loaded.values()):
+            since = time
+        elif not before_loaded and any(loaded.values()):
+            total += time - since
+    return float(total if any(loaded.values()) else total + end - since)
+
+
+def bearing_forces(train: Train, run: EventRun) -> tuple[BearingForce, ...]:
+    """Largest bearing force of each gear that moves sideways.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    run : EventRun
+        The run. [SI]
+
+    Returns
+    -------
+    tuple of BearingForce
+        One a gear. [N]
+    """
+    out = []
+    for body, (force, time) in zip(train.bodies, run.largest_bearing, strict=True):
+        out.append(BearingForce(train.stations[body.station], float(force), float(time)))
+    return tuple(out)
+
+
+def force_histories(train: Train, run: EventRun) -> ForceHistories:
+    """Tooth and bearing forces at the samples.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    run : EventRun
+        The run. [SI]
+
+    Returns
+    -------
+    ForceHistories
+        Normal tooth forces of the meshes, radial forces of the bearings. [N]
+    """
+    meshes = [f for f in train.flanks if f.base_radius is not None]
+    force = np.zeros((len(meshes), len(run.trajectory.time)))
+    for i, f in enumerate(meshes):
+        row = int(np.flatnonzero(run.trajectory.output_element == f.element)[0])
+        assert f.base_radius is not None
+        force[i] = run.trajectory.torque[row] * (f.normal_factor / f.base_radius)
+    return ForceHistories(
+        tuple(train.elements[f.element] for f in meshes),
+        force,
+        tuple(train.stations[b.station] for b in train.bodies),
+        run.bearing,
+    )

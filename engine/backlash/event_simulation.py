@@ -1,0 +1,532 @@
+"""One event-driven simulation: from the arrays of a start to sampled histories and a log of events.
+
+Clearances change their contact, the field is applied when the slip has fallen far enough, a motor
+trips at a speed: each is located on the exact solution and ends a step there. What is sampled are
+the steps themselves, two samples at an event, one before and one after it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.backlash.contact_systems import Piece, Pieces
+from engine.errors import InternalError
+from engine.start.time_response import PrescribedTorque
+from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
+from engine.stepping import contact_loop as events
+
+__all__ = [
+    "EventModel",
+    "EventRun",
+    "Script",
+    "Settled",
+    "no_machines",
+    "simulate_events",
+    "torque_tables",
+]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Whether a run may end: (times, phases, mean speeds) → flag.
+Settled = Callable[[Floats, Floats, Floats], bool]
+#: Rows of output the compiled loop writes at a time, and events it logs.
+ROWS, LOGGED = 2048, 512
+#: Steps of one simulation, at the most.
+MOST_STEPS = 5_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class EventModel:
+    """A start in arrays, with its pieces.
+
+    Parameters
+    ----------
+    pieces : Pieces
+        The pieces met so far; more are made as a run comes to them. [SI]
+    curves, motors, loads, timed : tuple
+        As for the compiled loop. [SI]
+    damper_force : ndarray of int, shape (n_dampers,)
+        Force of each damper, those of the flanks last. [index]
+    electrical : tuple
+        Of each motor, before anything was switched. [SI]
+    phase : ndarray, shape (n_motors,)
+        Phase of each pulsation at t = 0. [rad]
+    sampled : float
+        Angular frequency that the base step samples. [rad/s]
+    limited : bool
+        True: contact damping never exceeds the spring force. [flag]
+    visible : float
+        Ringing above this share of an answer is followed. [1]
+    """
+
+    pieces: Pieces
+    curves: tuple[Any, ...]
+    motors: tuple[Any, ...]
+    loads: tuple[Any, ...]
+    timed: tuple[Any, ...]
+    damper_force: Ints
+    electrical: tuple[Any, ...]
+    phase: Floats
+    sampled: float
+    limited: bool
+    visible: float
+
+
+@dataclass(frozen=True)
+class Script:
+    """What a run waits for, and what it does then.
+
+    Parameters
+    ----------
+    maximum_time : float
+        When it ends at the latest. [s]
+    waiting_time : float
+        When it ends if neither the field was applied nor the motors have tripped. [s]
+    end_speed : float or None
+        Mean speed at which it ends; None with field or trip. [rad/s]
+    field_speed, field_angle : float or None
+        Mean speed from which the field is applied, and load angle waited for then. [rad/s, rad]
+    trip_speed, coast_end : float or None
+        Mean speed at which the motors are disconnected, and at which the coast-down ends. [rad/s]
+    coast_time : float
+        Longest coast-down that is followed. [s]
+    look_every : float
+        How often `settled` is asked. [s]
+    stops : tuple of float
+        Times at which a step is made to end. [s]
+    keep_state : bool
+        True: positions and velocities in the common basis are kept, too. [flag]
+    keep_all : bool
+        True: no sample is left out, however much memory that takes. [flag]
+    """
+
+    maximum_time: float
+    waiting_time: float = math.inf
+    end_speed: float | None = None
+    field_speed: float | None = None
+    field_angle: float | None = None
+    trip_speed: float | None = None
+    coast_end: float | None = None
+    coast_time: float = math.inf
+    look_every: float = math.inf
+    stops: tuple[float, ...] = ()
+    keep_state: bool = False
+    keep_all: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class EventRun:
+    """Sampled histories of one run; two samples share one time at an event.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        Torques and mean speed. [SI]
+    phase : ndarray, shape (n_motors, n_times)
+        Phase of each pulsation, unbroken. [rad]
+    bearing : ndarray, shape (n_bodies, n_times)
+        Radial force of each gear's bearings. [N]
+    largest_bearing : ndarray, shape (n_bodies, 2)
+        Its largest value, and when. [N, s]
+    log : ndarray, shape (n_events, 5)
+        Time, clearance, contact of a flank before and after, its speed. [SI]
+    field_time, trip_time : float or None
+        When the field was applied, when the motors tripped. [s]
+    settled : bool
+        True if the run ended because it had settled. [flag]
+    gave_up : bool
+        True if it took too many steps, or contacts changed without end at one instant: what follows
+        is missing. [flag]
+    waits_for_angle : bool
+        True if the field was still waiting for its load angle. [flag]
+    position, velocity : ndarray, shape (m, n_times)
+        In the common basis; without columns unless the script asks for them. [SI]
+    """
+
+    trajectory: Trajectory
+    phase: Floats
+    bearing: Floats
+    largest_bearing: Floats
+    log: Floats
+    field_time: float | None
+    trip_time: float | None
+    settled: bool
+    gave_up: bool
+    waits_for_angle: bool
+    position: Floats
+    velocity: Floats
+
+
+class _Recorder:
+    """Turns rows of modal states into rows of answers as they come."""
+
+    def __init__(self, model: EventModel, keep_state: bool, keep_all: bool) -> None:
+        self.model, self.keep_state = model, keep_state
+        m = model.pieces.basis.vectors.shape[1]
+        self.position: list[Floats] = [np.empty((m, 0))]
+        self.velocity: list[Floats] = [np.empty((m, 0))]
+        self.log: list[Floats] = []
+        bodies = len(model.pieces.basis.train.bodies)
+        self.largest = np.zeros((bodies, 2))  # bearing force and when
+        self._phase: Floats | None = None
+        self._samples = Recorder(
+            model.pieces.output_element, math.inf if keep_state or keep_all else KEPT_VALUES
+        )
+
+    def seen(self) -> tuple[Floats, Floats, Floats]:
+        """Times, phases of the first motor and mean speeds so far."""
+        time, speed, further = self._samples.seen()
+        return time, further[0], speed
+
+    def result(self, reached: bool, n_steps: int) -> tuple[Trajectory, Floats, Floats]:
+        """Trajectory, phases and bearing forces."""
+        trajectory, further = self._samples.trajectory(reached, n_steps)
+        n = len(self.model.phase)
+        return trajectory, further[:n], further[n:]
+
+    def add(self, rows: dict[str, Any], n: int) -> None:
+        """Take n rows."""
+        pieces = self.model.pieces
+        of_piece = rows["piece"][:n]
+        n_out = len(pieces.output_element)
+        torque, rate = np.empty((n_out, n)), np.empty((n_out, n))
+        speed = np.empty(n)
+        bearing = np.empty((len(self.largest), n))
+        for p in np.unique(of_piece):
+            here = np.flatnonzero(of_piece == p)
+            alone = len(here) == n
+            state = (rows[k][:n] if alone else rows[k].take(here, 0) for k in ("q", "v", "f", "fr"))
+            found = _answers(pieces, pieces.pieces[int(p)], *state)
+            if alone:
+                torque, rate, bearing, speed = found
+            else:
+                torque[:, here], rate[:, here], bearing[:, here], speed[here] = found
+        if self.keep_state:
+            turns = np.array([pieces.pieces[int(p)].turn for p in of_piece])
+            self.position.append(np.einsum("nij,nj->in", turns, rows["q"][:n]))
+            self.velocity.append(np.einsum("nij,nj->in", turns, rows["v"][:n]))
+        time = rows["t"][:n].copy()
+        for i, force in enumerate(bearing):
+            top = int(np.argmax(force))
+            if force[top] > self.largest[i, 0]:
+                self.largest[i] = force[top], time[top]
+        further = np.concatenate([self._unbroken(rows["phase"][:n]), bearing])
+        self._samples.add(time, speed, torque, rate, further)
+
+    def _unbroken(self, phase: Floats) -> Floats:
+        """Phases without the jumps of their modulus, shape (n_motors, n)."""
+        rows = phase.T if self._phase is None else np.column_stack([self._phase, phase.T])
+        if rows.shape[0] == 0:
+            return np.empty((0, len(phase)))
+        rows = np.unwrap(rows, period=4.0 * math.pi, axis=1)
+        if self._phase is not None:
+            rows = rows[:, 1:]
+        self._phase = rows[:, -1].copy()
+        return np.ascontiguousarray(rows)
+
+
+def _answers(
+    pieces: Pieces, piece: Piece, q: Floats, v: Floats, f: Floats, fr: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Element torques and rates, bearing forces and mean speed of rows of one piece."""
+    torque = (
+        piece.output_position @ q.T
+        + piece.output_velocity @ v.T
+        + piece.output_force @ f.T
+        + piece.output_constant[:, None]
+    )
+    rate = piece.output_position @ v.T + piece.output_force @ fr.T
+    if np.any(piece.output_velocity):
+        acceleration = f @ piece.reach.T
+        acceleration += piece.constant
+        acceleration -= v * piece.rate
+        acceleration -= q * piece.stiffness
+        rate += piece.output_velocity @ acceleration.T
+    bodies = pieces.basis.train.bodies
+    bearing = np.empty((len(bodies), len(q)))
+    for i, body in enumerate(bodies):
+        dofs = pieces.basis.train.node_dof[[body.node_x, body.node_y]]
+        shape = pieces.basis.vectors[dofs] @ piece.turn
+        force = body.stiffness * (shape @ q.T) + body.damping * (shape @ v.T)
+        bearing[i] = np.hypot(force[0], force[1])
+    return torque, rate, bearing, v @ (pieces.mean_speed @ piece.turn)
+
+
+def simulate_events(
+    model: EventModel,
+    step: float,
+    script: Script,
+    initial: tuple[Floats, Floats] | None = None,
+    contact: tuple[int, ...] | None = None,
+    settled: Settled | None = None,
+) -> EventRun:
+    """One run at a given longest step.
+
+    Parameters
+    ----------
+    model : EventModel
+        The start in arrays. [SI]
+    step : float
+        Longest step. [s]
+    script : Script
+        What the run waits for. [SI]
+    initial : tuple of (ndarray, ndarray), optional
+        Position and velocity in the common basis; default rest. [SI]
+    contact : tuple of int, optional
+        Contact of each flank at the beginning, all drive flanks, then all back flanks; default
+        all drive flanks touch. [1]
+    settled : callable, optional
+        Asked now and then once the field is applied, with time, phase of the first motor and mean
+        speed so far: whether the run may end. [flag]
+
+    Returns
+    -------
+    EventRun
+        Sampled histories and log. [SI]
+
+    Raises
+    ------
+    InternalError
+        If numbers cease to be finite.
+    """
+    return _Simulation(model, step, script, initial, contact).run(settled)
+
+
+class _Simulation:
+    """State of a run between calls of the compiled loop."""
+
+    def __init__(
+        self,
+        model: EventModel,
+        step: float,
+        script: Script,
+        initial: tuple[Floats, Floats] | None,
+        contact: tuple[int, ...] | None,
+    ) -> None:
+        self.model, self.step, self.script = model, step, script
+        pieces = model.pieces
+        m = pieces.basis.vectors.shape[1]
+        self.contact = np.array(
+            contact or [c for c in (events.DRIVE, events.FREE) for _ in pieces.basis.flanks],
+            dtype=np.int64,
+        )
+        q, v = initial or (np.zeros(m), np.zeros(m))
+        self.piece = np.zeros(1, dtype=np.int64)
+        self.q, self.v = q.copy(), v.copy()
+        self._enter()
+        n_forces = pieces.common_reach.shape[1]
+        self.force, self.rate = np.zeros(n_forces), np.zeros(n_forces)
+        self.phase = model.phase.copy()
+        self.clock = np.array([0.0, 2.0])
+        self.electrical = tuple(
+            a.copy() if isinstance(a, np.ndarray) else a for a in model.electrical
+        )
+        self._rows: dict[str, Any] = {  # filled again and again
+            "t": np.empty(ROWS),
+            "q": np.empty((ROWS, m)),
+            "v": np.empty((ROWS, m)),
+            "f": np.empty((ROWS, n_forces)),
+            "fr": np.empty((ROWS, n_forces)),
+            "phase": np.empty((ROWS, len(model.phase))),
+            "piece": np.empty(ROWS, dtype=np.int64),
+        }
+        self.recorder = _Recorder(model, script.keep_state, script.keep_all)
+        self.field_time: float | None = None
+        self.trip_time: float | None = None
+        self.steps = 0
+        self.stuck = False
+
+    def _enter(self) -> None:
+        """Into the piece of the present contacts, from the common basis."""
+        index = self.model.pieces.index_of(self.contact.tolist())
+        turn = self.model.pieces.pieces[index].turn
+        self.q, self.v = turn.T @ self.q, turn.T @ self.v
+        self.piece[0] = index
+
+    def run(self, settled: Settled | None) -> EventRun:
+        """Until what the script waits for, or its end."""
+        script = self.script
+        knots = self._knots()
+        end, look = min(script.maximum_time, script.waiting_time), math.inf
+        is_settled, reached = False, False
+        while self.steps <= MOST_STEPS:
+            t = float(self.clock[0])
+            ahead = knots[knots > t * (1.0 + 1e-14) + 1e-15]
+            stop = min(end, look, float(ahead[0]) if len(ahead) else math.inf)
+            reason = self._advance(stop, self._targets())
+            t = float(self.clock[0])
+            if reason == events.NEW_PIECE:
+                self._enter()
+            elif reason == events.SPEED:
+                if not self._at_speed(t):
+                    reached = self.trip_time is None
+                    break
+            elif reason == events.ANGLE:
+                self._apply_field(t)
+            elif reason == events.STUCK:
+                self.stuck = True
+                break
+            elif reason == events.AT_TIME:
+                self.clock[1] = 2.0  # a table against time may jump here
+                if t >= end * (1.0 - 1e-14):
+                    break
+                if t >= look * (1.0 - 1e-14):
+                    look = t + script.look_every
+                    is_settled = settled is not None and settled(*self.recorder.seen())
+                    if is_settled:
+                        break
+            if self.trip_time is not None:
+                end, look = min(script.maximum_time, self.trip_time + script.coast_time), math.inf
+            elif self.field_time is not None:
+                end, look = script.maximum_time, min(look, t + script.look_every)
+        return self._result(is_settled, reached)
+
+    def _knots(self) -> Floats:
+        """Times at which a prescribed torque has a corner."""
+        times, counts = self.model.timed[1], self.model.timed[3]
+        parts = [t[:n] for t, n in zip(times, counts, strict=True)]
+        return np.unique(np.concatenate([np.array(self.script.stops, dtype=np.float64), *parts]))
+
+    def _targets(self) -> Floats:
+        """Speeds and load angle that the loop stops at now."""
+        s = self.script
+        up, down, angle = math.inf, -math.inf, math.nan
+        if self.trip_time is not None:
+            down = s.coast_end if s.coast_end is not None else -math.inf
+        else:
+            waiting = [w for w in (s.trip_speed, s.end_speed) if w is not None]
+            if s.field_speed is not None and self.field_time is None:
+                if not self._waits_for_angle:
+                    waiting.append(s.field_speed)
+                elif s.field_angle is not None:
+                    angle = s.field_angle - float(self.electrical[7][0])
+            up = min(waiting, default=math.inf)
+        return np.array([up, down, angle, self.model.sampled])
+
+    _waits_for_angle = False
+
+    def _at_speed(self, t: float) -> bool:
+        """What follows when a speed is reached; False: the run ends."""
+        s = self.script
+        if self.trip_time is not None:
+            return False
+        waiting_for_field = (
+            s.field_speed is not None and self.field_time is None and not self._waits_for_angle
+        )
+        others = [w for w in (s.trip_speed, s.end_speed) if w is not None]
+        if (
+            waiting_for_field
+            and s.field_speed is not None
+            and s.field_speed < min(others, default=math.inf)
+        ):
+            if s.field_angle is None:
+                self._apply_field(t)
+            else:
+                self._waits_for_angle = True
+            return True
+        if s.trip_speed is not None and s.trip_speed <= min(
+            (w for w in (s.end_speed,) if w is not None), default=math.inf
+        ):
+            self.trip_time = t
+            self.electrical[8][:] = 0.0
+            self.clock[1] = 2.0
+            return True
+        return False
+
+    def _apply_field(self, t: float) -> None:
+        self.field_time = t
+        self.electrical[3][:] = t
+        self.clock[1] = 2.0
+
+    def _advance(self, stop: float, targets: Floats) -> int:
+        """Call the compiled loop until it has something to say."""
+        model = self.model
+        pieces = model.pieces
+        rows = self._rows
+        while True:
+            log = np.empty((LOGGED, 5))
+            done, logged, reason = events.advance_pieces(
+                self.clock, stop, self.step, model.visible, targets, model.limited,
+                pieces.tables(self.step, model.sampled), pieces.contacts, model.curves, model.motors,
+                model.loads, model.timed, model.damper_force, self.electrical, self.piece,
+                self.contact, self.q, self.v, self.phase, self.force, self.rate, rows["t"],
+                rows["q"], rows["v"], rows["f"], rows["fr"], rows["phase"], rows["piece"], log,
+            )  # fmt: skip
+            if done:
+                if not np.all(np.isfinite(rows["q"][done - 1])):
+                    raise InternalError(f"the start became non-finite before {self.clock[0]:.4g} s")
+                self.recorder.add(rows, done)
+            if logged:
+                self.recorder.log.append(log[:logged].copy())
+            self.steps += done
+            if reason != events.MORE or self.steps > MOST_STEPS:
+                return int(reason)
+
+    def _result(self, settled: bool = False, reached: bool = False) -> EventRun:
+        r = self.recorder
+        trajectory, phase, bearing = r.result(reached, self.steps)
+        return EventRun(
+            trajectory,
+            phase,
+            bearing,
+            r.largest,
+            np.concatenate(r.log) if r.log else np.empty((0, 5)),
+            self.field_time,
+            self.trip_time,
+            settled,
+            self.stuck or self.steps > MOST_STEPS,
+            self._waits_for_angle and self.field_time is None,
+            np.concatenate(r.position, axis=1),
+            np.concatenate(r.velocity, axis=1),
+        )
+
+
+def no_machines() -> dict[str, tuple[Any, ...]]:
+    """Curves, motors and loads of a run without any.
+
+    Returns
+    -------
+    dict
+        Fields of `EventModel`. [SI]
+    """
+    none, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
+    return {
+        "curves": (np.zeros((0, 1)), np.zeros((0, 1, 4)), none),
+        "motors": (none, none, none, nothing, nothing, 0.0, none),
+        "loads": (none, none, nothing, nothing),
+    }
+
+
+def torque_tables(torques: Sequence[PrescribedTorque], stations: Sequence[int]) -> tuple[Any, ...]:
+    """Prescribed torques, linear between their knots, as the compiled loop takes them.
+
+    Parameters
+    ----------
+    torques : sequence of PrescribedTorque
+        Torques. [N m]
+    stations : sequence of int
+        Station of each force. [indices]
+
+    Returns
+    -------
+    tuple
+        Force, times, torques and counts of each table. [s, N m]
+    """
+    longest = max((len(p.knots) for p in torques), default=1)
+    times, values = np.zeros((len(torques), longest)), np.zeros((len(torques), longest))
+    for i, p in enumerate(torques):
+        times[i, : len(p.knots)] = p.knots
+        values[i, : len(p.knots)] = p.value(p.knots, "right")
+    return (
+        np.array([list(stations).index(p.station) for p in torques], dtype=np.int64),
+        times,
+        values,
+        np.array([len(p.knots) for p in torques], dtype=np.int64),
+    )

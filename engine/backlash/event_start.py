@@ -1,0 +1,680 @@
+"""Starts with clearances, sideways motion of gears, field application and trip: the event runs.
+
+The paper's Figure 4: when the torque of a mesh goes through zero its teeth part, fly through the
+clearance under the torques of their own sides, and meet again on one flank or the other. Between
+two such events the train is linear and the step is exact (`engine.stepping.contact_loop`). A speed at
+which the field is applied or the motor trips is an event of the same kind.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.backlash.contact_systems import ForcePlaces, Pieces, piece_basis
+from engine.backlash.contacts import bearing_forces, contact_records, force_histories
+from engine.backlash.event_simulation import (
+    EventModel,
+    EventRun,
+    Script,
+    Settled,
+    no_machines,
+    simulate_events,
+    torque_tables,
+)
+from engine.case.data import CaseData
+from engine.case.effects import (
+    CONTACT_LAWS,
+    PullIn,
+    Sensitivity,
+    StartEffects,
+)
+from engine.errors import ModelError
+from engine.model.load import loads_of
+from engine.model.modes import ModalDamping, Modes, stated_damping
+from engine.model.motor import electrical_arrays, motors_of, voltage_factor
+from engine.model.rigid_runup import RigidRunup, rigid_runup
+from engine.model.train import Flank, Train
+from engine.start.prescribed import prescribed_torques, run_prescribed
+from engine.start.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
+from engine.start.start import (
+    COARSEST_FIRST,
+    DEFAULT_TOLERANCE_PEAK,
+    LONGEST_START,
+    MAX_VALUES,
+    NEGLIGIBLE,
+    Start,
+    StartModel,
+    StartOutcome,
+    StartSettings,
+    element_peaks,
+    has_start,
+    keeps_history,
+    outcome_of,
+    relative_errors,
+    run_length,
+    run_start,
+    settings_of,
+    start_model,
+    worst_outputs,
+)
+from engine.start.trajectory import Trajectory, read_turning
+
+__all__ = ["clearances_of", "pull_in_outcome", "run_event_start"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def clearances_of(train: Train) -> tuple[Flank, ...]:
+    """Flanks that can part: those with a clearance.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+
+    Returns
+    -------
+    tuple of Flank
+        In the order of the elements. [count]
+    """
+    return tuple(f for f in train.flanks if f.gap is not None and f.gap > 0.0)
+
+
+# --- a start ------------------------------------------------------------------------------------
+
+#: Largest phase of the pulsation per step at the default tolerance: finer than in a plain start,
+#: since events are looked for on the cubic between two samples. Its error is of fourth order. [rad]
+COARSEST_EVENT_ANGLE = 0.8
+#: Share of the tolerance at which modes are dropped: impacts ring them more than a plain start. So where modes
+#: are dropped, this share is also the least that is claimed for them: in 180 random starts they moved a
+#: peak by up to 0.064 of the tolerance, fourteen times what the bound of the plain start says.
+DROPPED = 0.1
+#: Ringing below this share of the tolerance is passed over in the first, coarsest run.
+VISIBLE = 0.4
+#: Two runs that agree on the largest torque may agree by chance; so the next smaller extremes are
+#: compared, too. Where both runs are together up to the largest one (what comes later has no part in it),
+#: this share of their change from h to h/2 is taken for the error at h/2: that of third order,
+#: 1/(2³ − 1). Events and pulsation are of fourth order (1/15; tests/numerics/test_event_step.py),
+#: ringing passed over is of second, but below a tenth of the tolerance at h/2. Where they part
+#: before it, no order holds, and all of the change is taken.
+SAME_CONTACTS_SHARE = 1.0 / 7.0
+#: Two runs are together as long as they have the same changes of contact in the same order, each within
+#: this share of the coarser step. (Teeth that chatter have the same order in runs that have long
+#: parted; together, they are within some hundredths of it.)
+TOGETHER = 0.1
+#: Once runs have parted, what each does is one of many equally right courses. Where one of them comes as near
+#: as this to a largest torque that both had before, a third is asked whether it goes beyond.
+OVERTAKING = 0.75
+#: Extremes of one sign below this share of an element's largest torque are not asked for.
+SMALL_EXTREME = 0.1
+#: Halvings of the step before the answers are taken as they are.
+MAX_HALVINGS = 5
+#: Steps of all simulations of one start together. A halving that would exceed them is not made: the
+#: answers stand as they are, their errors said. (Steps that follow ringing grow faster than 1/h.)
+MOST_STEPS_IN_ALL = 8_000_000
+#: Where so many halvings were needed, the input is changed by `TINY` to see whether the answers are
+#: defined that well at all: two runs may also agree by chance. Not where they agree and are together up to the
+#: largest torques: what a halving changes in each step is far more than `TINY`, and where changes are
+#: magnified without bound two runs do not stay together.
+PATIENCE = 2
+TINY = 1e-9
+#: One halving is enough to ask after so many changes of contact.
+MANY_CONTACTS = 300
+#: End of a coast-down, over synchronous speed, and the longest one followed. [1, s]
+COAST_END, COAST_TIME = 0.02, 60.0
+#: A field that waits for a load angle waits for one slip cycle at the most, of this length. [s]
+LONGEST_SLIP_CYCLE = 20.0
+#: How often a motor with its field on is asked whether it has settled. [s]
+LOOK_EVERY = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """One simulation with what is read out of it."""
+
+    events: EventRun
+    end: float
+    turning: list[tuple[Floats, Floats]]
+
+    @property
+    def n_steps(self) -> int:
+        return self.events.trajectory.n_steps
+
+    @property
+    def plain(self) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
+        return self.events.trajectory, self.end, self.turning
+
+
+def run_event_start(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    effects: StartEffects,
+    linear: Start | None = None,
+) -> Start:
+    """Calculate a start with clearances, sideways motion, field application or trip.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+    modes : Modes
+        Its modes, all teeth in contact. [SI]
+    damping : ModalDamping
+        Their damping. [SI]
+    effects : StartEffects
+        What is simulated. [flags]
+    linear : Start, optional
+        The linear start of the same case, which gives the scale of each torque; calculated if not
+        at hand. [SI]
+
+    Returns
+    -------
+    Start
+        Outcome, peaks, histories, contacts and error estimates. [SI]
+
+    Raises
+    ------
+    ModelError
+        If the train cannot turn or has no motor, or an effect lacks its data.
+    """
+    if linear is None and has_start(case):
+        linear = run_start(case, train, modes, damping, replace(effects, clearances=()))
+    elif linear is None:
+        linear = run_prescribed(case, train, modes, damping)
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    if linear.runup is None:
+        setup = _prescribed(case, train, modes, damping, effects, linear, tolerance)
+    else:
+        setup = _start(case, train, modes, damping, effects, linear, tolerance)
+    model, step = setup.model, setup.step
+
+    first, modelled = step, model.pieces.basis.flanks
+
+    def at(h: float, changed: EventModel = model) -> _Run:
+        # what is not followed shrinks with the step, so that the change from h to h/2 shows it
+        seen = replace(changed, visible=VISIBLE * tolerance * (h / first) ** 2)
+        run = simulate_events(seen, h, setup.script, settled=setup.settled)
+        end = float(run.trajectory.time[-1])
+        trajectory, turning = read_turning(run.trajectory, end)
+        return _Run(replace(run, trajectory=trajectory), end, turning)
+
+    coarse, fine = _light(at(step)), at(0.5 * step)
+    halvings, sensitivity, taken = 0, None, coarse.n_steps + fine.n_steps
+    while True:
+        output = worst_outputs(train, fine.events.trajectory, fine.turning)
+        unseen = _left_out(setup, fine, tolerance)
+        same_until = _together_until(coarse.events, fine.events, TOGETHER * step)
+        same = _last_extreme(coarse, fine, output) < same_until
+        peaks = element_peaks(
+            train,
+            unseen,
+            fine.plain,
+            coarse.plain,
+            output,
+            until_largest=bool(modelled),
+            guard_share=SAME_CONTACTS_SHARE,
+            same_until=same_until,
+        )
+        bound = unseen[output[output >= 0]]
+        error, truncation = relative_errors(peaks, bound)
+        met = error <= tolerance and not fine.events.gave_up
+        values = fine.n_steps * len(unseen)
+        next_steps = fine.n_steps * max(2.0, fine.n_steps / coarse.n_steps)
+        last = (
+            halvings >= MAX_HALVINGS
+            or 2 * values > MAX_VALUES
+            or taken + next_steps > MOST_STEPS_IN_ALL
+        )
+        if fine.events.gave_up:
+            break  # a finer run would only give up sooner
+        doubtful = (
+            halvings >= PATIENCE
+            or (last and not met)
+            or (halvings >= 1 and len(fine.events.log) > MANY_CONTACTS)
+        ) and not (met and same)
+        overtaken = met and _may_be_overtaken(coarse, fine, output, same_until)
+        if (doubtful or overtaken) and sensitivity is None:
+            other = at(0.5 * step, _changed(model))
+            parted = _together_until(fine.events, other.events, TOGETHER * step)
+            spread = _spread(fine, other, output)
+            if parted < math.inf:
+                runs = (coarse, fine, other)
+                spread = max(spread, _beyond(runs, output, min(parted, same_until)))
+            sensitivity = Sensitivity.of(spread, tolerance)
+            taken += other.n_steps
+        if met or last or (sensitivity is not None and sensitivity.sensitive):
+            break
+        halvings += 1
+        step *= 0.5
+        coarse, fine = _light(fine), at(0.5 * step)
+        taken += fine.n_steps
+    run = fine.events
+    pull_in = _pull_in(run, case)
+    return Start(
+        outcome=_outcome(run, case, linear, pull_in, fine.end),
+        peaks=peaks,
+        trajectory=run.trajectory,
+        turning_points=tuple(fine.turning[i] for i in output if i >= 0),
+        coarse_turning_points=tuple(coarse.turning[i] for i in output if i >= 0),
+        output_of_element=output,
+        runup=linear.runup,
+        step=0.5 * step,
+        halvings=halvings,
+        estimated_error=error,
+        truncation_error=truncation,
+        kept_modes=len(model.pieces.basis.closed_omega),
+        method="exponential",
+        met_tolerance=met,
+        uncoupled_dampers=setup.uncoupled_dampers,
+        contacts=contact_records(model, run, fine.turning, fine.end),
+        bearing_forces=bearing_forces(train, run),
+        pull_in=pull_in,
+        sensitivity=sensitivity,
+        forces=force_histories(train, run),
+        load_angle=None if pull_in is None else 0.5 * run.phase[0],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Setup:
+    """What a run is made from."""
+
+    model: EventModel
+    script: Script
+    step: float
+    truncation: Floats
+    drops_modes: bool
+    settled: Settled | None
+    uncoupled_dampers: tuple[str, ...]
+
+
+def _start(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    effects: StartEffects,
+    linear: Start,
+    tolerance: float,
+) -> _Setup:
+    """A start with its motors."""
+    settings = settings_of(case)
+    motors, loads = motors_of(case, train), loads_of(case, train)
+    synchronous = case.ratings.synchronous_speed
+    assert synchronous is not None
+    assert linear.runup is not None
+    script = _script(case, effects, settings, synchronous, linear)
+    waited = linear.runup
+    switched = [v for v in (script.field_speed, script.trip_speed) if v is not None]
+    if switched:
+        waited = rigid_runup(train, motors, loads, min(min(switched), synchronous))
+        script = replace(script, waiting_time=run_length(waited) + LONGEST_SLIP_CYCLE)
+    plain = start_model(
+        case,
+        train,
+        modes,
+        damping,
+        motors,
+        loads,
+        DROPPED * tolerance,
+        script.maximum_time,
+        effects,
+        implicit_dampers=True,
+    )
+    model = _event_model(case, train, modes, plain, effects, linear, tolerance)
+    angle = min(COARSEST_EVENT_ANGLE * (tolerance / DEFAULT_TOLERANCE_PEAK) ** 0.25, COARSEST_FIRST)
+    step = angle / plain.pulsation_omega
+    if linear.method == "exponential":  # Newmark's steps are shorter than these runs need
+        step = min(linear.step * 2.0 ** (linear.halvings + 1), step)
+    judge: Settled | None = _settled_judge(case, waited, motors[0].pole_pairs, synchronous)
+    if effects.full_length and case.maximum_time:
+        judge = None  # asked to go on to MaximumTime although the train has settled
+    drops = not bool(np.all(plain.keep))
+    return _Setup(model, script, step, plain.truncation, drops, judge, plain.uncoupled_dampers)
+
+
+def _prescribed(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    effects: StartEffects,
+    linear: Start,
+    tolerance: float,
+) -> _Setup:
+    """Prescribed torques alone: every mode is kept, and followed where it rings."""
+    torques = prescribed_torques(case, train)
+    stations = sorted({p.station for p in torques})
+    keep = np.ones(modes.n_modes, dtype=np.bool_)
+    flanks = [f for f in clearances_of(train) if train.elements[f.element] in effects.clearances]
+    stated = stated_damping(case, modes)
+    basis = piece_basis(train, modes, flanks, keep, stated, case.damping_ratio or 0.0)
+    rows = np.flatnonzero(train.viscous > 0.0)
+    nodes = np.flatnonzero(train.node_damping > 0.0)
+    places = ForcePlaces(
+        np.concatenate([stations, nodes]).astype(np.int64),
+        rows,
+        len(stations),
+        np.concatenate([train.node_damping[nodes], train.viscous[rows]]),
+    )
+    mean = basis.vectors[train.node_dof[0]] * train.node_scale[0] / train.speed_ratio[0]
+    pieces = Pieces(basis, places, mean, _scale(train, linear))
+    n = places.n_forces
+    step = linear.step * 2.0 ** (linear.halvings + 1)
+    model = EventModel(
+        pieces=pieces,
+        **no_machines(),
+        timed=torque_tables(torques, stations),
+        damper_force=np.arange(len(stations), n + 2 * len(flanks)),
+        electrical=electrical_arrays((), case),
+        phase=np.zeros(0),
+        sampled=COARSEST_EVENT_ANGLE / step,
+        limited=effects.contact_law == CONTACT_LAWS[0],
+        visible=VISIBLE * tolerance,
+    )
+    script = Script(maximum_time=linear.outcome.time, keep_all=keeps_history(case))
+    return _Setup(model, script, step, np.zeros(len(pieces.output_element)), False, None, ())
+
+
+def _script(
+    case: CaseData,
+    effects: StartEffects,
+    settings: StartSettings,
+    synchronous: float,
+    linear: Start,
+) -> Script:
+    """What the run waits for."""
+    longest = settings.maximum_time or LONGEST_START
+    end_speed: float | None = settings.end_speed
+    field_speed = trip_speed = None
+    if effects.pull_in:
+        if case.field_slip is None or case.pull_out_torque is None:
+            raise ModelError("Pull-in needs FieldSlip and PullOutTorque.")
+        field_speed, end_speed = (1.0 - case.field_slip) * synchronous, None
+    if effects.aborted_start:
+        if case.trip_speed is None:
+            raise ModelError("An aborted start needs TripSpeed.")
+        trip_speed = case.trip_speed
+        if field_speed is None:
+            end_speed = None
+    if effects.full_length or effects.pull_in or effects.aborted_start:
+        maximum = longest
+    elif linear.outcome.outcome in ("reached", "time out"):
+        maximum = min(1.2 * linear.outcome.time + 1.0, longest)
+    else:  # where the plain start settled below its end speed, so does this one
+        maximum = linear.outcome.time
+    return Script(
+        maximum_time=maximum,
+        end_speed=end_speed,
+        field_speed=field_speed,
+        field_angle=case.field_angle,
+        trip_speed=trip_speed,
+        coast_end=COAST_END * synchronous,
+        coast_time=COAST_TIME,
+        look_every=LOOK_EVERY,
+        keep_all=keeps_history(case),
+    )
+
+
+def _event_model(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    plain: StartModel,
+    effects: StartEffects,
+    linear: Start,
+    tolerance: float,
+) -> EventModel:
+    """The arrays of a plain start with clearances in them."""
+    flanks = [f for f in clearances_of(train) if train.elements[f.element] in effects.clearances]
+    stated = stated_damping(case, modes)
+    basis = piece_basis(train, modes, flanks, plain.keep, stated, case.damping_ratio or 0.0)
+    first = int(plain.dampers[0][0]) if len(plain.dampers[0]) else len(plain.force_nodes)
+    places = ForcePlaces(plain.force_nodes, plain.damper_rows, first, plain.dampers[1])
+    mean = np.zeros(basis.vectors.shape[1])
+    mean[: len(plain.mean_speed)] = plain.mean_speed
+    pieces = Pieces(basis, places, mean, _scale(train, linear))
+    n = places.n_forces
+    return EventModel(
+        pieces=pieces,
+        curves=plain.curves,
+        motors=plain.motors,
+        loads=plain.loads,
+        timed=plain.timed,
+        damper_force=np.concatenate(
+            [np.arange(first, n), np.arange(n, n + 2 * len(flanks))]
+        ).astype(np.int64),
+        electrical=plain.electrical,
+        phase=plain.phase,
+        sampled=plain.pulsation_omega,
+        limited=effects.contact_law == CONTACT_LAWS[0],
+        visible=VISIBLE * tolerance,
+    )
+
+
+def _scale(train: Train, linear: Start) -> Floats:
+    """Torque scale of each output: the largest torque of its element in the linear start."""
+    scale_of = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in linear.peaks}
+    elements = [*train.row_element[train.element_rows], *(m.element for m in train.rigid_meshes)]
+    scale = np.array([scale_of.get(train.elements[e], 0.0) for e in elements])
+    floor = NEGLIGIBLE * float(np.max(scale, initial=0.0))
+    return np.asarray(np.maximum(scale, floor if floor > 0.0 else 1.0))
+
+
+def _left_out(setup: _Setup, run: _Run, tolerance: float) -> Floats:
+    """What modes that are not simulated may add to each output. [N m]"""
+    if not setup.drops_modes:
+        return setup.truncation
+    size = np.array([float(np.max(np.abs(value), initial=0.0)) for _, value in run.turning])
+    return np.asarray(np.maximum(setup.truncation, DROPPED * tolerance * size))
+
+
+def _together_until(coarse: EventRun, fine: EventRun, apart: float) -> float:
+    """Until when two runs were together: the same changes of contact, at least one, no more than so
+    much apart. [s]"""
+    n = min(len(coarse.log), len(fine.log))
+    a, b = coarse.log[:n], fine.log[:n]
+    differing = np.any(a[:, 1:4] != b[:, 1:4], axis=1) | (np.abs(a[:, 0] - b[:, 0]) > apart)
+    first = int(np.argmax(differing)) if differing.any() else n
+    if first == 0:
+        return -math.inf
+    return min(
+        (float(r.log[first, 0]) for r in (coarse, fine) if first < len(r.log)), default=math.inf
+    )
+
+
+def _last_extreme(coarse: _Run, fine: _Run, output: Ints) -> float:
+    """When the last of the largest and least torques of all elements is, in either run. [s]"""
+    turning = [run.turning[i] for run in (coarse, fine) for i in output if i >= 0]
+    times = [when[[np.argmax(value), np.argmin(value)]] for when, value in turning]
+    return float(np.max(times, initial=-math.inf))
+
+
+def _may_be_overtaken(coarse: _Run, fine: _Run, output: Ints, parted: float) -> bool:
+    """Whether a torque after the runs parted comes near the largest one, which is before that."""
+    for i in output[output >= 0]:
+        for sign in (1.0, -1.0):
+            for when, value in (coarse.turning[i], fine.turning[i]):
+                largest = float(np.max(sign * value))
+                late = float(np.max(sign * value[when >= parted], initial=0.0))
+                notable = largest > SMALL_EXTREME * float(np.max(np.abs(value)))
+                if notable and OVERTAKING * largest <= late < largest:
+                    return True
+    return False
+
+
+def _light(run: _Run) -> _Run:
+    """A run whose turning points are all that is still wanted."""
+    none = np.empty((0, 0))
+    thin = replace(run.events.trajectory, torque=none, torque_rate=none)
+    return replace(run, events=replace(run.events, trajectory=thin, phase=none, bearing=none))
+
+
+def _changed(model: EventModel) -> EventModel:
+    """The same with every torque of motors and loads greater by a billionth."""
+    knots, cubics, counts = model.curves
+    return replace(model, curves=(knots, cubics * (1.0 + TINY), counts))
+
+
+def _spread(fine: _Run, other: _Run, output: Ints) -> float:
+    """Largest relative change of the peaks between two runs."""
+    spread = 0.0
+    judged = [int(i) for i in output if i >= 0]
+    size = max((float(np.max(np.abs(other.turning[i][1]))) for i in judged), default=0.0)
+    for i in judged:
+        a, b = fine.turning[i][1], other.turning[i][1]
+        largest = max(float(np.max(np.abs(a))), NEGLIGIBLE * size, 1e-300)
+        change = max(abs(float(a.max() - b.max())), abs(float(a.min() - b.min())))
+        spread = max(spread, change / largest)
+    return spread
+
+
+def _beyond(runs: tuple[_Run, ...], output: Ints, parted: float) -> float:
+    """How far another course after the runs parted may go beyond the largest torques, relative to them.
+
+    Three runs are three samples of the largest torque after that; another may exceed the largest of them by
+    their range. (Below `OVERTAKING` they are not looked at, as in `_may_be_overtaken`.)
+    """
+    found = 0.0
+    for i in output[output >= 0]:
+        size = max(float(np.max(np.abs(run.turning[i][1]))) for run in runs)
+        for sign in (1.0, -1.0):
+            extremes = [
+                (np.max(sign * v, initial=0.0), np.max(sign * v[t >= parted], initial=0.0))
+                for t, v in (run.turning[i] for run in runs)
+            ]
+            largest, late = max(e[0] for e in extremes), [e[1] for e in extremes]
+            if largest > SMALL_EXTREME * size and max(late) >= OVERTAKING * largest:
+                found = max(found, (2.0 * max(late) - min(late) - largest) / size)
+    return float(found)
+
+
+def _outcome(
+    run: EventRun, case: CaseData, linear: Start, pull_in: PullIn | None, end: float
+) -> StartOutcome:
+    """Name the way the run ended."""
+    speed, synchronous = float(run.trajectory.mean_speed[-1]), case.ratings.synchronous_speed
+    if linear.runup is None or synchronous is None:
+        outcome = replace(linear.outcome, end_speed=speed)
+        if run.gave_up:
+            text = f"Given up after {run.trajectory.n_steps} steps at {end:.4g} s."
+            outcome = replace(outcome, outcome="time out", time=end, sentence=text)
+        return outcome
+    share, rpm = speed / synchronous, speed * 30.0 / math.pi
+    if run.gave_up:
+        text = (
+            f"Time out: given up after {run.trajectory.n_steps} steps at {end:.4g} s ({share:.1%} "
+            f"speed), {len(run.log)} changes of contact so far. Check stiffness and damping of the "
+            "elements with a clearance."
+        )
+        return StartOutcome("time out", end, speed, text)
+    if run.trip_time is not None:
+        at = float(np.interp(run.trip_time, run.trajectory.time, run.trajectory.mean_speed))
+        text = (
+            f"Tripped at {at / synchronous:.1%} speed after {run.trip_time:.3f} s; coasted down to "
+            f"{share:.1%} speed ({rpm:.1f} rpm) until {end:.3f} s."
+        )
+        return StartOutcome("tripped", end, speed, text)
+    if pull_in is not None and not (pull_in.synchronised or run.settled):
+        text = (
+            f"Time out: field applied after {pull_in.field_time:.3f} s at a slip of "
+            f"{pull_in.field_slip:.2%}; neither in step nor surely out of it after {end:.3f} s, at "
+            f"{share:.2%} speed. Raise MaximumTime."
+        )
+        return StartOutcome("time out", end, speed, text)
+    if pull_in is not None:
+        return pull_in_outcome(pull_in, end, speed, synchronous)
+    if run.waits_for_angle:
+        angle = math.degrees(case.field_angle or 0.0)
+        text = (
+            f"Not synchronised: the field was never applied. Its slip was reached, but the load "
+            f"angle did not come to FieldAngle ({angle:.4g} degrees) until {end:.3f} s, at "
+            f"{share:.2%} speed."
+        )
+        return StartOutcome("not synchronised", end, speed, text)
+    return outcome_of(linear.runup, settings_of(case), run.trajectory, end, synchronous)
+
+
+def pull_in_outcome(pull_in: PullIn, end: float, speed: float, synchronous: float) -> StartOutcome:
+    """Outcome of a run in which the field was applied.
+
+    Parameters
+    ----------
+    pull_in : PullIn
+        What came of it. [SI]
+    end, speed : float
+        End of the run and mean speed then. [s, rad/s]
+    synchronous : float
+        Synchronous speed of the reference shaft. [rad/s]
+
+    Returns
+    -------
+    StartOutcome
+        ``synchronised`` or ``not synchronised``. [mixed]
+    """
+    applied = (
+        f"field applied after {pull_in.field_time:.3f} s at a slip of {pull_in.field_slip:.2%}"
+    )
+    if not pull_in.synchronised:
+        text = (
+            f"Not synchronised: {applied}; {pull_in.pole_slips} pole slips until {end:.3f} s, when "
+            f"the train turned at {speed / synchronous:.2%} speed."
+        )
+        return StartOutcome("not synchronised", end, speed, text)
+    assert pull_in.load_angle is not None
+    assert pull_in.pull_in_time is not None
+    slips = f"{pull_in.pole_slips} pole slip{'' if pull_in.pole_slips == 1 else 's'}"
+    swing = "" if pull_in.swing_frequency is None else f", swing {pull_in.swing_frequency:.3g} Hz"
+    text = (
+        f"Synchronised: {applied}; in step from {pull_in.pull_in_time:.3f} s after {slips}, load "
+        f"angle {math.degrees(pull_in.load_angle):.1f} degrees{swing}."
+    )
+    return StartOutcome("synchronised", end, speed, text)
+
+
+def _settled_judge(
+    case: CaseData, runup: RigidRunup, pole_pairs: float, synchronous: float
+) -> Settled:
+    """Whether a motor with its field on has settled, in step or surely out of it."""
+    scale = voltage_factor(case)
+    period = swing_frequency_linear(
+        scale * (case.pull_out_torque or 0.0),
+        max(float(runup.load[-1]), 0.0),
+        runup.inertia,
+        pole_pairs,
+        float(runup.pulsating[-1]),
+    )
+    rise = 3.0 * (case.field_time_constant or 0.0)
+    target = (1.0 - (case.field_slip or 0.0)) * synchronous
+
+    def settled(time: Floats, phase: Floats, speed: Floats) -> bool:
+        slip, angle = 1.0 - speed / synchronous, 0.5 * phase
+        since = float(time[int(np.argmax(speed >= target * (1.0 - 1e-9)))])
+        if time[-1] - since < rise:
+            return False
+        if has_settled(time, angle, since + rise, 1.0 / period if period else 1.0):
+            return True
+        return has_failed(time, angle, slip, since + rise)
+
+    return settled
+
+
+def _pull_in(run: EventRun, case: CaseData) -> PullIn | None:
+    """What came of the field, if it was applied."""
+    synchronous = case.ratings.synchronous_speed
+    if run.field_time is None or synchronous is None:
+        return None
+    connected = run.trajectory.time <= (math.inf if run.trip_time is None else run.trip_time)
+    t, speed = run.trajectory.time[connected], run.trajectory.mean_speed[connected]
+    slip = 1.0 - speed / synchronous
+    at = float(np.interp(run.field_time, t, slip))
+    return judge_pull_in(t, 0.5 * run.phase[0][connected], slip, run.field_time, at)

@@ -1,0 +1,551 @@
+"""Natural frequencies, mode shapes, energy shares, nodes and modal damping.
+
+Natural frequencies are the singular values of D = √k · B · 1/√m (incidence form): K is never
+formed, so neither a rigid link nor a tiny hub costs digits, and the rigid-body modes are exactly
+the ones the topology says. `engine.numerics.singular_values` finds them, each to its own rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.data import CaseData, ElementRow
+from engine.model.train import (
+    Train,
+    build_train,
+    has_clearance,
+    shaft_inertia,
+    shaft_stiffness,
+)
+from engine.numerics.singular_values import singular_triplets
+
+__all__ = [
+    "ModalDamping",
+    "Modes",
+    "Node",
+    "SubdividedModes",
+    "damped_eigenvalues",
+    "modal_damping",
+    "modal_damping_matrix",
+    "stated_damping",
+    "modes_of",
+    "natural_modes",
+    "state_matrix",
+]
+
+Floats = NDArray[np.float64]
+
+#: A mode with less strain in the elements than this is sideways motion of gears alone.
+SIDEWAYS_ALONE = 1e-9
+#: Rotations below this share of the largest of their mode are rounding, not motion.
+STANDSTILL = 1e-12
+#: Wanted relative accuracy of frequencies where shaft inertia is distributed.
+SUBDIVISION_TOLERANCE = 1e-3
+#: At most this many modes are refined, and this many segments are used for all shafts together.
+SUBDIVISION_MODES, SUBDIVISION_SEGMENTS = 10, 400
+#: Segments of the longest shaft in the first, coarsest train.
+COARSEST = 4
+#: Halving the segments leaves a third of the change as error (second order), here with a margin
+#: for the fourth-order term, so that the estimate is not below the error.
+RICHARDSON = 2.5
+
+
+@dataclass(frozen=True)
+class Node:
+    """A point of a mode that stands still.
+
+    Parameters
+    ----------
+    mode : int
+        Elastic mode, counted from 1. [count]
+    element : str
+        Element on which it lies. [name]
+    position : float
+        Distance from the From end over the element's length. [1]
+    """
+
+    mode: int
+    element: str
+    position: float
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Modes of a train, rigid-body modes first, then elastic ones in rising frequency.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (n_modes,)
+        Natural angular frequency, exactly 0 for rigid modes. [rad/s]
+    n_rigid : int
+        Number of rigid-body modes, counted from the topology. [count]
+    shape : ndarray, shape (n_dof, n_modes)
+        Mode shapes at unit modal mass, in running direction; of a transverse freedom its
+        displacement. [rad/√(kg m²), m/√(kg m²)]
+    row_torque : ndarray, shape (n_rows, n_modes)
+        Elastic torque of each incidence row at unit modal coordinate. [N m]
+    row_twist : ndarray, shape (n_rows, n_modes)
+        Deflection of each row at unit modal coordinate. [rad]
+    strain_share : ndarray, shape (n_elements, n_modes)
+        Share of the strain energy in each element; zero for rigid modes. [1]
+    kinetic_share : ndarray, shape (n_stations, n_modes)
+        Share of the kinetic energy in the rotation of each station. [1]
+    bearing_share : ndarray, shape (n_bodies, n_modes)
+        Share of the strain energy in the bearings of each gear that moves sideways. [1]
+    sideways_share : ndarray, shape (n_bodies, n_modes)
+        Share of the kinetic energy in the sideways motion of that gear. [1]
+    algorithm : str
+        ``svd``, ``jacobi`` or ``chain``; of several parts the last that is no ``svd``. [word]
+    """
+
+    omega: Floats
+    n_rigid: int
+    shape: Floats
+    row_torque: Floats
+    row_twist: Floats
+    strain_share: Floats
+    kinetic_share: Floats
+    bearing_share: Floats
+    sideways_share: Floats
+    algorithm: str
+
+    @property
+    def frequency(self) -> Floats:
+        """Natural frequencies, shape (n_modes,). [Hz]"""
+        return self.omega / (2.0 * math.pi)
+
+    @property
+    def n_modes(self) -> int:
+        """Number of modes. [count]"""
+        return len(self.omega)
+
+    @property
+    def twists(self) -> NDArray[np.bool_]:
+        """Which modes strain an element; the others are sideways motion of gears alone. [mask]"""
+        return np.asarray(self.strain_share.sum(axis=0) > SIDEWAYS_ALONE)
+
+    @property
+    def elastic_frequency(self) -> Floats:
+        """Frequencies of the elastic modes only. [Hz]"""
+        return self.frequency[self.n_rigid :]
+
+
+def modes_of(train: Train) -> Modes:
+    """Natural modes of a train.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+
+    Returns
+    -------
+    Modes
+        All modes. [SI]
+
+    Raises
+    ------
+    InternalError
+        If the singular values contradict the number of rigid modes of the topology.
+    """
+    root_mass = np.sqrt(train.inertia)
+    root_k = np.sqrt(train.stiffness)
+    scaled = root_k[:, None] * train.incidence / root_mass
+    n, n_rows = train.n_dof, train.n_rows
+    omegas, shapes, torques = [], [], []
+    n_rigid, algorithm = 0, "svd"
+    parts = _components(train)
+    for dofs, rows, grounded in parts:
+        count = len(dofs) - (0 if grounded else 1)
+        shape = np.zeros((n, len(dofs)))
+        torque = np.zeros((n_rows, len(dofs)))
+        sigma = np.zeros(len(dofs))
+        if not grounded:
+            n_rigid += 1
+            ratio = train.dof_ratio[dofs]
+            shape[dofs, 0] = ratio / math.sqrt(float(np.sum(train.inertia[dofs] * ratio**2)))
+        if count:
+            D = scaled if len(parts) == 1 and len(rows) == n_rows else scaled[np.ix_(rows, dofs)]
+            u, elastic, v, used = singular_triplets(D, count)
+            algorithm = algorithm if used == "svd" else used
+            sigma[-count:] = elastic
+            shape[dofs, -count:] = v / root_mass[dofs, None]
+            torque[rows, -count:] = root_k[rows, None] * u * elastic
+        omegas.append(sigma)
+        shapes.append(shape)
+        torques.append(torque)
+    omega, shape, torque = omegas[0], shapes[0], torques[0]
+    if len(parts) > 1:
+        omega = np.concatenate(omegas)
+        order = np.argsort(omega, kind="stable")
+        omega = omega[order]
+        shape = np.concatenate(shapes, axis=1)[:, order]
+        torque = np.concatenate(torques, axis=1)[:, order]
+    return _with_energies(train, omega, n_rigid, shape, torque, algorithm)
+
+
+def _components(train: Train) -> list[tuple[NDArray[np.int64], NDArray[np.int64], bool]]:
+    """Degrees of freedom and stiff rows of every part that only dampers join, and if grounded."""
+    ends: list[list[int]] = [[] for _ in range(train.n_rows)]
+    for row, dof in zip(*(i.tolist() for i in np.nonzero(train.incidence)), strict=True):
+        ends[row].append(dof)
+    stiff = [row for row, k in enumerate(train.stiffness.tolist()) if k > 0.0 and ends[row]]
+    head = list(range(train.n_dof))
+
+    def find(dof: int) -> int:
+        while head[dof] != dof:
+            head[dof] = head[head[dof]]
+            dof = head[dof]
+        return dof
+
+    for row in stiff:
+        for other in ends[row][1:]:
+            a, b = find(ends[row][0]), find(other)
+            head[max(a, b)] = min(a, b)
+    dofs: dict[int, list[int]] = {}
+    for dof in range(train.n_dof):
+        dofs.setdefault(find(dof), []).append(dof)
+    sideways = (train.dof_ratio == 0.0).tolist()  # their bearings hold no shaft
+    rows: dict[int, list[int]] = {h: [] for h in dofs}
+    for row in stiff:
+        rows[find(ends[row][0])].append(row)
+    return [
+        (
+            np.array(dofs[h], dtype=np.int64),
+            np.array(rows[h], dtype=np.int64),
+            sideways[h]
+            or any(len(ends[row]) == 1 and not sideways[ends[row][0]] for row in rows[h]),
+        )
+        for h in sorted(dofs)
+    ]
+
+
+def _with_energies(
+    train: Train, omega: Floats, n_rigid: int, shape: Floats, torque: Floats, algorithm: str
+) -> Modes:
+    """Energy shares, and twists without cancellation: torque over stiffness."""
+    soft = train.stiffness <= 0.0
+    twist = torque / np.where(soft, 1.0, train.stiffness)[:, None]
+    if soft.any():
+        twist[soft] = train.incidence[soft] @ shape
+    safe = np.where(omega > 0.0, omega, 1.0)
+    share = torque * twist / safe**2  # zero where there is no torque: rigid modes, soft rows
+    strain = np.zeros((len(train.elements), len(omega)))
+    own = train.element_rows
+    if len(own) == train.n_rows == len(train.elements):
+        strain[train.row_element] = share
+    else:
+        np.add.at(strain, train.row_element[own], share[own])
+    n = train.n_stations
+    angle = train.node_scale[:n, None] * shape[train.node_dof[:n]]
+    kinetic = train.node_inertia[:n, None] * angle**2
+    bearing, sideways = np.zeros((2, len(train.bodies), len(omega)))
+    for i, body in enumerate(train.bodies):
+        bearing[i] = share[[body.row_x, body.row_y]].sum(axis=0)
+        displacement = shape[train.node_dof[[body.node_x, body.node_y]]]
+        sideways[i] = body.mass * np.sum(displacement**2, axis=0)
+    return Modes(
+        omega, n_rigid, shape, torque, twist, strain, kinetic, bearing, sideways, algorithm
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class SubdividedModes:
+    """Modes of a case whose shafts may carry inertia of their own.
+
+    Parameters
+    ----------
+    train : Train
+        The train, shafts with density subdivided. [SI]
+    modes : Modes
+        Its modes. [SI]
+    segments : tuple of (str, int)
+        Number of segments of each subdivided shaft. [count]
+    frequency_error : float
+        Estimated largest relative error of the wanted frequencies. [1]
+    """
+
+    train: Train
+    modes: Modes
+    segments: tuple[tuple[str, int], ...]
+    frequency_error: float
+
+
+def natural_modes(
+    case: CaseData,
+    highest_frequency: float | None = None,
+    tolerance: float = SUBDIVISION_TOLERANCE,
+    *,
+    lateral: bool = True,
+) -> SubdividedModes:
+    """Modes of a case; shafts with density are subdivided until the wanted frequencies are right.
+
+    Segments take equal times of a wave to pass. Their error falls with the square of their
+    number; Richardson's estimate from a train and its halved segments is compared with the
+    tolerance, and tells how much finer the next pair must be.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    highest_frequency : float, optional
+        Frequencies up to here are refined, at least one and at most ten; default 1.25 times
+        twice the line frequency, or the first ten modes. [Hz]
+    tolerance : float, optional
+        Wanted relative error. [1]
+    lateral : bool, optional
+        Whether gears with bearing data move sideways. [flag]
+
+    Returns
+    -------
+    SubdividedModes
+        Train and modes. [SI]
+    """
+    parted = {m.element for m in case.meshes if has_clearance(m)}
+    waves = [e for e in case.elements if _carries_waves(e) and e.element not in parted]
+    time = {str(e.element): _travel_time(e) for e in waves}
+    if not time:
+        train = build_train(case, lateral=lateral)
+        return SubdividedModes(train, modes_of(train), (), 0.0)
+    if highest_frequency is None:
+        line = case.ratings.line_frequency
+        highest_frequency = 2.5 * line if line else math.inf
+    longest = max(time.values())
+    density = COARSEST / longest  # segments a second of travel, of the coarser of two trains
+    while True:
+        coarse = {name: max(1, math.ceil(density * t)) for name, t in time.items()}
+        fine = {name: 2 * n for name, n in coarse.items()}
+        train = build_train(case, fine, lateral=lateral)
+        modes = modes_of(train)
+        rough = modes_of(build_train(case, coarse, lateral=lateral))
+        error = _refinement_error(rough, modes, highest_frequency)
+        growth = min(8.0, 1.1 * math.sqrt(error / tolerance))
+        most = SUBDIVISION_SEGMENTS / sum(fine.values())
+        if error <= tolerance or most < 1.1:
+            return SubdividedModes(train, modes, tuple(fine.items()), error)
+        density *= min(growth, most)
+
+
+def _carries_waves(e: ElementRow) -> bool:
+    """True if inertia is distributed along an element."""
+    return bool(e.density) and e.kind != GEAR_MESH and e.stiffness != 0.0
+
+
+def _travel_time(e: ElementRow) -> float:
+    """Time a torsional wave needs along a shaft, √(J/k). [s]"""
+    od, bore, length = e.od or 0.0, e.id or 0.0, e.length or 0.0
+    stiffness = e.stiffness
+    if stiffness is None:
+        stiffness = shaft_stiffness(od, bore, length, e.shear_modulus or 0.0)
+    return math.sqrt(shaft_inertia(od, bore, length, e.density or 0.0) / stiffness)
+
+
+def _refinement_error(coarse: Modes, fine: Modes, highest: float) -> float:
+    """Largest estimated error of the wanted frequencies; infinite while modes are missing."""
+    wanted = fine.elastic_frequency
+    wanted = wanted[: max(1, min(SUBDIVISION_MODES, int(np.sum(wanted <= highest))))]
+    if len(coarse.elastic_frequency) < len(wanted):
+        return math.inf
+    change = np.abs(coarse.elastic_frequency[: len(wanted)] / wanted - 1.0)
+    return float(np.max(change)) / RICHARDSON if len(wanted) else 0.0
+
+
+def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:
+    """Where the mode shapes cross zero in a shaft or coupling.
+
+    A station that stands still is the end (position 0 or 1) of an element beside it.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        Its modes. [SI]
+
+    Returns
+    -------
+    tuple of Node
+        In the order of modes and elements. [count]
+    """
+    angle = train.node_scale[:, None] * modes.shape[train.node_dof]
+    visible = STANDSTILL * np.max(np.abs(angle), axis=0, initial=0.0)
+    own = train.row_element[train.element_rows]
+    rows_of = np.bincount(own, minlength=len(train.elements))
+    first = np.concatenate([[0], np.cumsum(rows_of)])
+    found = []
+    for row, element in enumerate(train.row_element):
+        ends = np.flatnonzero(train.node_incidence[row])
+        factors = train.node_incidence[row, ends]
+        shaft = sorted(factors) == [-1.0, 1.0] and np.ptp(train.sense[ends]) == 0.0
+        if not shaft or train.stiffness[row] <= 0.0:
+            continue  # to ground, a mesh, a bearing or a damper: nothing between its ends can stand still
+        start, end = ends[np.argsort(-factors)]
+        a, b = angle[start], angle[end]
+        crossing = ((a >= 0.0) != (b >= 0.0)) & (np.maximum(np.abs(a), np.abs(b)) > visible)
+        crossing[: modes.n_rigid] = False
+        for mode in np.flatnonzero(crossing):
+            place = (row - first[element] + a[mode] / (a[mode] - b[mode])) / rows_of[element]
+            found.append((int(mode) - modes.n_rigid + 1, int(element), float(place)))
+    return tuple(Node(mode, train.elements[e], place) for mode, e, place in sorted(found))
+
+
+@dataclass(frozen=True, eq=False)
+class ModalDamping:
+    """Damping of each mode, and what the modal form leaves out.
+
+    Parameters
+    ----------
+    ratio : ndarray, shape (n_modes,)
+        Fraction of critical damping; zero for rigid modes. [1]
+    structural : ndarray, shape (n_modes,)
+        Part of it that is stated or hysteretic, without the dampers. [1]
+    rate : ndarray, shape (n_modes,)
+        Coefficient d of q̈ + d q̇ + ω² q, also for rigid modes. [1/s]
+    neglected : float
+        Largest off-diagonal term of the modal damping matrix. [1/s]
+    neglected_modes : tuple of int
+        The pair of modes (counted from 0, rigid first) it couples. [indices]
+    coupling : float
+        Largest |d_ij| ω_j / |ω_i² − ω_j²|: the part of one mode that appears in another; small
+        against one means the modal form is good. [1]
+    """
+
+    ratio: Floats
+    structural: Floats
+    rate: Floats
+    neglected: float
+    neglected_modes: tuple[int, int]
+    coupling: float
+
+
+def stated_damping(case: CaseData, modes: Modes) -> Floats:
+    """Damping ratio that DampingRatio and ModeDamping state, without dampers and loss factors.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    modes : Modes
+        Its modes. [SI]
+
+    Returns
+    -------
+    ndarray, shape (n_modes,)
+        Fraction of critical damping; zero for rigid modes. [1]
+    """
+    stated = np.full(modes.n_modes, case.damping_ratio or 0.0)
+    stated[: modes.n_rigid] = 0.0
+    for row in case.mode_damping:
+        if row.mode is not None and row.damping_ratio is not None:
+            if modes.n_rigid + row.mode - 1 < modes.n_modes:
+                stated[modes.n_rigid + row.mode - 1] = row.damping_ratio
+    return stated
+
+
+def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
+    """Damping ratio of each mode from everything the case says about damping.
+
+    ζ = DampingRatio or ModeDamping + ½ Σ loss factor × strain-energy share + ½ φᵀCφ/ω (contract).
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+    modes : Modes
+        Its modes. [SI]
+
+    Returns
+    -------
+    ModalDamping
+        Ratios, rates, and the largest neglected term. [SI]
+    """
+    stated = stated_damping(case, modes)
+    physical = modal_damping_matrix(train, modes)
+    loss = train.element_loss_factor
+    safe = np.where(modes.omega > 0.0, modes.omega, 1.0)
+    structural = np.where(modes.omega > 0.0, stated + 0.5 * (loss @ modes.strain_share), 0.0)
+    ratio = np.where(modes.omega > 0.0, structural + 0.5 * np.diag(physical) / safe, 0.0)
+    rate = np.where(modes.omega > 0.0, 2.0 * ratio * modes.omega, np.diag(physical))
+    off = np.abs(physical - np.diag(np.diag(physical)))
+    pair = np.unravel_index(int(np.argmax(off)), off.shape)
+    gap = np.abs(modes.omega[:, None] ** 2 - modes.omega[None, :] ** 2)
+    speed = np.maximum(modes.omega[:, None], modes.omega[None, :])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        coupling = np.where(off > 1e-12 * np.max(np.diag(physical)), off * speed / gap, 0.0)
+    return ModalDamping(
+        ratio,
+        structural,
+        rate,
+        float(off[pair]),
+        (int(pair[0]), int(pair[1])),
+        float(np.nanmax(coupling)),
+    )
+
+
+def modal_damping_matrix(train: Train, modes: Modes) -> Floats:
+    """Physical damping in modal coordinates, ΦᵀCΦ.
+
+    Taken from the rows, so that a stiff row's twist keeps its digits.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        Its modes. [SI]
+
+    Returns
+    -------
+    ndarray, shape (n_modes, n_modes)
+        Modal damping matrix. [1/s]
+    """
+    nodal = train.ground_damping[:, None] * modes.shape
+    return np.asarray((modes.row_twist.T * train.viscous) @ modes.row_twist + modes.shape.T @ nodal)
+
+
+def state_matrix(train: Train) -> Floats:
+    """State matrix of the viscously damped train for the state [θ, θ̇].
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+
+    Returns
+    -------
+    ndarray, shape (2 n_dof, 2 n_dof)
+        A of ẋ = A x. [mixed: 1, 1/s, 1/s²]
+    """
+    B, m = train.incidence, train.inertia[:, None]
+    K = (B.T * train.stiffness) @ B
+    n = train.n_dof
+    return np.block([[np.zeros((n, n)), np.eye(n)], [-K / m, -train.damping_matrix() / m]])
+
+
+def damped_eigenvalues(train: Train, modes: Modes) -> NDArray[np.complex128]:
+    """Eigenvalues of the viscously damped train, in modal coordinates.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        Its undamped modes. [SI]
+
+    Returns
+    -------
+    ndarray of complex, shape (2 n_modes,)
+        Eigenvalues, sorted by magnitude of the imaginary part. [1/s]
+    """
+    n = modes.n_modes
+    damping = modal_damping_matrix(train, modes)
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(modes.omega**2), -damping]])
+    values = np.linalg.eigvals(A)
+    return np.asarray(values[np.lexsort((values.real, np.abs(values.imag)))], dtype=np.complex128)

@@ -1,0 +1,248 @@
+"""Torque of a synchronous motor while it starts: average and pulsating part against speed.
+
+The pulsating torque has twice the slip frequency; its phase follows the rotor's own angle,
+T(ω) · sin(2 (ω_line t − p θ) + phase), so that a twisting shaft is fed back into the torque
+(the paper, "Transient torsional analyses"; Godwin, IEEE Trans. PAS-95 (1976)).
+
+At breaker closing a torque at line frequency dies out beside it, A e^(−t/τ) sin ω_line t. With the
+field on, the synchronising torque PullOutTorque · (1 − e^(−t/τ_f)) · sin δ joins it, where δ is the
+load angle, half the phase of the pulsation; the pulsation goes on as the saliency torque.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import CaseData
+from engine.case.effects import StartEffects
+from engine.errors import ModelError
+from engine.model.train import Train
+from engine.numerics.torque_curve import TorqueCurve, torque_curve
+
+__all__ = [
+    "Motor",
+    "electrical_arrays",
+    "has_electrical",
+    "motors_of",
+    "through_synchronism",
+    "voltage_factor",
+]
+
+Floats = NDArray[np.float64]
+#: Arguments of the compiled loop; see `electrical_arrays`.
+Electrical = tuple[Floats, Floats, float, Floats, Floats, Floats, Floats, Floats, Floats]
+
+
+@dataclass(frozen=True, eq=False)
+class Motor:
+    """One motor.
+
+    Parameters
+    ----------
+    station : int
+        Station it acts on. [index]
+    average, pulsating : TorqueCurve
+        Torque against speed, at the voltage of this start; pulsating zero-to-peak. [N m]
+    synchronous_speed : float
+        Of its own station. [rad/s]
+    pole_pairs : float
+        Line angular frequency over its synchronous speed. [1]
+    phase : float
+        Phase of the pulsation at t = 0. [rad]
+    """
+
+    station: int
+    average: TorqueCurve
+    pulsating: TorqueCurve
+    synchronous_speed: float
+    pole_pairs: float
+    phase: float
+
+
+def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
+    """Motors of a case; motor torques scale with the square of the voltage.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+
+    Returns
+    -------
+    tuple of Motor
+        In the order of the table. [count]
+
+    Raises
+    ------
+    ModelError
+        If the line frequency or the synchronous speed is unknown.
+    """
+    ratings = case.ratings
+    names = list(dict.fromkeys(p.station for p in case.motor_torque))
+    if not names:
+        return ()
+    if ratings.synchronous_speed is None or ratings.line_frequency is None:
+        raise ModelError("A motor needs line frequency and synchronous speed.")
+    scale = voltage_factor(case)
+    motors = []
+    for name in names:
+        points = [p for p in case.motor_torque if p.station == name]
+        station = train.station_index(str(name))
+        speed = ratings.synchronous_speed * float(train.speed_ratio[station])
+        x = np.array([p.speed for p in points], dtype=float)
+        motors.append(
+            Motor(
+                station,
+                torque_curve(x, scale * np.array([p.average for p in points], dtype=float)),
+                torque_curve(x, scale * np.array([p.pulsating for p in points], dtype=float)),
+                speed,
+                2.0 * math.pi * ratings.line_frequency / speed,
+                case.pulsation_phase or 0.0,
+            )
+        )
+    return tuple(motors)
+
+
+def voltage_factor(case: CaseData) -> float:
+    """What a motor's torques are multiplied by at the voltage of this start.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    float
+        Voltage, over that of the curves, squared. [1]
+    """
+    return (1.0 if case.voltage is None else case.voltage) ** 2
+
+
+def electrical_arrays(
+    motors: tuple[Motor, ...], case: CaseData, effects: StartEffects | None = None
+) -> Electrical:
+    """Transient at breaker closing, field and connection of each motor, for the compiled loop.
+
+    Field application and a trip are events of the run: here no motor has its field on yet and all
+    are connected. With several motors each has the stated transient, pull-out torque and damping,
+    at its own shaft. All of them scale with the square of the voltage, like the curves.
+
+    Parameters
+    ----------
+    motors : tuple of Motor
+        Motors. [SI]
+    case : CaseData
+        The case. [SI]
+    effects : StartEffects, optional
+        What is simulated; default nothing of it. [flags]
+
+    Returns
+    -------
+    shock : ndarray, shape (n_motors,)
+        Amplitude of the transient; 0 where it is not simulated. [N m]
+    shock_rate : ndarray, shape (n_motors,)
+        1 over its time constant. [1/s]
+    shock_omega : float
+        Its angular frequency, that of the line. [rad/s]
+    field_time : ndarray, shape (n_motors,)
+        Time of field application; infinite = none yet. [s]
+    field_rate : ndarray, shape (n_motors,)
+        1 over the time constant of the field; infinite = at once. [1/s]
+    pull_out : ndarray, shape (n_motors,)
+        Pull-out torque. [N m]
+    cage : ndarray, shape (n_motors,)
+        Damper torque over slip speed; nan = the average curve. [N m s/rad]
+    polarity : ndarray, shape (n_motors,)
+        Added to half the phase of the pulsation to give the load angle: 0 or π. [rad]
+    connected : ndarray, shape (n_motors,)
+        1, or 0 once the motor has tripped. [1]
+    """
+    n, scale = len(motors), voltage_factor(case)
+    effects = effects or StartEffects()
+    shock = case.shock_amplitude if effects.breaker_closing else None
+    decay = case.shock_time_constant if effects.breaker_closing else None
+    rise = case.field_time_constant if effects.pull_in else None
+    pull_out = case.pull_out_torque if effects.pull_in else None
+    cage = case.pull_in_damping if effects.pull_in else None
+    return (
+        np.full(n, scale * (shock or 0.0)),
+        np.full(n, 1.0 / decay if decay else 0.0),
+        motors[0].pole_pairs * motors[0].synchronous_speed if motors else 0.0,
+        np.full(n, math.inf),
+        np.full(n, 1.0 / rise if rise else math.inf),
+        np.full(n, scale * (pull_out or 0.0)),
+        np.full(n, math.nan if cage is None else scale * cage),
+        np.zeros(n),
+        np.ones(n),
+    )
+
+
+def has_electrical(electrical: Electrical) -> bool:
+    """Whether any of these arrays changes a motor's torque: a transient, a field or a trip.
+
+    Parameters
+    ----------
+    electrical : tuple
+        As `electrical_arrays` gives it. [SI]
+
+    Returns
+    -------
+    bool
+        False where the compiled loop may take None in its place.
+    """
+    shock, field_time, connected = electrical[0], electrical[3], electrical[8]
+    return bool(np.any(shock) or np.any(np.isfinite(field_time)) or not np.all(connected))
+
+
+def through_synchronism(curve: TorqueCurve) -> TorqueCurve:
+    """Average torque as a curve through 100 % speed: zero there, and odd about it.
+
+    A cage without slip gives no torque. Where the typed curve is zero at 100 % it is used as it
+    is; else the torque falls on a straight line from the last point below 100 %. Above 100 % the
+    cage brakes as much as it drives at the same slip below.
+
+    Parameters
+    ----------
+    curve : TorqueCurve
+        Average torque against the fraction of synchronous speed. [N m]
+
+    Returns
+    -------
+    TorqueCurve
+        The same below its last point below 100 %, odd about 100 %. [N m]
+    """
+    below = curve.knots < 1.0
+    knots, cubic = curve.knots[below], curve.cubic[below].copy()
+    if not len(knots):  # typed above synchronism only: constant below, as any curve
+        knots, cubic = np.zeros(1), curve.cubic[:1] * np.array([1.0, 0.0, 0.0, 0.0])
+    at_one = curve.cubic[curve.knots == 1.0]
+    if not (len(at_one) and at_one[0, 0] == 0.0):
+        start = cubic[-1, 0]
+        cubic[-1] = (start, -start / (1.0 - knots[-1]), 0.0, 0.0)
+    ends = np.append(knots[1:], 1.0)
+    return TorqueCurve(
+        np.concatenate([knots, (2.0 - ends)[::-1], [2.0 - knots[0]]]),
+        np.concatenate([cubic, _mirrored(cubic, ends - knots)[::-1], [[-cubic[0, 0], 0, 0, 0]]]),
+    )
+
+
+def _mirrored(cubic: Floats, width: Floats) -> Floats:
+    """−p(width − s) of each cubic p."""
+    a, b, c, d = cubic.T
+    w = width
+    return np.stack(
+        [
+            -(a + w * (b + w * (c + w * d))),
+            b + w * (2.0 * c + 3.0 * w * d),
+            -(c + 3.0 * w * d),
+            d,
+        ],
+        axis=1,
+    )

@@ -1,0 +1,136 @@
+"""The start of the train as one rigid body: where it settles, and how long it takes.
+
+Cheap evidence for the simulation: equilibrium below the end speed, run length, acceleration and
+sweep rate at each speed (Figure 6 of the paper without the oscillations).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.model.load import Load
+from engine.model.motor import Motor, through_synchronism
+from engine.model.train import Train
+
+__all__ = ["RigidRunup", "rigid_runup"]
+
+Floats = NDArray[np.float64]
+
+#: Points of the speed grid between standstill and end speed.
+N_GRID = 2001
+
+
+@dataclass(frozen=True, eq=False)
+class RigidRunup:
+    """Net torque and run-up of the rigid train, referred to the reference shaft.
+
+    Parameters
+    ----------
+    speed : ndarray, shape (n,)
+        Speed of the reference shaft, from standstill to end speed. [rad/s]
+    average, pulsating, load : ndarray, shape (n,)
+        Sum of the motors' average and pulsating torques and of the loads and dampers, referred
+        to the reference shaft. [N m]
+    inertia : float
+        Inertia of the whole train, referred to the reference shaft. [kg m²]
+    equilibrium : float or None
+        Lowest speed where the net torque is no longer positive; None if there is none. [rad/s]
+    time : ndarray, shape (n,)
+        Time to reach each speed; infinite beyond the equilibrium. [s]
+    """
+
+    speed: Floats
+    average: Floats
+    pulsating: Floats
+    load: Floats
+    inertia: float
+    equilibrium: float | None
+    time: Floats
+
+    @property
+    def net(self) -> Floats:
+        """Accelerating torque, shape (n,). [N m]"""
+        return self.average - self.load
+
+    def acceleration_at(self, speed: float) -> float:
+        """Acceleration of the rigid train.
+
+        Parameters
+        ----------
+        speed : float
+            Speed of the reference shaft. [rad/s]
+
+        Returns
+        -------
+        float
+            Acceleration of the reference shaft. [rad/s²]
+        """
+        return float(np.interp(speed, self.speed, self.net)) / self.inertia
+
+
+def rigid_runup(
+    train: Train,
+    motors: Sequence[Motor],
+    loads: Sequence[Load],
+    end_speed: float,
+    *,
+    field_slip: float | None = None,
+) -> RigidRunup:
+    """Rigid-body run-up from standstill to an end speed.
+
+    With a field the average torque of each motor goes on through synchronism from the slip of
+    field application, as in the simulation; the torque of the field itself has no mean while the
+    motor slips, and is not in it. `PullInDamping` is left to the simulation: it replaces the curve
+    only from that slip on, where the time no longer counts.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    motors : sequence of Motor
+        Motors. [SI]
+    loads : sequence of Load
+        Driven machines. [SI]
+    end_speed : float
+        End of the start, of the reference shaft. [rad/s]
+    field_slip : float, optional
+        Slip at which the field is applied; None = never. [1]
+
+    Returns
+    -------
+    RigidRunup
+        Torques, equilibrium and time against speed. [SI]
+    """
+    speed = np.linspace(0.0, end_speed, N_GRID)
+    ratio = train.speed_ratio
+    average, pulsating, load = np.zeros(N_GRID), np.zeros(N_GRID), np.zeros(N_GRID)
+    for m in motors:
+        x = speed * ratio[m.station] / m.synchronous_speed
+        torque = m.average(x)
+        if field_slip is not None:
+            torque = np.where(x > 1.0 - field_slip, through_synchronism(m.average)(x), torque)
+        average += ratio[m.station] * torque
+        pulsating += ratio[m.station] * m.pulsating(x)
+    for d in loads:
+        load += ratio[d.station] * d.torque(speed * ratio[d.station] / d.synchronous_speed)
+    load += float(train.node_damping @ ratio[: len(train.node_damping)] ** 2) * speed
+    inertia = float(train.inertia @ train.dof_ratio**2)
+    net = average - load
+    stuck = np.flatnonzero(net <= 0.0)
+    equilibrium = None
+    if len(stuck):
+        i = int(stuck[0])
+        equilibrium = 0.0
+        if i > 0:
+            share = net[i - 1] / (net[i - 1] - net[i])
+            equilibrium = float(speed[i - 1] + share * (speed[i] - speed[i - 1]))
+    slowness = np.where(net > 0.0, inertia / np.where(net > 0.0, net, 1.0), np.inf)
+    if len(stuck):
+        slowness[stuck[0] :] = np.inf
+    steps = 0.5 * (slowness[1:] + slowness[:-1]) * np.diff(speed)
+    time = np.concatenate([[0.0], np.cumsum(steps)])
+    return RigidRunup(speed, average, pulsating, load, inertia, equilibrium, time)

@@ -1,0 +1,10 @@
+"""Which effects a case calls for, and the numbers that decide it. All values in SI.
+
+==========  ======================================================================================
+module      responsibility
+==========  ======================================================================================
+`evidence`  cheap evidence for the plan: modes with and without bearings, damping, run-up, a
+            linear start
+`plan`      the plan: which effects a case calls for, each with the number that decided it
+==========  ======================================================================================
+"""

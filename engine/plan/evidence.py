@@ -1,0 +1,494 @@
+"""Cheap evidence for the plan: modes with and without bearings, damping, run-up, a linear start."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import CaseData
+from engine.model.load import loads_of
+from engine.model.modes import ModalDamping, Modes
+from engine.model.motor import Motor, motors_of, voltage_factor
+from engine.model.rigid_runup import RigidRunup, rigid_runup
+from engine.model.train import Train
+from engine.start.start import (
+    DEFAULT_TOLERANCE_PEAK,
+    LONGEST_START,
+    NEGLIGIBLE,
+    Start,
+    has_start,
+    settings_of,
+)
+from engine.start.start_fatigue import (
+    DEFAULT_TOLERANCE_STARTS,
+    judged_shafts,
+    sn_slope,
+    stress_over_endurance,
+)
+from engine.start.torque_outputs import force_reach, torque_outputs
+
+__all__ = [
+    "NEARLY_REACHED",
+    "ElementMinimum",
+    "Evidence",
+    "StartEvidence",
+    "element_minima",
+    "gather",
+    "has_bearings",
+    "with_event_start",
+    "with_linear_start",
+]
+
+Floats = NDArray[np.float64]
+
+#: A mode with bearings is the same as one without if they share this much of their shape.
+SAME_MODE = 0.9
+#: A rigid train that comes this close to the slip of the field, or to the trip speed, may reach it:
+#: the pulsation carries it beyond its mean speed. Share of synchronous speed.
+NEARLY_REACHED = 0.01
+#: Off-diagonal damping below this share of the largest term is rounding.
+COUPLING_ROUNDING = 1e-14
+#: Largest amplification of a mode that the pulsation passes, as in engine.start.start.
+LARGEST_AMPLIFICATION = 20.0
+
+
+@dataclass(frozen=True)
+class ElementMinimum:
+    """Lowest torque of an element that may have a clearance.
+
+    Parameters
+    ----------
+    element : str
+        Gear mesh or geared coupling. [name]
+    minimum : float
+        Lowest torque after rest. [N m]
+    error : float
+        Its estimated error. [N m]
+    largest : float
+        Largest magnitude of its torque. [N m]
+    clearance : bool
+        Whether its clearance is given, and not zero. [flag]
+    tight : bool
+        Whether a clearance of zero is given for it. [flag]
+    """
+
+    element: str
+    minimum: float
+    error: float
+    largest: float
+    clearance: bool
+    tight: bool = False
+
+    @property
+    def lowest(self) -> float:
+        """Minimum less its error, over the largest torque. [1]"""
+        return (self.minimum - self.error) / self.largest if self.largest > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class StartEvidence:
+    """What a calculated start tells.
+
+    Parameters
+    ----------
+    minima : tuple of ElementMinimum
+        Of every mesh and geared coupling. [N m]
+    truncation_error : float
+        What the modes left out may change. [1]
+    kept_modes : int
+        Modes integrated. [count]
+    time : float
+        Simulated time. [s]
+    outcome : str
+        How it ended. [word]
+    stress_ratio : float or None
+        Largest possible stress amplitude over endurance; None where no shaft is judged. [1]
+    must_count : bool
+        Whether any cycle may damage. [flag]
+    wall_time : float
+        What it cost. [s]
+    n_modes : int or None
+        Modes of the train it was calculated with; None = as many as are integrated. [count]
+    """
+
+    minima: tuple[ElementMinimum, ...]
+    truncation_error: float
+    kept_modes: int
+    time: float
+    outcome: str
+    stress_ratio: float | None
+    must_count: bool
+    wall_time: float
+    n_modes: int | None = None
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Cheap numbers a plan is made from.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative change of an answer that may be neglected. [1]
+    start : bool
+        Whether a start or prescribed torque is calculated. [flag]
+    n_modes, n_coupled_modes : int
+        Modes without and with bearings. [count]
+    first_frequency : float or None
+        Lowest elastic mode. [Hz]
+    line_frequency : float or None
+        Line frequency. [Hz]
+    bearing_number : float or None
+        How much the bearings change a mode; None without bearing data. [1]
+    coupling : float
+        Estimated share of an element's torque that dampers bring by coupling modes. [1]
+    runup_time : float or None
+        Rigid-body run-up to the end speed; inf = never; None without motor. [s]
+    longest_time : float
+        Longest simulated time. [s]
+    field_slip : float or None
+        Slip the rigid train reaches, where field data are given. [1]
+    trip_share : float or None
+        Highest speed of the rigid train, or of its start, over the trip speed. [1]
+    shock_share : float or None
+        Shock of all motors over the least motor torque at standstill, times its largest
+        amplification; None without shock data or motor. [1]
+    judged : int
+        Shafts whose fatigue is judged. [count]
+    clearances : tuple of str
+        Elements with a clearance. [names]
+    linear, event : StartEvidence or None
+        The linear start, and the latest one with events; None before it. [SI]
+    """
+
+    tolerance: float
+    start: bool
+    n_modes: int
+    n_coupled_modes: int
+    first_frequency: float | None
+    line_frequency: float | None
+    bearing_number: float | None
+    coupling: float
+    runup_time: float | None
+    longest_time: float
+    field_slip: float | None
+    trip_share: float | None
+    shock_share: float | None
+    judged: int
+    clearances: tuple[str, ...]
+    linear: StartEvidence | None = None
+    event: StartEvidence | None = None
+
+
+def has_bearings(case: CaseData) -> bool:
+    """Whether any gear has bearing data, so that it can move sideways.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    bool
+        True if a row of Meshes states a bearing stiffness. [flag]
+    """
+    return any(m.bearing_stiffness_drive or m.bearing_stiffness_driven for m in case.meshes)
+
+
+def gather(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    coupled: tuple[Train, Modes, ModalDamping] | None = None,
+) -> Evidence:
+    """Evidence that needs no start.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train, modes, damping : Train, Modes, ModalDamping
+        Without sideways motion of gears. [SI]
+    coupled : tuple of (Train, Modes, ModalDamping), optional
+        The same with it, where bearing data is given. [SI]
+
+    Returns
+    -------
+    Evidence
+        Everything but the linear start. [SI]
+    """
+    ratings = case.ratings
+    elastic = modes.elastic_frequency
+    motors = motors_of(case, train) if has_start(case) else ()
+    loads = loads_of(case, train) if motors else ()
+    runup: RigidRunup | None = None
+    field_slip = trip_share = None
+    synchronous = ratings.synchronous_speed
+    if motors and synchronous:
+        end_speed = settings_of(case).end_speed
+        runup = rigid_runup(train, motors, loads, end_speed)
+        if case.field_slip is not None and case.pull_out_torque:
+            target = (1.0 - case.field_slip) * synchronous
+            reached = _reached(rigid_runup(train, motors, loads, target), target)
+            field_slip = 1.0 - reached / synchronous
+        if case.trip_speed:
+            highest = _reached(runup, end_speed)
+            if field_slip is not None and field_slip <= (case.field_slip or 0.0) + NEARLY_REACHED:
+                highest = synchronous
+            trip_share = highest / case.trip_speed
+    line_omega = 2.0 * math.pi * (ratings.line_frequency or 0.0)
+    return Evidence(
+        tolerance=_tolerance(case),
+        start=bool(motors) or bool(case.torque_time),
+        n_modes=modes.n_modes,
+        n_coupled_modes=modes.n_modes if coupled is None else coupled[1].n_modes,
+        first_frequency=float(elastic[0]) if len(elastic) else None,
+        line_frequency=ratings.line_frequency,
+        bearing_number=None
+        if coupled is None
+        else _bearing_number(train, modes, damping, *coupled),
+        coupling=max(
+            _coupling_number(*model, motors, synchronous or 0.0)
+            for model in ((train, modes, damping), coupled)
+            if model is not None
+        ),
+        runup_time=None if runup is None else float(runup.time[-1]),
+        longest_time=case.maximum_time or LONGEST_START,
+        field_slip=field_slip,
+        trip_share=trip_share,
+        shock_share=_shock_share(case, line_omega, motors),
+        judged=len(judged_shafts(case)),
+        clearances=tuple(train.elements[f.element] for f in train.flanks if f.gap),
+    )
+
+
+def _tolerance(case: CaseData) -> float:
+    """Change of an answer that may be neglected: of a peak, or of a stress that moves a life."""
+    peak = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    slope = sn_slope(case)
+    starts = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
+    return min(peak, starts / slope) if slope > 0.0 else peak
+
+
+def _reached(runup: RigidRunup, target: float) -> float:
+    """Highest speed of the rigid train on its way to a target. [rad/s]"""
+    return target if runup.equilibrium is None else min(runup.equilibrium, target)
+
+
+def _shock_share(case: CaseData, line_omega: float, motors: Sequence[Motor]) -> float | None:
+    """Largest torque of the shocks over that at standstill.
+
+    A decaying sinusoid drives a mode of frequency ω to at most ω ∫ e^(−t/τ) dt = ωτ times its
+    static answer, and no less than twice where it is sudden. Every motor has the stated amplitude
+    at its own shaft, and like its curves it goes with the square of the voltage. Where there are
+    several, an element may feel all the shocks and only the weakest motor: so they are compared,
+    as torques of one shaft.
+    """
+    if not case.shock_amplitude or not case.shock_time_constant or not motors:
+        return None
+    amplitude = voltage_factor(case) * abs(case.shock_amplitude)
+    shock = sum(amplitude * m.synchronous_speed for m in motors)
+    drive = min(
+        (float(m.average(0.0)) + float(m.pulsating(0.0))) * m.synchronous_speed for m in motors
+    )
+    grown = 2.0 + line_omega * case.shock_time_constant
+    return shock * grown / drive if drive > 0.0 else math.inf
+
+
+def _bearing_number(
+    train: Train, modes: Modes, damping: ModalDamping,
+    coupled_train: Train, coupled: Modes, coupled_damping: ModalDamping,
+) -> float:  # fmt: skip
+    """Largest relative change that the bearings make to a mode: frequency, shape or damping.
+
+    Modes of any frequency count, since all ring at breaker closing. A mode that is sideways motion
+    alone counts with the rotation in it times its resonance. 1 or more where a mode has no
+    counterpart.
+    """
+    if train.n_dof > coupled_train.n_dof:
+        return 1.0
+    overlap = np.abs((modes.shape * train.inertia[:, None]).T @ coupled.shape[: train.n_dof])
+    worst, taken = 0.0, set(range(coupled.n_rigid))
+    for r in range(modes.n_rigid, modes.n_modes):
+        partner = int(np.argmax(overlap[r]))
+        same = float(overlap[r, partner])
+        if same < SAME_MODE or partner in taken:
+            return 1.0
+        taken.add(partner)
+        moved = abs(float(coupled.omega[partner] / modes.omega[r]) - 1.0)
+        worst = max(worst, moved, 1.0 - same**2)
+        worst = max(
+            worst, _relative(float(coupled_damping.ratio[partner]), float(damping.ratio[r]))
+        )
+    for r in range(coupled.n_modes):
+        if r in taken:
+            continue
+        turning = max(1.0 - float(coupled.sideways_share[:, r].sum()), 0.0)
+        resonance = 0.5 / max(float(coupled_damping.ratio[r]), 1e-6)
+        worst = max(worst, turning * resonance)
+    return worst
+
+
+def _coupling_number(
+    train: Train, modes: Modes, damping: ModalDamping, motors: Sequence[Motor], synchronous: float
+) -> float:
+    """Estimated share of an element's torque that dampers bring by coupling its modes.
+
+    Mode j moves with A_j: its static answer to the motor torque, magnified where the pulsation
+    passes it; a rigid mode with its speed at synchronism. Through the off-diagonal damping d_ij it
+    drives mode i to |d_ij| ω_j A_j / |ω_i² − ω_j²| (a rigid one to |d_ij| v_j / ω_i²).
+    """
+    sprung = np.where(train.stiffness > 0.0, train.viscous, 0.0)  # the others are forces anyway
+    matrix = (modes.row_twist.T * sprung) @ modes.row_twist
+    matrix += modes.shape.T @ (train.ground_damping[:, None] * modes.shape)
+    off = np.abs(matrix - np.diag(np.diag(matrix)))
+    off[off <= COUPLING_ROUNDING * float(np.max(np.abs(matrix), initial=0.0))] = 0.0
+    if not np.any(off) or not motors:
+        return 0.0
+    stations = np.array([m.station for m in motors], dtype=np.int64)
+    torque = np.array([_largest_torque(m) for m in motors])
+    drive = force_reach(train, modes, stations) @ torque
+    square = modes.omega**2
+    elastic = square > 0.0
+    static = np.where(elastic, drive / np.where(elastic, square, 1.0), 0.0)
+    passed = modes.omega <= 2.0 * motors[0].pole_pairs * motors[0].synchronous_speed
+    excess = np.clip(0.5 / np.maximum(damping.ratio, 1e-9), 1.0, LARGEST_AMPLIFICATION)
+    moved = np.abs(static) * np.where(passed, excess, 1.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mixed = off * modes.omega * moved / np.abs(square[:, None] - square[None, :])
+        driven = np.where(elastic[:, None], off / square[:, None], 0.0)
+        driven = driven * _rigid_speed(train, modes, synchronous)
+    mixed = np.where(elastic[:, None] & elastic[None, :] & (off > 0.0), mixed, 0.0) + driven
+    position = torque_outputs(train, modes, stations).position
+    own = np.abs(position @ static) + np.max(np.abs(position) * moved, axis=1, initial=0.0)
+    brought = np.abs(position) @ mixed.sum(axis=1)
+    own = np.maximum(own, NEGLIGIBLE * float(np.max(own, initial=0.0)))
+    return float(np.max(brought / np.where(own > 0.0, own, np.inf), initial=0.0))
+
+
+def _largest_torque(motor: Motor) -> float:
+    """Largest average and pulsating torque together. [N m]"""
+    average = float(np.max(np.abs(motor.average.cubic[:, 0])))
+    return average + float(np.max(np.abs(motor.pulsating.cubic[:, 0])))
+
+
+def _rigid_speed(train: Train, modes: Modes, synchronous: float) -> Floats:
+    """Modal speed of the rigid modes at synchronism, zero for the others, shape (n_modes,)."""
+    momentum = (train.inertia * train.dof_ratio) @ modes.shape
+    return np.asarray(np.where(modes.omega == 0.0, np.abs(momentum) * synchronous, 0.0))
+
+
+def _relative(value: float, base: float) -> float:
+    """Relative change; of nothing, infinite."""
+    if value == base:
+        return 0.0
+    return abs(value / base - 1.0) if base > 0.0 else math.inf
+
+
+def element_minima(case: CaseData, train: Train, start: Start) -> tuple[ElementMinimum, ...]:
+    """Lowest torque of every element with two flanks, the moment of rest left out.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+    start : Start
+        A start. [SI]
+
+    Returns
+    -------
+    tuple of ElementMinimum
+        One a mesh or geared coupling; the rounding of the largest torque of the train counts as
+        error. [N m]
+    """
+    error = {p.element: p.error for p in start.peaks}
+    turning = start.turning_of_element()
+    toothed = {m.element for m in case.meshes} | {train.elements[f.element] for f in train.flanks}
+    given = {train.elements[f.element] for f in train.flanks if f.gap}
+    zero = {m.element for m in case.meshes if 0.0 in (m.backlash, m.angular_backlash)}
+    found = []
+    for i, name in enumerate(train.elements):
+        if name in toothed and i in turning:
+            value = turning[i][1]
+            after = value[1:] if len(value) > 1 else value
+            largest = float(np.max(np.abs(value)))
+            lowest, off = float(after.min()), error.get(name, 0.0)
+            tight = name in zero and name not in given
+            found.append(ElementMinimum(name, lowest, off, largest, name in given, tight))
+    return tuple(found)
+
+
+def with_linear_start(
+    evidence: Evidence, case: CaseData, train: Train, start: Start, wall_time: float
+) -> Evidence:
+    """The evidence, with what the linear start tells.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        As gathered. [SI]
+    case : CaseData
+        The case. [SI]
+    train : Train
+        The train of that start. [SI]
+    start : Start
+        The linear start. [SI]
+    wall_time : float
+        What it cost. [s]
+
+    Returns
+    -------
+    Evidence
+        A new record. [SI]
+    """
+    return replace(evidence, linear=_told(case, train, start, wall_time), event=None)
+
+
+def with_event_start(
+    evidence: Evidence, case: CaseData, train: Train, start: Start, wall_time: float
+) -> Evidence:
+    """The evidence, with what a start with events tells.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        With the linear start. [SI]
+    case : CaseData
+        The case. [SI]
+    train : Train
+        The train of that start. [SI]
+    start : Start
+        The start with events. [SI]
+    wall_time : float
+        What it cost. [s]
+
+    Returns
+    -------
+    Evidence
+        A new record. [SI]
+    """
+    return replace(evidence, event=_told(case, train, start, wall_time))
+
+
+def _told(case: CaseData, train: Train, start: Start, wall_time: float) -> StartEvidence:
+    """What a start tells."""
+    stress = stress_over_endurance(case, start)
+    return StartEvidence(
+        minima=element_minima(case, train, start),
+        truncation_error=start.truncation_error,
+        kept_modes=start.kept_modes,
+        time=start.outcome.time,
+        outcome=start.outcome.outcome,
+        stress_ratio=None if stress is None else stress[0],
+        must_count=stress is not None and stress[1],
+        wall_time=wall_time,
+        n_modes=train.n_dof,
+    )

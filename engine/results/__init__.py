@@ -1,0 +1,12 @@
+"""The frozen record of a run and its tables. All values in SI.
+
+==========  ======================================================================================
+module      responsibility
+==========  ======================================================================================
+`verdicts`  the checks at a glance: margin, steady-state stress, start, peaks, reversal, yield,
+            starts
+`results`   the complete, frozen results of one run
+`tables`    results as the result tables of the contract: rows of plain values under their JSON
+            keys
+==========  ======================================================================================
+"""

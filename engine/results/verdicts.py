@@ -1,0 +1,204 @@
+"""The checks at a glance: margin, steady-state stress, start, peaks, reversal, yield, starts.
+
+Each verdict is ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``; the worst
+of them is the first row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from engine.case.data import CaseData
+from engine.fatigue.allowable_starts import AllowableStarts
+from engine.operation.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
+from engine.operation.steady_state import SteadyState
+from engine.start.reversals import Reversal
+from engine.start.start import Start
+from engine.start.start_fatigue import WHOLE_STARTS
+
+__all__ = ["Verdict", "verdicts_of"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One check.
+
+    Parameters
+    ----------
+    check : str
+        What was checked. [name]
+    result, limit : float, str or None
+        What was found and what is allowed. [SI, in the dimension named]
+    dimension : str
+        ``fraction``, ``pressure``, ``torque``, ``count`` or ``text``. [word]
+    verdict : str
+        ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``. [word]
+    where : str
+        Mode, element or shaft that governs. [names]
+    """
+
+    check: str
+    result: float | str | None
+    limit: float | str | None
+    dimension: str
+    verdict: str
+    where: str
+
+
+def verdicts_of(
+    case: CaseData,
+    margins: SeparationMargins,
+    steady: SteadyState,
+    start: Start | None,
+    starts: AllowableStarts | None,
+    reversals: Sequence[Reversal] = (),
+) -> tuple[Verdict, ...]:
+    """All checks, the overall one first.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    margins : SeparationMargins
+        Judged margins. [1]
+    steady : SteadyState
+        Forced response. [SI]
+    start : Start or None
+        The start. [SI]
+    starts : AllowableStarts or None
+        Fatigue. [1]
+    reversals : sequence of Reversal
+        Torque reversals of meshes and couplings. [N m]
+
+    Returns
+    -------
+    tuple of Verdict
+        One a check. [rows]
+    """
+    checks = [_margin(margins), *_steady(steady)]
+    if start is not None:
+        checks += [_outcome(case, start), *_peak_limits(case, start)]
+    checks += [_reversal(r) for r in reversals]
+    checks += [*_yield(case, starts), *_starts(case, start, starts)]
+    found = {c.verdict for c in checks}
+    worst = next((v for v in (FAIL, ACCEPTED, PASS) if v in found), NOT_JUDGED)
+    failing = ", ".join(c.check for c in checks if c.verdict == FAIL)
+    where = f"see {failing}" if failing else ""
+    return (Verdict("Overall", None, None, "text", worst, where), *checks)
+
+
+def _margin(margins: SeparationMargins) -> Verdict:
+    name = "Separation margin"
+    if not margins.rows:
+        return Verdict(name, None, None, "fraction", NOT_JUDGED, "")
+    order = {FAIL: 0, ACCEPTED: 1, PASS: 2}
+    row = min(margins.rows, key=lambda r: (order.get(r.verdict, 0), r.margin))
+    where = f"mode {row.mode} ({row.mode_frequency:.4g} Hz) against {row.excitation}"
+    return Verdict(name, row.margin, row.required, "fraction", row.verdict, where)
+
+
+def _steady(steady: SteadyState) -> Iterator[Verdict]:
+    judged = [r for r in steady.rows if r.allowable is not None]
+    if any(r.verdict == UNBOUNDED for r in steady.rows):
+        row = next(r for r in steady.rows if r.verdict == UNBOUNDED)
+        where = f"{row.excitation} at {row.frequency:.4g} Hz: no damping at a resonance"
+        yield Verdict("Steady-state response", UNBOUNDED, None, "text", FAIL, where)
+    finite = [r for r in judged if r.zero_to_peak_stress is not None]
+    if finite:
+        row = max(finite, key=lambda r: (r.peak_to_peak_stress or 0.0) / (r.allowable or 1.0))
+        peak = row.peak_to_peak_stress
+        if steady.stress_basis == "zero-to-peak":
+            peak = row.zero_to_peak_stress
+        where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
+        where += f" ({len({r.element for r in judged})} of {len({r.element for r in steady.rows})} "
+        where += "elements have a stress diameter and UTS)"
+        name = f"Steady-state stress ({steady.stress_basis})"
+        yield Verdict(name, peak, row.allowable, "pressure", row.verdict, where)
+    limited = [r for r in steady.rows if r.torque_limit is not None and r.torque is not None]
+    if limited:
+        row = max(limited, key=lambda r: (r.torque or 0.0) / (r.torque_limit or 1.0))
+        where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
+        verdict = PASS if (row.torque or 0.0) <= (row.torque_limit or 0.0) else FAIL
+        yield Verdict("Vibratory torque", row.torque, row.torque_limit, "torque", verdict, where)
+
+
+#: Verdict on each outcome of a start, any other is a fail; an asynchronous end is a matter of
+#: pull-in, a trip was asked for: neither is judged here.
+OUTCOME_VERDICTS = {
+    "reached": PASS,
+    "synchronised": PASS,
+    "not synchronised": FAIL,
+    "tripped": NOT_JUDGED,
+    "asynchronous": NOT_JUDGED,
+    "completed": NOT_JUDGED,
+}
+
+
+def _outcome(case: CaseData, start: Start) -> Verdict:
+    o = start.outcome
+    verdict, wanted = OUTCOME_VERDICTS.get(o.outcome, FAIL), "reached"
+    off = any(c.effect == "pull-in" and c.choice == "off" for c in case.effect_choices)
+    if case.field_slip is not None and not off:
+        wanted = "synchronised"
+        if o.outcome in ("reached", "asynchronous"):
+            where = f"{o.sentence} The slip at which the field is applied was not reached."
+            return Verdict("Start", o.outcome, wanted, "text", FAIL, where)
+    return Verdict("Start", o.outcome, wanted, "text", verdict, o.sentence)
+
+
+def _peak_limits(case: CaseData, start: Start) -> Iterator[Verdict]:
+    limits = {e.element: e.peak_torque_limit for e in case.elements if e.peak_torque_limit}
+    rows = [
+        (max(abs(p.maximum), abs(p.minimum)), limits[p.element], p.element)
+        for p in start.peaks
+        if p.element in limits
+    ]
+    if rows:
+        torque, limit, element = max(rows, key=lambda r: r[0] / (r[1] or 1.0))
+        verdict = PASS if torque <= (limit or 0.0) else FAIL
+        yield Verdict("Peak torque", torque, limit, "torque", verdict, element)
+
+
+def _reversal(r: Reversal) -> Verdict:
+    lowest = None if r.limit is None else -r.limit
+    return Verdict("Torque reversal", r.minimum_torque, lowest, "torque", r.verdict, r.sentence)
+
+
+def _yield(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:
+    strength = {m.material: m.yield_ for m in case.materials}
+    material = {e.element: e.material for e in case.elements}
+    rows = []
+    for shaft in starts.shafts if starts else ():
+        limit = strength.get(material.get(shaft.element))
+        if limit:
+            rows.append((shaft.peak_nominal_stress, 0.5 * limit, shaft.element))
+    if rows:
+        stress, limit, element = max(rows, key=lambda r: r[0] / r[1])
+        verdict = PASS if stress <= limit else FAIL
+        yield Verdict("Shear yield in the start", stress, limit, "pressure", verdict, element)
+
+
+def _starts(
+    case: CaseData, start: Start | None, starts: AllowableStarts | None
+) -> Iterator[Verdict]:
+    required = case.starts_required
+    if start is None or starts is None or not starts.shafts:
+        yield Verdict("Allowable starts", None, required, "count", NOT_JUDGED, "")
+        return
+    if start.outcome.outcome not in WHOLE_STARTS:
+        where = f"not a whole start: {start.outcome.outcome}"
+        yield Verdict("Allowable starts", None, required, "count", NOT_JUDGED, where)
+        return
+    if starts.judged_starts is None:
+        verdict = PASS if required is not None else NOT_JUDGED
+        yield Verdict("Allowable starts", "unlimited", required, "count", verdict, "")
+        return
+    where = starts.governing or ""
+    verdict = NOT_JUDGED
+    if required is not None:
+        verdict = PASS if starts.judged_starts >= required else FAIL
+    above = [s.element for s in starts.shafts if s.above_first_point]
+    if above and verdict == PASS:
+        verdict, where = NOT_JUDGED, f"{where}; cycles above the first S-N point: {above[0]}"
+    yield Verdict("Allowable starts", starts.judged_starts, required, "count", verdict, where)

@@ -1,0 +1,186 @@
+"""A case without a motor: the train under the torques of table `TorqueTime` alone.
+
+The solution is exact at the samples (`engine.start.time_response`); the sample spacing only has to be
+fine enough for the cubic between samples to catch the peaks, which the change on halving it tells.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import CaseData
+from engine.errors import ModelError
+from engine.model.modes import ModalDamping, Modes
+from engine.model.train import Train
+from engine.start.start import (
+    DEFAULT_TOLERANCE_PEAK,
+    Start,
+    StartOutcome,
+    Trajectory,
+    element_peaks,
+    relative_errors,
+    turning_of,
+    worst_outputs,
+)
+from engine.start.time_response import PrescribedTorque, linear, time_response
+from engine.start.torque_outputs import force_reach, torque_outputs
+
+__all__ = ["prescribed_torques", "run_prescribed"]
+
+Floats = NDArray[np.float64]
+
+#: Samples per period of the fastest mode that matters, tried first.
+SAMPLES_PER_PERIOD = 16.0
+#: A mode matters while its static share of the torque exceeds this share of the tolerance.
+MATTERS = 0.1
+#: Most samples of one run, and most values (samples × outputs).
+MAX_SAMPLES, MAX_VALUES = 2_000_000, 10_000_000
+
+
+def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDamping) -> Start:
+    """Response to the prescribed torques, from rest.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+    modes : Modes
+        Its modes. [SI]
+    damping : ModalDamping
+        Their damping; dampers act with their full matrix. [SI]
+
+    Returns
+    -------
+    Start
+        Peaks, histories and error estimates, outcome ``completed``. [SI]
+
+    Raises
+    ------
+    ModelError
+        If neither the table nor MaximumTime says how long to follow the train.
+    """
+    torques = prescribed_torques(case, train)
+    last = max(float(p.time or 0.0) for p in case.torque_time)
+    end = case.maximum_time or last
+    if end <= 0.0:
+        raise ModelError(
+            "The prescribed torques end at time 0; MaximumTime must say how long to follow the train."
+        )
+    tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    step, keep, truncation = _first_step(train, modes, torques, tolerance, end)
+    most = _most_samples(train)
+
+    def at(h: float) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
+        count = min(max(int(np.ceil(end / h)), 2), most)
+        r = time_response(
+            train,
+            modes,
+            torques,
+            np.linspace(0.0, end, count + 1),
+            damping_ratio=damping.structural,
+            kept=keep,
+        )
+        mean = r.station_speed[0] / train.speed_ratio[0]
+        trajectory = Trajectory(
+            r.time, mean, r.torque, r.torque_rate, r.output_element, False, count
+        )
+        return trajectory, end, turning_of(trajectory, end)
+
+    coarse, fine = at(step), at(0.5 * step)
+    halvings = 0
+    while True:
+        output = worst_outputs(train, fine[0], fine[2])
+        peaks = element_peaks(train, truncation, fine, coarse, output)
+        error, bound = relative_errors(peaks, truncation[output[output >= 0]])
+        # the present spacing is step / 2, the next one would be step / 4
+        if error <= tolerance or error - bound <= 0.1 * bound or 4.0 * end / step > most:
+            break
+        halvings, step = halvings + 1, 0.5 * step
+        coarse, fine = fine, at(0.5 * step)
+    speed = float(fine[0].mean_speed[-1])
+    sentence = f"Prescribed torques followed to {end:.4g} s."
+    return Start(
+        outcome=StartOutcome("completed", end, speed, sentence),
+        peaks=peaks,
+        trajectory=fine[0],
+        turning_points=tuple(fine[2][i] for i in output if i >= 0),
+        coarse_turning_points=tuple(coarse[2][i] for i in output if i >= 0),
+        output_of_element=output,
+        runup=None,
+        step=0.5 * step,
+        halvings=halvings,
+        estimated_error=error,
+        truncation_error=bound,
+        kept_modes=int(keep.sum()),
+        method="exponential",
+        met_tolerance=error <= tolerance,
+    )
+
+
+def prescribed_torques(case: CaseData, train: Train) -> list[PrescribedTorque]:
+    """Table `TorqueTime` as torques, linear between its rows.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+
+    Returns
+    -------
+    list of PrescribedTorque
+        One a station. [N m]
+    """
+    names = list(dict.fromkeys(p.station for p in case.torque_time))
+    torques = []
+    for name in names:
+        rows = [p for p in case.torque_time if p.station == name]
+        torques.append(
+            linear(
+                train.station_index(str(name)),
+                np.array([p.time for p in rows], dtype=float),
+                np.array([p.torque for p in rows], dtype=float),
+            )
+        )
+    return torques
+
+
+def _most_samples(train: Train) -> int:
+    """Most samples that memory allows."""
+    return min(MAX_SAMPLES, MAX_VALUES // max(train.n_rows + len(train.rigid_meshes), 1))
+
+
+def _first_step(
+    train: Train, modes: Modes, torques: list[PrescribedTorque], tolerance: float, end: float
+) -> tuple[float, NDArray[np.bool_], Floats]:
+    """Spacing that resolves every mode with a visible share of some element's torque.
+
+    Modes that no affordable spacing resolves (a link of 1e16 N m/rad) follow statically; the bound
+    on their ringing comes back with the mask of the others: a jump rings with its static
+    deflection, a change of slope with that of slope/ω.
+    """
+    keep = np.ones(modes.n_modes, dtype=np.bool_)
+    stations = np.array([p.station for p in torques], dtype=np.int64)
+    outputs = torque_outputs(train, modes, stations)
+    omega = np.where(modes.omega > 0.0, modes.omega, np.inf)
+    reach = np.abs(force_reach(train, modes, stations))
+    flexible = np.abs(outputs.position) / omega**2
+    static = flexible * reach.sum(axis=1)
+    total = np.maximum(static.sum(axis=1, keepdims=True), 1e-300)
+    visible = np.max(static / total, axis=0, initial=0.0) > MATTERS * tolerance
+    affordable = modes.frequency * SAMPLES_PER_PERIOD * end <= 0.25 * _most_samples(train)
+    keep[visible & ~affordable] = False
+    jumps, ramps = np.zeros(len(torques)), np.zeros(len(torques))
+    for i, p in enumerate(torques):
+        y = p.value(p.knots, "right")
+        jumps[i] = abs(float(y[0]))
+        slope = np.diff(y) / np.diff(p.knots)
+        ramps[i] = float(np.sum(np.abs(np.diff(slope, prepend=0.0, append=0.0))))
+    bound = (flexible * (reach @ jumps + reach @ ramps / omega))[:, ~keep].sum(axis=1)
+    fastest = float(np.max(modes.frequency[visible & keep], initial=0.0))
+    step = min(end / 200.0, 1.0 / (SAMPLES_PER_PERIOD * fastest)) if fastest > 0.0 else end / 200.0
+    return step, keep, bound

@@ -1,0 +1,391 @@
+"""Torque reversals: meshes and geared couplings whose torque falls below zero during a start.
+
+A *reversal* is one passage of the torque below zero that is more than rounding: it counts once the
+torque lies below minus the hysteresis h = `NOTABLE_REVERSAL` × the largest torque of that element,
+it began where the torque last crossed zero, and it ends where the torque next rises above zero (by
+more than the rounding that torque in a gap may have).
+Torque that trembles about zero within h, or against the back flank without pushing on the drive
+flank in between, is therefore not counted twice. Crossings of zero are roots of the cubic between
+samples, found between turning points, where the torque is monotonic.
+
+Positive torque: the drive end pushes. Torques are actual, at the element's own speed; those of a
+mesh are on its From side. "The paper" is Szenasi and von Nimitz (1978), section "Torque reversals".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.data import CaseData, ElementRow
+from engine.case.effects import ContactRecord
+from engine.model.excitation import transmitted_torque
+from engine.model.train import Train
+from engine.operation.margins import FAIL, NOT_JUDGED, PASS
+from engine.start.start import NOTABLE_REVERSAL, Start
+
+__all__ = [
+    "PRACTICE_LIMITS",
+    "PracticeLimit",
+    "Reversal",
+    "reversing_elements",
+    "torque_reversals",
+]
+
+Floats = NDArray[np.float64]
+
+#: Torque above zero by less than this share of the largest of its element is rounding: teeth apart.
+ROUNDING = 1e-9
+#: Halvings of a bracket of a zero crossing: from any step down to the rounding of the time.
+BISECTIONS = 60
+
+
+@dataclass(frozen=True)
+class PracticeLimit:
+    """What a published source says about reversing torque.
+
+    Parameters
+    ----------
+    applies_to : str
+        ``gear mesh`` or ``coupling``. [word]
+    service : str
+        ``continuous`` or ``start``. [word]
+    share : float or None
+        Lowest torque allowed over the full-load torque; None = no number in the source. [1]
+    says : str
+        What the source says, in our words. [sentence]
+    source : str
+        Where it is written. [citation]
+    """
+
+    applies_to: str
+    service: str
+    share: float | None
+    says: str
+    source: str
+
+
+#: What the literature says. None of it puts a number on the reversal that a *start* may cause, so
+#: none of it judges a start: that limit is the maker's, column `Reversal limit` of Elements.
+PRACTICE_LIMITS = (
+    PracticeLimit(
+        GEAR_MESH,
+        "start",
+        None,
+        "To be avoided if at all possible; tolerated to a minimal degree where tooth accuracy and "
+        "hardening are specified for it. No number: gear makers set the limit of each gear.",
+        "Szenasi and von Nimitz, Transient analyses of synchronous motor trains (1978), section "
+        "Torque reversals",
+    ),
+    PracticeLimit(
+        "coupling",
+        "start",
+        None,
+        "Geared couplings for synchronous motors are built with an overload factor and special "
+        "manufacture to allow for reversals. No number: it is the maker's.",
+        "Szenasi and von Nimitz (1978), section Torque reversals",
+    ),
+    PracticeLimit(
+        GEAR_MESH,
+        "continuous",
+        0.0,
+        "Vibratory torque at most 75 % of the driving torque at that speed and 25 % of the "
+        "full-load torque, whichever is smaller: no reversal in continuous operation.",
+        "MIL-STD-167-2 type III",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Reversal:
+    """Lowest torque of one mesh or coupling during a start, and its passages below zero.
+
+    Parameters
+    ----------
+    element : str
+        Gear mesh, geared coupling, or other element that states a reversal limit. [name]
+    kind : str
+        Its kind. [word]
+    minimum_torque : float
+        Lowest torque. [N m]
+    minimum_time : float
+        When. [s]
+    slip_frequency : float or None
+        Twice the slip times line frequency then; None where line or speed is unknown. [Hz]
+    largest_torque : float
+        Largest magnitude of its torque. [N m]
+    hysteresis : float
+        Depth below zero from which a passage counts. [N m]
+    reversals : int
+        How many. [count]
+    first_time : float or None
+        When the first one began; None if there is none. [s]
+    longest_reversal : float
+        Duration of the longest. [s]
+    time_unloaded : float
+        Without clearance model: total time below zero of the counted reversals. With it: total
+        time without tooth contact. [s]
+    transmitted_torque : float
+        Torque it transmits in continuous operation. [N m]
+    margin : float or None
+        Minimum over transmitted torque; None where that is zero. [1]
+    limit : float or None
+        The maker's `Reversal limit`, a magnitude; None = not stated. [N m]
+    verdict : str
+        ``pass``, ``fail`` or ``not judged``. [word]
+    model : str
+        ``clearance`` where the teeth may part, else ``linear``. [word]
+    impacts : int or None
+        Recontacts; None without clearance model. [count]
+    recontact_speed : float or None
+        Largest approach speed of the flanks; None for a coupling and without that model. [m/s]
+    recontact_speed_angular : float or None
+        The same as relative angular speed on the From side. [rad/s]
+    tooth_force : float or None
+        Largest normal tooth force; None for a coupling and without that model. [N]
+    practice : str
+        What the literature says of such an element in a start. [sentence]
+    sentence : str
+        What was found, with its numbers. [sentence]
+    """
+
+    element: str
+    kind: str
+    minimum_torque: float
+    minimum_time: float
+    slip_frequency: float | None
+    largest_torque: float
+    hysteresis: float
+    reversals: int
+    first_time: float | None
+    longest_reversal: float
+    time_unloaded: float
+    transmitted_torque: float
+    margin: float | None
+    limit: float | None
+    verdict: str
+    model: str
+    impacts: int | None
+    recontact_speed: float | None
+    recontact_speed_angular: float | None
+    tooth_force: float | None
+    practice: str
+    sentence: str
+
+    @property
+    def reverses(self) -> bool:
+        """Whether the torque falls below zero by more than the hysteresis. [flag]"""
+        return self.minimum_torque < -self.hysteresis
+
+
+def reversing_elements(case: CaseData) -> tuple[int, ...]:
+    """Elements whose torque should not reverse.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    tuple of int
+        Gear meshes, geared couplings (those with a row in Meshes), and every element that states
+        a reversal limit. [indices]
+    """
+    toothed = {m.element for m in case.meshes}
+    return tuple(
+        i
+        for i, e in enumerate(case.elements)
+        if e.kind == GEAR_MESH or e.element in toothed or e.reversal_limit is not None
+    )
+
+
+def torque_reversals(
+    case: CaseData, train: Train, start: Start, contacts: Sequence[ContactRecord] = ()
+) -> tuple[Reversal, ...]:
+    """Reversals of every mesh, geared coupling and element with a reversal limit.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    train : Train
+        Its train. [SI]
+    start : Start
+        The start that is reported. [SI]
+    contacts : sequence of ContactRecord
+        What happened at the clearances of that start. [SI]
+
+    Returns
+    -------
+    tuple of Reversal
+        In the order of Elements. [rows]
+    """
+    wanted = reversing_elements(case)
+    turning = start.turning_of_element()
+    transmitted = transmitted_torque(case, train).element if wanted else np.zeros(0)
+    touched = {c.element: c for c in contacts}
+    return tuple(
+        _reversal(case, start, i, turning[i], float(transmitted[i]), touched.get(train.elements[i]))
+        for i in wanted
+        if i in turning
+    )
+
+
+def _reversal(
+    case: CaseData,
+    start: Start,
+    index: int,
+    turning: tuple[Floats, Floats],
+    transmitted: float,
+    contact: ContactRecord | None,
+) -> Reversal:
+    """One element."""
+    element = case.elements[index]
+    when, torque = turning
+    lowest = int(np.argmin(torque))
+    minimum, time = float(torque[lowest]) + 0.0, float(when[lowest])  # no minus zero
+    largest = float(np.max(np.abs(torque)))
+    hysteresis = NOTABLE_REVERSAL * largest
+    began, ended = _passages(start, int(start.output_of_element[index]), when, torque, hysteresis)
+    lasted = ended - began
+    slip = _slip_frequency(case, start, time)
+    verdict, sentence = _verdict(element, minimum, hysteresis, contact)
+    if len(began):
+        sentence += f" ({_numbers(len(began), float(began[0]), float(lasted.max()), slip)})"
+    return Reversal(
+        element=str(element.element),
+        kind=str(element.kind),
+        minimum_torque=minimum,
+        minimum_time=time,
+        slip_frequency=slip,
+        largest_torque=largest,
+        hysteresis=hysteresis,
+        reversals=len(began),
+        first_time=float(began[0]) if len(began) else None,
+        longest_reversal=float(np.max(lasted, initial=0.0)),
+        time_unloaded=float(lasted.sum()) if contact is None else contact.time_unloaded,
+        transmitted_torque=transmitted,
+        margin=minimum / transmitted if transmitted else None,
+        limit=element.reversal_limit,
+        verdict=verdict,
+        model="linear" if contact is None else "clearance",
+        impacts=None if contact is None else contact.impacts,
+        recontact_speed=None if contact is None else contact.recontact_speed,
+        recontact_speed_angular=None if contact is None else contact.recontact_speed_angular,
+        tooth_force=None if contact is None else contact.tooth_force,
+        practice=_practice(element),
+        sentence=sentence,
+    )
+
+
+def _verdict(
+    element: ElementRow, minimum: float, hysteresis: float, contact: ContactRecord | None
+) -> tuple[str, str]:
+    """The maker's limit judges; without one a reversal is told, not judged."""
+    reverses = minimum < -hysteresis
+    parts = contact is not None and contact.impacts > 0
+    sentence = f"{element.element}: torque {'reverses' if reverses else 'stays positive'}"
+    if contact is not None and parts:
+        reached = "reverses" if reverses else "falls to zero"
+        sentence = f"{element.element}: torque {reached}, teeth meet again {contact.impacts} times"
+    if element.reversal_limit is not None:
+        return (PASS if minimum >= -element.reversal_limit else FAIL), sentence
+    if reverses or parts:
+        return NOT_JUDGED, f"{sentence}; no Reversal limit entered"
+    return PASS, sentence
+
+
+def _numbers(count: int, first: float, longest: float, slip: float | None) -> str:
+    """Count, time and slip frequency in words."""
+    said = f"{count} reversal{'s' if count > 1 else ''} from {first:.3f} s on, "
+    said += f"the longest {1e3 * longest:.3g} ms"
+    return said if slip is None else f"{said}, deepest at 2 × slip {slip:.3g} Hz"
+
+
+def _practice(element: ElementRow) -> str:
+    """What the literature says of such an element in a start."""
+    kind = GEAR_MESH if element.kind == GEAR_MESH else "coupling"
+    return next(p.says for p in PRACTICE_LIMITS if p.applies_to == kind and p.service == "start")
+
+
+def _slip_frequency(case: CaseData, start: Start, time: float) -> float | None:
+    """2 (1 − speed share) × line frequency at one time."""
+    ratings = case.ratings
+    if start.runup is None or not ratings.line_frequency or not ratings.synchronous_speed:
+        return None
+    speed = float(np.interp(time, start.trajectory.time, start.trajectory.mean_speed))
+    # above synchronism, in the swing after pull-in, the frequency is that of the slip's magnitude
+    return 2.0 * abs(1.0 - speed / ratings.synchronous_speed) * ratings.line_frequency
+
+
+def _passages(
+    start: Start, output: int, when: Floats, torque: Floats, hysteresis: float
+) -> tuple[Floats, Floats]:
+    """Times where counted reversals begin and end; one still open at the end of the run ends there.
+
+    Between turning points the torque is monotonic, so each sign change there is one root.
+    """
+    down, up = _spans(torque, hysteresis, ROUNDING * float(np.max(np.abs(torque))))
+    t, y = start.trajectory.time, start.trajectory.torque[output]
+    slope = start.trajectory.torque_rate[output]
+    if start.trajectory.thinned:
+        # all turning points are there, most samples are not: instants are on the smooth step
+        # between two turning points, which changes durations by some per cent
+        t, y, slope = when, torque, np.zeros(len(when))
+    began = _roots(t, y, slope, when, torque, down)
+    closed = up < len(torque)
+    ended = np.full(len(up), when[-1])
+    ended[closed] = _roots(t, y, slope, when, torque, up[closed])
+    return began, ended
+
+
+def _spans(
+    torque: Floats, hysteresis: float, rounding: float
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First turning point below zero of each reversal, and the first above zero after it.
+
+    The latter is the number of turning points where a reversal is still open.
+    """
+    positive = np.flatnonzero(torque > rounding)
+    deep = np.flatnonzero(torque < -hysteresis)
+    negative = np.flatnonzero(torque < 0.0)
+    # deep points with the same number of positive ones before them belong to one passage
+    passage = np.unique(np.searchsorted(positive, deep))
+    previous = np.concatenate([[-1], positive])[passage]
+    down = negative[np.searchsorted(negative, previous)]
+    return down, np.append(positive, len(torque))[passage]
+
+
+def _roots(
+    t: Floats,
+    y: Floats,
+    slope: Floats,
+    when: Floats,
+    torque: Floats,
+    after: NDArray[np.int64],
+) -> Floats:
+    """Where the dense output crosses zero between turning points `after` − 1 and `after`."""
+    before = np.maximum(after - 1, 0)
+    low, high = when[before], when[after]
+    falls = torque[after] < 0.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        value = _dense(t, y, slope, middle)
+        passed = np.where(falls, value < 0.0, value > 0.0)
+        high, low = np.where(passed, middle, high), np.where(passed, low, middle)
+    return np.asarray(0.5 * (low + high))
+
+
+def _dense(t: Floats, y: Floats, slope: Floats, at: Floats) -> Floats:
+    """The cubic between samples."""
+    i = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+    h = t[i + 1] - t[i]
+    s = (at - t[i]) / h
+    rise = y[i + 1] - y[i]
+    a, b = h * slope[i], h * slope[i + 1]
+    return np.asarray(y[i] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise))))

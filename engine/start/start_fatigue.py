@@ -1,0 +1,217 @@
+"""From a start to allowable starts: fatigue of the judged shafts, and how sure it is.
+
+A shaft is judged if it has a stress diameter, a material and S-N points for it. The error of its
+starts is the change of its damage between the two step sizes the start was calculated at.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from engine.case.data import CaseData, ElementRow
+from engine.fatigue.allowable_starts import (
+    RESIDUES,
+    AllowableStarts,
+    ShaftFatigue,
+    SNCurve,
+    allowable_starts,
+    needs_counting,
+    shaft_fatigue,
+    shear_stress,
+    sn_curve_for,
+)
+from engine.start.start import Start
+
+__all__ = [
+    "COUNTED_STARTS",
+    "DEFAULT_TOLERANCE_STARTS",
+    "WHOLE_STARTS",
+    "is_counted",
+    "judged_shafts",
+    "sn_curve_of",
+    "sn_slope",
+    "starts_of",
+    "stress_over_endurance",
+]
+
+#: Accuracy of allowable starts where the case leaves it blank. [1]
+DEFAULT_TOLERANCE_STARTS = 0.02
+#: Outcomes after which the cycles are those of a whole start.
+WHOLE_STARTS = frozenset({"reached", "synchronised", "asynchronous", "completed"})
+#: Outcomes whose damage says how many such starts are allowed; a trip was asked for. After any
+#: other the shaft has not seen what is still to come, and "unlimited" would be a lie.
+COUNTED_STARTS = WHOLE_STARTS | {"tripped"}
+#: Largest cycles compared between two steps to estimate the error of turning points.
+COMPARED_CYCLES = 50
+
+
+def is_counted(start: Start | None) -> bool:
+    """Whether the damage of a start says how many are allowed; see `COUNTED_STARTS`.
+
+    Parameters
+    ----------
+    start : Start or None
+        The start; None = there is none to speak against it. [SI]
+
+    Returns
+    -------
+    bool
+        False where it did not come to its end.
+    """
+    return start is None or start.outcome.outcome in COUNTED_STARTS
+
+
+def judged_shafts(case: CaseData) -> list[tuple[int, ElementRow]]:
+    """Elements whose fatigue can be judged: diameter, material and S-N points.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    list of (int, ElementRow)
+        Index and row of each. [index, SI]
+    """
+    with_points = {p.material for p in case.sn_points}
+    return [
+        (i, e)
+        for i, e in enumerate(case.elements)
+        if e.stress_diameter and e.material in with_points
+    ]
+
+
+def sn_slope(case: CaseData) -> float:
+    """Steepest slope of the S-N lines in use: relative change of life over that of stress.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    float
+        Slope; 0 where no shaft is judged. [1]
+    """
+    steepest = 0.0
+    for name in {e.material for _, e in judged_shafts(case)}:
+        steepest = max(steepest, float(np.max(sn_curve_of(case, name).slope)))
+    return steepest
+
+
+def sn_curve_of(case: CaseData, name: str | None) -> SNCurve:
+    """S-N line of a material by its name.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    name : str or None
+        Row of Materials. [name]
+
+    Returns
+    -------
+    SNCurve
+        Its line in torsion. [Pa]
+    """
+    material = next(m for m in case.materials if m.material == name)
+    return sn_curve_for(material, [p for p in case.sn_points if p.material == name])
+
+
+def starts_of(
+    case: CaseData, start: Start, *, always_count: bool = False
+) -> tuple[AllowableStarts | None, tuple[tuple[str, float | None], ...]]:
+    """Allowable starts of every judged shaft, with the error of each.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    start : Start
+        The start. [SI]
+    always_count : bool, optional
+        Count even where the largest amplitude is at or below the endurance limit. [flag]
+
+    Returns
+    -------
+    starts : AllowableStarts or None
+        None where no shaft is judged. [1]
+    errors : tuple of (str, float or None)
+        Per judged shaft, relative error of its starts; None = unlimited. [1]
+    """
+    judged = judged_shafts(case)
+    if not judged:
+        return None, ()
+    shafts, errors = [], []
+    for index, element in judged:
+        shaft, error = _shaft(case, element, start, index, always_count)
+        shafts.append(shaft)
+        errors.append((shaft.element, error))
+    return allowable_starts(shafts, case.starts_factor), tuple(errors)
+
+
+def _shaft(
+    case: CaseData, element: ElementRow, start: Start, index: int, always_count: bool
+) -> tuple[ShaftFatigue, float | None]:
+    """Fatigue of one shaft, and the relative error of its starts from the two steps."""
+    material = next(m for m in case.materials if m.material == element.material)
+    curve = sn_curve_of(case, element.material)
+    residue = case.rainflow_residue or RESIDUES[0]
+    fine, coarse, error = _histories(start, index, str(element.element))
+    shaft = shaft_fatigue(element, fine, curve, material, residue, error, always_count=always_count)
+    if shaft.damage == 0.0:
+        return shaft, None
+    other = shaft_fatigue(element, coarse, curve, material, residue, always_count=True)
+    return shaft, abs(other.damage / shaft.damage - 1.0)
+
+
+def _histories(start: Start, index: int, name: str) -> tuple[np.ndarray, np.ndarray, float]:
+    """Turning points of one element at both steps, and the error of the finer ones. [N m]"""
+    order = [int(i) for i in np.flatnonzero(start.output_of_element >= 0)]
+    place = order.index(index)
+    peak = next(p for p in start.peaks if p.element == name)
+    fine, coarse = start.turning_points[place][1], start.coarse_turning_points[place][1]
+    return fine, coarse, max(peak.error, _cycle_difference(fine, coarse))
+
+
+def _cycle_difference(fine: np.ndarray, coarse: np.ndarray) -> float:
+    """Largest change of a turning point between two steps, over the largest ranges. [N m]"""
+    a = np.sort(np.abs(np.diff(fine)))[::-1][:COMPARED_CYCLES]
+    b = np.sort(np.abs(np.diff(coarse)))[::-1][:COMPARED_CYCLES]
+    n = min(len(a), len(b))
+    return float(np.max(np.abs(a[:n] - b[:n]), initial=0.0))
+
+
+def stress_over_endurance(case: CaseData, start: Start) -> tuple[float, bool] | None:
+    """Largest possible stress amplitude over the endurance limit, and whether cycles must be counted.
+
+    No counted range exceeds maximum minus minimum, rest included; the amplitude is half of it, with
+    SCF and the error of the history.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    start : Start
+        The start. [SI]
+
+    Returns
+    -------
+    tuple of (float, bool), or None
+        Of the shaft nearest to its limit; None where no shaft is judged. [1, flag]
+    """
+    worst, wanted = -1.0, False
+    for index, element in judged_shafts(case):
+        assert element.stress_diameter is not None
+        curve = sn_curve_of(case, element.material)
+        history, _, error = _histories(start, index, str(element.element))
+        unit = (element.scf or 1.0) * float(
+            shear_stress(1.0, element.stress_diameter, element.stress_bore or 0.0)
+        )
+        half = 0.5 * unit * float(max(history.max(), 0.0) - min(history.min(), 0.0))
+        wanted = wanted or needs_counting(half, curve, unit * error)
+        if curve.endurance > 0.0:
+            worst = max(worst, (half + unit * error) / curve.endurance)
+    return (worst, wanted) if judged_shafts(case) else None

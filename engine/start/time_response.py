@@ -1,0 +1,409 @@
+"""Any train under prescribed torques, from any initial twist and speed.
+
+Torques are held between samples, linear between samples, or callables of time. For the first two
+the steps fall on the samples and the solution is exact; a callable is read at four points of each
+step and interpolated by a cubic, so that the error falls with the fourth power of the step.
+Damping that couples modes is integrated with its full matrix, not by its diagonal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from engine.errors import ModelError
+from engine.model.modes import Modes, modal_damping_matrix
+from engine.model.train import Train
+from engine.start.torque_outputs import force_reach, torque_outputs
+from engine.stepping import linear_loop as kernels
+from engine.stepping.exponential import polynomial_step
+
+__all__ = ["PrescribedTorque", "TimeResponse", "held", "linear", "of_time", "time_response"]
+
+Floats = NDArray[np.float64]
+
+#: Monomial coefficients of s from values at s = 0, 1/3, 2/3, 1.
+_FOUR_POINT = np.linalg.inv(np.vander(np.array([0.0, 1.0, 2.0, 3.0]) / 3.0, 4, increasing=True))
+#: Off-diagonal modal damping below this share of the diagonal is rounding.
+_COUPLED = 1e-11
+#: Steps whose modal forces are calculated at a time.
+CHUNK = 2048
+#: Times this close to equally spaced, over the whole span, are equally spaced.
+_SPACING = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class PrescribedTorque:
+    """Torque at one station as a function of time; make it by `held`, `linear` or `of_time`.
+
+    Parameters
+    ----------
+    station : int
+        Station. [index]
+    knots : ndarray, shape (n,)
+        Times between which the torque is one polynomial; empty for a callable. [s]
+    value : callable
+        Torque at times, from the left and from the right of a knot: value(t, side). [N m]
+    """
+
+    station: int
+    knots: Floats
+    value: Callable[[Floats, str], Floats]
+
+
+def held(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
+    """Torque that keeps each sample until the next (zero before the first).
+
+    Parameters
+    ----------
+    station : int
+        Station. [index]
+    times : ndarray, shape (n,)
+        Rising. [s]
+    torques : ndarray, shape (n,)
+        Torque from that time on. [N m]
+
+    Returns
+    -------
+    PrescribedTorque
+        The torque. [N m]
+    """
+    t, y = np.asarray(times, dtype=float), np.concatenate([[0.0], torques])
+
+    def value(at: Floats, side: str) -> Floats:
+        return np.asarray(y[np.searchsorted(t, at, side="left" if side == "left" else "right")])
+
+    return PrescribedTorque(station, t, value)
+
+
+def linear(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
+    """Torque linear between samples, held after the last, zero before the first.
+
+    Parameters
+    ----------
+    station : int
+        Station. [index]
+    times : ndarray, shape (n,)
+        Rising. [s]
+    torques : ndarray, shape (n,)
+        Torque at that time. [N m]
+
+    Returns
+    -------
+    PrescribedTorque
+        The torque. [N m]
+    """
+    t, y = np.asarray(times, dtype=float), np.asarray(torques, dtype=float)
+
+    def value(at: Floats, side: str) -> Floats:
+        inside = np.interp(at, t, y)
+        before = at <= t[0] if side == "left" else at < t[0]
+        return np.where(before, 0.0, inside)
+
+    return PrescribedTorque(station, t, value)
+
+
+def of_time(station: int, function: Callable[[Floats], Floats]) -> PrescribedTorque:
+    """Torque given by a smooth function of time.
+
+    Parameters
+    ----------
+    station : int
+        Station. [index]
+    function : callable
+        Torque for an array of times. [N m]
+
+    Returns
+    -------
+    PrescribedTorque
+        The torque. [N m]
+    """
+
+    def value(at: Floats, side: str) -> Floats:
+        return np.asarray(np.broadcast_to(function(at), np.shape(at)), dtype=float)
+
+    return PrescribedTorque(station, np.empty(0), value)
+
+
+@dataclass(frozen=True, eq=False)
+class TimeResponse:
+    """Response of a train at the requested times.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n_times,)
+        Times. [s]
+    station_angle, station_speed : ndarray, shape (n_stations, n_times)
+        In each station's running direction, at its own speed. [rad, rad/s]
+    torque, torque_rate : ndarray, shape (n_outputs, n_times)
+        Torque of each element (each segment of a subdivided shaft) and its rate. [N m, N m/s]
+    output_element : ndarray of int, shape (n_outputs,)
+        Element of each output. [index]
+    coupled : bool
+        True if damping coupled the modes and the full matrix was used. [flag]
+    """
+
+    time: Floats
+    station_angle: Floats
+    station_speed: Floats
+    torque: Floats
+    torque_rate: Floats
+    output_element: NDArray[np.int64]
+    coupled: bool
+
+
+def time_response(
+    train: Train,
+    modes: Modes,
+    torques: Sequence[PrescribedTorque],
+    times: Floats,
+    *,
+    damping_ratio: Floats | None = None,
+    initial_angle: Floats | None = None,
+    initial_speed: Floats | None = None,
+    kept: NDArray[np.bool_] | None = None,
+) -> TimeResponse:
+    """Integrate a train under prescribed torques.
+
+    Parameters
+    ----------
+    train : Train
+        The train; its dampers act with their full matrix. [SI]
+    modes : Modes
+        All its modes. [SI]
+    torques : sequence of PrescribedTorque
+        Torques, positive in the running direction of their station. [N m]
+    times : ndarray, shape (n_times,)
+        Times wanted, rising; the first is the start. Callables are sampled within these steps,
+        so their spacing sets the accuracy for callables. [s]
+    damping_ratio : ndarray, shape (n_modes,), optional
+        Stated modal damping, in addition to the train's dampers. [1]
+    initial_angle, initial_speed : ndarray, shape (n_stations,), optional
+        Angle and speed at the start, in running direction; default zero. [rad, rad/s]
+    kept : ndarray of bool, shape (n_modes,), optional
+        Modes that are integrated; elastic modes left out follow statically. Default all. [mask]
+
+    Returns
+    -------
+    TimeResponse
+        Angles, speeds and element torques at `times`. [SI]
+
+    Raises
+    ------
+    ModelError
+        If initial values contradict a rigid mesh, or times do not rise.
+    """
+    t = np.asarray(times, dtype=float)
+    if len(t) < 1 or np.any(np.diff(t) <= 0.0):
+        raise ModelError("The times of a time response must rise.")
+    stations = np.array(sorted({p.station for p in torques}), dtype=np.int64)
+    keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
+    reach = force_reach(train, modes, stations)[keep]
+    grid = _step_grid(t, torques)
+    q = _initial(train, modes, initial_angle)[keep]
+    v = _initial(train, modes, initial_speed)[keep]
+    physical = modal_damping_matrix(train, modes)
+    matrix = physical
+    if damping_ratio is not None:
+        matrix = matrix + np.diag(2.0 * damping_ratio * modes.omega)
+    matrix = matrix[np.ix_(keep, keep)]
+    off = np.abs(matrix - np.diag(np.diag(matrix)))
+    coupled = bool(np.max(off, initial=0.0) > _COUPLED * np.max(np.abs(matrix), initial=0.0))
+    omega = modes.omega[keep]
+
+    def forces(part: Floats) -> Floats:
+        return _modal_cubics(torques, stations, reach, part)
+
+    out_q, out_v = _integrate(omega, matrix, coupled, grid, forces, q, v)
+    if len(grid) != len(t):
+        pick = np.searchsorted(grid, t)
+        out_q, out_v = out_q[:, pick], out_v[:, pick]
+    outputs = torque_outputs(train, modes, stations, keep, damping=physical)
+    torque, torque_rate = outputs.position @ out_q, outputs.position @ out_v
+    if np.any(outputs.force) or np.any(outputs.velocity):
+        force, rate = np.zeros((len(stations), len(t))), np.zeros((len(stations), len(t)))
+        for p in torques:
+            column = int(np.searchsorted(stations, p.station))
+            force[column] += p.value(t, "right")
+            rate[column] += _slope(p, t)
+        acceleration = reach @ force - matrix @ out_v - omega[:, None] ** 2 * out_q
+        torque += outputs.velocity @ out_v + outputs.force @ force
+        torque_rate += outputs.velocity @ acceleration + outputs.force @ rate
+    angle = modes.shape[np.ix_(train.node_dof[: train.n_stations], keep)]
+    angle = angle * train.node_scale[: train.n_stations, None]
+    return TimeResponse(
+        t,
+        angle @ out_q,
+        angle @ out_v,
+        torque,
+        torque_rate,
+        outputs.element,
+        coupled,
+    )
+
+
+def _initial(train: Train, modes: Modes, station_values: Floats | None) -> Floats:
+    """Modal coordinates of given station angles or speeds: Φᵀ M θ."""
+    if station_values is None:
+        return np.zeros(modes.n_modes)
+    wanted = np.asarray(station_values, dtype=float)
+    dof_value = np.zeros(train.n_dof)
+    inner = np.ones(train.n_dof, dtype=np.bool_)
+    for i in range(train.n_stations):
+        value = wanted[i] / train.node_scale[i]
+        dof = train.node_dof[i]
+        if not inner[dof] and abs(value - dof_value[dof]) > 1e-9 * max(1.0, abs(value)):
+            raise ModelError(
+                f"The initial value of station '{train.stations[i]}' contradicts its rigid mesh."
+            )
+        dof_value[dof], inner[dof] = value, False
+    if np.any(inner):  # inner points of shafts: on the straight line the shaft would take at rest
+        dof_value = _fill_inner(train, dof_value, inner)
+    return np.asarray(modes.shape.T @ (train.inertia * dof_value))
+
+
+def _fill_inner(train: Train, value: Floats, inner: NDArray[np.bool_]) -> Floats:
+    """Static position of inner points between given ends."""
+    B = train.incidence
+    K = (B.T * train.stiffness) @ B
+    value = value.copy()
+    value[inner] = np.linalg.solve(
+        K[np.ix_(inner, inner)], -K[np.ix_(inner, ~inner)] @ value[~inner]
+    )
+    return value
+
+
+def _step_grid(t: Floats, torques: Sequence[PrescribedTorque]) -> Floats:
+    """Output times and the knots of the torques between them."""
+    knots = [p.knots[(p.knots > t[0]) & (p.knots < t[-1])] for p in torques]
+    if all(len(k) == 0 or np.array_equal(k, t[1:-1]) for k in knots):
+        return t
+    merged = np.unique(np.concatenate([t, *knots]))
+    close = np.diff(merged) < 1e-12 * max(abs(t[-1]), t[-1] - t[0], 1e-300)
+    # of two times that rounding has split keep the one that was asked for
+    drop = np.zeros(len(merged), dtype=np.bool_)
+    for i in np.flatnonzero(close):
+        drop[i if merged[i] not in t else i + 1] = True
+    return np.asarray(merged[~drop])
+
+
+def _modal_cubics(
+    torques: Sequence[PrescribedTorque], stations: NDArray[np.int64], reach: Floats, grid: Floats
+) -> Floats:
+    """Coefficients of the modal forces over every step, shape (n_steps, n_modes, 4)."""
+    start, h = grid[:-1], np.diff(grid)
+    values = np.zeros((len(h), len(stations), 4))  # at 0, 1/3, 2/3 and 1 of each step
+    for p in torques:
+        column = int(np.searchsorted(stations, p.station))
+        if len(p.knots):
+            first, last = p.value(start, "right"), p.value(grid[1:], "left")
+        else:
+            ends = p.value(grid, "right")
+            first, last = ends[:-1], ends[1:]
+        inner = [p.value(start + share * h, "right") for share in (1.0 / 3.0, 2.0 / 3.0)]
+        for i, part in enumerate((first, *inner, last)):
+            values[:, column, i] += part
+    n = len(reach)
+    to_modes = np.einsum("ms,pi->simp", reach, _FOUR_POINT).reshape(4 * len(stations), 4 * n)
+    return np.asarray((values.reshape(len(h), -1) @ to_modes).reshape(len(h), n, 4))
+
+
+def _integrate(
+    omega: Floats,
+    matrix: Floats,
+    coupled: bool,
+    grid: Floats,
+    forces: Callable[[Floats], Floats],
+    q: Floats,
+    v: Floats,
+) -> tuple[Floats, Floats]:
+    """Modal positions and velocities on the grid, shape (n_modes, n_grid).
+
+    `forces` gives the modal cubics between some grid points; it is asked for a few thousand steps
+    at a time, which stay in the processor's cache.
+    """
+    n = len(omega)
+    out_q, out_v = np.empty((len(grid), n)), np.empty((len(grid), n))
+    out_q[0], out_v[0] = q, v
+    state = np.concatenate([q, v])
+    i = 0
+    while i < len(grid) - 1:
+        j = _equal_steps_until(grid, i)
+        h = float(grid[j] - grid[i]) / (j - i)
+        if coupled:
+            free, forced = _coupled_step(omega, matrix, h)
+        else:
+            free, forced = polynomial_step(omega**2, np.diag(matrix).copy(), h)
+        for a in range(i, j, CHUNK):
+            b = min(a + CHUNK, j)
+            cubic, new = forces(grid[a : b + 1]), slice(a + 1, b + 1)
+            if coupled:
+                out = np.empty((b - a, 2 * n))
+                kernels.drive_coupled(free, forced, cubic, state, out)
+                out_q[new], out_v[new] = out[:, :n], out[:, n:]
+            else:
+                kernels.drive_modes(free, forced, cubic, q, v, out_q[new], out_v[new])
+        i = j
+    return out_q.T, out_v.T
+
+
+def _equal_steps_until(grid: Floats, i: int) -> int:
+    """End of the longest stretch from i on whose steps are equal but for rounding.
+
+    Judged by where the points lie, not by their differences: neighbours of 15 s at 0.1 ms differ
+    by rounding alone in every third step.
+    """
+    last = len(grid) - 1
+    slack = max(_SPACING * float(grid[-1] - grid[0]), 8.0 * float(np.spacing(np.max(np.abs(grid)))))
+
+    def equal(j: int) -> bool:
+        line = np.linspace(grid[i], grid[j], j - i + 1)
+        return bool(np.max(np.abs(grid[i : j + 1] - line)) <= slack)
+
+    good, bad = i + 1, i + 2
+    while bad <= last and equal(bad):
+        good, bad = bad, min(2 * bad - i, last) if bad < last else last + 1
+    while bad - good > 1 and bad <= last:
+        middle = (good + bad) // 2
+        good, bad = (middle, bad) if equal(middle) else (good, middle)
+    return good
+
+
+def _coupled_step(omega: Floats, matrix: Floats, h: float) -> tuple[Floats, Floats]:
+    """Exact step of the coupled system under cubic modal forces (Van Loan's block exponential)."""
+    n = len(omega)
+    A = np.zeros((6 * n, 6 * n))
+    eye = np.eye(n)
+    size = np.maximum(omega * h, 1.0)  # state (size · q, h q̇), so that no entry exceeds ωh
+    A[:n, n : 2 * n] = np.diag(size)
+    A[n : 2 * n, :n] = -np.diag((omega * h) ** 2 / size)
+    A[n : 2 * n, n : 2 * n] = -matrix * h
+    A[n : 2 * n, 2 * n : 3 * n] = eye
+    for i in range(3):
+        A[(2 + i) * n : (3 + i) * n, (3 + i) * n : (4 + i) * n] = eye
+    E = expm(A)[: 2 * n]
+    free = E[:, : 2 * n].copy()
+    forced = E[:, 2 * n :].reshape(2 * n, 4, n).transpose(0, 2, 1) * np.array([1.0, 1.0, 2.0, 6.0])
+    free[:, :n] *= size
+    free[:n] /= size[:, None]
+    free[:n, n:] *= h
+    free[n:, :n] /= h
+    forced[:n] *= (h * h / size)[:, None, None]
+    forced[n:] *= h
+    return np.ascontiguousarray(free), np.ascontiguousarray(forced)
+
+
+def _slope(p: PrescribedTorque, t: Floats) -> Floats:
+    """Rate of a prescribed torque just after each time (only rigid meshes need it)."""
+    gap = np.diff(t, append=2.0 * t[-1] - t[-2] if len(t) > 1 else t[-1] + 1.0)
+    knots = (
+        p.knots[np.searchsorted(p.knots, t, side="right").clip(max=len(p.knots) - 1)]
+        if len(p.knots)
+        else np.full(len(t), np.inf)
+    )
+    ahead = np.where(knots > t, np.minimum(gap, knots - t), gap) * 1e-3
+    return np.asarray((p.value(t + ahead, "left") - p.value(t, "right")) / ahead)

@@ -1,0 +1,162 @@
+"""Element torques as linear functions of modal coordinates and applied torques.
+
+torque = Y_q q + Y_v q̇ + Y_f f, with q in modal coordinates and f the torques at the force
+stations. Elastic elements report their elastic torque k·twist; an element of stiffness 0 its
+viscous torque; one with a clearance the sum of both; a rigid mesh what the equilibrium of its To side
+demands, inertias included.
+The rows of bearings belong to no element and are left out.
+Damping appears in that equilibrium exactly as it does in the equations of motion: with its full
+matrix (`damping` given), or only on each mode for itself, as in a start.
+Modes left out of q enter by their static deflection (residual flexibility), so that a truncated
+set still gives the right slow torque. Positive: the drive end pushes in the running direction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.model.modes import Modes
+from engine.model.train import RigidMesh, Train
+
+__all__ = ["TorqueOutputs", "force_reach", "torque_outputs"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueOutputs:
+    """Element torques from modal coordinates, velocities and forces.
+
+    Parameters
+    ----------
+    element : ndarray, shape (n_outputs,)
+        Element of each output; a subdivided shaft has one output a segment. [index]
+    position : ndarray, shape (n_outputs, n_modes)
+        Y_q. [N m]
+    velocity : ndarray, shape (n_outputs, n_modes)
+        Y_v. [N m s]
+    force : ndarray, shape (n_outputs, n_forces)
+        Y_f. [1]
+    """
+
+    element: NDArray[np.int64]
+    position: Floats
+    velocity: Floats
+    force: Floats
+
+
+def force_reach(train: Train, modes: Modes, stations: NDArray[np.int64]) -> Floats:
+    """What a unit torque at each force station does to each mode, and its angle in each mode.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        Its modes. [SI]
+    stations : ndarray of int, shape (n_forces,)
+        Force stations. [indices]
+
+    Returns
+    -------
+    ndarray, shape (n_modes, n_forces)
+        Φᵀ at those stations. [rad/√(kg m²)]
+    """
+    dof, scale = train.node_dof[stations], train.node_scale[stations]
+    return np.ascontiguousarray((modes.shape[dof] * scale[:, None]).T)
+
+
+def torque_outputs(
+    train: Train,
+    modes: Modes,
+    stations: NDArray[np.int64],
+    kept: NDArray[np.bool_] | None = None,
+    *,
+    dampers: NDArray[np.int64] | None = None,
+    damping: Floats | None = None,
+) -> TorqueOutputs:
+    """Output matrices of every element.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    modes : Modes
+        All its modes. [SI]
+    stations : ndarray of int, shape (n_forces,)
+        Stations where torques act. [indices]
+    kept : ndarray of bool, shape (n_modes,), optional
+        Modes that are integrated; the others get their static correction. Default all. [mask]
+    dampers : ndarray of int, shape (n_dampers,), optional
+        Rows of the incidence matrix whose viscous torque enters as one more force each, after
+        those of the stations. [indices]
+    damping : ndarray, shape (n_modes, n_modes), optional
+        ΦᵀCΦ where the dampers act with their full matrix; default: as modal damping. [1/s]
+
+    Returns
+    -------
+    TorqueOutputs
+        Matrices for the kept modes. [SI]
+    """
+    rows = np.zeros(0, dtype=np.int64) if dampers is None else dampers
+    reach = np.concatenate([force_reach(train, modes, stations), modes.row_twist[rows].T], axis=1)
+    keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
+    own = train.element_rows
+    element = [train.row_element[own]]
+    sign = train.orientation[element[0]][:, None]
+    elastic, shown = train.stiffness[own, None] > 0.0, train.viscous_shown[own, None]
+    position = sign * np.where(elastic, modes.row_torque[own], 0.0)
+    velocity = sign * np.where(shown, train.viscous[own, None] * modes.row_twist[own], 0.0)
+    rows_q, rows_v = [position], [velocity]
+    rows_f = [np.zeros((len(own), reach.shape[1]))]
+    for mesh in train.rigid_meshes:
+        q, v, f = _rigid_mesh_row(train, modes, reach, stations, mesh, damping)
+        element.append(np.array([mesh.element], dtype=np.int64))
+        rows_q.append(q[None])
+        rows_v.append(v[None])
+        rows_f.append(f[None])
+    all_q, all_f = np.concatenate(rows_q), np.concatenate(rows_f)
+    left_out = ~keep & (modes.omega > 0.0)
+    flexible = all_q[:, left_out] / modes.omega[left_out] ** 2
+    return TorqueOutputs(
+        np.concatenate(element),
+        np.ascontiguousarray(all_q[:, keep]),
+        np.ascontiguousarray(np.concatenate(rows_v)[:, keep]),
+        all_f + flexible @ reach[left_out],
+    )
+
+
+def _rigid_mesh_row(
+    train: Train,
+    modes: Modes,
+    reach: Floats,
+    stations: NDArray[np.int64],
+    mesh: RigidMesh,
+    damping: Floats | None,
+) -> tuple[Floats, Floats, Floats]:
+    """Y_q, Y_v, Y_f of a rigid mesh, on its From side, from the power balance of its To side.
+
+    With the full damping matrix the balance holds every torque. With modal damping the
+    accelerations are those that the elastic and applied torques alone would give,
+    Φ (Φᵀf − ω² q): every damping force then belongs to the inertia it slows, which is what the
+    same mesh with a very high stiffness reports.
+    """
+    nodes = np.array(mesh.to_side)
+    ratio = train.speed_ratio[nodes] / mesh.from_ratio
+    weight = ratio * train.node_inertia[nodes] * train.node_scale[nodes]
+    inertial = weight @ modes.shape[train.node_dof[nodes]]  # Σ ratio J Φ
+    rows = train.node_incidence[:, nodes] @ ratio  # torque the rows draw from these nodes
+    elastic = train.stiffness[:, None] > 0.0
+    q = -inertial * modes.omega**2 + rows @ np.where(elastic, modes.row_torque, 0.0)
+    viscous = train.viscous[:, None] * modes.row_twist
+    v = rows @ (np.where(elastic, 0.0, viscous) if damping is None else viscous)
+    if damping is not None:
+        weight = ratio * train.node_damping[nodes] * train.node_scale[nodes]
+        v += weight @ modes.shape[train.node_dof[nodes]] - inertial @ damping
+    applied = np.zeros(reach.shape[1])
+    applied[: len(stations)] = [float(ratio[nodes == s].sum()) for s in stations]
+    sign = float(train.orientation[mesh.element])
+    return sign * q, sign * v, sign * (inertial @ reach - applied)

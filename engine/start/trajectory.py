@@ -1,0 +1,276 @@
+"""Sampled histories of a start, their turning points, and how they are kept in bounded memory.
+
+Between two samples a torque is the cubic through values and rates, so that a peak between them is
+not missed. Turning points are what answers are read from. They are taken from every sample; once
+there are more samples than `KEPT_VALUES` allows, only every second, fourth, … one is kept for
+pictures and for interpolation, so that memory does not grow with the number of steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.stepping import linear_loop as kernels
+
+__all__ = ["KEPT_VALUES", "Recorder", "Trajectory", "read_turning", "turning_of"]
+
+Floats = NDArray[np.float64]
+Turning = tuple[Floats, Floats]
+
+#: Torque values (samples × outputs) that are kept of one simulation.
+KEPT_VALUES = 1_000_000
+#: Two values at one time closer than this share of the largest are one.
+SAME_VALUE, SAME_TIME = 1e-9, 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One simulated start.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n_times,)
+        Sample times, the first is rest; two samples may share one time where something jumps. [s]
+    mean_speed : ndarray, shape (n_times,)
+        Rigid-body speed of the reference shaft. [rad/s]
+    torque, torque_rate : ndarray, shape (n_outputs, n_times)
+        Torque of every output and its rate. [N m, N m/s]
+    output_element : ndarray of int, shape (n_outputs,)
+        Element of each output. [index]
+    reached : bool
+        True if the target speed was reached. [flag]
+    n_steps : int
+        Steps taken. [count]
+    turning : tuple of (ndarray, ndarray) or None, optional
+        Turning points of every output where samples were thinned out; None = take them from the
+        samples. [s, N m]
+    """
+
+    time: Floats
+    mean_speed: Floats
+    torque: Floats
+    torque_rate: Floats
+    output_element: NDArray[np.int64]
+    reached: bool
+    n_steps: int
+    turning: tuple[Turning, ...] | None = None
+
+    @property
+    def thinned(self) -> bool:
+        """Whether samples were left out. [flag]"""
+        return self.turning is not None
+
+
+class Recorder:
+    """Takes the samples of a run as they come.
+
+    Parameters
+    ----------
+    output_element : ndarray of int, shape (n_outputs,)
+        Element of each output. [index]
+    kept_values : float, optional
+        Torque values that are kept; infinite = all. [count]
+    """
+
+    def __init__(self, output_element: NDArray[np.int64], kept_values: float = KEPT_VALUES) -> None:
+        self._element = output_element
+        self._most = max(kept_values / max(len(output_element), 1), 16.0)
+        self._blocks: list[tuple[Floats, ...]] = []  # time, speed, torque, rate, further rows
+        self._samples, self._stride, self._offset = 0, 1, 0
+        self._turning: list[list[Turning]] | None = None
+        self._last: tuple[Floats, ...] | None = None  # the last two samples, whatever is kept
+
+    def add(
+        self, time: Floats, speed: Floats, torque: Floats, rate: Floats, further: Floats
+    ) -> None:
+        """Take samples.
+
+        Parameters
+        ----------
+        time, speed : ndarray, shape (n,)
+            Times and mean speeds. [s, rad/s]
+        torque, rate : ndarray, shape (n_outputs, n)
+            Torques and their rates. [N m, N m/s]
+        further : ndarray, shape (k, n)
+            Further histories that are kept beside them. [SI]
+        """
+        block = (time, speed, torque, rate, further)
+        if len(time) == 0:
+            return
+        if self._turning is not None:
+            self._take_turning(block)
+        self._last = block if self._last is None else _joined([self._last, block])
+        self._last = tuple(a[..., -2:].copy() for a in self._last)
+        kept = tuple(a[..., self._offset :: self._stride] for a in block)
+        self._offset = (self._offset - len(time)) % self._stride
+        self._blocks.append(tuple(a.copy() for a in kept) if self._stride > 1 else kept)
+        self._samples += len(kept[0])
+        while self._samples > self._most:
+            self._thin()
+
+    def _take_turning(self, block: tuple[Floats, ...]) -> None:
+        """Turning points from the last sample before this block to its end."""
+        assert self._turning is not None
+        before = [] if self._last is None else [tuple(a[..., -1:] for a in self._last)]
+        time, _, torque, rate, _ = _joined([*before, block])
+        for found, y, slope in zip(self._turning, torque, rate, strict=True):
+            found.append(kernels.turning_points(time, y, slope))
+
+    def _thin(self) -> None:
+        """Keep every second sample of those that are kept."""
+        whole = _joined(self._blocks)
+        if self._turning is None:
+            self._turning = [[] for _ in self._element]
+            last, self._last = self._last, None
+            self._take_turning(whole)
+            self._last = last
+        phase = (self._samples - 1) % 2  # the last one stays, and rest
+        keep = np.unique(
+            np.concatenate([[0], np.arange(phase, self._samples, 2), _pairs(whole[0])])
+        )
+        if len(keep) > 0.75 * self._samples:  # so many events that they must be thinned, too
+            keep = np.unique(np.concatenate([[0], np.arange(phase, self._samples, 2)]))
+        self._blocks = [tuple(a[..., keep] for a in whole)]
+        self._samples = len(self._blocks[0][0])
+        self._offset += self._stride
+        self._stride *= 2
+
+    def seen(self) -> tuple[Floats, Floats, Floats]:
+        """What is kept so far.
+
+        Returns
+        -------
+        time, speed : ndarray, shape (n,)
+            Times and mean speeds. [s, rad/s]
+        further : ndarray, shape (k, n)
+            Further histories. [SI]
+        """
+        parts = [(b[0], b[1], b[4]) for b in self._blocks]
+        return (
+            np.concatenate([p[0] for p in parts]),
+            np.concatenate([p[1] for p in parts]),
+            np.concatenate([p[2] for p in parts], axis=1),
+        )
+
+    def trajectory(self, reached: bool, n_steps: int) -> tuple[Trajectory, Floats]:
+        """Everything that was kept; the last two samples always are.
+
+        Parameters
+        ----------
+        reached : bool
+            True if the target speed was reached. [flag]
+        n_steps : int
+            Steps taken. [count]
+
+        Returns
+        -------
+        trajectory : Trajectory
+            The samples. [SI]
+        further : ndarray, shape (k, n_times)
+            Further histories. [SI]
+        """
+        blocks = self._blocks
+        if self._stride > 1 and self._last is not None:
+            end = float(self._last[0][0])
+            blocks = [*(tuple(a[..., b[0] < end] for a in b) for b in blocks), self._last]
+        time, speed, torque, rate, further = _joined(blocks)
+        turning = None
+        if self._turning is not None:
+            turning = tuple(
+                (np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found]))
+                for found in self._turning
+            )
+        return (
+            Trajectory(time, speed, torque, rate, self._element, reached, n_steps, turning),
+            further,
+        )
+
+
+def _pairs(time: Floats) -> NDArray[np.int64]:
+    """Samples that share their time with a neighbour: the corners of the curve."""
+    same = np.flatnonzero(np.diff(time) == 0.0)
+    return np.concatenate([same, same + 1])
+
+
+def _joined(blocks: list[tuple[Floats, ...]]) -> tuple[Floats, ...]:
+    """Blocks one after the other; a single one is not copied."""
+    if len(blocks) == 1:
+        return blocks[0]
+    return tuple(np.concatenate(part, axis=-1) for part in zip(*blocks, strict=True))
+
+
+def read_turning(trajectory: Trajectory, end: float) -> tuple[Trajectory, list[Turning]]:
+    """Turning points of every output, and the trajectory without its own copy of them.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        A simulated start. [SI]
+    end : float
+        Time at which it ends. [s]
+
+    Returns
+    -------
+    trajectory : Trajectory
+        The same samples. [SI]
+    turning : list of (ndarray, ndarray)
+        Times and torques. [s, N m]
+    """
+    turning = turning_of(trajectory, end)
+    return replace(trajectory, turning=() if trajectory.thinned else None), turning
+
+
+def turning_of(trajectory: Trajectory, end: float) -> list[Turning]:
+    """Turning points of every output from rest to the end.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        A simulated start. [SI]
+    end : float
+        Time at which it ends. [s]
+
+    Returns
+    -------
+    list of (ndarray, ndarray)
+        Times and torques. [s, N m]
+    """
+    return [_turning(trajectory, i, end) for i in range(len(trajectory.output_element))]
+
+
+def _turning(trajectory: Trajectory, output: int, end: float) -> Turning:
+    """Turning points of one output up to `end`, with the values at rest and at the end."""
+    t, y, slope = trajectory.time, trajectory.torque[output], trajectory.torque_rate[output]
+    if trajectory.turning is None:
+        when, value = kernels.turning_points(t, y, slope)
+    else:
+        when, value = trajectory.turning[output]
+    # one that lies on a sample, or at an event, comes twice
+    size = max(float(np.max(np.abs(y), initial=0.0)), float(np.max(np.abs(value), initial=0.0)))
+    once = np.ones(len(when), dtype=np.bool_)
+    same = np.abs(np.diff(value)) <= SAME_VALUE * size
+    once[1:] = (np.diff(when) > SAME_TIME * end) | ~same
+    when, value = when[once], value[once]
+    inside = when < end
+    last = _hermite_at(t, y, slope, end)
+    return (
+        np.concatenate([t[:1], when[inside], [end]]),
+        np.concatenate([y[:1], value[inside], [last]]),
+    )
+
+
+def _hermite_at(t: Floats, y: Floats, slope: Floats, at: float) -> float:
+    """Value of the dense output at one time."""
+    i = int(np.clip(np.searchsorted(t, at) - 1, 0, len(t) - 2)) if len(t) > 1 else 0
+    if len(t) < 2:
+        return float(y[0])
+    h = t[i + 1] - t[i]
+    if h <= 0.0:
+        return float(y[i + 1])
+    s = (at - t[i]) / h
+    rise = y[i + 1] - y[i]
+    a, b = h * slope[i], h * slope[i + 1]
+    return float(y[i] + s * (a + s * (3.0 * rise - 2.0 * a - b + s * (a + b - 2.0 * rise))))

@@ -1,0 +1,385 @@
+"""What accuracy costs in time, for one case: error of the answers against wall time.
+
+The start is calculated at fixed settings without refinement, by the exponential step and by the
+paper's average acceleration (Newmark), and compared with the exponential step at a quarter of its
+finest step: at fourth order 256 times finer. A second reference at twice that step tells how far
+the first can be trusted. A start with clearances or other events is calculated to a range of wanted
+tolerances instead, against one a hundred times finer; Newmark has no events and is then studied on
+the linear train. Prescribed torques without clearances are exact at their samples: there is nothing
+to study.
+
+Error of the peaks: largest change of a maximum or minimum over the larger of the two, over all
+elements. Error of the starts: largest relative change of the allowable starts of a judged shaft;
+1 where one of the two is unlimited. Times are medians of repeated runs in this process, from the
+model in arrays to peaks and starts.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import CaseData
+from engine.fatigue.allowable_starts import RESIDUES, shaft_fatigue
+from engine.model.load import loads_of
+from engine.model.motor import motors_of
+from engine.results.results import AccuracyRow
+from engine.run import NEWMARK, Planned, analyse, calculate_start, planned_start
+from engine.start.start import (
+    DEFAULT_TOLERANCE_PEAK,
+    MAX_VALUES,
+    Start,
+    StartModel,
+    has_start,
+    simulate,
+    start_model,
+    turning_of,
+)
+from engine.start.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, sn_curve_of
+
+__all__ = ["AccuracyRow", "AccuracyStudy", "accuracy_study"]
+
+Floats = NDArray[np.float64]
+Histories = Mapping[int, tuple[Floats, Floats]]
+
+#: Settings of each method, each at half the step of the one before.
+SETTINGS = 6
+#: Finest phase of the pulsation per step of each method. [rad]
+FINEST_EXPONENTIAL, FINEST_NEWMARK = 0.125, 0.025
+#: The references' steps over the finest of the exponential method: the reference, its check.
+REFERENCE, CHECK = 0.25, 0.5
+#: Wanted tolerances of a start with events; those of reference and check over the finest of them.
+EVENT_TOLERANCES = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
+EVENT_REFERENCE, EVENT_CHECK = 0.01, 0.1
+#: Modes are kept for this share of the wanted tolerance, for the reference a tenth of it.
+MODES_TOLERANCE = 0.1
+#: An error is shown no smaller than rounding leaves it.
+LEAST_ERROR = 1e-12
+#: Names of the methods in the table.
+EXPONENTIAL = "exponential"
+EVENTS, NEWMARK_LINEAR = "exponential with events", "newmark (linear train)"
+
+
+@dataclass(frozen=True)
+class AccuracyStudy:
+    """Error against wall time of one case.
+
+    Parameters
+    ----------
+    rows : tuple of AccuracyRow
+        From coarse to fine, method by method; empty where there is nothing to study. [1, s]
+    sentence : str
+        What the wanted accuracy costs. [sentence]
+    reference : str
+        What was compared with, and how times were taken. [sentences]
+    reference_error_peak, reference_error_starts : float or None
+        Difference of the two references. [1]
+    """
+
+    rows: tuple[AccuracyRow, ...]
+    sentence: str
+    reference: str
+    reference_error_peak: float | None = None
+    reference_error_starts: float | None = None
+
+
+@dataclass(frozen=True)
+class _Answers:
+    """What is reported of a start: extremes of each element, damage of each judged shaft."""
+
+    extremes: Mapping[int, tuple[float, float]]
+    damage: Mapping[int, float]
+
+
+def accuracy_study(
+    case: CaseData, *, rounds: int = 5, on_progress: Callable[[str], None] | None = None
+) -> AccuracyStudy:
+    """Error of peak torques and allowable starts against wall time, for this very case.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    rounds : int, optional
+        How often each setting is timed. [count]
+    on_progress : callable, optional
+        Called with a word on what is being done. [words]
+
+    Returns
+    -------
+    AccuracyStudy
+        Rows and sentences; without rows where no step decides the accuracy. [1, s]
+    """
+    tell = on_progress or (lambda words: None)
+
+    @contextmanager
+    def stage(words: str) -> Iterator[None]:
+        tell(words)
+        yield
+
+    if not has_start(case) and not case.torque_time:
+        return _nothing(case)
+    tell("start as planned")
+    planned = planned_start(case, analyse(case), stage)
+    if planned.plan.events:
+        return _event_study(case, planned, rounds, tell)
+    return _linear_study(case, planned, rounds, tell) if has_start(case) else _nothing(case)
+
+
+def _nothing(case: CaseData) -> AccuracyStudy:
+    """No start, or prescribed torques alone."""
+    if case.torque_time:
+        sentence = (
+            "Nothing to study: the response to prescribed torques (TorqueTime) is exact at its "
+            "samples, so no time step decides its accuracy. Only teeth that part make a step matter: "
+            "with a clearance that the torque calls for, or backlash forced on, it is studied."
+        )
+    else:
+        sentence = "Nothing to study: the case has no motor torque curve, so there is no start."
+    return AccuracyStudy((), sentence, "None.")
+
+
+# --- linear starts --------------------------------------------------------------------------------
+
+
+def _linear_study(
+    case: CaseData, planned: Planned, rounds: int, tell: Callable[[str], None]
+) -> AccuracyStudy:
+    """Both methods on the linear train."""
+    ladder = _Ladder(case, planned)
+    reference, off = ladder.references(tell)
+    rows = [
+        *ladder.rows(EXPONENTIAL, EXPONENTIAL, reference, rounds, tell),
+        *ladder.rows(NEWMARK, NEWMARK, reference, rounds, tell),
+    ]
+    text = (
+        f"Compared with the exponential step at {REFERENCE * ladder.finest(EXPONENTIAL):.3g} s, "
+        f"{1.0 / REFERENCE**4:.0f} times finer than the finest setting at fourth order. "
+        + _checked(off)
+        + _timed(rounds)
+    )
+    sentence = _sentence(case, rows, EXPONENTIAL, NEWMARK, "")
+    return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])
+
+
+class _Ladder:
+    """Starts of one linear train at fixed steps, over the same time."""
+
+    def __init__(self, case: CaseData, planned: Planned) -> None:
+        self.case, self.train = case, planned.model.train
+        self.end = planned.linear.outcome.time
+        self.outputs = planned.linear.output_of_element
+        tolerance = MODES_TOLERANCE * (case.tolerance_peak or DEFAULT_TOLERANCE_PEAK)
+        self.model = self._model(planned, tolerance)
+        self.strict = self._model(planned, 0.1 * tolerance)
+
+    def _model(self, planned: Planned, tolerance: float) -> StartModel:
+        m, effects = planned.model, replace(planned.plan.effects, clearances=())
+        motors, loads = motors_of(self.case, m.train), loads_of(self.case, m.train)
+        return start_model(
+            self.case, m.train, m.modes, m.damping, motors, loads, tolerance, self.end, effects
+        )
+
+    def finest(self, method: str) -> float:
+        """Finest step of a method that memory allows. [s]"""
+        phase, share = (
+            (FINEST_EXPONENTIAL, REFERENCE) if method == EXPONENTIAL else (FINEST_NEWMARK, 1.0)
+        )
+        affordable = float(self.end) * len(self.model.truncation) / MAX_VALUES / share
+        step = min(phase / self.model.pulsation_omega, self.model.largest_step / 2**SETTINGS)
+        return float(max(step, affordable))
+
+    def histories(self, model: StartModel, step: float, method: str) -> Histories:
+        """Turning points of every element, by the segment the planned start reports."""
+        trajectory = simulate(model, step, method, math.inf, self.end)
+        turning = turning_of(trajectory, min(self.end, float(trajectory.time[-1])))
+        return {int(e): turning[self.outputs[e]] for e in np.flatnonzero(self.outputs >= 0)}
+
+    def references(
+        self, tell: Callable[[str], None]
+    ) -> tuple[_Answers, tuple[float, float | None]]:
+        """The reference, and how far its check is from it."""
+        found = []
+        for share in (REFERENCE, CHECK):
+            step = share * self.finest(EXPONENTIAL)
+            tell(f"reference at a step of {step:.2g} s")
+            found.append(_answers(self.case, self.histories(self.strict, step, EXPONENTIAL)))
+        return found[0], _errors(found[1], found[0])
+
+    def rows(
+        self, method: str, label: str, reference: _Answers, rounds: int,
+        tell: Callable[[str], None],
+    ) -> Iterator[AccuracyRow]:  # fmt: skip
+        """One a step, from coarse to fine."""
+        for halving in range(SETTINGS - 1, -1, -1):
+            step = 2.0**halving * self.finest(method)
+            tell(f"{label} at a step of {step:.2g} s")
+
+            def once(step: float = step) -> _Answers:
+                return _answers(self.case, self.histories(self.model, step, method))
+
+            answers, wall = _timed_runs(once, rounds)
+            peak, starts = _errors(answers, reference)
+            yield AccuracyRow(label, f"step {step:.3g} s", peak, starts, wall)
+
+
+# --- starts with events ---------------------------------------------------------------------------
+
+
+def _event_study(
+    case: CaseData, planned: Planned, rounds: int, tell: Callable[[str], None]
+) -> AccuracyStudy:
+    """The event-driven start at wanted tolerances, and Newmark on the linear train."""
+
+    def at(tolerance: float) -> Start:
+        asked = replace(case, tolerance_peak=tolerance)
+        return calculate_start(asked, planned.model, planned.plan.effects, planned.linear)
+
+    def answers_at(tolerance: float) -> _Answers:
+        return _answers(case, at(tolerance).turning_of_element())
+
+    finest = EVENT_TOLERANCES[-1]
+    tell("references with events")
+    best, check = at(EVENT_REFERENCE * finest), at(EVENT_CHECK * finest)
+    reference = _answers(case, best.turning_of_element())
+    off = _errors(_answers(case, check.turning_of_element()), reference)
+    rows = []
+    for tolerance in EVENT_TOLERANCES:
+        tell(f"start with events to {tolerance:.2g}")
+        answers, wall = _timed_runs(partial(answers_at, tolerance), rounds)
+        peak, starts = _errors(answers, reference)
+        rows.append(AccuracyRow(EVENTS, f"tolerance {tolerance:.2g}", peak, starts, wall))
+    if has_start(case):
+        ladder = _Ladder(case, planned)
+        linear, _ = ladder.references(tell)
+        rows += ladder.rows(NEWMARK, NEWMARK_LINEAR, linear, rounds, tell)
+        papers = (
+            "The paper's method has no events: it is studied on the linear train, against the "
+            "linear reference. "
+        )
+    else:
+        papers = "The paper's method has no events and starts of motors alone: it is not studied. "
+    text = (
+        f"Starts with events are compared with one calculated to {EVENT_REFERENCE * finest:.2g}, "
+        f"{1.0 / EVENT_REFERENCE:.0f} times finer than the finest setting"
+    )
+    if best.step < check.step:
+        text += ". " + _checked(off)
+    else:
+        text += f", or as near to it as a step of {best.step:.2g} s comes. "
+    text += papers + _timed(rounds)
+    sentence = _sentence(case, rows, EVENTS, NEWMARK_LINEAR, " (without clearances and events)")
+    felt = planned.start.sensitivity
+    if felt is not None and felt.sensitive:
+        sentence = (
+            "This start is sensitive: a change of the input by 1e-9 may change a peak torque by "
+            f"{100.0 * felt.spread:.2g} %, so that no setting buys a smaller error. {sentence}"
+        )
+    return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])
+
+
+# --- answers and their differences ----------------------------------------------------------------
+
+
+def _answers(case: CaseData, histories: Histories) -> _Answers:
+    """Extremes and damage from turning points."""
+    extremes = {e: (float(value.max()), float(value.min())) for e, (_, value) in histories.items()}
+    residue = case.rainflow_residue or RESIDUES[0]
+    damage = {}
+    for index, element in judged_shafts(case):
+        material = next(m for m in case.materials if m.material == element.material)
+        curve = sn_curve_of(case, element.material)
+        damage[index] = shaft_fatigue(element, histories[index][1], curve, material, residue).damage
+    return _Answers(extremes, damage)
+
+
+def _errors(answers: _Answers, reference: _Answers) -> tuple[float, float | None]:
+    """Relative error of the peaks, and of the starts; None where all are unlimited."""
+    largest = max((max(map(abs, x)) for x in reference.extremes.values()), default=0.0)
+    peak = LEAST_ERROR
+    for e, (high, low) in reference.extremes.items():
+        size = max(abs(high), abs(low), 1e-9 * largest)
+        found = answers.extremes[e]
+        if size > 0.0:
+            peak = max(peak, abs(found[0] - high) / size, abs(found[1] - low) / size)
+    starts: float | None = None
+    for e, damage in reference.damage.items():
+        other = answers.damage[e]
+        if damage > 0.0 or other > 0.0:
+            both = damage > 0.0 and other > 0.0
+            starts = max(starts or LEAST_ERROR, abs(damage / other - 1.0) if both else 1.0)
+    return peak, starts
+
+
+def _timed_runs(once: Callable[[], _Answers], rounds: int) -> tuple[_Answers, float]:
+    """Answers and the median wall time of `rounds` runs; compiled code is warm by then."""
+    walls = []
+    for _ in range(max(rounds, 1)):
+        began = time.perf_counter()
+        answers = once()
+        walls.append(time.perf_counter() - began)
+    return answers, statistics.median(walls)
+
+
+# --- words ----------------------------------------------------------------------------------------
+
+
+def _checked(off: tuple[float, float | None]) -> str:
+    starts = "" if off[1] is None else f" and {off[1]:.1g} on starts"
+    return f"A second, coarser reference differs from it by {off[0]:.1g} on peaks{starts}. "
+
+
+def _timed(rounds: int) -> str:
+    runs = f"medians of {rounds} runs" if rounds > 1 else "of a single run"
+    return f"Times are {runs} in this process, on this machine, from model to peaks and starts."
+
+
+def _sentence(
+    case: CaseData, rows: list[AccuracyRow], ours: str, papers: str, papers_note: str
+) -> str:
+    """What was asked for, ten times better, and the paper's method: each with its cost."""
+    on_starts = any(r.error_starts is not None for r in rows if r.method == ours)
+    wanted = (
+        case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
+        if on_starts
+        else case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+    )
+    answer = "starts" if on_starts else "peak torques"
+    at = f"{100.0 * wanted:.3g} %"
+    return (
+        f"You asked for {at} on {answer}: {_cost(rows, ours, wanted, on_starts)}; "
+        f"{10.0 * wanted:.3g} % would cost {_cost(rows, ours, 0.1 * wanted, on_starts)}"
+        + (
+            f"; the paper's method at {at} costs {_cost(rows, papers, wanted, on_starts)}"
+            f"{papers_note}."
+            if any(r.method == papers for r in rows)
+            else "."
+        )
+    )
+
+
+def _cost(rows: list[AccuracyRow], method: str, wanted: float, on_starts: bool) -> str:
+    """Time of the cheapest measured setting that is good enough."""
+    tried = [
+        (r.error_starts if on_starts else r.error_peak, r.time) for r in rows if r.method == method
+    ]
+    enough = [wall for error, wall in tried if error is not None and error <= wanted]
+    if enough:
+        return _duration(min(enough))
+    slowest = max((wall for _, wall in tried), default=0.0)
+    return f"more than {_duration(slowest)} (the finest setting tried is not enough)"
+
+
+def _duration(seconds: float) -> str:
+    """In ms below a second, with two digits."""
+    if seconds < 1.0:
+        return f"{float(f'{1e3 * seconds:.2g}'):g} ms"
+    return f"{float(f'{seconds:.2g}'):g} s"

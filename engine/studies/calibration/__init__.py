@@ -1,0 +1,12 @@
+"""Which stiffnesses and inertias explain measured frequencies. All values in SI.
+
+===============  =================================================================================
+module           responsibility
+===============  =================================================================================
+`least_squares`  the least change of uncertain quantities that explains what was measured
+`inputs`         what a calibration is asked: uncertain quantities and measurements, checked and
+                 planned
+`calibration`    calibration: the least change of the uncertain quantities that explains what was
+                 measured
+===============  =================================================================================
+"""

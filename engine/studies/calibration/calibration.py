@@ -1,0 +1,897 @@
+"""Calibration: the least change of the uncertain quantities that explains what was measured.
+
+Uncertain are the rows of `Scatter` for stiffness, inertia and, where peak torques are measured,
+damping; their spread is the prior. A blank table means every stiffness ±10 % (normal). What the
+measurements then say, `engine.studies.calibration.least_squares` finds; here it is told in an engineer's words: which
+quantities the measurements determine and which they cannot, which measurements no change within the
+spread explains, and whether the margins may be judged as of measured frequencies.
+
+**When `MarginBasis` becomes measured.** The paper asks for 10 % where a natural frequency "is
+determined by actual measurement" and adds as much again "for calculation inaccuracies which can
+easily arise in the determination of shaft stiffness, mass inertia, degree of coupling-to-shaft fit".
+Those inaccuracies are what a calibration takes away, but only from the modes it reaches. So each mode
+whose margin is below the 20 % of calculated ones (for the others both rules agree) must be *known*:
+
+- measured directly to 2 % or better, or its prior variance reduced to a quarter or less by the
+  measurements,
+- and in either case known to a posterior standard deviation of at most 2 %: then the ten points given
+  up are five standard deviations of what is still unknown;
+
+and nothing that was measured may be left unexplained, as a model that contradicts a measurement says
+nothing of the modes between; nor may a measurement fit another mode almost as well. `MarginRequired` overrules either basis, as it does everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import Case, CaseData, case_digest
+from engine.case.study_inputs import (
+    StudyInputs,
+    study_digest,
+)
+from engine.operation.margins import MARGIN_BY_BASIS, MarginRow, SeparationMargins
+from engine.run import at_speed
+from engine.studies.calibration.inputs import CalibrationPlan, plan_calibration
+from engine.studies.calibration.least_squares import (
+    GATE,
+    EachStart,
+    FrequencyModel,
+    PeakModel,
+    Reading,
+    Solution,
+    Stopped,
+    Unknowns,
+    best_assignment,
+    distances,
+    followed,
+    solve,
+    unknowns_of,
+)
+from engine.studies.scatter import FROM_TO, NORMAL, Factor
+from engine.studies.variation import INERTIA, STIFFNESS, present
+
+__all__ = [
+    "CalibratedFrequency",
+    "CalibratedParameter",
+    "Calibration",
+    "DETERMINED",
+    "KNOWN_FREQUENCY",
+    "Measurement",
+    "calibrate",
+    "frequency_rows",
+    "margin_rows",
+    "measurement_rows",
+    "parameter_rows",
+]
+
+Floats = NDArray[np.float64]
+
+#: Share of the prior variance that measurements take away: from here on they determine a quantity,
+#: below the other they say next to nothing of it. [1]
+DETERMINED, UNTOUCHED = 0.75, 0.10
+#: Posterior standard deviation of a frequency that counts as known. [1]
+KNOWN_FREQUENCY = 0.02
+#: A residual of more standard deviations is not explained; nor is the whole below this probability.
+UNEXPLAINED, IMPROBABLE = 3.0, 0.01
+#: Two quantities correlated more than this are determined only together. [1]
+ONLY_TOGETHER = 0.9
+#: Modes that are shown beside those that are measured or decide a margin. [count]
+SHOWN_MODES = 10
+#: An assignment whose rival fits almost as well: difference of S, two standard deviations. [1]
+AMBIGUOUS = 4.0
+#: 95 % of a normal distribution. [1]
+TWO_SIDED = 1.959964
+
+
+@dataclass(frozen=True)
+class CalibratedParameter:
+    """One uncertain quantity, before and after.
+
+    Parameters
+    ----------
+    quantity : str
+        Stiffness, inertia, damping or damping ratio. [word]
+    name : str
+        Whose; several that change together are joined by commas. [name]
+    before, after : float or None
+        What the case says, and what explains the measurements best; None for several. [SI]
+    change : float
+        After over before, less 1. [1]
+    change_low, change_high : float
+        The same at the ends of its 95 % interval. [1]
+    prior_deviation, posterior_deviation : float
+        Standard deviation before and after measuring, over the value. [1]
+    reduction : float
+        Share of the variance that the measurements took away. [1]
+    pull : float
+        Change in prior standard deviations. [1]
+    determined : str
+        ``determined``, ``partly`` or ``not determined``. [word]
+    note : str
+        What a reader must know. [sentences]
+    """
+
+    quantity: str
+    name: str
+    before: float | None
+    after: float | None
+    change: float
+    change_low: float
+    change_high: float
+    prior_deviation: float
+    posterior_deviation: float
+    reduction: float
+    pull: float
+    determined: str
+    note: str
+
+
+@dataclass(frozen=True)
+class CalibratedFrequency:
+    """One elastic mode, before and after.
+
+    Parameters
+    ----------
+    mode : int
+        Of the case, counted from 1. [count]
+    calibrated_mode : int
+        Its number after calibration. [count]
+    before, after : float
+        Calculated frequency. [Hz]
+    prior_deviation, posterior_deviation : float
+        Standard deviation of it from the uncertain quantities, over the frequency. [1]
+    measured, uncertainty : float or None
+        What it was measured as; None = it was not. [Hz, 1]
+    mac : float
+        How far its shape is that of before: 1 the same, 0 another. [1]
+    known : bool
+        Whether a margin may take it as measured. [flag]
+    why : str
+        Why it may or may not. [words]
+    """
+
+    mode: int
+    calibrated_mode: int
+    before: float
+    after: float
+    prior_deviation: float
+    posterior_deviation: float
+    measured: float | None
+    uncertainty: float | None
+    mac: float
+    known: bool
+    why: str
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One measurement and what became of it.
+
+    Parameters
+    ----------
+    kind : str
+        ``frequency`` or ``peak torque``. [word]
+    row : int
+        Row of its table. [count]
+    of : str
+        Mode or element it was taken for; empty where there is none. [name]
+    measured : float
+        As typed. [Hz or N m]
+    uncertainty : float
+        Standard deviation over it. [1]
+    before, after : float or None
+        Calculated; None where it was taken for nothing. [Hz or N m]
+    residual_before, residual : float or None
+        Calculated minus measured over the standard deviation, before and after. [1]
+    left_out_residual : float or None
+        The residual if all others, and not it, had been used, in its standard deviations. [1]
+    used : bool
+        Whether it entered the calibration. [flag]
+    explained : bool
+        Whether a change within the spread explains it. [flag]
+    note : str
+        What to do about it. [sentences]
+    """
+
+    kind: str
+    row: int
+    of: str
+    measured: float
+    uncertainty: float
+    before: float | None
+    after: float | None
+    residual_before: float | None
+    residual: float | None
+    left_out_residual: float | None
+    used: bool
+    explained: bool
+    note: str
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What the measurements say of the case.
+
+    Parameters
+    ----------
+    parameters : tuple of CalibratedParameter
+        Every uncertain quantity. [rows]
+    frequencies : tuple of CalibratedFrequency
+        Modes of interest. [rows]
+    measurements : tuple of Measurement
+        Every measurement, frequencies first. [rows]
+    chi_square : float
+        Least sum of squares of changes and residuals. [1]
+    degrees : int
+        Measurements used, with which it is compared. [count]
+    probability : float
+        That chance alone makes it as large. [1]
+    explained : bool
+        Whether everything measured is explained within the spread. [flag]
+    margins_before, margins_after : tuple of MarginRow
+        Judged margins of the case, and of the calibrated one on its basis. [rows]
+    required_before, required_after : float
+        Required margin of each. [1]
+    basis_before, basis : str
+        ``calculated`` or ``measured``. [word]
+    basis_justified : bool
+        Whether the measurements justify ``measured``. [flag]
+    basis_reason : str
+        Why. [sentences]
+    calibrated : CaseData
+        The calibrated case. [SI]
+    starts : int
+        Starts calculated for the peak torques. [count]
+    complete : bool
+        False where it was stopped before the peak torques were used. [flag]
+    sentence : str
+        What it comes to. [sentences]
+    notes : tuple of str
+        What was assumed or left out. [sentences]
+    case_sha256, study_sha256 : str
+        Digests of the case and of the rows. [hex]
+    """
+
+    parameters: tuple[CalibratedParameter, ...]
+    frequencies: tuple[CalibratedFrequency, ...]
+    measurements: tuple[Measurement, ...]
+    chi_square: float
+    degrees: int
+    probability: float
+    explained: bool
+    margins_before: tuple[MarginRow, ...]
+    margins_after: tuple[MarginRow, ...]
+    required_before: float
+    required_after: float
+    basis_before: str
+    basis: str
+    basis_justified: bool
+    basis_reason: str
+    calibrated: CaseData
+    starts: int
+    complete: bool
+    sentence: str
+    notes: tuple[str, ...]
+    case_sha256: str
+    study_sha256: str
+
+
+# --- the calibration ------------------------------------------------------------------------------
+
+
+def calibrate(
+    case: CaseData,
+    studies: StudyInputs,
+    *,
+    each_start: EachStart = map,
+    on_progress: Callable[[int, int, str], None] | None = None,
+    should_stop: Callable[[], bool] | None = None,
+) -> Calibration:
+    """The least change of the uncertain quantities that explains the measurements.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    studies : StudyInputs
+        Its checked rows. [SI]
+    each_start : callable, optional
+        Does what `map` does with `maximum_torques`, perhaps in several processes.
+    on_progress : callable, optional
+        Called with the starts done, those of a bundle, and what is being done. [count, count, words]
+    should_stop : callable, optional
+        Asked before each bundle of starts; the frequencies alone are then explained. [flag]
+
+    Returns
+    -------
+    Calibration
+        Complete. [SI]
+    """
+    plan = plan_calibration(case, studies)
+    unknowns = unknowns_of(plan.factors)
+    model = FrequencyModel(case, unknowns)
+    assigned = best_assignment(model, plan.frequencies)
+    solution, peaks, complete = assigned.solution, None, True
+    if plan.peaks:
+
+        def told(done: int) -> None:
+            if on_progress is not None:
+                on_progress(done, plan.starts_at_once, "starts for the measured peak torques")
+
+        peaks = PeakModel(case, unknowns, plan.peaks, each_start, told, should_stop)
+        try:
+            solution = solve(model, plan.frequencies, solution.modes, peaks, solution.z)
+        except Stopped:
+            peaks, complete = None, False
+    found = _Found(case, plan, unknowns, model, solution, peaks)
+    return found.told(studies, assigned.rivals, complete)
+
+
+class _Found:
+    """A solution, told."""
+
+    def __init__(
+        self,
+        case: CaseData,
+        plan: CalibrationPlan,
+        unknowns: Unknowns,
+        model: FrequencyModel,
+        solution: Solution,
+        peaks: PeakModel | None,
+    ) -> None:
+        self.case, self.plan, self.unknowns = case, plan, unknowns
+        self.model, self.solution, self.peaks = model, solution, peaks
+        self.covariance = solution.covariance
+        self.prior = model.at(np.zeros(unknowns.number))
+        order, _ = followed(model.base.vectors, self.prior.vectors)
+        self.prior_spread = np.linalg.norm(model.gradient(self.prior), axis=1)[order]
+        slope = model.gradient(solution.state)[solution.order]
+        self.posterior = np.sqrt(np.einsum("ij,jk,ik->i", slope, self.covariance, slope))
+        mac = (model.base.vectors.T @ solution.state.vectors) ** 2
+        self.mac = mac[np.arange(len(solution.order)), solution.order]
+        self.used = sorted(solution.modes)
+
+    def told(
+        self,
+        studies: StudyInputs,
+        rivals: dict[int, tuple[int | None, float]],
+        complete: bool,
+    ) -> Calibration:
+        """The complete result."""
+        solution, case = self.solution, self.case
+        measurements = (*self._frequencies_measured(rivals), *self._peaks_measured())
+        chi_square, degrees = solution.least, len(solution.residual)
+        probability = _tail(chi_square, degrees)
+        explained = bool(measurements) and all(m.explained for m in measurements)
+        explained = explained and probability >= IMPROBABLE
+        changed = self.unknowns.changed(case, solution.z)
+        calculated = at_speed(Case(**(vars(changed) | {"margin_basis": "calculated"})))
+        frequencies = self._frequencies(calculated.margins)
+        doubt = self._doubt(rivals)
+        justified, reason = _basis(
+            case, frequencies, calculated.margins, explained, complete, doubt
+        )
+        calibrated = replace(changed, margin_basis="measured") if justified else changed
+        before, after = at_speed(Case(**vars(case))), at_speed(Case(**vars(calibrated)))
+        parameters = self._parameters()
+        notes = [*self.plan.notes]
+        if not complete:
+            notes.append("Stopped: the measured peak torques were not used.")
+        return Calibration(
+            parameters=parameters,
+            frequencies=frequencies,
+            measurements=measurements,
+            chi_square=chi_square,
+            degrees=degrees,
+            probability=probability,
+            explained=explained,
+            margins_before=before.margins.rows,
+            margins_after=after.margins.rows,
+            required_before=before.margins.required,
+            required_after=after.margins.required,
+            basis_before=case.margin_basis or "calculated",
+            basis=calibrated.margin_basis or "calculated",
+            basis_justified=justified,
+            basis_reason=reason,
+            calibrated=calibrated,
+            starts=0 if self.peaks is None else self.peaks.starts,
+            complete=complete,
+            sentence=_sentence(parameters, measurements, explained, probability),
+            notes=tuple(notes),
+            case_sha256=case_digest(case),
+            study_sha256=study_digest(
+                *studies.scatter, *studies.measured_frequencies, *studies.measured_peaks
+            ),
+        )
+
+    # --- parameters -------------------------------------------------------------------------------
+
+    def _parameters(self) -> tuple[CalibratedParameter, ...]:
+        """In the order of the plan."""
+        place = {f: j for j, f in enumerate(self.unknowns.factors)}
+        return tuple(self._parameter(place[f]) for f in self.plan.factors if f in place)
+
+    def _parameter(self, j: int) -> CalibratedParameter:
+        factor, sigma = self.unknowns.factors[j], float(self.unknowns.deviation[j])
+        z, variance = float(self.solution.z[j]), float(self.covariance[j, j])
+        posterior = sigma * math.sqrt(variance)
+        times = float(self.unknowns.factor(self.solution.z)[j])
+        reduction = min(max(1.0 - variance, 0.0), 1.0)
+        single = len(factor.names) == 1
+        before = present(self.case, factor.names[0], factor.quantity) if single else None
+        return CalibratedParameter(
+            quantity=factor.quantity,
+            name=", ".join(factor.names) or "all modes",
+            before=before,
+            after=None if before is None else before * times,
+            change=times - 1.0,
+            change_low=times * math.exp(-TWO_SIDED * posterior) - 1.0,
+            change_high=times * math.exp(TWO_SIDED * posterior) - 1.0,
+            prior_deviation=sigma,
+            posterior_deviation=posterior,
+            reduction=reduction,
+            pull=z,
+            determined=_determined(reduction),
+            note=" ".join(self._said(j, factor, times, reduction)),
+        )
+
+    def _said(self, j: int, factor: Factor, times: float, reduction: float) -> Iterator[str]:
+        low, high = _ends(factor)
+        if not low <= times <= high:
+            yield (
+                f"The change leaves what Scatter allows ({low - 1.0:+.0%} to {high - 1.0:+.0%}): check "
+                "its data, or the measurement."
+            )
+        elif abs(float(self.solution.z[j])) > 2.0:
+            yield "The change is more than two standard deviations of Scatter: check its data."
+        partner = self._partner(j)
+        if partner:
+            yield f"Known only together with {partner}: one may be larger if the other is smaller."
+        if reduction < UNTOUCHED:
+            yield "The measurements say next to nothing of it."
+
+    def _partner(self, j: int) -> str:
+        """The quantity it is most correlated with after measuring, if strongly."""
+        root = np.sqrt(np.diag(self.covariance))
+        correlation = np.abs(self.covariance[j] / (root * root[j]))
+        correlation[j] = 0.0
+        k = int(np.argmax(correlation)) if len(correlation) else 0
+        return self.unknowns.factors[k].label if correlation[k] > ONLY_TOGETHER else ""
+
+    # --- modes ------------------------------------------------------------------------------------
+
+    def _frequencies(self, margins: SeparationMargins) -> tuple[CalibratedFrequency, ...]:
+        measured = {mode: self.plan.frequencies[i] for i, mode in self.solution.modes.items()}
+        number = {int(at) + 1: mode for mode, at in enumerate(self.solution.order)}
+        limit = MARGIN_BY_BASIS["calculated"]
+        deciding = {number[r.mode] for r in margins.rows if r.margin < limit and r.mode in number}
+        twists = self.model.base.modes.twists[self.model.base.modes.n_rigid :]
+        first = [int(m) for m in np.flatnonzero(twists)[:SHOWN_MODES]]
+        return tuple(
+            self._frequency(mode, measured.get(mode))
+            for mode in sorted({*first, *measured, *deciding})
+        )
+
+    def _frequency(self, mode: int, reading: Reading | None) -> CalibratedFrequency:
+        at = int(self.solution.order[mode])
+        prior, posterior = float(self.prior_spread[mode]), float(self.posterior[mode])
+        reduction = 1.0 - (posterior / prior) ** 2 if prior > 0.0 else 0.0
+        uncertainty = None if reading is None else reading.uncertainty
+        known, why = _known(uncertainty, posterior, reduction)
+        return CalibratedFrequency(
+            mode=mode + 1,
+            calibrated_mode=at + 1,
+            before=float(self.model.base.frequency[mode]),
+            after=float(self.solution.state.frequency[at]),
+            prior_deviation=prior,
+            posterior_deviation=posterior,
+            measured=None if reading is None else reading.frequency,
+            uncertainty=None if reading is None else reading.uncertainty,
+            mac=min(float(self.mac[mode]), 1.0),
+            known=known,
+            why=why,
+        )
+
+    def _doubt(self, rivals: dict[int, tuple[int | None, float]]) -> str:
+        """Which measurement could be of another mode as well; empty where none could."""
+        said = [
+            f"the {self.plan.frequencies[i].frequency:.4g} Hz of row {self.plan.frequencies[i].row} "
+            f"could be mode {rival + 1} as well as mode {mode + 1}"
+            for i, mode in sorted(self.solution.modes.items())
+            if (rival := rivals.get(i, (None, math.inf))[0]) is not None
+            and rivals[i][1] < AMBIGUOUS
+        ]
+        return "; ".join(said)
+
+    # --- measurements -----------------------------------------------------------------------------
+
+    def _frequencies_measured(
+        self, rivals: dict[int, tuple[int | None, float]]
+    ) -> Iterator[Measurement]:
+        by_row = sorted(
+            range(len(self.plan.frequencies)), key=lambda i: self.plan.frequencies[i].row
+        )
+        left_out = self.solution.left_out_residual
+        for i in by_row:
+            reading = self.plan.frequencies[i]
+            if i not in self.solution.modes:
+                yield self._unused(reading)
+                continue
+            mode, place = self.solution.modes[i], self.used.index(i)
+            before = float(self.model.base.frequency[mode])
+            residual, own = float(self.solution.residual[place]), float(left_out[place])
+            explained = abs(own) <= UNEXPLAINED
+            yield Measurement(
+                kind="frequency",
+                row=reading.row,
+                of=f"mode {mode + 1}",
+                measured=reading.frequency,
+                uncertainty=reading.uncertainty,
+                before=before,
+                after=float(self.solution.state.frequency[self.solution.order[mode]]),
+                residual_before=(before / reading.frequency - 1.0) / reading.uncertainty,
+                residual=residual,
+                left_out_residual=own,
+                used=True,
+                explained=explained,
+                note=" ".join(self._of_a_mode(i, mode, own, explained, rivals)),
+            )
+
+    def _of_a_mode(
+        self,
+        i: int,
+        mode: int,
+        own: float,
+        explained: bool,
+        rivals: dict[int, tuple[int | None, float]],
+    ) -> Iterator[str]:
+        if not explained:
+            yield (
+                f"Not explained: by the other measurements and the spread it is {abs(own):.1f} "
+                "standard deviations off. Check its mode and its value, or widen Scatter."
+            )
+        at = int(self.solution.order[mode])
+        if at != mode:
+            yield f"After calibration this shape is mode {at + 1}."
+        if self.mac[mode] < 0.5:
+            yield "Its shape has changed beyond recognition: check which mode was measured."
+        rival, worse = rivals.get(i, (None, math.inf))
+        if worse < AMBIGUOUS and rival is not None:
+            yield (
+                f"It could be mode {rival + 1} as well: the misfit would be larger by {worse:.1f} "
+                "only. State its mode, from measured phases or the place of the sensor."
+            )
+
+    def _unused(self, reading: Reading) -> Measurement:
+        """A frequency that was taken for no mode, with the reason."""
+        return Measurement(
+            kind="frequency",
+            row=reading.row,
+            of="",
+            measured=reading.frequency,
+            uncertainty=reading.uncertainty,
+            before=None,
+            after=None,
+            residual_before=None,
+            residual=None,
+            left_out_residual=None,
+            used=False,
+            explained=False,
+            note=self._why_unused(reading),
+        )
+
+    def _why_unused(self, reading: Reading) -> str:
+        """The nearest mode it could have been, and what is against it."""
+        base = self.model.base
+        order, _ = followed(base.vectors, self.prior.vectors)
+        near = distances([reading], self.prior.frequency[order], self.prior_spread)[0]
+        candidates = np.flatnonzero(base.modes.twists[base.modes.n_rigid :]).tolist()
+        if reading.mode is not None:
+            candidates = [reading.mode]
+        if not candidates:
+            return "Not used: the train has no elastic mode that it could be."
+        mode = int(min(candidates, key=lambda m: float(near[m])))
+        calculated, off = f"{base.frequency[mode]:.4g} Hz", f"{near[mode]:.1f} standard deviations"
+        if reading.mode is not None:
+            return (
+                f"Not used: mode {mode + 1} is calculated at {calculated}, and no change within the "
+                f"spread brings it there ({off}). Correct Mode or Frequency, or widen Scatter."
+            )
+        if near[mode] <= GATE:
+            taken = next((k for k, m in self.solution.modes.items() if m == mode), None)
+            if taken is None:
+                return (
+                    f"Not used: the mode nearest to it, mode {mode + 1}, is calculated at {calculated} "
+                    f"({off}), but the changes that bring it there, beside all else that was measured, "
+                    "are less likely than a wrong value. Check it, state its mode, or widen Scatter."
+                )
+            other = self.plan.frequencies[taken]
+            return (
+                f"Not used: the mode nearest to it, mode {mode + 1} at {calculated}, is taken by the "
+                f"{other.frequency:.4g} Hz of row {other.row}, which fits better, and a mode has one "
+                "frequency. Delete one, or state its mode."
+            )
+        if reading.frequency > float(np.max(base.frequency)):
+            return (
+                "Not used: it lies above the highest mode of the model, mode "
+                f"{len(base.frequency)} at {base.frequency[-1]:.4g} Hz. A model of lumped inertias has "
+                "no mode there; divide shafts (give Density) or delete the row."
+            )
+        return (
+            f"Not used: no mode can be there. The nearest, mode {mode + 1}, is calculated at "
+            f"{calculated}, and no change within the spread brings it there ({off}). Check that it is "
+            "a torsional natural frequency, or widen Scatter of what you trust least."
+        )
+
+    def _peaks_measured(self) -> Iterator[Measurement]:
+        left_out, first = self.solution.left_out_residual, len(self.used)
+        for place in sorted(range(len(self.plan.peaks)), key=lambda i: self.plan.peaks[i].row):
+            reading = self.plan.peaks[place]
+            if self.peaks is None:
+                yield Measurement(
+                    "peak torque", reading.row, reading.element, reading.torque,
+                    reading.uncertainty, None, None, None, None, None, False, False,
+                    "Not used: stopped before.",
+                )  # fmt: skip
+                continue
+            base = self.peaks.at([-self.unknowns.centre / self.unknowns.deviation])[0]
+            before, own = float(base[place]), float(left_out[first + place])
+            explained = abs(own) <= UNEXPLAINED
+            yield Measurement(
+                kind="peak torque",
+                row=reading.row,
+                of=reading.element,
+                measured=reading.torque,
+                uncertainty=reading.uncertainty,
+                before=before,
+                after=float(self.solution.torque[place]),
+                residual_before=(before / reading.torque - 1.0) / reading.uncertainty,
+                residual=float(self.solution.residual[first + place]),
+                left_out_residual=own,
+                used=True,
+                explained=explained,
+                note=""
+                if explained
+                else (
+                    f"Not explained: {abs(own):.1f} standard deviations off what the other "
+                    "measurements and the spread allow. Torque curves, voltage or damping may differ "
+                    "from the case: they are not calibrated unless Scatter names damping."
+                ),
+            )
+
+
+def _ends(factor: Factor) -> tuple[float, float]:
+    """What a distribution allows; a normal one has no ends."""
+    if factor.distribution == NORMAL:
+        return 0.0, math.inf
+    if factor.distribution == FROM_TO:
+        return factor.from_, factor.to
+    return 1.0 - factor.spread, 1.0 + factor.spread
+
+
+def _determined(reduction: float) -> str:
+    if reduction >= DETERMINED:
+        return "determined"
+    return "partly" if reduction >= UNTOUCHED else "not determined"
+
+
+def _known(uncertainty: float | None, deviation: float, reduction: float) -> tuple[bool, str]:
+    """Whether a mode counts as measured, and why; a small prior spread alone makes none known."""
+    sure, measured = f"known to ±{100.0 * deviation:.2g} %", uncertainty is not None
+    close = uncertainty is not None and uncertainty <= KNOWN_FREQUENCY
+    how = "measured" if measured else "determined by the other measurements"
+    if close or reduction >= DETERMINED:
+        if deviation <= KNOWN_FREQUENCY:
+            return True, f"{how}, {sure}"
+        return False, f"{how}, but {sure} only"
+    if uncertainty is None:
+        return False, f"not measured, {sure}"
+    if deviation > KNOWN_FREQUENCY:
+        return False, f"measured, but {sure} only"
+    return False, f"measured to ±{100.0 * uncertainty:.2g} % only; it is {sure} by Scatter alone"
+
+
+def _tail(chi_square: float, degrees: int) -> float:
+    """Probability that χ² of so many degrees is as large by chance."""
+    from scipy.special import gammaincc
+
+    return float(gammaincc(0.5 * degrees, 0.5 * chi_square)) if degrees else 1.0
+
+
+def _basis(
+    case: CaseData,
+    frequencies: Sequence[CalibratedFrequency],
+    margins: SeparationMargins,
+    explained: bool,
+    complete: bool,
+    doubt: str,
+) -> tuple[bool, str]:
+    """Whether MarginBasis becomes measured, and why."""
+    if case.margin_required is not None:
+        return False, (
+            f"MarginRequired states {case.margin_required:.1%}: MarginBasis does not decide."
+        )
+    limit = MARGIN_BY_BASIS["calculated"]
+    at = {f.calibrated_mode: f for f in frequencies}
+    least: dict[int, float] = {}
+    for row in margins.rows:
+        if row.margin < limit:
+            least[row.mode] = min(row.margin, least.get(row.mode, math.inf))
+    stays = "MarginBasis stays as it is"
+    if case.margin_basis == "measured":
+        stays = "The case says measured already, which this calibration does not bear out"
+    if not complete:
+        return False, f"{stays}: the calibration was stopped."
+    if not explained:
+        return False, (
+            f"{stays}: a measurement is not explained, and a model that contradicts a measurement "
+            "says nothing of the other modes."
+        )
+    if not least:
+        return False, (
+            f"MarginBasis stays as it is: every margin keeps the {limit:.0%} of calculated frequencies."
+        )
+    if doubt:
+        return (
+            False,
+            f"{stays}: {doubt}. State its mode, from measured phases or the sensor's place.",
+        )
+    said = [
+        f"mode {at[m].mode} ({at[m].after:.4g} Hz, margin {margin:.1%}): {at[m].why}"
+        for m, margin in sorted(least.items())
+    ]
+    unknown = [m for m in least if not at[m].known]
+    if unknown:
+        which = ", ".join(str(at[m].mode) for m in sorted(unknown))
+        return False, (
+            f"{stays}: {'; '.join(said)}. Measure mode {which} to judge its margin by "
+            f"{MARGIN_BY_BASIS['measured']:.0%}."
+        )
+    already = "is borne out" if case.margin_basis == "measured" else "becomes measured"
+    return True, (
+        f"MarginBasis {already}: every mode with a margin below {limit:.0%} is known to "
+        f"{KNOWN_FREQUENCY:.0%} or better, and everything measured is explained: {'; '.join(said)}."
+    )
+
+
+def _sentence(
+    parameters: Sequence[CalibratedParameter],
+    measurements: Sequence[Measurement],
+    explained: bool,
+    probability: float,
+) -> str:
+    used = [m for m in measurements if m.used]
+    if not used:
+        return "Nothing was calibrated: none of the measurements could be used."
+    if not parameters:
+        return "Nothing was calibrated: nothing is uncertain."
+    largest = max(parameters, key=lambda p: abs(p.change))
+    sure = [p for p in parameters if p.determined == "determined"]
+    said = [
+        f"{len(used)} of {len(measurements)} measurement"
+        f"{' is' if len(measurements) == 1 else 's are'} used.",
+        f"Largest change: {largest.quantity} of {largest.name}, {largest.change:+.1%}."
+        if abs(largest.change) >= 5e-4
+        else "The case explains them as it is: nothing changes.",
+        f"They determine {len(sure)} of {len(parameters)} uncertain quantities.",
+    ]
+    if explained:
+        said.append(f"Everything is explained within the spread (χ² test: {probability:.0%}).")
+    elif probability < IMPROBABLE:
+        said.append(
+            f"Not explained: chance makes a misfit as large only once in {1.0 / max(probability, 1e-9):.2g} "
+            "times (χ² test). See the notes of the measurements."
+        )
+    else:
+        said.append("Not every measurement is explained; see their notes.")
+    return " ".join(said)
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+
+def parameter_rows(found: Calibration) -> list[dict[str, Any]]:
+    """Rows of `CalibratedParameters`.
+
+    Parameters
+    ----------
+    found : Calibration
+        The calibration. [SI]
+
+    Returns
+    -------
+    list of dict
+        Under their JSON keys. [SI]
+    """
+    keys = {
+        STIFFNESS: ("stiffness", "calibrated_stiffness"),
+        INERTIA: ("inertia", "calibrated_inertia"),
+    }
+    return [
+        asdict(p) | dict(zip(keys.get(p.quantity, ()), (p.before, p.after), strict=False))
+        for p in found.parameters
+    ]
+
+
+def frequency_rows(found: Calibration) -> list[dict[str, Any]]:
+    """Rows of `CalibratedFrequencies`.
+
+    Parameters
+    ----------
+    found : Calibration
+        The calibration. [SI]
+
+    Returns
+    -------
+    list of dict
+        Under their JSON keys. [Hz, 1]
+    """
+    return [asdict(f) | {"change": f.after / f.before - 1.0} for f in found.frequencies]
+
+
+def measurement_rows(found: Calibration, kind: str) -> list[dict[str, Any]]:
+    """Rows of `FrequencyFit` or `PeakFit`.
+
+    Parameters
+    ----------
+    found : Calibration
+        The calibration. [SI]
+    kind : str
+        ``frequency`` or ``peak torque``. [word]
+
+    Returns
+    -------
+    list of dict
+        Under their JSON keys. [Hz or N m, 1]
+    """
+    rows = [asdict(m) for m in found.measurements if m.kind == kind]
+    name = "mode" if kind == "frequency" else "element"
+    return [{name: row.pop("of")} | {k: v for k, v in row.items() if k != "kind"} for row in rows]
+
+
+def margin_rows(found: Calibration) -> list[dict[str, Any]]:
+    """Rows of `CalibratedMargins`: least margin of each mode before and after.
+
+    Parameters
+    ----------
+    found : Calibration
+        The calibration. [1]
+
+    Returns
+    -------
+    list of dict
+        Under their JSON keys. [Hz, 1]
+    """
+    number = {f.calibrated_mode: f.mode for f in found.frequencies}
+    before: dict[int, MarginRow] = {}
+    after: dict[int, MarginRow] = {}
+    for row in found.margins_before:
+        before[row.mode] = min(before.get(row.mode, row), row, key=lambda r: r.margin)
+    for row in found.margins_after:
+        mode = number.get(row.mode)
+        if mode is not None:
+            after[mode] = min(after.get(mode, row), row, key=lambda r: r.margin)
+    return [
+        {
+            "mode": f.mode,
+            "frequency_before": before[f.mode].mode_frequency,
+            "excitation_before": before[f.mode].excitation,
+            "margin_before": before[f.mode].margin,
+            "required_before": before[f.mode].required,
+            "verdict_before": before[f.mode].verdict,
+            "frequency": after[f.mode].mode_frequency,
+            "excitation": after[f.mode].excitation,
+            "margin": after[f.mode].margin,
+            "required": after[f.mode].required,
+            "verdict": after[f.mode].verdict,
+        }
+        for f in found.frequencies
+        if f.mode in before and f.mode in after
+    ]

@@ -1,0 +1,284 @@
+"""What a calibration is asked: uncertain quantities and measurements, checked and planned."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from engine.case.data import CaseData
+from engine.case.study_inputs import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
+from engine.errors import Problem
+from engine.model.modes import natural_modes
+from engine.start.start import has_start
+from engine.studies.calibration.least_squares import PeakReading, Reading
+from engine.studies.scatter import FROM_TO, NORMAL, Factor, factors_of, scatter_problems
+from engine.studies.variation import DAMPING, DAMPING_RATIO, INERTIA, STIFFNESS, names_with
+
+__all__ = ["CalibrationPlan", "DEFAULT_SPREAD", "calibration_problems", "plan_calibration"]
+
+FREQUENCIES, PEAKS = "MeasuredFrequencies", "MeasuredPeaks"
+#: Spread of every stiffness where `Scatter` has none of stiffness or inertia: normal. [1]
+DEFAULT_SPREAD = 0.10
+#: Uncertainty of a measured frequency and of a peak torque where it is blank. [1]
+DEFAULT_FREQUENCY_UNCERTAINTY, DEFAULT_PEAK_UNCERTAINTY = 0.01, 0.05
+#: Quantities that move a frequency, and those that only move a peak torque.
+OF_FREQUENCIES, OF_PEAKS = (STIFFNESS, INERTIA), (DAMPING, DAMPING_RATIO)
+
+
+@dataclass(frozen=True)
+class CalibrationPlan:
+    """What is uncertain, what was measured, and what it costs.
+
+    Parameters
+    ----------
+    factors : tuple of Factor
+        Uncertain quantities. [1]
+    frequencies : tuple of Reading
+        Measured frequencies. [Hz]
+    peaks : tuple of PeakReading
+        Measured peak torques. [N m]
+    starts_at_once : int
+        Starts of one bundle, that may run side by side; 0 without measured peaks. [count]
+    notes : tuple of str
+        What was assumed or left out. [sentences]
+    """
+
+    factors: tuple[Factor, ...]
+    frequencies: tuple[Reading, ...]
+    peaks: tuple[PeakReading, ...]
+    starts_at_once: int
+    notes: tuple[str, ...]
+
+
+# --- what was typed -------------------------------------------------------------------------------
+
+
+def calibration_problems(
+    case: CaseData,
+    studies: StudyInputs,
+    bad_cells: frozenset[tuple[str, int | None, str]] = frozenset(),
+) -> tuple[Problem, ...]:
+    """Everything wrong with the measurements and the uncertain quantities.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    studies : StudyInputs
+        Its rows. [SI]
+    bad_cells : frozenset of (table, row, column)
+        Cells the reader has already reported; nothing is said of them again. [names]
+
+    Returns
+    -------
+    tuple of Problem
+        Empty if the case may be calibrated; at most one problem a cell. [count]
+    """
+    found: dict[tuple[str, int | None, str], Problem] = {}
+    for problem in _problems(case, studies):
+        place = (problem.table, problem.row, problem.column)
+        if place not in bad_cells:
+            found.setdefault(place, problem)
+    return tuple(found.values())
+
+
+def _problems(case: CaseData, studies: StudyInputs) -> Iterator[Problem]:
+    if studies.scatter:
+        yield from scatter_problems(case, studies.scatter)
+    if not studies.measured_frequencies and not studies.measured_peaks:
+        yield Problem(
+            FREQUENCIES,
+            None,
+            "",
+            None,
+            "at least one measurement",
+            "nothing was measured: tables MeasuredFrequencies and MeasuredPeaks are empty. Type the "
+            "measured natural frequencies, or peak torques of a measured start.",
+        )
+    yield from _frequency_problems(case, studies.measured_frequencies)
+    yield from _peak_problems(case, studies.measured_peaks)
+
+
+def _frequency_problems(case: CaseData, rows: Sequence[MeasuredFrequencyRow]) -> Iterator[Problem]:
+    n_elastic = len(natural_modes(case).modes.elastic_frequency) if rows else 0
+    first: dict[int, int] = {}
+    for number, row in enumerate(rows, start=1):
+        yield from _positive(FREQUENCIES, number, "Frequency", row.frequency, "Hz", "a frequency")
+        yield from _uncertainty(FREQUENCIES, number, row.uncertainty)
+        if row.mode is None:
+            continue
+        if not 1 <= row.mode <= n_elastic:
+            yield Problem(
+                FREQUENCIES,
+                number,
+                "Mode",
+                row.mode,
+                f"from 1 to {n_elastic}, or blank",
+                f"found {row.mode}; it must be from 1 to {n_elastic}, as the train has {n_elastic} "
+                "elastic modes, or blank. See sheet Frequencies.",
+            )
+        elif row.mode in first:
+            yield Problem(
+                FREQUENCIES,
+                number,
+                "Mode",
+                row.mode,
+                "a mode that no other row names",
+                f"found {row.mode}, which row {first[row.mode]} names too: a mode has one "
+                "frequency. Keep the better measurement, or type their mean with its uncertainty.",
+            )
+        first.setdefault(row.mode, number)
+
+
+def _peak_problems(case: CaseData, rows: Sequence[MeasuredPeakRow]) -> Iterator[Problem]:
+    if rows and not has_start(case):
+        yield Problem(
+            PEAKS,
+            None,
+            "",
+            None,
+            "a case with a motor torque curve",
+            "the case has no rows in table MotorTorque, so there is no start whose peak torques could "
+            "be compared. Give the motor's torque curve, or clear table MeasuredPeaks.",
+        )
+    names = {e.element for e in case.elements}
+    first: dict[str, int] = {}
+    for number, row in enumerate(rows, start=1):
+        yield from _positive(
+            PEAKS, number, "Maximum torque", row.maximum_torque, "N m", "a peak torque"
+        )
+        yield from _uncertainty(PEAKS, number, row.uncertainty)
+        if not row.element or row.element not in names:
+            said = "the cell is blank" if not row.element else f"found '{row.element}'"
+            yield Problem(
+                PEAKS,
+                number,
+                "Element",
+                row.element,
+                "an element of table Elements",
+                f"{said}; it must be an element of table Elements. Name the one where the torque was "
+                "measured.",
+            )
+        elif row.element in first:
+            yield Problem(
+                PEAKS,
+                number,
+                "Element",
+                row.element,
+                "an element that no other row names",
+                f"found '{row.element}', which row {first[row.element]} names too. Keep one of them.",
+            )
+        first.setdefault(str(row.element), number)
+
+
+def _positive(
+    table: str, row: int, column: str, value: float | None, unit: str, what: str
+) -> Iterator[Problem]:
+    if value is None:
+        said = "the cell is blank"
+    elif not (math.isfinite(value) and value > 0.0):
+        said = f"found {value:.6g} {unit}"
+    else:
+        return
+    yield Problem(
+        table,
+        row,
+        column,
+        value,
+        "positive",
+        f"{said}; it must be positive. Type {what} as it was measured, or clear the row.",
+    )
+
+
+def _uncertainty(table: str, row: int, value: float | None) -> Iterator[Problem]:
+    if value is not None and not 1e-6 <= value < 1.0:
+        yield Problem(
+            table,
+            row,
+            "Uncertainty",
+            value,
+            "from 0.0001 % to below 100 %, or blank",
+            f"found {value:.6g}; it must be from 0.0001 % to below 100 %, or blank. It is one standard "
+            "deviation over the value: write 1 % or 0.01.",
+        )
+
+
+# --- the plan -------------------------------------------------------------------------------------
+
+
+def plan_calibration(case: CaseData, studies: StudyInputs) -> CalibrationPlan:
+    """What is uncertain and what was measured.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    studies : StudyInputs
+        Its checked rows. [SI]
+
+    Returns
+    -------
+    CalibrationPlan
+        Factors and measurements. [SI]
+    """
+    factors, notes = _factors(case, studies)
+    frequencies = tuple(
+        Reading(
+            float(row.frequency or 0.0),
+            row.uncertainty or DEFAULT_FREQUENCY_UNCERTAINTY,
+            None if row.mode is None else row.mode - 1,
+            number,
+        )
+        for number, row in enumerate(studies.measured_frequencies, start=1)
+    )
+    peaks = tuple(
+        PeakReading(
+            str(row.element),
+            float(row.maximum_torque or 0.0),
+            row.uncertainty or DEFAULT_PEAK_UNCERTAINTY,
+            number,
+        )
+        for number, row in enumerate(studies.measured_peaks, start=1)
+    )
+    return CalibrationPlan(
+        factors=factors,
+        frequencies=tuple(sorted(frequencies, key=lambda r: (r.frequency, r.uncertainty))),
+        peaks=tuple(sorted(peaks, key=lambda r: r.element)),
+        starts_at_once=2 * len(factors) if peaks else 0,
+        notes=notes,
+    )
+
+
+def _factors(case: CaseData, studies: StudyInputs) -> tuple[tuple[Factor, ...], tuple[str, ...]]:
+    """Uncertain quantities, and what was assumed of them."""
+    wanted = (*OF_FREQUENCIES, *OF_PEAKS) if studies.measured_peaks else OF_FREQUENCIES
+    typed = [f for f in factors_of(case, studies.scatter) if f.scatters]
+    kept = tuple(f for f in typed if f.quantity in wanted)
+    left_out = sorted({f.quantity for f in typed} - set(wanted))
+    notes = []
+    if not any(f.quantity in OF_FREQUENCIES for f in kept):
+        row = ScatterRow(None, STIFFNESS, NORMAL, DEFAULT_SPREAD)
+        default = factors_of(case, (row,)) if names_with(case, STIFFNESS) else ()
+        kept = (*default, *kept)
+        why = "has no stiffness or inertia" if studies.scatter else "is blank"
+        notes.append(
+            f"Table Scatter {why}: every stiffness is taken to be uncertain by "
+            f"±{DEFAULT_SPREAD:.0%} (one standard deviation), each for itself."
+        )
+    if left_out:
+        notes.append(
+            f"Scatter of {', '.join(left_out)} is not calibrated: "
+            + (
+                "only stiffness, inertia and damping are."
+                if studies.measured_peaks
+                else "frequencies do not tell it. Measured peak torques would tell of damping."
+            )
+        )
+    for f in kept:
+        if f.distribution == FROM_TO and abs(0.5 * (f.from_ + f.to) - 1.0) > 1e-9:
+            notes.append(
+                f"{f.label}: from {f.from_:g} to {f.to:g} is not about 1; the least change is counted "
+                f"from its middle, {0.5 * (f.from_ + f.to):g} times what the case says."
+            )
+    return kept, tuple(notes)

@@ -1,0 +1,754 @@
+"""The least change of uncertain quantities that explains what was measured.
+
+Each uncertain quantity is a factor exp(x) on what the case says, so that stiffness and inertia stay
+positive; x = μ + σ z, with the prior of z the standard normal. Wanted is the most probable z,
+
+    S(z) = Σ zⱼ² + Σ ((fᵢ(z) − fᵢ measured)/σᵢ)² + Σ ((Tᵢ(z) − Tᵢ measured)/σᵢ)²  →  least,
+
+by `scipy.optimize.least_squares` (Gauss-Newton in a trust region). Frequencies have exact
+derivatives from their energies (Rayleigh): ∂ ln f/∂ ln k = ½ strain share of the element, ∂ ln f/∂ ln J
+= −½ kinetic share of the station. Those of peak torques are central differences of whole starts. At
+the least, (I + JᵀJ)⁻¹ is the covariance of z (Laplace's approximation, exact for small scatter).
+
+Modes are followed by their shapes: modal assurance criterion MAC = (vᵢ · wⱼ)² of mass-weighted unit
+vectors, one to one, from each accepted step to the next, so that two modes that change order keep
+their measurements.
+
+References
+----------
+Tarantola, Inverse Problem Theory (2005), chapter 3 (least squares with a prior); Friswell and
+Mottershead, Finite Element Model Updating (1995), chapters 4 and 8; Kuhn, Nav. Res. Logist. Q. 2
+(1955) 83 (assignment).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import CaseData
+from engine.errors import ModelError
+from engine.model.modes import Modes, modes_of
+from engine.model.train import Train, build_train
+from engine.run import analyse, planned_start
+from engine.start.start import DEFAULT_TOLERANCE_PEAK
+from engine.studies.scatter import NORMAL, Factor, changes_of
+from engine.studies.variation import INERTIA, STIFFNESS, changed
+
+__all__ = [
+    "Assigned",
+    "EachStart",
+    "FrequencyModel",
+    "GATE",
+    "PeakModel",
+    "PeakReading",
+    "Reading",
+    "Solution",
+    "State",
+    "Stopped",
+    "Unknowns",
+    "assign",
+    "best_assignment",
+    "distances",
+    "followed",
+    "maximum_torques",
+    "solve",
+    "unknowns_of",
+]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: A measurement this many standard deviations off what the prior allows is taken for no mode. [1]
+GATE = 4.0
+#: Peak torques are calculated at least this accurately, as their differences are taken. [1]
+PEAK_ACCURACY = 2e-4
+#: Half the step of these differences: in prior standard deviations, and at least in ln. [1]
+PEAK_STEP, LEAST_PEAK_STEP = 0.1, 2e-3
+#: `scipy.optimize.least_squares` ends below these; with peaks, whose noise is larger, below those. [1]
+EXACT, NOISY = 1e-12, 1e-5
+#: Most steps of it where each one costs starts.
+NOISY_STEPS = 15
+
+
+class Stopped(Exception):  # noqa: N818 - it is an answer, no error
+    """Whoever asked for the calibration wants it no more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """Uncertain quantities with their prior.
+
+    Parameters
+    ----------
+    factors : tuple of Factor
+        One an unknown. [1]
+    centre, deviation : ndarray, shape (n_unknowns,)
+        Mean and standard deviation of the logarithm of each factor. [1]
+    """
+
+    factors: tuple[Factor, ...]
+    centre: Floats
+    deviation: Floats
+
+    @property
+    def number(self) -> int:
+        """How many. [count]"""
+        return len(self.factors)
+
+    def factor(self, z: Floats) -> Floats:
+        """What each quantity is multiplied by.
+
+        Parameters
+        ----------
+        z : ndarray, shape (n_unknowns,)
+            In prior standard deviations. [1]
+
+        Returns
+        -------
+        ndarray, shape (n_unknowns,)
+            Positive. [1]
+        """
+        return np.asarray(np.exp(self.centre + self.deviation * z))
+
+    def changed(self, case: CaseData, z: Floats) -> CaseData:
+        """The case with its uncertain quantities changed.
+
+        Parameters
+        ----------
+        case : CaseData
+            The case. [SI]
+        z : ndarray, shape (n_unknowns,)
+            In prior standard deviations. [1]
+
+        Returns
+        -------
+        CaseData
+            The changed case, not yet checked. [SI]
+        """
+        return changed(case, changes_of(self.factors, self.factor(z)))
+
+
+def unknowns_of(factors: Sequence[Factor]) -> Unknowns:
+    """The prior of each factor as that of its logarithm.
+
+    Standard deviation: `spread` of a normal distribution, half width/√3 of a uniform and /√6 of a
+    triangular one; from-to is uniform about the middle of its ends, which need not be 1. Over its
+    mean it is that of the logarithm, as far as it is small.
+
+    Parameters
+    ----------
+    factors : sequence of Factor
+        In any order. [1]
+
+    Returns
+    -------
+    Unknowns
+        Those that scatter, in an order of their own, so that rows may come in any. [1]
+    """
+    kept = sorted((f for f in factors if f.scatters), key=lambda f: (f.quantity, f.names))
+    middle = np.array([0.5 * (f.from_ + f.to) for f in kept])
+    width = np.array([f.spread if f.distribution == NORMAL else f.deviation for f in kept])
+    return Unknowns(tuple(kept), np.log(middle), width / middle)
+
+
+# --- frequencies ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Modes of the changed train.
+
+    Parameters
+    ----------
+    case : CaseData
+        The changed case. [SI]
+    train : Train
+        Its train. [SI]
+    modes : Modes
+        Its modes. [SI]
+    vectors : ndarray, shape (n_dof, n_elastic)
+        Elastic mode shapes weighted by the root of the inertia: orthonormal. [1]
+    """
+
+    case: CaseData
+    train: Train
+    modes: Modes
+    vectors: Floats
+
+    @property
+    def frequency(self) -> Floats:
+        """Elastic natural frequencies, shape (n_elastic,). [Hz]"""
+        return self.modes.elastic_frequency
+
+
+class FrequencyModel:
+    """Natural frequencies against the unknowns; shafts keep the segments of the case itself.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    unknowns : Unknowns
+        What may change. [1]
+    """
+
+    def __init__(self, case: CaseData, unknowns: Unknowns) -> None:
+        analysed = analyse(case)
+        self.case, self.unknowns = case, unknowns
+        self._segments = dict(analysed.found.segments)
+        self._lateral = bool(analysed.reported.train.bodies)
+        self.base = self._state(case)
+
+    def _state(self, case: CaseData) -> State:
+        train = build_train(case, self._segments, lateral=self._lateral)
+        modes = modes_of(train)
+        shape = modes.shape[:, modes.n_rigid :]
+        return State(case, train, modes, np.sqrt(train.inertia)[:, None] * shape)
+
+    def at(self, z: Floats) -> State:
+        """Modes of the changed train.
+
+        Parameters
+        ----------
+        z : ndarray, shape (n_unknowns,)
+            In prior standard deviations. [1]
+
+        Returns
+        -------
+        State
+            Its modes. [SI]
+        """
+        return self._state(self.unknowns.changed(self.case, z))
+
+    def gradient(self, state: State) -> Floats:
+        """Change of ln f with each unknown, from the energies of the modes.
+
+        Parameters
+        ----------
+        state : State
+            Where. [SI]
+
+        Returns
+        -------
+        ndarray, shape (n_elastic, n_unknowns)
+            ∂ ln f/∂z; 0 for damping. [1]
+        """
+        modes, train = state.modes, state.train
+        elastic = slice(modes.n_rigid, None)
+        found = np.zeros((len(state.frequency), self.unknowns.number))
+        row = {e: i for i, e in enumerate(train.elements)}
+        own = {str(s.station): s.inertia or 0.0 for s in state.case.stations}
+        for j, factor in enumerate(self.unknowns.factors):
+            for name in factor.names:
+                if factor.quantity == STIFFNESS:
+                    found[:, j] += 0.5 * modes.strain_share[row[name], elastic]
+                elif factor.quantity == INERTIA:
+                    i = train.station_index(name)
+                    turn = train.node_scale[i] * modes.shape[train.node_dof[i], elastic]
+                    found[:, j] -= 0.5 * own[name] * turn**2  # its own, not that of a shaft's end
+        return found * self.unknowns.deviation
+
+
+def followed(reference: Floats, vectors: Floats) -> tuple[Ints, Floats]:
+    """Which mode of one train is which of another, by shape.
+
+    Parameters
+    ----------
+    reference, vectors : ndarray, shape (n_dof, n_elastic)
+        Mass-weighted shapes. [1]
+
+    Returns
+    -------
+    ndarray of int, shape (n_elastic,)
+        Number of the mode that each one of the reference has become. [index]
+    ndarray, shape (n_elastic,)
+        MAC of each pair. [1]
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    mac = (reference.T @ vectors) ** 2
+    _, order = linear_sum_assignment(-mac)
+    return order, mac[np.arange(len(order)), order]
+
+
+# --- what was measured ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A measured frequency.
+
+    Parameters
+    ----------
+    frequency : float
+        As measured. [Hz]
+    uncertainty : float
+        Standard deviation over it. [1]
+    mode : int or None
+        Elastic mode of the case it is taken for, counted from 0; None = the one that fits. [index]
+    row : int
+        Row of the table. [count]
+    """
+
+    frequency: float
+    uncertainty: float
+    mode: int | None
+    row: int
+
+
+@dataclass(frozen=True)
+class PeakReading:
+    """A measured peak torque.
+
+    Parameters
+    ----------
+    element : str
+        Where. [name]
+    torque : float
+        Largest torque of the start, at the element's own speed. [N m]
+    uncertainty : float
+        Standard deviation over it. [1]
+    row : int
+        Row of the table. [count]
+    """
+
+    element: str
+    torque: float
+    uncertainty: float
+    row: int
+
+
+def assign(
+    readings: Sequence[Reading],
+    frequency: Floats,
+    spread: Floats,
+    free: Iterable[int],
+    forbidden: frozenset[tuple[int, int]] = frozenset(),
+) -> dict[int, int]:
+    """Which mode each reading is taken for: the likeliest assignment, one to one.
+
+    The distance of a reading from a mode is their difference over the standard deviation of that
+    difference, its own uncertainty and the prior spread of the mode together. A reading farther than
+    `GATE` from every mode that is left stays without.
+
+    Parameters
+    ----------
+    readings : sequence of Reading
+        Those with a stated mode keep it. [Hz]
+    frequency : ndarray, shape (n_elastic,)
+        Calculated frequencies. [Hz]
+    spread : ndarray, shape (n_elastic,)
+        Prior standard deviation of their logarithms. [1]
+    free : iterable of int
+        Modes that may be chosen. [indices]
+    forbidden : frozenset of (int, int)
+        Pairs of reading and mode that are not to be. [indices]
+
+    Returns
+    -------
+    dict of int to int
+        Index of a reading → index of its mode. [indices]
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    near = distances(readings, frequency, spread)
+    found = {
+        i: r.mode for i, r in enumerate(readings) if r.mode is not None and near[i, r.mode] <= GATE
+    }
+    taken = {r.mode for r in readings if r.mode is not None}
+    open_ = [i for i, r in enumerate(readings) if r.mode is None]
+    modes = [m for m in free if m not in taken]
+    cost = np.full((len(open_), len(modes) + len(open_)), GATE**2)
+    for a, i in enumerate(open_):
+        for b, m in enumerate(modes):
+            barred = (i, m) in forbidden or near[i, m] > GATE
+            cost[a, b] = 1e6 if barred else near[i, m] ** 2
+    for a, b in zip(*linear_sum_assignment(cost), strict=True):
+        if b < len(modes):
+            found[open_[a]] = modes[b]
+    return found
+
+
+def distances(readings: Sequence[Reading], frequency: Floats, spread: Floats) -> Floats:
+    """How far each reading is from each mode.
+
+    Parameters
+    ----------
+    readings : sequence of Reading
+        Measured. [Hz]
+    frequency, spread : ndarray, shape (n_elastic,)
+        Calculated, and the prior standard deviation of its logarithm. [Hz, 1]
+
+    Returns
+    -------
+    ndarray, shape (n_readings, n_elastic)
+        In standard deviations of the difference. [1]
+    """
+    f = np.array([r.frequency for r in readings])[:, None]
+    u = np.array([r.uncertainty for r in readings])[:, None]
+    return np.asarray(np.abs(np.log(f / frequency)) / np.sqrt(u**2 + spread**2))
+
+
+def maximum_torques(case: CaseData) -> dict[str, float]:
+    """Largest torque of every element in the start of a case: one unit of work.
+
+    Parameters
+    ----------
+    case : CaseData
+        The changed case. [SI]
+
+    Returns
+    -------
+    dict of str to float
+        Element → torque at its own speed. [N m]
+    """
+    finer = replace(
+        CaseData(**vars(case)),
+        tolerance_peak=min(case.tolerance_peak or DEFAULT_TOLERANCE_PEAK, PEAK_ACCURACY),
+    )
+    start = planned_start(finer, analyse(finer)).start
+    return {p.element: p.maximum for p in start.peaks}
+
+
+#: `map`, or that of a pool of processes.
+EachStart = Callable[[Callable[[CaseData], dict[str, float]], Iterable[CaseData]], Iterable[Any]]
+
+
+def _torque(found: Mapping[str, float], element: str) -> float:
+    if element not in found:
+        raise ModelError(
+            f"MeasuredPeaks names '{element}', which has no torque in the start. Name another element."
+        )
+    return found[element]
+
+
+class PeakModel:
+    """Peak torques against the unknowns, from whole starts.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case with a start. [SI]
+    unknowns : Unknowns
+        What may change. [1]
+    readings : sequence of PeakReading
+        What was measured. [N m]
+    each_start : callable
+        Does what `map` does, perhaps in several processes.
+    on_start : callable, optional
+        Called with the number of starts done so far. [count]
+    should_stop : callable, optional
+        Asked before each bundle of starts. [flag]
+    """
+
+    def __init__(
+        self,
+        case: CaseData,
+        unknowns: Unknowns,
+        readings: Sequence[PeakReading],
+        each_start: EachStart = map,
+        on_start: Callable[[int], None] | None = None,
+        should_stop: Callable[[], bool] | None = None,
+    ) -> None:
+        self.case, self.unknowns, self.readings = case, unknowns, tuple(readings)
+        self._each, self._tell, self._stop = each_start, on_start, should_stop
+        self._known: dict[bytes, Floats] = {}
+
+    @property
+    def starts(self) -> int:
+        """Starts calculated so far. [count]"""
+        return len(self._known)
+
+    def at(self, points: Sequence[Floats]) -> list[Floats]:
+        """Peak torques at several points, those not yet known calculated together.
+
+        Parameters
+        ----------
+        points : sequence of ndarray, shape (n_unknowns,)
+            In prior standard deviations. [1]
+
+        Returns
+        -------
+        list of ndarray, shape (n_readings,)
+            Torques. [N m]
+
+        Raises
+        ------
+        Stopped
+            If `should_stop` says so.
+        """
+        wanted = {z.tobytes(): z for z in points if z.tobytes() not in self._known}
+        if wanted and self._stop is not None and self._stop():
+            raise Stopped
+        cases = [self.unknowns.changed(self.case, z) for z in wanted.values()]
+        for key, found in zip(wanted, self._each(maximum_torques, cases), strict=True):
+            self._known[key] = np.array([_torque(found, r.element) for r in self.readings])
+            if self._tell is not None:
+                self._tell(self.starts)
+        return [self._known[z.tobytes()] for z in points]
+
+    def gradient(self, z: Floats) -> Floats:
+        """Change of the torques with each unknown.
+
+        Parameters
+        ----------
+        z : ndarray, shape (n_unknowns,)
+            In prior standard deviations. [1]
+
+        Returns
+        -------
+        ndarray, shape (n_readings, n_unknowns)
+            ∂T/∂z. [N m]
+        """
+        step = np.maximum(PEAK_STEP, LEAST_PEAK_STEP / self.unknowns.deviation)
+        points = [
+            z + sign * h * e for h, e in zip(step, np.eye(len(z)), strict=True) for sign in (1, -1)
+        ]
+        values = self.at(points)
+        return np.stack(
+            [(values[2 * j] - values[2 * j + 1]) / (2.0 * h) for j, h in enumerate(step)], axis=1
+        )
+
+
+# --- the least change -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The most probable unknowns, and how sure they are.
+
+    Parameters
+    ----------
+    z : ndarray, shape (n_unknowns,)
+        In prior standard deviations. [1]
+    residual : ndarray, shape (n_readings + n_peaks,)
+        Calculated minus measured over its standard deviation. [1]
+    jacobian : ndarray, shape (n_readings + n_peaks, n_unknowns)
+        Its derivatives. [1]
+    state : State
+        Modes there. [SI]
+    order : ndarray of int, shape (n_elastic,)
+        Where each mode of the case has come to. [index]
+    torque : ndarray, shape (n_peaks,)
+        Peak torques there. [N m]
+    modes : dict of int to int
+        Which mode of the case each reading is taken for. [indices]
+    """
+
+    z: Floats
+    residual: Floats
+    jacobian: Floats
+    state: State
+    order: Ints
+    torque: Floats
+    modes: dict[int, int]
+
+    @property
+    def least(self) -> float:
+        """S(z): sum of squares of the changes and of the residuals. [1]"""
+        return float(self.z @ self.z + self.residual @ self.residual)
+
+    @property
+    def covariance(self) -> Floats:
+        """Posterior covariance of z, shape (n_unknowns, n_unknowns). [1]"""
+        return np.asarray(np.linalg.inv(np.eye(len(self.z)) + self.jacobian.T @ self.jacobian))
+
+    @property
+    def left_out_residual(self) -> Floats:
+        """Each residual as it would be if all others, and not it, had been used. [1]
+
+        r/√(1 − h) with h its diagonal of J C Jᵀ: standard normal if the model holds.
+        """
+        leverage = np.einsum("ij,jk,ik->i", self.jacobian, self.covariance, self.jacobian)
+        return np.asarray(self.residual / np.sqrt(np.maximum(1.0 - leverage, 1e-12)))
+
+
+def solve(
+    model: FrequencyModel,
+    readings: Sequence[Reading],
+    modes: dict[int, int],
+    peaks: PeakModel | None = None,
+    begin: Floats | None = None,
+) -> Solution:
+    """The least change that explains readings taken for given modes.
+
+    Parameters
+    ----------
+    model : FrequencyModel
+        Frequencies. [Hz]
+    readings : sequence of Reading
+        Measured frequencies. [Hz]
+    modes : dict of int to int
+        Which mode of the case each used reading is taken for. [indices]
+    peaks : PeakModel, optional
+        Measured peak torques. [N m]
+    begin : ndarray, shape (n_unknowns,), optional
+        Where to begin; default the prior's middle. [1]
+
+    Returns
+    -------
+    Solution
+        The least. [1]
+    """
+    from scipy.optimize import least_squares
+
+    problem = _Problem(model, readings, modes, peaks)
+    z = np.zeros(model.unknowns.number) if begin is None else begin
+    if problem.number and len(z):
+        limit = EXACT if peaks is None else NOISY
+        steps = None if peaks is None else NOISY_STEPS
+        z = least_squares(
+            problem.all_residuals, z, problem.whole_jacobian,
+            xtol=limit, ftol=limit, gtol=limit, max_nfev=steps,
+        ).x  # fmt: skip
+    problem.accept(z)
+    return Solution(
+        z,
+        problem.residual(z),
+        problem.jacobian(z),
+        problem.state(z),
+        problem.order,
+        np.empty(0) if peaks is None else peaks.at([z])[0],
+        dict(modes),
+    )
+
+
+class _Problem:
+    """Residuals and their derivatives; remembers the shapes of the last accepted point."""
+
+    def __init__(
+        self,
+        model: FrequencyModel,
+        readings: Sequence[Reading],
+        modes: dict[int, int],
+        peaks: PeakModel | None,
+    ) -> None:
+        used = sorted(modes)
+        self.model, self.peaks = model, peaks
+        self.mode = np.array([modes[i] for i in used], dtype=np.int64)
+        self.measured = np.array([readings[i].frequency for i in used])
+        self.scale = self.measured * np.array([readings[i].uncertainty for i in used])
+        self.torque = np.array([r.torque for r in (peaks.readings if peaks else ())])
+        self.torque_scale = self.torque * [r.uncertainty for r in (peaks.readings if peaks else ())]
+        self._last: tuple[bytes, State] = (b"", model.base)
+        self._shapes = model.base.vectors
+        self._reached = np.arange(model.base.vectors.shape[1])
+
+    @property
+    def number(self) -> int:
+        """How many measurements are used."""
+        return len(self.mode) + len(self.torque)
+
+    def state(self, z: Floats) -> State:
+        if self._last[0] != z.tobytes():
+            self._last = (z.tobytes(), self.model.at(z))
+        return self._last[1]
+
+    def accept(self, z: Floats) -> None:
+        """Follow the modes from the last accepted point to this one."""
+        order = self._order(self.state(z))
+        self._reached, self._shapes = order, self.state(z).vectors
+
+    @property
+    def order(self) -> Ints:
+        """Where each mode of the case was at the last accepted point."""
+        return self._reached
+
+    def _order(self, state: State) -> Ints:
+        step, _ = followed(self._shapes, state.vectors)
+        return np.asarray(step[self._reached])
+
+    def residual(self, z: Floats) -> Floats:
+        state = self.state(z)
+        f = state.frequency[self._order(state)[self.mode]]
+        found = (f - self.measured) / self.scale
+        if self.peaks is None:
+            return np.asarray(found)
+        torque = (self.peaks.at([z])[0] - self.torque) / self.torque_scale
+        return np.concatenate([found, torque])
+
+    def jacobian(self, z: Floats) -> Floats:
+        state = self.state(z)
+        at = self._order(state)[self.mode]
+        found = (state.frequency[at] / self.scale)[:, None] * self.model.gradient(state)[at]
+        if self.peaks is None:
+            return np.asarray(found)
+        return np.vstack([found, self.peaks.gradient(z) / self.torque_scale[:, None]])
+
+    def all_residuals(self, z: Floats) -> Floats:
+        return np.concatenate([z, self.residual(z)])
+
+    def whole_jacobian(self, z: Floats) -> Floats:
+        self.accept(z)  # least_squares asks for derivatives at accepted points only
+        return np.vstack([np.eye(len(z)), self.jacobian(z)])
+
+
+# --- which reading is which mode ------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Assigned:
+    """The best assignment that was found.
+
+    Parameters
+    ----------
+    solution : Solution
+        Its least change. [1]
+    rivals : dict of int to (int or None, float)
+        Per reading the next best mode for it (None = none at all), and by how much S would be
+        larger. [index, 1]
+    """
+
+    solution: Solution
+    rivals: dict[int, tuple[int | None, float]]
+
+
+def best_assignment(model: FrequencyModel, readings: Sequence[Reading]) -> Assigned:
+    """The assignment with the least S after calibration, not before.
+
+    Begins with the likeliest before; then each reading in turn is barred from its mode, all are
+    assigned and calibrated again, and a better whole is taken, until none is.
+
+    Parameters
+    ----------
+    model : FrequencyModel
+        Frequencies. [Hz]
+    readings : sequence of Reading
+        Measured. [Hz]
+
+    Returns
+    -------
+    Assigned
+        The best. [1]
+    """
+    at = model.at(np.zeros(model.unknowns.number))
+    spread = np.linalg.norm(model.gradient(at), axis=1)
+    order, _ = followed(model.base.vectors, at.vectors)
+    frequency, spread = at.frequency[order], spread[order]
+    twists = model.base.modes.twists[model.base.modes.n_rigid :]
+    free = [int(m) for m in np.flatnonzero(twists)]
+
+    def solved(forbidden: frozenset[tuple[int, int]]) -> Solution:
+        return solve(model, readings, assign(readings, frequency, spread, free, forbidden))
+
+    def misfit(one: Solution) -> float:
+        return one.least + GATE**2 * (len(readings) - len(one.modes))
+
+    best = solved(frozenset())
+    rivals: dict[int, tuple[int | None, float]] = {}
+    for _ in range(len(readings) + 1):
+        barred = {i: m for i, m in best.modes.items() if readings[i].mode is None}
+        others = {i: solved(frozenset({(i, m)})) for i, m in barred.items()}
+        rivals = {
+            i: (other.modes.get(i), misfit(other) - misfit(best)) for i, other in others.items()
+        }
+        better = min(others.values(), key=misfit, default=best)
+        if misfit(better) >= misfit(best) - 1e-9:
+            break
+        best = better
+    return Assigned(best, rivals)

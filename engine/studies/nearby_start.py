@@ -1,0 +1,462 @@
+"""Trains near to one that was planned: many of them, each as cheap as its answers allow.
+
+Scatter and derivatives ask for thousands of starts of trains that differ a little from one that was
+calculated in full. Nothing is decided anew for them: segments of shafts, plan, step and modes wanted
+are those of the plain run (a `Recipe`). A linear start is simulated once, at the coarser of the two
+steps of the plain run, so its step error is the error that the plain run states; a start with events
+is calculated as in the plain run, with its own refinement.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import CaseData
+from engine.case.effects import StartEffects
+from engine.errors import InternalError, ModelError
+from engine.fatigue.allowable_starts import (
+    RESIDUES,
+    count_cycles,
+    counted_history,
+    miner_damage,
+    shear_stress,
+)
+from engine.model.excitation import excitations_of, operating_range
+from engine.model.modes import modal_damping, modes_of
+from engine.model.train import build_train, has_clearance
+from engine.operation.margins import nearest_frequency
+from engine.results.results import Results
+from engine.run import Model, analyse, calculate_start, planned_start
+from engine.start.start import (
+    NOTABLE_REVERSAL,
+    PreparedStart,
+    SingleRun,
+    Start,
+    StartOutcome,
+    has_start,
+    prepared_start,
+    worst_outputs,
+)
+from engine.start.start_fatigue import COUNTED_STARTS, judged_shafts, sn_curve_of
+
+__all__ = [
+    "LINEAR",
+    "NO_START",
+    "PLANNED",
+    "Held",
+    "NearStart",
+    "NearTrain",
+    "Recipe",
+    "near_start",
+    "near_train",
+    "read_start",
+    "recipe_of",
+    "replanned_start",
+    "unit_stress",
+]
+
+Floats = NDArray[np.float64]
+Turning = tuple[Floats, Floats]
+
+#: How the start of a near train is calculated.
+LINEAR, PLANNED, NO_START = "linear", "planned", "none"
+#: Modes up to this share of twice the line frequency (or of the highest excitation) are wanted.
+WANTED_REACH = 1.5
+#: At least and at most so many elastic modes are wanted.
+FEWEST_MODES, MOST_MODES = 3, 12
+
+
+@dataclass(frozen=True)
+class Held:
+    """What even the length of steps depends on, held fast so that small differences can be taken.
+
+    Parameters
+    ----------
+    windows : tuple of (float, float)
+        Until when which frequencies are followed by finer steps. [s, rad/s]
+    keep : tuple of bool
+        Modes that are integrated. [mask]
+    maximum_time : float
+        Time to simulate. [s]
+    """
+
+    windows: tuple[tuple[float, float], ...]
+    keep: tuple[bool, ...]
+    maximum_time: float
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What the plain run has decided for all trains near to its own.
+
+    Parameters
+    ----------
+    segments : tuple of (str, int)
+        Segments of each shaft that has inertia of its own. [count]
+    lateral : bool
+        Whether the reported modes include gears on their bearings. [flag]
+    start : str
+        ``linear``, ``planned`` (events, prescribed torques or strong dampers) or ``none``. [word]
+    start_lateral : bool
+        Whether gears move sideways in the start. [flag]
+    effects : StartEffects
+        What the start simulates. [flags]
+    step : float
+        Step of a linear start. [s]
+    step_error : float
+        Its relative error of peak torques, from the plain run. [1]
+    starts_error : float or None
+        Its relative error of the starts, likewise; None = no starts. [1]
+    always_count : bool
+        Whether cycles are counted even below the endurance limit. [flag]
+    n_modes : int
+        Elastic modes whose frequencies are wanted. [count]
+    margins : tuple of (int, str)
+        Mode and excitation of each margin that is wanted. [count, name]
+    gaps : tuple of str
+        Elements with a clearance that the plan does not simulate. [names]
+    held : Held or None, optional
+        What is held fast for small differences; None = each start decides for itself. [mixed]
+    """
+
+    segments: tuple[tuple[str, int], ...]
+    lateral: bool
+    start: str
+    start_lateral: bool
+    effects: StartEffects
+    step: float
+    step_error: float
+    starts_error: float | None
+    always_count: bool
+    n_modes: int
+    margins: tuple[tuple[int, str], ...]
+    gaps: tuple[str, ...]
+    held: Held | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class NearTrain:
+    """Modes and margins of a train near to the planned one.
+
+    Parameters
+    ----------
+    model : Model
+        Train, modes and damping that are reported. [SI]
+    frequency : ndarray, shape (n_modes,)
+        Wanted elastic frequencies. [Hz]
+    margin : ndarray, shape (n_margins,)
+        Wanted margins, in the order of `Recipe.margins`. [1]
+    """
+
+    model: Model
+    frequency: Floats
+    margin: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class NearStart:
+    """A start of a train near to the planned one.
+
+    Parameters
+    ----------
+    outcome : StartOutcome
+        How it ended. [mixed]
+    maximum, minimum : ndarray, shape (n_elements,)
+        Extremes of the torque of each element; 0 where it has none. [N m]
+    damage : ndarray, shape (n_judged,)
+        Miner sum of each judged shaft; 0 = none. [1]
+    turning : dict of int to (ndarray, ndarray)
+        Turning points of each element by its index. [s, N m]
+    reversed : tuple of str
+        Elements of `Recipe.gaps` whose torque reverses all the same. [names]
+    sensitive : bool, optional
+        Whether a tiny change of the input was found to change its peaks. [flag]
+    """
+
+    outcome: StartOutcome
+    maximum: Floats
+    minimum: Floats
+    damage: Floats
+    turning: Mapping[int, Turning]
+    reversed: tuple[str, ...]
+    sensitive: bool = False
+
+    @property
+    def largest(self) -> Floats:
+        """Largest magnitude of the torque of each element, shape (n_elements,). [N m]"""
+        return np.asarray(np.maximum(np.abs(self.maximum), np.abs(self.minimum)))
+
+    @property
+    def counted(self) -> bool:
+        """Whether the start came to an end after which its damage counts. [flag]"""
+        return self.outcome.outcome in COUNTED_STARTS
+
+    @property
+    def starts(self) -> Floats:
+        """Allowable starts of each judged shaft, infinite where unlimited, shape (n_judged,). [1]"""
+        safe = np.where(self.damage > 0.0, self.damage, 1.0)
+        return np.asarray(np.where(self.damage > 0.0, 1.0 / safe, math.inf))
+
+
+def unit_stress(case: CaseData) -> Floats:
+    """Nominal shear stress of each element at unit torque; 0 without a stress diameter.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+
+    Returns
+    -------
+    ndarray, shape (n_elements,)
+        Stress over torque. [Pa/(N m)]
+    """
+    return np.array(
+        [
+            float(shear_stress(1.0, e.stress_diameter, e.stress_bore or 0.0))
+            if e.stress_diameter
+            else 0.0
+            for e in case.elements
+        ]
+    )
+
+
+def recipe_of(case: CaseData, results: Results) -> Recipe:
+    """What a plain run has decided for all trains near to its own.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case of that run. [SI]
+    results : Results
+        The run. [SI]
+
+    Returns
+    -------
+    Recipe
+        How near trains are calculated. [mixed]
+    """
+    plan, start = results.plans[-1], results.start
+    n_modes = _wanted_modes(case, results)
+    kind = NO_START
+    if start is not None:
+        whole = plan.events or bool(start.uncoupled_dampers) or not has_start(case)
+        kind = PLANNED if whole else LINEAR
+    errors = [e for _, e in results.starts_error if e is not None]
+    meshes = {m.element: m for m in case.meshes}
+    gaps = tuple(
+        str(e.element)
+        for e in case.elements
+        if has_clearance(meshes.get(e.element)) and e.element not in plan.effects.clearances
+    )
+    return Recipe(
+        segments=results.segments,
+        lateral=bool(results.train.bodies),
+        start=kind,
+        start_lateral=plan.lateral,
+        effects=plan.effects,
+        step=0.0 if start is None else 2.0 * start.step,
+        step_error=0.0 if start is None else start.estimated_error,
+        starts_error=max(errors, default=None),
+        always_count=plan.decision("cycle counting").choice == "on",
+        n_modes=n_modes,
+        margins=tuple((r.mode, r.excitation) for r in results.margins.rows if r.mode <= n_modes),
+        gaps=gaps,
+    )
+
+
+def _wanted_modes(case: CaseData, results: Results) -> int:
+    """Elastic modes that a start or an excitation can reach."""
+    line = case.ratings.line_frequency
+    highest = max(
+        [2.0 * line if line else 0.0, *(r.excitation_frequency for r in results.margins.rows)]
+    )
+    elastic = results.modes.elastic_frequency
+    reached = int(np.sum(elastic <= WANTED_REACH * highest))
+    return min(len(elastic), MOST_MODES, max(FEWEST_MODES, reached))
+
+
+def near_train(case: CaseData, recipe: Recipe) -> NearTrain:
+    """Modes and margins of a train near to the planned one.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case, changed. [SI]
+    recipe : Recipe
+        What the plain run decided. [mixed]
+
+    Returns
+    -------
+    NearTrain
+        With an unchanged case the numbers of the plain run, bit for bit. [SI]
+    """
+    model = _model(case, recipe, recipe.lateral)
+    excitations = {x.name: x for x in excitations_of(case, model.train)}
+    speeds, elastic = operating_range(case), model.modes.elastic_frequency
+    margins = np.zeros(len(recipe.margins))
+    for i, (mode, name) in enumerate(recipe.margins):
+        frequency = float(elastic[mode - 1])
+        nearest = nearest_frequency(excitations[name], frequency, speeds)
+        margins[i] = abs(frequency - nearest) / nearest
+    return NearTrain(model, elastic[: recipe.n_modes], margins)
+
+
+def _model(case: CaseData, recipe: Recipe, lateral: bool) -> Model:
+    train = build_train(case, dict(recipe.segments), lateral=lateral)
+    modes = modes_of(train)
+    return Model(train, modes, modal_damping(case, train, modes))
+
+
+def near_start(case: CaseData, recipe: Recipe, near: NearTrain, refined: float = 1.0) -> NearStart:
+    """The start of a train near to the planned one.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case, changed. [SI]
+    recipe : Recipe
+        What the plain run decided; its start is not ``none``. [mixed]
+    near : NearTrain
+        Its modes. [SI]
+    refined : float, optional
+        Share of the usual step that a linear start takes. [1]
+
+    Returns
+    -------
+    NearStart
+        Peaks, damage and turning points. [SI]
+
+    Raises
+    ------
+    ModelError
+        If the changed train cannot start.
+    """
+    case = replace(CaseData(**vars(case)), keep_history=None)
+    model = near.model
+    if recipe.start_lateral != bool(model.train.bodies):
+        model = _model(case, recipe, recipe.start_lateral)
+    if recipe.start == LINEAR:
+        prepared = prepared_start(case, model.train, model.modes, model.damping, recipe.effects)
+        if recipe.held is not None:
+            prepared = _held(prepared, recipe.held)
+        step = refined * min(recipe.step, prepared.model.largest_step)
+        prepared, run = prepared.to_its_end(step)
+        return _read(case, recipe, model, prepared.outcome(run), run)
+    if recipe.start != PLANNED:
+        raise InternalError("a start was asked for where the plain run has none")
+    effects = recipe.effects
+    start = calculate_start(case, model, replace(effects, clearances=()), None)
+    if effects.clearances or effects.pull_in or effects.aborted_start or recipe.start_lateral:
+        start = calculate_start(case, model, effects, start)
+    return _read(case, recipe, model, start.outcome, start)
+
+
+def _held(prepared: PreparedStart, held: Held) -> PreparedStart:
+    """The same start with its steps held fast."""
+    if tuple(prepared.model.keep.tolist()) != held.keep:
+        raise ModelError(
+            "The modes that matter change within the small change of the input: no difference of "
+            "two starts can be taken."
+        )
+    return replace(
+        prepared,
+        model=replace(prepared.model, windows=held.windows),
+        maximum_time=held.maximum_time,
+        longest=held.maximum_time,
+    )
+
+
+def replanned_start(case: CaseData) -> tuple[Start, Model]:
+    """The start of a changed train with a plan of its own.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case, changed. [SI]
+
+    Returns
+    -------
+    start : Start
+        As `run` would report it. [SI]
+    model : Model
+        The train it was calculated with. [SI]
+    """
+    planned = planned_start(case, analyse(case))
+    return planned.start, planned.model
+
+
+def read_start(case: CaseData, recipe: Recipe, start: Start, model: Model) -> NearStart:
+    """What is asked of a start that was calculated in full.
+
+    Parameters
+    ----------
+    case : CaseData
+        Its case. [SI]
+    recipe : Recipe
+        What the plain run decided. [mixed]
+    start : Start
+        The start. [SI]
+    model : Model
+        The train it was calculated with. [SI]
+
+    Returns
+    -------
+    NearStart
+        Peaks, damage and turning points. [SI]
+    """
+    return _read(case, recipe, model, start.outcome, start)
+
+
+def _read(
+    case: CaseData, recipe: Recipe, model: Model, outcome: StartOutcome, run: SingleRun | Start
+) -> NearStart:
+    """Peaks, reversals and damage of a start."""
+    if isinstance(run, Start):
+        turning = run.turning_of_element()
+    else:
+        output = worst_outputs(model.train, run.trajectory, run.turning)
+        turning = {e: run.turning[i] for e, i in enumerate(output.tolist()) if i >= 0}
+    n = len(case.elements)
+    maximum, minimum = np.zeros(n), np.zeros(n)
+    for e, (_, value) in turning.items():
+        maximum[e], minimum[e] = value.max(), value.min()
+    names = [str(e.element) for e in case.elements]
+    reversed_ = tuple(
+        name
+        for name, high, low in zip(names, maximum, minimum, strict=True)
+        if name in recipe.gaps and low < -NOTABLE_REVERSAL * max(high, -low)
+    )
+    judged = judged_shafts(case)
+    return NearStart(
+        outcome,
+        maximum,
+        minimum,
+        np.array([_damage(case, recipe, i, turning[i][1]) for i, _ in judged]),
+        turning,
+        reversed_,
+        isinstance(run, Start) and run.is_sensitive,
+    )
+
+
+def _damage(case: CaseData, recipe: Recipe, index: int, torque: Floats) -> float:
+    """Miner sum of one shaft, as `engine.fatigue.allowable_starts.shaft_fatigue` counts it."""
+    element = case.elements[index]
+    curve = sn_curve_of(case, element.material)
+    local = (element.scf or 1.0) * float(
+        shear_stress(1.0, element.stress_diameter or 0.0, element.stress_bore or 0.0)
+    )
+    history = counted_history(torque)
+    if (
+        not recipe.always_count
+        and curve.below_endurance == "none"
+        and 0.5 * local * float(np.ptp(history)) <= curve.endurance
+    ):
+        return 0.0
+    cycles = count_cycles(history, case.rainflow_residue or RESIDUES[0])
+    return miner_damage(local * cycles.amplitude, cycles.count, curve)

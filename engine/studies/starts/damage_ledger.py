@@ -1,0 +1,463 @@
+"""Damage ledger: what a duty has used of each shaft's life, and what is left.
+
+Palmgren-Miner over kinds of starts: Σ nᵢ qᵢ, with qᵢ the damage of one start of kind i from the start
+matrix, nᵢ how many. The order of starts is ignored, as the rule does; residual stress and the
+sequence effect of large starts before small ones are not in it.
+
+A shaft may be used up to 1/StartsFactor. That is the same as dividing allowable starts by the factor
+before they are judged (contract): with one kind of start alone, (1/F − n q)/q = (1/q)/F − n.
+
+A kind of start that has a duty and is not judged (it did not come to its end, or was not calculated)
+leaves a gap that no other number fills: the shaft is then not judged, with the reason.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+
+from engine.operation.margins import FAIL, NOT_JUDGED, PASS
+from engine.studies.starts.matrix import ConditionResult, ConditionShaft, StartMatrix
+
+__all__ = [
+    "DamageLedger",
+    "LedgerRow",
+    "RemainingStarts",
+    "damage_ledger",
+    "ledger_rows",
+    "remaining_life",
+    "remaining_rows",
+]
+
+
+@dataclass(frozen=True)
+class LedgerRow:
+    """What a duty does to one judged shaft. Every sum is None where it is not judged.
+
+    Parameters
+    ----------
+    element : str
+        Row of `Elements`. [name]
+    used, used_low, used_high : float or None
+        Damage so far, Σ so far × damage, and the ends of its error. [1]
+    yearly, yearly_low, yearly_high : float or None
+        Damage a year, Σ per year × damage, and the ends of its error. [1/year]
+    allowed : float
+        1/StartsFactor. [1]
+    left : float or None
+        Allowed minus used; negative where it is overdrawn. [1]
+    remaining_years : float or None
+        Left over yearly, 0 where nothing is left; None = unlimited, or no duty a year. [year]
+    years_low, years_high : float or None
+        Its interval; None = unlimited. [year]
+    unlimited : bool
+        There is a duty a year, something is left, and no kind of start of it damages. [flag]
+    governing : str or None
+        Kind of start that takes most a year, else took most so far. [name]
+    verdict : str
+        ``pass``: something is left; ``fail``: nothing is; ``not judged``. [word]
+    reason : str
+        Why, with the numbers. [sentences]
+    """
+
+    element: str
+    used: float | None
+    used_low: float | None
+    used_high: float | None
+    yearly: float | None
+    yearly_low: float | None
+    yearly_high: float | None
+    allowed: float
+    left: float | None
+    remaining_years: float | None
+    years_low: float | None
+    years_high: float | None
+    unlimited: bool
+    governing: str | None
+    verdict: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class RemainingStarts:
+    """How many starts of one kind, and no other, are left for one shaft.
+
+    Parameters
+    ----------
+    element : str
+        Row of `Elements`. [name]
+    condition : str
+        Kind of start. [name]
+    peak_to_peak_stress : float or None
+        Nominal, in one such start; None where it was not calculated. [Pa]
+    damage, damage_low, damage_high : float or None
+        Of one such start, and the ends of its error; None where it was not calculated. [1]
+    so_far, per_year : float
+        Its duty. [count, 1/year]
+    share : float or None
+        Of the yearly damage; None where that is not judged or zero. [1]
+    remaining_starts : float or None
+        Left over damage, 0 where nothing is left; None = unlimited or not judged. [count]
+    unlimited : bool
+        It does not damage, and something is left. [flag]
+    judged : bool
+        Whether there is an answer. [flag]
+    reason : str
+        Why there is none. [sentence]
+    """
+
+    element: str
+    condition: str
+    peak_to_peak_stress: float | None
+    damage: float | None
+    damage_low: float | None
+    damage_high: float | None
+    so_far: float
+    per_year: float
+    share: float | None
+    remaining_starts: float | None
+    unlimited: bool
+    judged: bool
+    reason: str
+
+
+@dataclass(frozen=True)
+class DamageLedger:
+    """The ledger of a train.
+
+    Parameters
+    ----------
+    rows : tuple of LedgerRow
+        One a judged shaft. [rows]
+    remaining : tuple of RemainingStarts
+        One a judged shaft and kind of start. [rows]
+    verdict : str
+        The worst of the shafts. [word]
+    sentence : str
+        What it comes to. [sentences]
+    assumption : str
+        The rule behind it. [sentence]
+    """
+
+    rows: tuple[LedgerRow, ...]
+    remaining: tuple[RemainingStarts, ...]
+    verdict: str
+    sentence: str
+    assumption: str
+
+
+ASSUMPTION = (
+    "Palmgren-Miner: damage of all starts is added up, their order is ignored; a shaft is used up at "
+    "1/StartsFactor = {allowed:.4g}."
+)
+
+
+def damage_ledger(matrix: StartMatrix) -> DamageLedger:
+    """What the duty of a start matrix has used, uses a year, and leaves.
+
+    Parameters
+    ----------
+    matrix : StartMatrix
+        Its kinds of starts with their damage and duty. [SI]
+
+    Returns
+    -------
+    DamageLedger
+        One row a judged shaft. [1, year]
+    """
+    allowed = 1.0 / matrix.starts_factor
+    assumption = ASSUMPTION.format(allowed=allowed)
+    if not matrix.judged_shafts:
+        sentence = (
+            "No ledger: no shaft has stress diameter, material and S-N points. Give them on sheets "
+            "Train and Fatigue."
+        )
+        return DamageLedger((), (), NOT_JUDGED, sentence, assumption)
+    rows = tuple(_row(matrix.rows, name, allowed) for name in matrix.judged_shafts)
+    remaining = tuple(
+        _remaining(result, row, matrix.rows) for row in rows for result in matrix.rows
+    )
+    found = {r.verdict for r in rows}
+    verdict = FAIL if FAIL in found else NOT_JUDGED if NOT_JUDGED in found else PASS
+    return DamageLedger(rows, remaining, verdict, _sentence(rows), assumption)
+
+
+def _shaft(result: ConditionResult, name: str) -> ConditionShaft | None:
+    return next((s for s in result.shafts if s.element == name), None)
+
+
+def _sum(
+    results: Sequence[ConditionResult],
+    name: str,
+    number: Callable[[ConditionResult], float],
+    damage: Callable[[ConditionShaft], float],
+) -> float:
+    """Σ number × damage over the kinds of starts that have a number; exact whatever their order."""
+    terms = []
+    for r in results:
+        shaft = _shaft(r, name)
+        if number(r) > 0.0 and shaft is not None:
+            terms.append(number(r) * damage(shaft))
+    return math.fsum(terms)
+
+
+def _so_far(result: ConditionResult) -> float:
+    return result.condition.so_far
+
+
+def _per_year(result: ConditionResult) -> float:
+    return result.condition.per_year
+
+
+def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> LedgerRow:
+    duty = [r for r in results if r.condition.has_duty]
+    gaps = [why for r in duty if (why := _why_not(r, name))]
+    if gaps or not duty:
+        reason = " ".join(gaps) or (
+            "No duty: give Per year and So far in StartConditions to see what they leave."
+        )
+        return LedgerRow(
+            name, *(None,) * 6, allowed, *(None,) * 4, False, None, NOT_JUDGED, reason
+        )  # fmt: skip
+    used, used_low, used_high = (
+        _sum(duty, name, _so_far, damage) for damage in (_nominal, _low, _high)
+    )
+    yearly, yearly_low, yearly_high = (
+        _sum(duty, name, _per_year, damage) for damage in (_nominal, _low, _high)
+    )
+    left = allowed - used
+    years = remaining_life(left, yearly)
+    starts_yearly = any(r.condition.per_year > 0.0 for r in duty)
+    unlimited = starts_yearly and left > 0.0 and yearly == 0.0
+    verdict, reason = _verdict(duty, name, allowed, used, (used_low, used_high), starts_yearly)
+    return LedgerRow(
+        element=name,
+        used=used,
+        used_low=used_low,
+        used_high=used_high,
+        yearly=yearly,
+        yearly_low=yearly_low,
+        yearly_high=yearly_high,
+        allowed=allowed,
+        left=left,
+        remaining_years=years,
+        years_low=remaining_life(allowed - used_high, yearly_high),
+        years_high=remaining_life(allowed - used_low, yearly_low),
+        unlimited=unlimited,
+        governing=_governing(duty, name, yearly > 0.0),
+        verdict=verdict,
+        reason=reason,
+    )
+
+
+def _nominal(shaft: ConditionShaft) -> float:
+    return shaft.damage
+
+
+def _low(shaft: ConditionShaft) -> float:
+    return shaft.damage_low
+
+
+def _high(shaft: ConditionShaft) -> float:
+    return shaft.damage_high
+
+
+def remaining_life(left: float, taken: float) -> float | None:
+    """How often what is left can be taken: years, or starts of one kind.
+
+    Parameters
+    ----------
+    left : float
+        What is left of 1/StartsFactor. [1]
+    taken : float
+        Damage a year, or of one start. [1]
+
+    Returns
+    -------
+    float or None
+        Left over taken, 0 where nothing is left; None = unlimited, as nothing is taken. [1]
+    """
+    if left <= 0.0:
+        return 0.0
+    if taken == 0.0 or math.isinf(left / taken):
+        return None
+    return left / taken
+
+
+def _why_not(result: ConditionResult, name: str) -> str:
+    """Why a kind of start has no damage that can be counted; empty where it has."""
+    shaft = _shaft(result, name)
+    if shaft is not None and shaft.judged:
+        return ""
+    kind = f"'{result.condition.name}'"
+    if shaft is None:
+        return f"{kind} was not calculated. {result.note}".strip()
+    return f"{kind} has a duty, but is not judged ({result.words}). {result.note}".strip()
+
+
+def _verdict(
+    duty: Sequence[ConditionResult],
+    name: str,
+    allowed: float,
+    used: float,
+    interval: tuple[float, float],
+    starts_yearly: bool,
+) -> tuple[str, str]:
+    low, high = interval
+    said = [f"Used so far {used:.4g} of {allowed:.4g}."]
+    verdict = PASS if used < allowed else FAIL
+    if verdict == FAIL:
+        said.append("Nothing is left: by this count the shaft must not be started again.")
+    if (low < allowed) != (high < allowed):
+        said.append(
+            f"Within the error of the calculation it may be {low:.4g} or {high:.4g}: the verdict "
+            "hangs on it. Tighten ToleranceStarts."
+        )
+    extended = [r.condition.name for r in duty if (s := _shaft(r, name)) and s.extended]
+    if extended:
+        said.append(
+            f"Cycles above the first S-N point in '{extended[0]}': its slope is extended, not test "
+            "data."
+        )
+        verdict = NOT_JUDGED if verdict == PASS else verdict
+    yielding = [r.condition.name for r in duty if (s := _shaft(r, name)) and s.yields]
+    if yielding:
+        said.append(
+            f"Nominal peak above shear yield in '{yielding[0]}': its damage is not that of an elastic "
+            "count."
+        )
+        verdict = NOT_JUDGED if verdict == PASS else verdict
+    if not starts_yearly:
+        said.append("No starts a year are stated: no time is calculated.")
+    return verdict, " ".join(said)
+
+
+def _governing(duty: Sequence[ConditionResult], name: str, by_year: bool) -> str | None:
+    number = _per_year if by_year else _so_far
+    shares = {
+        r.condition.name: number(r) * s.damage for r in duty if (s := _shaft(r, name)) is not None
+    }
+    worst = max(shares, key=lambda k: shares[k], default=None)
+    return worst if worst is not None and shares[worst] > 0.0 else None
+
+
+def _remaining(
+    result: ConditionResult, row: LedgerRow, results: Sequence[ConditionResult]
+) -> RemainingStarts:
+    """Starts of one kind; without any duty, of an unused shaft."""
+    shaft, condition = _shaft(result, row.element), result.condition
+    no_duty = not any(r.condition.has_duty for r in results)
+    left = row.allowed if no_duty else row.left
+    reason = _why_unjudged(result, shaft, left)
+    judged = not reason
+    damage = None if shaft is None else shaft.damage
+    share = None
+    if row.yearly and damage is not None:
+        share = condition.per_year * damage / row.yearly
+    years = remaining_life(left or 0.0, damage or 0.0) if judged else None
+    return RemainingStarts(
+        element=row.element,
+        condition=condition.name,
+        peak_to_peak_stress=None if shaft is None else shaft.peak_to_peak_stress,
+        damage=damage,
+        damage_low=None if shaft is None else shaft.damage_low,
+        damage_high=None if shaft is None else shaft.damage_high,
+        so_far=condition.so_far,
+        per_year=condition.per_year,
+        share=share,
+        remaining_starts=years,
+        unlimited=judged and years is None,
+        judged=judged,
+        reason=reason,
+    )
+
+
+def _why_unjudged(result: ConditionResult, shaft: ConditionShaft | None, left: float | None) -> str:
+    if shaft is None:
+        return result.note or "It was not calculated."
+    if not shaft.judged:
+        return f"Not judged: {result.words}."
+    return "" if left is not None else "What is left of the shaft is not judged."
+
+
+def _sentence(rows: Sequence[LedgerRow]) -> str:
+    return " ".join(_said(rows))
+
+
+def _said(rows: Sequence[LedgerRow]) -> Iterator[str]:
+    for row in rows:
+        if row.used is None:
+            yield f"{row.element}: not judged. {row.reason}"
+            continue
+        if row.left is not None and row.left <= 0.0:
+            yield f"{row.element}: used up. {row.reason}"
+        elif row.unlimited:
+            yield f"{row.element}: no kind of start of this duty damages it."
+        elif row.remaining_years is not None:
+            yield (
+                f"{row.element}: {row.used / row.allowed:.1%} of its life is used; the rest lasts "
+                f"{_quantity(row.remaining_years)} years{_interval(row)}, most of it taken by "
+                f"'{row.governing}'."
+            )
+        else:
+            yield f"{row.element}: {row.used / row.allowed:.1%} of its life is used."
+        if row.verdict == NOT_JUDGED:
+            yield f"Not judged: {row.reason}"
+
+
+def _interval(row: LedgerRow) -> str:
+    low = _quantity(row.years_low or 0.0)
+    high = "unlimited" if row.years_high is None else _quantity(row.years_high)
+    return "" if low == high else f" ({low} to {high} within the error of the calculation)"
+
+
+def _quantity(number: float) -> str:
+    """Three digits, and no exponent up to a million; no life is rounded up."""
+    if number == 0.0:
+        return "0"
+    digits = 2 - math.floor(math.log10(number))
+    down = math.floor(number * 10.0**digits) / 10.0**digits
+    return f"{down:,.0f}" if digits <= 0 and down < 1e7 else f"{down:.3g}"
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+
+def ledger_rows(ledger: DamageLedger) -> list[dict[str, object]]:
+    """Rows of `DamageLedger`, one a judged shaft.
+
+    Parameters
+    ----------
+    ledger : DamageLedger
+        The ledger. [1, year]
+
+    Returns
+    -------
+    list of dict
+        Under their JSON keys. [1, year]
+    """
+    return [_said_or_not(asdict(row), row.remaining_years is not None) for row in ledger.rows]
+
+
+def remaining_rows(ledger: DamageLedger) -> list[dict[str, object]]:
+    """Rows of `RemainingStarts`, one a judged shaft and kind of start.
+
+    Parameters
+    ----------
+    ledger : DamageLedger
+        The ledger. [1]
+
+    Returns
+    -------
+    list of dict
+        Under their JSON keys. [1]
+    """
+    return [_said_or_not(asdict(row), row.judged) for row in ledger.remaining]
+
+
+def _said_or_not(row: dict[str, object], has_answer: bool) -> dict[str, object]:
+    """A row that says whether it is unlimited only where there is an answer."""
+    if not has_answer and not row["unlimited"]:
+        del row["unlimited"]
+    return row

@@ -1,0 +1,432 @@
+"""The sample of a tolerance study: what is drawn, how each train of it is calculated, the work in pieces.
+
+`plan_tolerances` → `units_of` → `evaluate` (one unit; picklable, in any process). The samples are
+drawn once, in the plan, so the answers do not depend on how the work is divided.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import CaseData
+from engine.case.study_inputs import ScatterRow, study_digest
+from engine.errors import CaseError, ModelError, Problem
+from engine.numerics.sample_statistics import FEWEST_SAMPLES
+from engine.results.results import Results
+from engine.run import run
+from engine.start.start_fatigue import judged_shafts
+from engine.studies.nearby_start import (
+    LINEAR,
+    NO_START,
+    PLANNED,
+    NearStart,
+    Recipe,
+    near_start,
+    near_train,
+    read_start,
+    recipe_of,
+    replanned_start,
+)
+from engine.studies.scatter import (
+    METHODS,
+    Factor,
+    changes_of,
+    factors_of,
+    sampled,
+    scatter_problems,
+)
+from engine.studies.variation import changed
+
+__all__ = [
+    "Evaluated",
+    "TolerancePlan",
+    "ToleranceSettings",
+    "Unit",
+    "evaluate",
+    "plan_tolerances",
+    "tolerance_problems",
+    "units_of",
+]
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: Most samples.
+MOST_SAMPLES = 1_000_000
+#: One in so many linear starts is calculated at half the step, too: the error that the plain run states
+#: for its step is that of its own train, and a train far from it may err more.
+CHECKED_EVERY = 50
+#: Torques below this share of the train's largest do not count for what the step changes.
+_NEGLIGIBLE = 1e-3
+#: Samples of one unit of work, of starts without events; one with events takes a second and more.
+UNIT_SIZE = 50
+
+
+@dataclass(frozen=True)
+class ToleranceSettings:
+    """How the sample is drawn.
+
+    Parameters
+    ----------
+    samples : int
+        Wanted number; a Sobol sequence takes the next power of two. [count]
+    seed : int
+        The same seed gives the same sample. [count]
+    method : str
+        ``lhs`` or ``sobol``. [word]
+    replan : bool
+        Whether a sample whose torque reverses where the plan has no gap gets a plan of its own. [flag]
+    """
+
+    samples: int = 1000
+    seed: int = 1
+    method: str = METHODS[0]
+    replan: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class TolerancePlan:
+    """Everything that is decided before the first sample.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case as stated. [SI]
+    nominal : Results
+        Its plain run. [SI]
+    settings : ToleranceSettings
+        How the sample is drawn. [mixed]
+    factors : tuple of Factor
+        What scatters. [1]
+    values : ndarray, shape (n_samples + 2 n_factors, n_factors)
+        Factors of every sample, then of the runs with one factor at its P10 or P90. [1]
+    recipe : Recipe
+        How each is calculated. [mixed]
+    digest : str
+        Of the scatter and the settings. [hash]
+    """
+
+    case: CaseData
+    nominal: Results
+    settings: ToleranceSettings
+    factors: tuple[Factor, ...]
+    values: Floats
+    recipe: Recipe
+    digest: str
+
+    @property
+    def n_samples(self) -> int:
+        """Samples, without the runs of one factor at a time. [count]"""
+        return len(self.values) - 2 * len(self.factors)
+
+    @property
+    def n_runs(self) -> int:
+        """Everything that is calculated. [count]"""
+        return len(self.values)
+
+
+@dataclass(frozen=True, eq=False)
+class Unit:
+    """One piece of work: some rows of the sample.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case as stated. [SI]
+    recipe : Recipe
+        How each sample is calculated. [mixed]
+    factors : tuple of Factor
+        What scatters. [1]
+    first : int
+        Row of the first. [index]
+    values : ndarray, shape (n, n_factors)
+        Factors. [1]
+    replan : bool
+        See `ToleranceSettings`. [flag]
+    """
+
+    case: CaseData
+    recipe: Recipe
+    factors: tuple[Factor, ...]
+    first: int
+    values: Floats
+    replan: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluated:
+    """Answers of one unit. Rows that are not `known` hold zeros.
+
+    Parameters
+    ----------
+    first : int
+        Row of the first sample. [index]
+    known : ndarray of bool, shape (n,)
+        Whether the sample could be calculated. [mask]
+    counted : ndarray of bool, shape (n,)
+        Whether its start came to its end. [mask]
+    reversed : ndarray of bool, shape (n,)
+        Whether a torque reverses where no gap is simulated. [mask]
+    sensitive : ndarray of bool, shape (n,)
+        Whether a tiny change of its input would change its peaks. [mask]
+    frequency : ndarray, shape (n, n_modes)
+        Elastic frequencies. [Hz]
+    margin : ndarray, shape (n, n_margins)
+        Margins. [1]
+    torque : ndarray, shape (n, n_elements)
+        Largest torque of each element. [N m]
+    starts : ndarray, shape (n, n_judged)
+        Allowable starts of each judged shaft; infinite = unlimited. [1]
+    checked : ndarray of bool, shape (n,)
+        Whether its start was calculated at half the step, too. [mask]
+    by_step : ndarray, shape (n, 2)
+        What that changed, relatively: the most of any torque, and the starts of the train. [1]
+    outcomes : tuple of (str, int)
+        How many starts ended in each way. [count]
+    troubles : tuple of str
+        Why samples could not be calculated. [sentences]
+    """
+
+    first: int
+    known: Mask
+    counted: Mask
+    reversed: Mask
+    sensitive: Mask
+    frequency: Floats
+    margin: Floats
+    torque: Floats
+    starts: Floats
+    checked: Mask
+    by_step: Floats
+    outcomes: tuple[tuple[str, int], ...] = ()
+    troubles: tuple[str, ...] = ()
+
+
+def tolerance_problems(
+    case: CaseData, rows: Sequence[ScatterRow], settings: ToleranceSettings
+) -> list[Problem]:
+    """Everything wrong with the scatter and the settings.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    rows : sequence of ScatterRow
+        Table `Scatter`. [1]
+    settings : ToleranceSettings
+        How the sample is drawn. [mixed]
+
+    Returns
+    -------
+    list of Problem
+        Empty if it can be planned.
+    """
+    found = scatter_problems(case, rows)
+    if not FEWEST_SAMPLES <= settings.samples <= MOST_SAMPLES:
+        allowed = f"{FEWEST_SAMPLES} to {MOST_SAMPLES:,}"
+        found.append(
+            Problem(
+                "Scatter",
+                None,
+                "Samples",
+                settings.samples,
+                allowed,
+                f"{settings.samples} samples are asked for; allowed are {allowed}: fewer than "
+                f"{FEWEST_SAMPLES} bound no P10.",
+            )
+        )
+    if settings.method not in METHODS:
+        found.append(
+            Problem(
+                "Scatter",
+                None,
+                "Method",
+                settings.method,
+                " or ".join(METHODS),
+                f"Method is '{settings.method}'; allowed is {' or '.join(METHODS)}.",
+            )
+        )
+    if settings.seed < 0:
+        found.append(
+            Problem(
+                "Scatter",
+                None,
+                "Seed",
+                settings.seed,
+                "0 or more",
+                f"Seed is {settings.seed}; it must be 0 or a positive whole number.",
+            )
+        )
+    return found
+
+
+def plan_tolerances(
+    case: CaseData,
+    rows: Sequence[ScatterRow],
+    settings: ToleranceSettings | None = None,
+    *,
+    nominal: Results | None = None,
+) -> TolerancePlan:
+    """Draw the sample and decide how it is calculated.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    rows : sequence of ScatterRow
+        Table `Scatter`. [1]
+    settings : ToleranceSettings, optional
+        How the sample is drawn; default 1000 samples of a Latin hypercube. [mixed]
+    nominal : Results, optional
+        The plain run of the case; calculated if not at hand. [SI]
+
+    Returns
+    -------
+    TolerancePlan
+        What will be calculated. [mixed]
+
+    Raises
+    ------
+    CaseError
+        With every problem of the table.
+    ModelError
+        If the train as stated cannot be calculated.
+    """
+    settings = settings or ToleranceSettings()
+    problems = tolerance_problems(case, rows, settings)
+    if problems:
+        raise CaseError(tuple(problems))
+    nominal = nominal or run(case)
+    factors = factors_of(case, rows)
+    sample = sampled(factors, settings.samples, settings.seed, settings.method)
+    return TolerancePlan(
+        case,
+        nominal,
+        settings,
+        factors,
+        np.concatenate([sample, _one_at_a_time(factors)]),
+        recipe_of(case, nominal),
+        study_digest(*rows, settings),
+    )
+
+
+def _one_at_a_time(factors: Sequence[Factor]) -> Floats:
+    """Each factor at its P10, then at its P90, all others as stated."""
+    d = len(factors)
+    low, high = np.ones((d, d)), np.ones((d, d))
+    for i, factor in enumerate(factors):
+        low[i, i], high[i, i] = float(factor.at(0.1)), float(factor.at(0.9))
+    return np.concatenate([low, high])
+
+
+def units_of(plan: TolerancePlan, size: int | None = None) -> tuple[Unit, ...]:
+    """The work in pieces that can be done anywhere, in any order.
+
+    Parameters
+    ----------
+    plan : TolerancePlan
+        The plan. [mixed]
+    size : int, optional
+        Samples of a piece; default some that take about a second together. [count]
+
+    Returns
+    -------
+    tuple of Unit
+        Pieces. [mixed]
+    """
+    if size is None:
+        size = 1 if plan.recipe.start == PLANNED else UNIT_SIZE
+    # no piece has samples and runs of one factor at a time
+    kinds = ((0, plan.n_samples), (plan.n_samples, plan.n_runs))
+    return tuple(
+        Unit(
+            plan.case,
+            plan.recipe,
+            plan.factors,
+            first,
+            plan.values[first : min(first + size, end)],
+            plan.settings.replan,
+        )
+        for begin, end in kinds
+        for first in range(begin, end, size)
+    )
+
+
+# --- the samples ----------------------------------------------------------------------------------
+
+
+def evaluate(unit: Unit) -> Evaluated:
+    """Calculate the samples of one unit.
+
+    Parameters
+    ----------
+    unit : Unit
+        Some rows of the sample. [1]
+
+    Returns
+    -------
+    Evaluated
+        Their answers. [SI]
+    """
+    n, recipe = len(unit.values), unit.recipe
+    judged = len(judged_shafts(unit.case))
+    found = Evaluated(
+        unit.first,
+        np.zeros(n, dtype=np.bool_),
+        np.zeros(n, dtype=np.bool_),
+        np.zeros(n, dtype=np.bool_),
+        np.zeros(n, dtype=np.bool_),
+        np.zeros((n, recipe.n_modes)),
+        np.zeros((n, len(recipe.margins))),
+        np.zeros((n, len(unit.case.elements))),
+        np.full((n, judged), math.inf),
+        np.zeros(n, dtype=np.bool_),
+        np.zeros((n, 2)),
+    )
+    outcomes: dict[str, int] = {}
+    troubles: list[str] = []
+    for i, values in enumerate(unit.values):
+        case = changed(unit.case, changes_of(unit.factors, values))
+        try:
+            near = near_train(case, recipe)
+            found.frequency[i], found.margin[i] = near.frequency, near.margin
+            if recipe.start != NO_START:
+                start = near_start(case, recipe, near)
+                if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
+                    found.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
+                    found.checked[i] = start.counted
+                if start.reversed and unit.replan:
+                    start = read_start(case, recipe, *replanned_start(case))
+                _enter(found, i, start)
+                word = start.outcome.outcome
+                outcomes[word] = outcomes.get(word, 0) + 1
+            found.known[i] = True
+        except ModelError as wrong:
+            troubles.append(str(wrong))
+    return replace(found, outcomes=tuple(outcomes.items()), troubles=tuple(troubles))
+
+
+def _change(fine: NearStart, coarse: NearStart) -> tuple[float, float]:
+    """Relative change of the worst torque and of the starts of the train from one step to half of it."""
+    size = fine.largest
+    counts = size > _NEGLIGIBLE * np.max(size, initial=0.0)
+    off = np.abs(size - coarse.largest)[counts] / size[counts]
+    torque = float(np.max(off, initial=0.0))
+    a, b = (float(np.min(start.starts, initial=math.inf)) for start in (fine, coarse))
+    if math.isinf(a) and math.isinf(b):
+        return torque, 0.0
+    return torque, abs(a - b) / min(a, b)
+
+
+def _enter(found: Evaluated, i: int, start: NearStart) -> None:
+    """Answers of one start, into the arrays that `evaluate` has just made."""
+    found.counted[i] = start.counted
+    found.reversed[i] = bool(start.reversed)
+    found.sensitive[i] = start.sensitive
+    found.torque[i] = start.largest
+    found.starts[i] = start.starts

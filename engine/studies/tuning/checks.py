@@ -1,0 +1,331 @@
+"""Checks of the rows of `Tuning` and `Catalogue`: what is wrong is told all at once, with what to do."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterator, Sequence
+
+from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.data import GROUND, CaseData
+from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
+from engine.errors import Problem
+from engine.studies.tuning.options import (
+    DEFAULT_STEPS,
+    UNITS,
+    element_of,
+    offered,
+    offers_by_element,
+)
+from engine.studies.variation import (
+    BACKLASH,
+    DAMPING,
+    DIAMETER,
+    INERTIA,
+    STIFFNESS,
+    TUNED,
+    present,
+    why_not,
+)
+
+__all__ = ["MAX_COMBINATIONS", "tuning_problems"]
+
+#: Combinations of one study; at some 50 ms each this many take a quarter of an hour. [count]
+MAX_COMBINATIONS = 20_000
+#: Quantities that may become zero: no damping, no clearance.
+_ZERO_ALLOWED = frozenset({DAMPING, BACKLASH})
+_TUNING, _CATALOGUE = "Tuning", "Catalogue"
+
+
+def tuning_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]:
+    """Everything wrong with the rows of `Tuning` and `Catalogue`.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    studies : StudyInputs
+        The rows. [SI]
+
+    Returns
+    -------
+    tuple of Problem
+        Empty if the study can be made. [count]
+    """
+    if not studies.tuning and not studies.catalogue:
+        return (
+            _problem(
+                (_TUNING, None, ""),
+                None,
+                "at least one row in table Tuning or Catalogue",
+                "the tables Tuning and Catalogue are empty: there is nothing to try. Name a coupling "
+                "and the stiffnesses to try in table Tuning, or enter a maker's couplings in table "
+                "Catalogue.",
+            ),
+        )
+    found = [p for n, row in enumerate(studies.tuning, 1) for p in _tuning_row(case, n, row)]
+    found += [p for n, row in enumerate(studies.catalogue, 1) for p in _offer_row(case, n, row)]
+    found += [*_chosen_twice(studies), *_offers_together(studies)]
+    if not found:
+        found += [*_too_little_inertia(case, studies), *_too_many(studies)]
+    return tuple(found)
+
+
+_Where = tuple[str, int | None, str]
+#: Larger numbers are slips of the pen; products with what stands in the case must stay finite. [SI]
+LARGEST = 1e30
+
+
+def _problem(where: _Where, found: object, allowed: str, sentence: str) -> Problem:
+    return Problem(*where, found, allowed, sentence)
+
+
+def _wrong(where: _Where, found: object, allowed: str, action: str, unit: str = "") -> Problem:
+    """A problem whose sentence is: found …; it must be …. What to do."""
+    shown = f"{found:.6g} {unit}".rstrip() if isinstance(found, (int, float)) else f"'{found}'"
+    shown = "the cell is blank" if found is None else f"found {shown}"
+    return _problem(where, found, allowed, f"{shown}; it must be {allowed}. {action}")
+
+
+def _nearest(name: str, known: Sequence[str]) -> str:
+    folded = {k.casefold(): k for k in known}
+    close = difflib.get_close_matches(name.casefold(), list(folded), n=1)
+    return f"Did you mean '{folded[close[0]]}'?" if close else "Correct the name."
+
+
+def _tuning_row(case: CaseData, number: int, row: TuningRow) -> Iterator[Problem]:
+    def where(column: str) -> _Where:
+        return _TUNING, number, column
+
+    quantity, known = row.quantity, _names(case, row.quantity)
+    what = "a station of table Stations" if quantity == INERTIA else "an element of table Elements"
+    if quantity not in TUNED:
+        allowed = "one of " + ", ".join(TUNED)
+        yield _wrong(where("Quantity"), quantity, allowed, "Choose from the list.")
+    elif row.element not in known:
+        action = "Name it." if row.element is None else _nearest(row.element, known)
+        yield _wrong(where("Element"), row.element, what, action)
+    else:
+        missing = why_not(case, row.element, quantity, relative=row.relative)
+        if (
+            missing is None
+            and quantity == DAMPING
+            and present(case, row.element, STIFFNESS) is None
+        ):
+            missing = (
+                f"'{row.element}' is a rigid mesh and cannot have damping. Give it a stiffness."
+            )
+        if missing is not None:
+            allowed = f"one whose {quantity} can be changed"
+            yield _problem(where("Element"), row.element, allowed, missing)
+    yield from _range(row, where("From"), where("To"), where("Steps"), where("Values"))
+    unit = "" if row.relative or quantity not in UNITS else UNITS[quantity]
+    zero = quantity in _ZERO_ALLOWED
+    for column, values in (("Values", row.values), ("From", (row.from_,)), ("To", (row.to,))):
+        bad = [v for v in values if v is not None and not _fits(v, zero)]
+        if bad:
+            yield _wrong(where(column), bad[0], _allowed(zero, bad[0]), "Correct the cell.", unit)
+
+
+def _names(case: CaseData, quantity: str | None) -> list[str]:
+    if quantity == INERTIA:
+        return [str(s.station) for s in case.stations]
+    return [str(e.element) for e in case.elements]
+
+
+def _fits(value: float, zero_allowed: bool) -> bool:
+    return value <= LARGEST and (value > 0.0 or (zero_allowed and value == 0.0))
+
+
+def _allowed(zero_allowed: bool, found: float) -> str:
+    if found > LARGEST:
+        return f"at most {LARGEST:g}"
+    return "zero or positive" if zero_allowed else "positive"
+
+
+def _range(
+    row: TuningRow, from_: _Where, to: _Where, steps: _Where, values: _Where
+) -> Iterator[Problem]:
+    """Values or a range, not both; a range that rises, or is one point."""
+    ends = (row.from_, row.to)
+    if row.values and any(end is not None for end in ends):
+        yield _problem(
+            values, row.values[0], "either Values or From and To",
+            "both Values and a range are given; only one of them can be tried. Clear Values, or clear "
+            "From, To and Steps.",
+        )  # fmt: skip
+        return
+    if row.values:
+        return
+    if ends == (None, None):
+        yield _problem(
+            values, None, "Values, or From and To",
+            "neither Values nor a range is given; there is nothing to try. Type numbers with "
+            "semicolons between them into Values, or fill From and To.",
+        )  # fmt: skip
+        return
+    for place, end, other in ((from_, row.from_, "To"), (to, row.to, "From")):
+        if end is None:
+            yield _wrong(place, None, f"given where {other} is", "Type the other end of the range.")
+    if row.from_ is None or row.to is None:
+        return
+    if row.from_ > row.to:
+        said = "To is less than From. Exchange the two ends of the range."  # in any unit
+        yield _problem(to, row.to, "at least From", said)
+    least = 1 if row.from_ == row.to else 2
+    if row.from_ == row.to and row.steps not in (None, 1):
+        allowed = f"above From, {row.from_:.6g}, where Steps is {row.steps}"
+        yield _wrong(to, row.to, allowed, "Type the other end, or clear Steps to try one value.")
+    elif row.steps is not None and row.steps < least:
+        yield _wrong(steps, row.steps, "2 or more", "Both ends of the range are counted.")
+
+
+def _offer_row(case: CaseData, number: int, row: CatalogueRow) -> Iterator[Problem]:
+    def where(column: str) -> _Where:
+        return _CATALOGUE, number, column
+
+    kinds = {str(e.element): e.kind for e in case.elements}
+    if row.element not in kinds:
+        action = "Name it." if row.element is None else _nearest(row.element, list(kinds))
+        yield _wrong(where("Element"), row.element, "an element of table Elements", action)
+    elif kinds[row.element] == GEAR_MESH:
+        yield _wrong(
+            where("Element"), row.element, "a coupling or shaft, not a gear mesh",
+            "Try the stiffness of a mesh in table Tuning.",
+        )  # fmt: skip
+    if not row.name:
+        yield _wrong(where("Name"), row.name, "the maker's designation", "Name it.")
+    if row.fitted not in (None, "yes", "no"):
+        yield _wrong(where("Fitted"), row.fitted, "yes or no", "Choose from the list.")
+    if row.stiffness is None:
+        yield _wrong(where("Stiffness"), None, "positive", "Type the maker's stiffness.", "N m/rad")
+    for column, key, unit, zero in _OFFER_NUMBERS:
+        value = getattr(row, key)
+        if value is not None and not _fits(value, zero):
+            yield _wrong(where(column), value, _allowed(zero, value), "Correct the cell.", unit)
+
+
+_OFFER_NUMBERS = (
+    ("Stiffness", "stiffness", "N m/rad", False),
+    ("Inertia", "inertia", "kg m²", True),
+    ("Damping", "damping", "N m s/rad", True),
+    ("Loss factor", "loss_factor", "", True),
+    ("Rated torque", "rated_torque", "N m", False),
+    ("Peak torque limit", "peak_torque_limit", "N m", False),
+    ("Vibratory limit", "vibratory_limit", "N m", False),
+)
+
+
+def _chosen_twice(studies: StudyInputs) -> Iterator[Problem]:
+    """The same quantity in two rows, or by two ways that exclude each other."""
+    offered = {row.element for row in studies.catalogue}
+    first: dict[tuple[str | None, str | None], int] = {}
+    for number, row in enumerate(studies.tuning, 1):
+        key = (row.element, row.quantity)
+        where = (_TUNING, number, "Element")
+        other = {STIFFNESS: DIAMETER, DIAMETER: STIFFNESS}.get(str(row.quantity))
+        if row.element is None:
+            continue
+        if key in first:
+            yield _wrong(
+                where, row.element, f"named once for its {row.quantity} (row {first[key]} has it)",
+                "Put all values into one row.",
+            )  # fmt: skip
+        elif (row.element, other) in first:
+            yield _wrong(
+                where, row.element, f"named for its {row.quantity} or its {other}, not for both",
+                f"The stiffness follows from the diameter: clear this row or row "
+                f"{first[row.element, other]}.",
+            )  # fmt: skip
+        elif row.element in offered and row.quantity in (STIFFNESS, DAMPING, DIAMETER):
+            yield _wrong(
+                where, row.element, f"in table Catalogue or tuned for its {row.quantity}, not both",
+                "A coupling of the catalogue brings its own: clear this row, or its rows in table "
+                "Catalogue.",
+            )  # fmt: skip
+        first.setdefault(key, number)
+
+
+def _offers_together(studies: StudyInputs) -> Iterator[Problem]:
+    """Names, fitted marks and inertias of the couplings offered for one element."""
+    name_of: dict[tuple[str | None, str | None], int] = {}
+    fitted: dict[str | None, int] = {}
+    with_inertia = {row.element for row in studies.catalogue if row.inertia is not None}
+    for number, row in enumerate(studies.catalogue, 1):
+        if row.element is None:
+            continue
+        key = (row.element, row.name)
+        if row.name and key in name_of:
+            yield _wrong(
+                (_CATALOGUE, number, "Name"), row.name,
+                f"a name used once for '{row.element}' (row {name_of[key]} has it already)",
+                "Rename one of the two, or clear one row.",
+            )  # fmt: skip
+        name_of.setdefault(key, number)
+        if row.fitted == "yes" and row.element in fitted:
+            yield _wrong(
+                (_CATALOGUE, number, "Fitted"), row.fitted,
+                f"yes in one row of '{row.element}' (row {fitted[row.element]} has it already)",
+                "The stations contain the inertia of one coupling.",
+            )  # fmt: skip
+        if row.fitted == "yes":
+            fitted.setdefault(row.element, number)
+        if row.inertia is None and row.element in with_inertia:
+            yield _wrong(
+                (_CATALOGUE, number, "Inertia"), None,
+                f"given in all rows of '{row.element}' or in none",
+                "Type it, or 0 where it is too small to count.", "kg m²",
+            )  # fmt: skip
+
+
+def _too_little_inertia(case: CaseData, studies: StudyInputs) -> Iterator[Problem]:
+    """A fitted coupling with more inertia than the stations at its ends have."""
+    least = {str(s.station): s.inertia or 0.0 for s in case.stations}
+    for row in studies.tuning:
+        if row.quantity == INERTIA and row.element is not None:
+            number = min(row.values) if row.values else row.from_ or 0.0
+            least[row.element] = number * least[row.element] if row.relative else number
+    held = dict(least)
+    offers = offers_by_element(studies.catalogue)
+    taken: dict[str, float] = {}
+    for name, rows in offers.items():
+        taken[name] = 0.5 * min(o.offer.added_inertia for o in offered(case, name, rows).options if o.offer)  # fmt: skip
+        for end in {element_of(case, name).from_, element_of(case, name).to} - {GROUND}:
+            least[str(end)] += taken[name]
+    for name, rows in offers.items():
+        ends = (element_of(case, name).from_, element_of(case, name).to)
+        short = [str(end) for end in ends if end != GROUND and least[str(end)] <= 0.0]
+        fitted = next((r for r in rows if r.fitted == "yes"), None)
+        if taken[name] < 0.0 and short and fitted is not None:
+            yield _problem(
+                (_CATALOGUE, studies.catalogue.index(fitted) + 1, "Inertia"),
+                fitted.inertia,
+                "at most what the stations at its ends hold",
+                f"half of {fitted.inertia:.6g} kg m² is part of station '{short[0]}', which has "
+                f"{held[short[0]]:.6g} kg m²: with the lightest coupling on offer "
+                f"{least[short[0]]:.6g} kg m² would be left. Correct the inertia of the fitted "
+                "coupling, or that of the station.",
+            )
+
+
+def _too_many(studies: StudyInputs) -> Iterator[Problem]:
+    counts = [_count(row) for row in studies.tuning]
+    counts += [len(rows) for rows in offers_by_element(studies.catalogue).values()]
+    total = math.prod(counts)
+    if total > MAX_COMBINATIONS:
+        shown = " × ".join(str(n) for n in counts)
+        yield _problem(
+            (_TUNING if studies.tuning else _CATALOGUE, None, ""),
+            total,
+            f"at most {MAX_COMBINATIONS:,} combinations",
+            f"{shown} values make {total:,} combinations; at most {MAX_COMBINATIONS:,} are "
+            "calculated. Give fewer Values or Steps, or try the quantities one after the other: "
+            "first those that move the worst mode.",
+        )
+
+
+def _count(row: TuningRow) -> int:
+    """How many values a row has; those of a range are not made for it, they may be millions."""
+    if row.values:
+        return len(set(row.values))
+    return 1 if row.from_ == row.to else row.steps or DEFAULT_STEPS

@@ -1,0 +1,304 @@
+"""One combination of a tuning study, calculated: what a designer compares couplings by.
+
+A full run of the changed case, reduced to its answers. A combination that makes an impossible case
+has a sentence instead of answers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.data import Case, CaseData
+from engine.errors import CaseError, TorsionError
+from engine.fatigue.allowable_starts import shear_stress
+from engine.model.excitation import transmitted_torque
+from engine.operation.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS
+from engine.results.results import Results
+from engine.results.verdicts import Verdict
+from engine.run import run
+from engine.start.crossings import Crossing
+from engine.start.start_fatigue import is_counted
+from engine.studies.tuning.options import Combination, case_of
+
+__all__ = ["MODES", "Answers", "Tried", "answers_of", "calculate_combination"]
+
+#: Elastic modes that are kept of each combination. [count]
+MODES = 10
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What one run says of a design.
+
+    Parameters
+    ----------
+    modes : tuple of float
+        Elastic modes, `MODES` at most. [Hz]
+    worst_margin : float or None
+        Least separation margin; None where none could be judged. [1]
+    margin_where : str
+        Its mode and excitation. [words]
+    margin_verdict : str
+        ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``. [word]
+    too_near : tuple of (int, str)
+        Modes inside the forbidden band of an excitation. [count, name]
+    outcome : str
+        How the start ended, or ``calculated`` without one. [word]
+    whole : bool
+        Whether the start came to an end that can be counted, or there is none. [flag]
+    sentence : str
+        How the start ended, with its numbers. [sentence]
+    crossings : tuple of Crossing
+        Where 2 × slip crosses the modes. [SI]
+    governing_mode : int or None
+        Mode whose crossing stresses the train most: by nominal stress, where none is known by torque
+        at motor speed; None where none is crossed. [count]
+    peak_stress : float or None
+        Nominal peak-to-peak stress of the shaft with the largest stress with SCF. [Pa]
+    peak_stress_scf : float or None
+        The same times SCF. [Pa]
+    peak_stress_where : str
+        Its element. [name]
+    peak_torque : float or None
+        Largest torque at motor speed, a magnitude. [N m]
+    peak_over_rated : float or None
+        The same over RatedTorque. [1]
+    peak_torque_where : str
+        Its element. [name]
+    mesh_minimum_torque : float or None
+        Lowest torque of a gear mesh, at its From side; of several the lowest at motor speed. [N m]
+    mesh_where : str
+        Its element. [name]
+    impacts : int or None
+        Recontacts of all teeth; None where no clearance was modelled. [count]
+    starts : float or None
+        Allowable starts of the governing shaft; None = unlimited or not judged. [1]
+    unlimited : bool
+        Shafts are judged and none is damaged. [flag]
+    starts_error : float or None
+        Estimated relative error of the starts. [1]
+    starts_where : str
+        Governing shaft. [name]
+    checks : tuple of Verdict
+        Every check but the overall one, and that of rated torques. [rows]
+    warnings : tuple of str
+        What a reader must know beside the numbers. [sentences]
+    """
+
+    modes: tuple[float, ...]
+    worst_margin: float | None
+    margin_where: str
+    margin_verdict: str
+    too_near: tuple[tuple[int, str], ...]
+    outcome: str
+    whole: bool
+    sentence: str
+    crossings: tuple[Crossing, ...]
+    governing_mode: int | None
+    peak_stress: float | None
+    peak_stress_scf: float | None
+    peak_stress_where: str
+    peak_torque: float | None
+    peak_over_rated: float | None
+    peak_torque_where: str
+    mesh_minimum_torque: float | None
+    mesh_where: str
+    impacts: int | None
+    starts: float | None
+    unlimited: bool
+    starts_error: float | None
+    starts_where: str
+    checks: tuple[Verdict, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def broken(self) -> tuple[str, ...]:
+        """Checks that fail; one that is made of several elements is named for each. [names]"""
+        return tuple(c.check for c in self.checks if c.verdict == FAIL)
+
+    @property
+    def verdict(self) -> str:
+        """The worst of the checks: ``fail``, ``accepted by forced response``, ``pass`` or ``not judged``."""
+        found = {c.verdict for c in self.checks}
+        return next((v for v in (FAIL, ACCEPTED, PASS) if v in found), NOT_JUDGED)
+
+    @property
+    def governing(self) -> Crossing | None:
+        """The crossing of `governing_mode`. [SI]"""
+        return next((c for c in self.crossings if c.mode == self.governing_mode), None)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A combination and what became of it.
+
+    Parameters
+    ----------
+    combination : Combination
+        What was chosen. [SI]
+    answers : Answers or None
+        What the run says; None where there is no such case. [SI]
+    problem : str
+        Why not; empty where it was calculated. [sentence]
+    """
+
+    combination: Combination
+    answers: Answers | None
+    problem: str = ""
+
+
+def calculate_combination(case: CaseData, combination: Combination) -> Tried:
+    """One unit of work of a tuning study: a full run of one combination.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case as it stands. [SI]
+    combination : Combination
+        What is chosen. [SI]
+
+    Returns
+    -------
+    Tried
+        Answers, or the sentence that says why there are none. [SI]
+    """
+    try:
+        return Tried(combination, answers_of(run(Case(**vars(case_of(case, combination))))))
+    except CaseError as wrong:
+        return Tried(combination, None, " ".join(_told(p.table, p.row, p.column, p.message) for p in wrong.problems))  # fmt: skip
+    except TorsionError as wrong:
+        return Tried(combination, None, str(wrong))
+
+
+def _told(table: str, row: int | None, column: str, message: str) -> str:
+    place = column if row is None else f"{table}, row {row}, {column}"
+    return f"{place or table}: {message}"
+
+
+def answers_of(results: Results) -> Answers:
+    """What a designer compares, out of a complete run.
+
+    Parameters
+    ----------
+    results : Results
+        A complete run. [SI]
+
+    Returns
+    -------
+    Answers
+        Plain numbers and words. [SI]
+    """
+    case = results.case
+    ratio = _speed_of_elements(case)
+    worst = results.margins.worst
+    stress, stress_scf, stressed = _stress(results)
+    torque, torqued = _peak(results, ratio)
+    rated = case.ratings.rated_torque
+    meshes = {e.element for e in case.elements if e.kind == GEAR_MESH}
+    lowest = min(
+        (r for r in results.reversals if r.element in meshes),
+        key=lambda r: r.minimum_torque * ratio[r.element],
+        default=None,
+    )
+    counted = [r.impacts for r in results.reversals if r.impacts is not None]
+    starts = results.starts if results.starts is not None and results.starts.shafts else None
+    whole = is_counted(results.start)
+    number = starts.starts if starts is not None and whole else None
+    checks = (*results.verdicts[1:], *_rated(results))
+    return Answers(
+        modes=tuple(float(f) for f in results.modes.elastic_frequency[:MODES]),
+        worst_margin=None if worst is None else float(worst.margin),
+        margin_where="" if worst is None else f"mode {worst.mode} against {worst.excitation}",
+        margin_verdict=results.verdicts[1].verdict,
+        too_near=tuple((r.mode, r.excitation) for r in results.margins.not_kept),
+        outcome=results.outcome,
+        whole=whole,
+        sentence="" if results.start is None else results.start.outcome.sentence,
+        crossings=results.crossings,
+        governing_mode=_governing(results.crossings, ratio),
+        peak_stress=stress,
+        peak_stress_scf=stress_scf,
+        peak_stress_where=stressed,
+        peak_torque=torque,
+        peak_over_rated=torque / rated if torque is not None and rated else None,
+        peak_torque_where=torqued,
+        mesh_minimum_torque=None if lowest is None else lowest.minimum_torque,
+        mesh_where="" if lowest is None else lowest.element,
+        impacts=sum(counted) if counted else None,
+        starts=number,
+        unlimited=starts is not None and whole and starts.unlimited,
+        starts_error=_starts_error(results, number),
+        starts_where="" if starts is None or not whole else starts.governing or "",
+        checks=checks,
+        warnings=results.warnings,
+    )
+
+
+def _speed_of_elements(case: CaseData) -> Mapping[str | None, float]:
+    """Speed of each element over that of the reference shaft; a mesh counts at its From side."""
+    speed = {s.station: s.speed_ratio or 1.0 for s in case.stations}
+    return {e.element: speed.get(e.from_) or speed.get(e.to) or 1.0 for e in case.elements}
+
+
+def _governing(crossings: Iterable[Crossing], ratio: Mapping[str | None, float]) -> int | None:
+    """Mode of the crossing with the largest stress range, else with the largest torque range."""
+
+    def severity(c: Crossing) -> tuple[float, float, int]:
+        torque = (c.peak_to_peak_torque or 0.0) * ratio.get(c.governing_element, 1.0)
+        return c.peak_to_peak_stress or 0.0, torque, -c.mode
+
+    passed = [c for c in crossings if c.time is not None]
+    return max(passed, key=severity).mode if passed else None
+
+
+def _stress(results: Results) -> tuple[float | None, float | None, str]:
+    """Nominal range and range with SCF of the shaft where the latter is largest."""
+    if results.start is None:
+        return None, None, ""
+    rows = {e.element: e for e in results.case.elements}
+    found: list[tuple[float, float, str]] = []
+    for p in results.start.peaks:
+        e = rows[p.element]
+        if e.stress_diameter:
+            nominal = float(shear_stress(p.peak_to_peak, e.stress_diameter, e.stress_bore or 0.0))
+            found.append((nominal * (e.scf or 1.0), nominal, p.element))
+    if not found:
+        return None, None, ""
+    local, nominal, where = max(found, key=lambda f: f[0])
+    return nominal, local, where
+
+
+def _peak(results: Results, ratio: Mapping[str | None, float]) -> tuple[float | None, str]:
+    """Largest torque at motor speed, and its element."""
+    if results.start is None or not results.start.peaks:
+        return None, ""
+    sizes = {
+        p.element: max(abs(p.maximum), abs(p.minimum)) * ratio[p.element]
+        for p in results.start.peaks
+    }
+    top = max(sizes, key=lambda name: sizes[name])
+    return float(sizes[top]), top
+
+
+def _starts_error(results: Results, starts: float | None) -> float | None:
+    if starts is None or results.starts is None:
+        return None
+    return dict(results.starts_error).get(results.starts.governing or "")
+
+
+def _rated(results: Results) -> tuple[Verdict, ...]:
+    """Torque in continuous operation against the makers' rated torque: all that it exceeds, else the worst."""
+    transmitted = transmitted_torque(results.case, results.train).element.tolist()
+    rows = [
+        (abs(torque), e.rated_torque, str(e.element))
+        for e, torque in zip(results.case.elements, transmitted, strict=True)
+        if e.rated_torque and torque
+    ]
+    if not rows:
+        return ()
+    exceeded = [r for r in rows if r[0] > r[1]]
+    shown = exceeded or [max(rows, key=lambda r: r[0] / r[1])]
+    verdict = FAIL if exceeded else PASS
+    return tuple(Verdict("Rated torque", *r[:2], "torque", verdict, r[2]) for r in shown)

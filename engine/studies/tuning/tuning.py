@@ -1,0 +1,516 @@
+"""Where to put the modes: every combination of couplings calculated, ranked, and the reasons told.
+
+The paper ("Philosophy of resonant response location") answers where a mode should lie by the train's
+own torque curves, acceleration and damping. Here each combination of what may be chosen is started in
+full, so the answer is read off the starts themselves.
+
+`plan_tuning` says what will be calculated, `calculate_combination` is one unit of work, `gather` makes
+one result of the units, whoever calculated them; `tune` does all three one after the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from engine.case.data import CaseData, case_digest
+from engine.case.study_inputs import StudyInputs, WordUnit
+from engine.model.excitation import excitations_of
+from engine.model.train import build_train
+from engine.operation.bands import Band, Window, forbidden_bands, free_windows, rows_of_bands
+from engine.operation.margins import required_margin
+from engine.studies.tuning.combinations import TuningPlan, plan_tuning
+from engine.studies.tuning.evaluate import Answers, Tried, calculate_combination
+from engine.studies.tuning.maps import TuningMap, tuning_map
+from engine.studies.tuning.options import Combination, Variable, case_of, in_units
+from engine.studies.tuning.ranking import chosen, is_better, ranked, reason
+
+__all__ = [
+    "Ranked",
+    "TuningResult",
+    "band_rows",
+    "best_cases",
+    "crossing_rows",
+    "gather",
+    "in_typed_units",
+    "map_rows",
+    "ranked_rows",
+    "tune",
+    "uncalculated_rows",
+]
+
+Row = dict[str, Any]
+
+#: Verdict and outcome of what a study that was stopped did not come to.
+NOT_CALCULATED = "not calculated"
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One combination in its place.
+
+    Parameters
+    ----------
+    rank : int
+        1 = the best. [count]
+    combination : str
+        What it is made of. [words]
+    tried : Tried
+        What became of it. [SI]
+    better : bool
+        Whether it is better than the case as it stands. [flag]
+    reason : str
+        Why it stands there. [sentences]
+    """
+
+    rank: int
+    combination: str
+    tried: Tried
+    better: bool
+    reason: str
+
+
+@dataclass(frozen=True)
+class TuningResult:
+    """Everything a tuning study found.
+
+    Parameters
+    ----------
+    case_sha256 : str
+        Digest of the case. [hex]
+    study_digest : str
+        Digest of the rows of `Tuning` and `Catalogue`. [hex]
+    variables : tuple of Variable
+        What was chosen from. [SI]
+    rows : tuple of Ranked
+        Every combination that was calculated, the best first. [SI]
+    as_is : Ranked or None
+        The case as it stands; None where the study was stopped before it. [SI]
+    required_margin : float
+        Required separation margin. [1]
+    bands : tuple of Band
+        Forbidden bands of every excitation. [Hz]
+    windows : tuple of Window
+        What they leave free. [Hz]
+    map : TuningMap
+        Over the first two variables, or the only one. [SI]
+    planned : int
+        Combinations there are, the case as it stands included. [count]
+    sentence : str
+        What was found, in short. [sentences]
+    """
+
+    case_sha256: str
+    study_digest: str
+    variables: tuple[Variable, ...]
+    rows: tuple[Ranked, ...]
+    as_is: Ranked | None
+    required_margin: float
+    bands: tuple[Band, ...]
+    windows: tuple[Window, ...]
+    map: TuningMap
+    planned: int
+    sentence: str
+
+    @property
+    def complete(self) -> bool:
+        """Whether every combination was calculated. [flag]"""
+        return len(self.rows) == self.planned
+
+
+def tune(
+    case: CaseData,
+    studies: StudyInputs,
+    *,
+    on_progress: Callable[[int, int], None] | None = None,
+    should_stop: Callable[[], bool] | None = None,
+) -> TuningResult:
+    """The whole study, one combination after the other.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    studies : StudyInputs
+        Rows of `Tuning` and `Catalogue`. [SI]
+    on_progress : callable, optional
+        Called with how many combinations are done, and how many there are. [counts]
+    should_stop : callable, optional
+        Asked before each combination; what is done by then is the result. [flag]
+
+    Returns
+    -------
+    TuningResult
+        Ranked, with reasons. [SI]
+
+    Raises
+    ------
+    CaseError
+        With every problem of the rows.
+    """
+    plan = plan_tuning(case, studies)
+    done: list[Tried] = []
+    for combination in plan.combinations:
+        if should_stop is not None and should_stop():
+            break
+        done.append(calculate_combination(case, combination))
+        if on_progress is not None:
+            on_progress(len(done), len(plan.combinations))
+    return gather(case, plan, done)
+
+
+def gather(case: CaseData, plan: TuningPlan, tried: Iterable[Tried]) -> TuningResult:
+    """One result of all that was calculated.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case as it stands. [SI]
+    plan : TuningPlan
+        What was to be tried. [SI]
+    tried : iterable of Tried
+        What was, in any order. [SI]
+
+    Returns
+    -------
+    TuningResult
+        The same whatever the order. [SI]
+    """
+    order = ranked(tried, plan.variables)
+    stands = next((t for t in order if t.combination.as_is), None)
+    rated = case.ratings.rated_torque
+    rows = tuple(
+        Ranked(
+            rank,
+            chosen(t, plan.variables),
+            t,
+            stands is not None and is_better(t, stands),
+            reason(t, stands, rated),
+        )
+        for rank, t in enumerate(order, start=1)
+    )
+    bands = forbidden_bands(case, excitations_of(case, build_train(case)))
+    as_is = next((r for r in rows if r.tried.combination.as_is), None)
+    return TuningResult(
+        case_digest(case),
+        plan.study_digest,
+        plan.variables,
+        rows,
+        as_is,
+        required_margin(case),
+        bands,
+        free_windows(bands),
+        tuning_map(plan, order),
+        len(plan.combinations),
+        _sentence(rows, as_is, len(plan.combinations)),
+    )
+
+
+def in_typed_units(
+    case: CaseData, result: TuningResult, units: Mapping[tuple[str, str], WordUnit]
+) -> TuningResult:
+    """The same result, its words in the units that the engineer typed.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case as it stands. [SI]
+    result : TuningResult
+        The study. [SI]
+    units : mapping of (str, str) to WordUnit
+        As in `StudyInputs`. [units]
+
+    Returns
+    -------
+    TuningResult
+        Labels, reasons and the sentence told anew; numbers and order are the same. [SI]
+    """
+    if not units:
+        return result
+    variables = tuple(in_units(v, units) for v in result.variables)
+    named = {v.title: v for v in variables}
+    stands = None if result.as_is is None else result.as_is.tried
+
+    def told(row: Ranked) -> Ranked:
+        combination = row.tried.combination
+        if combination.picked:
+            options = tuple(
+                v.options[i] for v, i in zip(variables, combination.picked, strict=True)
+            )
+            combination = replace(combination, options=options)
+        tried = replace(row.tried, combination=combination)
+        words = reason(tried, stands, case.ratings.rated_torque, units)
+        return replace(row, combination=chosen(tried, variables), tried=tried, reason=words)
+
+    rows = tuple(told(row) for row in result.rows)
+    as_is = next((r for r in rows if r.tried.combination.as_is), None)
+    up = result.map.up
+    return replace(
+        result,
+        variables=variables,
+        rows=rows,
+        as_is=as_is,
+        map=replace(
+            result.map,
+            across=named[result.map.across.title],
+            up=None if up is None else named[up.title],
+        ),
+        sentence=_sentence(rows, as_is, result.planned),
+    )
+
+
+def best_cases(
+    case: CaseData, result: TuningResult, top: int
+) -> tuple[tuple[Ranked, CaseData], ...]:
+    """The best combinations as cases that can be saved and calculated.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case as it stands. [SI]
+    result : TuningResult
+        The study. [SI]
+    top : int
+        How many, those that cannot be calculated and the case itself left out. [count]
+
+    Returns
+    -------
+    tuple of (Ranked, CaseData)
+        The best first. [SI]
+    """
+    ready = [
+        row
+        for row in result.rows
+        if row.tried.answers is not None and not row.tried.combination.as_is
+    ]
+    return tuple((row, case_of(case, row.tried.combination)) for row in ready[:top])
+
+
+def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> str:
+    """How many were tried, how many are better, and the best."""
+    if not rows:
+        return f"Stopped before the first of {planned:,} combinations."
+    said = f"{planned:,} combinations were calculated"
+    if len(rows) < planned:
+        said = f"Stopped: {len(rows):,} of {planned:,} combinations were calculated"
+    impossible = sum(r.tried.answers is None for r in rows)
+    if impossible:
+        said += f", {impossible:,} of them cannot be"
+    better = sum(r.better for r in rows)
+    kept = sum(r.tried.answers is not None and not r.tried.answers.broken for r in rows)
+    said += f"; {kept:,} {'keeps' if kept == 1 else 'keep'} all limits that are judged"
+    if as_is is None:
+        return f"{said}. The case as it stands was not among them."
+    said += f", {better:,} {'is' if better == 1 else 'are'} better than the case as it stands (rank {as_is.rank:,})."
+    if better and len(rows) < planned:  # short: what was not calculated may be better
+        return f"{said} The best of them is {rows[0].combination}."
+    if better:
+        return f"{said} The best is {rows[0].combination}. {rows[0].reason}"
+    return f"{said} Nothing that was tried is better."
+
+
+# --- tables ---------------------------------------------------------------------------------------
+
+
+def ranked_rows(result: TuningResult) -> list[Row]:
+    """Rows of `TuningResults`: every combination, the best first.
+
+    Parameters
+    ----------
+    result : TuningResult
+        The study. [SI]
+
+    Returns
+    -------
+    list of dict
+        Frequencies [Hz], margin and percent speed [1], torques [N m], stresses [Pa], sweep rate
+        [Hz/s]; the crossing is the one that stresses the train most. ``unlimited`` is absent where
+        starts were not judged.
+    """
+    stands = None if result.as_is is None else result.as_is.tried.answers
+    usual = frozenset(() if stands is None else stands.warnings)
+    return [_ranked_row(row, usual) for row in result.rows]
+
+
+def uncalculated_rows(plan: TuningPlan, result: TuningResult) -> list[Row]:
+    """Rows of `TuningResults` for what a study that was stopped did not come to.
+
+    Parameters
+    ----------
+    plan : TuningPlan
+        What was to be tried. [SI]
+    result : TuningResult
+        What was; its variables name the options, in their units. [SI]
+
+    Returns
+    -------
+    list of dict
+        Without rank, in the order of the plan. [words]
+    """
+    done = {row.tried.combination.picked for row in result.rows}
+
+    def words(one: Combination) -> str:
+        named = tuple(
+            v.options[i] for v, i in zip(result.variables, one.picked, strict=bool(one.picked))
+        )
+        return chosen(Tried(replace(one, options=named), None), result.variables)
+
+    return [
+        {
+            "combination": words(one),
+            "as_is": one.as_is,
+            "better": False,
+            "verdict": NOT_CALCULATED,
+            "outcome": NOT_CALCULATED,
+            "reason": "Not calculated: the study was cut short.",
+        }
+        for one in plan.combinations
+        if one.picked not in done
+    ]
+
+
+def _ranked_row(row: Ranked, usual: frozenset[str]) -> Row:
+    """One row; warnings that hold of the case as it stands as well are left out."""
+    a = row.tried.answers
+    told: Row = {
+        "rank": row.rank,
+        "combination": row.combination,
+        "as_is": row.tried.combination.as_is,
+        "better": row.better,
+        "reason": row.reason,
+    }
+    if a is None:
+        return told | {"verdict": "impossible", "outcome": "impossible"}
+    c = a.governing
+    told |= {
+        "verdict": a.verdict,
+        "limits_broken": len(a.broken),
+        "broken": ", ".join(dict.fromkeys(a.broken)),
+        "allowable_starts": a.starts,
+        "error": a.starts_error,
+        "governing_shaft": a.starts_where or None,
+        "worst_margin": a.worst_margin,
+        "margin_where": a.margin_where,
+        "mode_1": _at(a.modes, 0),
+        "mode_2": _at(a.modes, 1),
+        "mode_3": _at(a.modes, 2),
+        "peak_to_peak_stress": a.peak_stress,
+        "stress_with_scf": a.peak_stress_scf,
+        "stress_where": a.peak_stress_where or None,
+        "peak_torque_over_rated": a.peak_over_rated,
+        "torque_where": a.peak_torque_where or None,
+        "mesh_minimum_torque": a.mesh_minimum_torque,
+        "impacts": a.impacts,
+        "outcome": a.outcome,
+        "note": " ".join(w for w in a.warnings if w not in usual) or None,
+    }
+    if c is not None:
+        told |= {
+            "mode_crossed": c.mode,
+            "percent_speed": None if c.percent_speed is None else c.percent_speed / 100.0,
+            "sweep_rate": c.sweep_rate,
+            "average_torque": c.average_torque,
+            "pulsating_torque": c.pulsating_torque,
+        }
+    return told | _judged(a)
+
+
+def _judged(a: Answers) -> Row:
+    """Whether starts are limited; not said where they were not judged."""
+    return {"unlimited": a.unlimited} if a.unlimited or a.starts is not None else {}
+
+
+def _at(values: tuple[float, ...], index: int) -> float | None:
+    return values[index] if index < len(values) else None
+
+
+def crossing_rows(result: TuningResult, top: int | None = None) -> list[Row]:
+    """Rows of `TuningCrossings`: where 2 × slip crosses the modes of each combination.
+
+    Parameters
+    ----------
+    result : TuningResult
+        The study. [SI]
+    top : int or None, optional
+        How many of the best, the case as it stands besides; None = all. [count]
+
+    Returns
+    -------
+    list of dict
+        Fields of `engine.start.crossings.Crossing`, percent speed as a fraction, with rank and
+        combination. [SI]
+    """
+    rows = []
+    for row in result.rows:
+        if row.tried.answers is None:
+            continue
+        if top is not None and row.rank > top and not row.tried.combination.as_is:
+            continue
+        for c in row.tried.answers.crossings:
+            percent = None if c.percent_speed is None else c.percent_speed / 100.0
+            told = {"rank": row.rank, "combination": row.combination}
+            rows.append(told | asdict(c) | {"percent_speed": percent})
+    return rows
+
+
+def band_rows(result: TuningResult) -> list[Row]:
+    """Rows of `ForbiddenBands`: the band of each excitation, and who is inside.
+
+    Parameters
+    ----------
+    result : TuningResult
+        The study. [SI]
+
+    Returns
+    -------
+    list of dict
+        Excitation, ends of the band [Hz], frequency of the excitation [Hz], modes of the case as it
+        stands inside, and how many combinations have no mode inside.
+    """
+    known = [row.tried.answers for row in result.rows if row.tried.answers is not None]
+    stands = None if result.as_is is None else result.as_is.tried.answers
+    rows = rows_of_bands(result.bands, () if stands is None else stands.too_near)
+    for row in rows:
+        clear = [a for a in known if all(x != row["excitation"] for _, x in a.too_near)]
+        row |= {"combinations_clear": len(clear), "combinations": len(known)}
+    return rows
+
+
+def map_rows(result: TuningResult) -> list[Row]:
+    """Rows of `TuningMap`: the best combination of each pair of options, as a list.
+
+    Parameters
+    ----------
+    result : TuningResult
+        The study. [SI]
+
+    Returns
+    -------
+    list of dict
+        Options and values of both variables [SI], starts [1], worst margin [1], limits broken, modes
+        [Hz]; blank where nothing was calculated.
+    """
+    m, rows = result.map, []
+    rank = {id(row.tried): row.rank for row in result.rows}
+    for j, line in enumerate(m.cells):
+        up = None if m.up is None else m.up.options[j]
+        for option, tried in zip(m.across.options, line, strict=True):
+            a = None if tried is None else tried.answers
+            row: Row = {
+                "across": option.label,
+                "across_value": option.value,
+                "up": None if up is None else up.label,
+                "up_value": None if up is None else up.value,
+                "rank": None if tried is None else rank[id(tried)],
+            }
+            if a is not None:
+                row |= {
+                    "limits_broken": len(a.broken),
+                    "allowable_starts": a.starts,
+                    **_judged(a),
+                    "worst_margin": a.worst_margin,
+                    **{f"mode_{n}": f for n, f in enumerate(a.modes, start=1)},
+                }
+            rows.append(row)
+    return rows

@@ -1,0 +1,363 @@
+"""The same train with one quantity changed: what tuning, scatter and calibration have in common.
+
+A change names a quantity and whose it is, and either multiplies what the case says or stands in
+its place. Cases are frozen: a changed one is a new one, and everything not named is shared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.data import CaseData, ElementRow, MeshRow
+from engine.case.study_inputs import (
+    AVERAGE_TORQUE,
+    BACKLASH,
+    DAMPING,
+    DAMPING_RATIO,
+    DIAMETER,
+    INERTIA,
+    LOAD_TORQUE,
+    PULSATING_TORQUE,
+    SCATTERED,
+    SN_LINE,
+    STIFFNESS,
+    TUNED,
+)
+from engine.model.train import link_of
+
+__all__ = [
+    "AVERAGE_TORQUE",
+    "BACKLASH",
+    "Change",
+    "DAMPING",
+    "DAMPING_RATIO",
+    "DIAMETER",
+    "INERTIA",
+    "LOAD_TORQUE",
+    "PULSATING_TORQUE",
+    "SCATTERED",
+    "SN_LINE",
+    "STIFFNESS",
+    "TUNED",
+    "changed",
+    "names_with",
+    "present",
+    "why_not",
+]
+
+#: What kind of name a quantity belongs to.
+_OWNERS = {
+    STIFFNESS: "element",
+    DAMPING: "element",
+    DIAMETER: "element",
+    BACKLASH: "element",
+    INERTIA: "station",
+    AVERAGE_TORQUE: "station",
+    PULSATING_TORQUE: "station",
+    LOAD_TORQUE: "station",
+    SN_LINE: "material",
+    DAMPING_RATIO: "",
+}
+
+
+@dataclass(frozen=True)
+class Change:
+    """One quantity of a case, changed.
+
+    Parameters
+    ----------
+    quantity : str
+        One of `TUNED` or `SCATTERED`. [word]
+    name : str
+        Element, station or material; empty for the damping ratio. [name]
+    value : float
+        What it is multiplied by, or becomes. [1 or SI]
+    relative : bool
+        Whether it is multiplied. [flag]
+    """
+
+    quantity: str
+    name: str
+    value: float
+    relative: bool = True
+
+    def of(self, present: float | None) -> float | None:
+        """What becomes of a number; a blank stays blank when multiplied. [SI]
+
+        Parameters
+        ----------
+        present : float or None
+            What the case says. [SI]
+
+        Returns
+        -------
+        float or None
+            What the changed case says. [SI]
+        """
+        if not self.relative:
+            return self.value
+        return None if present is None else self.value * present
+
+
+def changed(case: CaseData, changes: Iterable[Change]) -> CaseData:
+    """A case with quantities changed, one after the other.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case; it stays as it is. [SI]
+    changes : iterable of Change
+        Of names that have the quantity, see `why_not`. [SI]
+
+    Returns
+    -------
+    CaseData
+        The changed case, not yet checked. [SI]
+    """
+    case = CaseData(**vars(case))  # checked once, when all changes are in
+    for change in changes:
+        case = _PUT[change.quantity](case, change)
+    return case
+
+
+def names_with(case: CaseData, quantity: str) -> tuple[str, ...]:
+    """Who has a quantity: what a blank name of `Scatter` stands for.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    quantity : str
+        One of `TUNED` or `SCATTERED`. [word]
+
+    Returns
+    -------
+    tuple of str
+        Elements, stations or materials in the order of their tables; one empty name for the
+        damping ratio. [names]
+    """
+    return tuple(name for name in _names(case, quantity) if why_not(case, name, quantity) is None)
+
+
+def present(case: CaseData, name: str, quantity: str) -> float | None:
+    """What a case says of a quantity; None where it has no single number, such as a curve.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    name : str
+        Element, station or material. [name]
+    quantity : str
+        One of `TUNED` or `SCATTERED`. [word]
+
+    Returns
+    -------
+    float or None
+        Stiffness [N m/rad], damping [N m s/rad], inertia [kg m²], diameter [m], backlash [m or rad],
+        damping ratio [1].
+    """
+    if quantity == DAMPING_RATIO:
+        return case.damping_ratio
+    if quantity == INERTIA:
+        return next((s.inertia for s in case.stations if s.station == name), None)
+    element, mesh = _element(case, name), _mesh(case, name)
+    if element is None or quantity not in TUNED:
+        return None
+    if quantity == BACKLASH:
+        return None if mesh is None else mesh.backlash or mesh.angular_backlash
+    if quantity == DIAMETER:
+        return element.od
+    link = link_of(element, mesh)
+    return link.stiffness if quantity == STIFFNESS else link.viscous
+
+
+def why_not(case: CaseData, name: str, quantity: str, *, relative: bool = True) -> str | None:
+    """Why a quantity of a case cannot be changed.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    name : str
+        Element, station or material. [name]
+    quantity : str
+        One of `TUNED` or `SCATTERED`. [word]
+    relative : bool, optional
+        Whether it is to be multiplied, for which there must be a number. [flag]
+
+    Returns
+    -------
+    str or None
+        What is missing and what to do, as a sentence; None where it can. [sentence]
+    """
+    owner = _OWNERS[quantity]
+    if owner and name not in _known(case, owner):
+        return f"the case has no {owner} '{name}'. Correct the name."
+    if relative and quantity == STIFFNESS and not present(case, name, quantity):
+        return f"'{name}' is a rigid mesh, or has no stiffness. Give it a stiffness on sheet Train first."
+    if relative and quantity == DAMPING and not present(case, name, quantity):
+        return (
+            f"'{name}' has no Damping on sheet Train that could be multiplied. Give it one first."
+        )
+    if quantity == INERTIA and not present(case, name, quantity):
+        return f"station '{name}' has no Inertia on sheet Train. Give it one first."
+    if quantity == DIAMETER:
+        element = _element(case, name)
+        if element is None or element.od is None or element.stiffness is not None:
+            return (
+                f"the stiffness of '{name}' does not follow from its diameter. Clear its Stiffness on "
+                "sheet Train and give OD, ID, Length and Shear modulus."
+            )
+    if quantity == BACKLASH and not present(case, name, quantity):
+        return f"'{name}' has no Backlash or Angular backlash in table Meshes. Give it one first."
+    if quantity == DAMPING_RATIO and not (case.damping_ratio or case.mode_damping):
+        return "DampingRatio is blank or zero on sheet Case. Give it a value first."
+    if quantity in (AVERAGE_TORQUE, PULSATING_TORQUE) and name not in {
+        p.station for p in case.motor_torque
+    }:
+        return f"station '{name}' has no rows in table MotorTorque. Name a motor."
+    if quantity == LOAD_TORQUE and name not in {p.station for p in case.load_torque}:
+        return f"station '{name}' has no rows in table LoadTorque. Name a driven machine."
+    if quantity == SN_LINE and name not in {p.material for p in case.sn_points}:
+        return f"material '{name}' has no rows in table SNPoints. Give it an S-N line first."
+    return None
+
+
+def _known(case: CaseData, owner: str) -> frozenset[str | None]:
+    if owner == "element":
+        return frozenset(e.element for e in case.elements)
+    if owner == "station":
+        return frozenset(s.station for s in case.stations)
+    return frozenset(m.material for m in case.materials)
+
+
+def _names(case: CaseData, quantity: str) -> list[str]:
+    owner = _OWNERS[quantity]
+    if owner == "element":
+        return [str(e.element) for e in case.elements]
+    if owner == "station":
+        return [str(s.station) for s in case.stations]
+    return [str(m.material) for m in case.materials] if owner else [""]
+
+
+def _element(case: CaseData, name: str) -> ElementRow | None:
+    return next((e for e in case.elements if e.element == name), None)
+
+
+def _mesh(case: CaseData, name: str) -> MeshRow | None:
+    return next((m for m in case.meshes if m.element == name), None)
+
+
+# --- one function a quantity ----------------------------------------------------------------------
+
+
+def _rows(
+    case: CaseData, table: str, key: str, change: Change, new: Callable[[Any], Mapping[str, Any]]
+) -> CaseData:
+    """A case in which the rows of a name say something else."""
+    rows = tuple(
+        replace(row, **new(row)) if getattr(row, key) == change.name else row
+        for row in getattr(case, table)
+    )
+    return replace(case, **{table: rows})  # type: ignore[arg-type]
+
+
+def _stiffness(case: CaseData, change: Change) -> CaseData:
+    return _elastic(case, change, "stiffness", "mesh_stiffness")
+
+
+def _damping(case: CaseData, change: Change) -> CaseData:
+    return _elastic(case, change, "damping", "mesh_damping")
+
+
+def _elastic(case: CaseData, change: Change, own: str, along: str) -> CaseData:
+    """A torsional constant of an element; of teeth it may stand along the line of action instead."""
+    element, mesh = _element(case, change.name), _mesh(case, change.name)
+    typed = None if element is None else getattr(element, own)
+    along_the_teeth = (
+        element is not None
+        and element.kind == GEAR_MESH
+        and typed is None
+        and mesh is not None
+        and getattr(mesh, along) is not None
+    )
+    if along_the_teeth and change.relative:
+        return _rows(
+            case, "meshes", "element", change, lambda m: {along: change.of(getattr(m, along))}
+        )
+    if along_the_teeth:
+        case = _rows(case, "meshes", "element", change, lambda m: {along: None})
+
+    def new(e: ElementRow) -> Mapping[str, Any]:
+        link = link_of(e, mesh)
+        return {own: change.of(link.stiffness if own == "stiffness" else link.viscous)}
+
+    return _rows(case, "elements", "element", change, new)
+
+
+def _inertia(case: CaseData, change: Change) -> CaseData:
+    return _rows(case, "stations", "station", change, lambda s: {"inertia": change.of(s.inertia)})
+
+
+def _diameter(case: CaseData, change: Change) -> CaseData:
+    """The outer diameter; the section where stress is judged changes in proportion."""
+
+    def new(e: ElementRow) -> Mapping[str, Any]:
+        od = change.of(e.od)
+        if od is None or not e.od or e.stress_diameter is None:
+            return {"od": od}
+        return {"od": od, "stress_diameter": e.stress_diameter * od / e.od}
+
+    return _rows(case, "elements", "element", change, new)
+
+
+def _backlash(case: CaseData, change: Change) -> CaseData:
+    def new(m: MeshRow) -> Mapping[str, Any]:
+        key = "backlash" if m.backlash else "angular_backlash"
+        return {key: change.of(getattr(m, key))}
+
+    return _rows(case, "meshes", "element", change, new)
+
+
+def _damping_ratio(case: CaseData, change: Change) -> CaseData:
+    rows = tuple(
+        replace(row, damping_ratio=change.of(row.damping_ratio)) for row in case.mode_damping
+    )
+    return replace(case, damping_ratio=change.of(case.damping_ratio), mode_damping=rows)
+
+
+def _curve(table: str, column: str) -> Callable[[CaseData, Change], CaseData]:
+    """All points of a torque curve."""
+
+    def put(case: CaseData, change: Change) -> CaseData:
+        return _rows(
+            case, table, "station", change, lambda p: {column: change.of(getattr(p, column))}
+        )
+
+    return put
+
+
+def _sn_line(case: CaseData, change: Change) -> CaseData:
+    """Points and endurance limit: the whole line moves up or down."""
+    case = _rows(case, "sn_points", "material", change, lambda p: {"stress": change.of(p.stress)})
+    return _rows(
+        case, "materials", "material", change, lambda m: {"endurance": change.of(m.endurance)}
+    )
+
+
+_PUT: Mapping[str, Callable[[CaseData, Change], CaseData]] = {
+    STIFFNESS: _stiffness,
+    DAMPING: _damping,
+    INERTIA: _inertia,
+    DIAMETER: _diameter,
+    BACKLASH: _backlash,
+    DAMPING_RATIO: _damping_ratio,
+    AVERAGE_TORQUE: _curve("motor_torque", "average"),
+    PULSATING_TORQUE: _curve("motor_torque", "pulsating"),
+    LOAD_TORQUE: _curve("load_torque", "torque"),
+    SN_LINE: _sn_line,
+}
