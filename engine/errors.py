@@ -20,20 +20,11 @@ class Quoted:
     """A quantity in the sentence of a problem, beside the one found.
 
     The engine says it in SI; whoever knows what was typed can say it in that unit.
-
-    Parameters
-    ----------
-    text : str
-        As it stands in the sentence, such as ``182.841 rad/s``. [SI]
-    value : float
-        The quantity. [SI]
-    place : tuple of (str, int or None, str) or None
-        Table, row and column where it was typed; None = a limit of the kind of what was found.
-        [names]
     """
 
-    text: str
-    value: float
+    text: str  #: As it stands in the sentence, such as ``182.841 rad/s``. [SI]
+    value: float  #: The quantity. [SI]
+    #: Table, row and column where it was typed; None = a limit of the kind of what was found.
     place: tuple[str, int | None, str] | None = None
 
 
@@ -42,31 +33,15 @@ class Problem:
     """One thing wrong in the input, told so that an engineer can act on it.
 
     The engine knows table, row and column; the add-in adds sheet and cell.
-
-    Parameters
-    ----------
-    table : str
-        Input table of the contract, or ``"Case"`` for a scalar. [name]
-    row : int or None
-        Row inside the table counted from 1; None for a scalar or a whole table. [count]
-    column : str
-        Column header, or the name of the scalar; empty for a whole table. [name]
-    found : object
-        The value found, as the engineer would recognise it. [as typed]
-    allowed : str
-        What would be accepted. [sentence]
-    message : str
-        The whole sentence: what is wrong and what to do. [sentence]
-    quoted : tuple of Quoted
-        Quantities that `allowed` and `message` name beside `found`. [SI]
     """
 
-    table: str
-    row: int | None
-    column: str
-    found: object
-    allowed: str
-    message: str
+    table: str  #: Input table of the contract, or ``"Case"`` for a scalar.
+    row: int | None  #: Row inside the table counted from 1; None for a scalar or a whole table.
+    column: str  #: Column header, or the name of the scalar; empty for a whole table.
+    found: object  #: The value found, as the engineer would recognise it. [as typed]
+    allowed: str  #: What would be accepted.
+    message: str  #: The whole sentence: what is wrong and what to do.
+    #: Quantities that `allowed` and `message` name beside `found`. [SI]
     quoted: tuple[Quoted, ...] = ()
 
 

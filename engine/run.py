@@ -77,42 +77,21 @@ Stage = Callable[[str], AbstractContextManager[None]]
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A train ready for a start.
+    """A train ready for a start."""
 
-    Parameters
-    ----------
-    train : Train
-        The train as arrays. [SI]
-    modes : Modes
-        Its modes. [SI]
-    damping : ModalDamping
-        Their damping. [SI]
-    """
-
-    train: Train
-    modes: Modes
-    damping: ModalDamping
+    train: Train  #: The train as arrays. [SI]
+    modes: Modes  #: Its modes. [SI]
+    damping: ModalDamping  #: Their damping. [SI]
 
 
 @dataclass(frozen=True, eq=False)
 class Analysed:
-    """Natural modes of a case, with and without bearings.
+    """Natural modes of a case, with and without bearings."""
 
-    Parameters
-    ----------
-    found : SubdividedModes
-        The modes that are reported. [SI]
-    reported : Model
-        Their train and damping: with bearings where their data is given. [SI]
-    torsional : Model
-        Gears held sideways; the same where there is no bearing data. [SI]
-    coupled : Model or None
-        Gears on their bearings, whether reported or not; None without bearing data. [SI]
-    """
-
-    found: SubdividedModes
-    reported: Model
-    torsional: Model
+    found: SubdividedModes  #: The modes that are reported. [SI]
+    reported: Model  #: Their train and damping: with bearings where their data is given. [SI]
+    torsional: Model  #: Gears held sideways; the same where there is no bearing data. [SI]
+    #: Gears on their bearings, whether reported or not; None without bearing data. [SI]
     coupled: Model | None
 
     def of(self, plan: Plan) -> Model:
@@ -133,28 +112,14 @@ class Analysed:
 
 @dataclass(frozen=True, eq=False)
 class Planned:
-    """A start and the plans that led to it.
+    """A start and the plans that led to it."""
 
-    Parameters
-    ----------
-    start, linear : Start
-        The start that is reported, and the linear one, perhaps the same. [SI]
-    plans : tuple of Plan
-        In the order in which they were made. [mixed]
-    model : Model
-        The train it was calculated with. [SI]
-    evidence : Evidence
-        What the plans were made from. [SI]
-    settled : bool
-        False if the last plan, too, was found wrong by its run. [flag]
-    """
-
-    start: Start
-    linear: Start
-    plans: tuple[Plan, ...]
-    model: Model
-    evidence: Evidence
-    settled: bool
+    start: Start  #: The start that is reported, and the linear one, perhaps the same. [SI]
+    linear: Start  #: Likewise. [SI]
+    plans: tuple[Plan, ...]  #: In the order in which they were made. [mixed]
+    model: Model  #: The train it was calculated with. [SI]
+    evidence: Evidence  #: What the plans were made from. [SI]
+    settled: bool  #: False if the last plan, too, was found wrong by its run.
 
     @property
     def plan(self) -> Plan:

@@ -33,34 +33,13 @@ class FolderRefused(Exception):
 
 
 def digest_of(path: Path) -> str:
-    """SHA-256 of a file.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits.
-    """
+    """SHA-256 of a file."""
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def stamp_of(path: Path) -> Stamp:
     """Which state a file is in; without digest, which `digest_of` gives.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-
-    Returns
-    -------
-    Stamp
-        Size and time.
 
     Raises
     ------
@@ -129,11 +108,6 @@ class OutFolder:
         A journal that somebody made up shall not move a file of his choice to a place of his choice: staged
         results lie in a staging folder, and belong in this folder or in that of the JSON.
 
-        Parameters
-        ----------
-        json : Path, optional
-            The folder of results as JSON. [path]
-
         Returns
         -------
         records : dict of str to Record
@@ -197,26 +171,11 @@ class OutFolder:
             shutil.rmtree(folder, ignore_errors=True)
 
     def place(self, name: str) -> Path:
-        """Where a result belongs.
-
-        Parameters
-        ----------
-        name : str
-            Its path inside the folder, or a full one. [path]
-
-        Returns
-        -------
-        Path
-        """
+        """Where a result belongs."""
         return self.path / name
 
     def put(self, outputs: Iterable[Output]) -> None:
         """Put staged results in place; one that is there already stays.
-
-        Parameters
-        ----------
-        outputs : iterable of Output
-            As recorded.
 
         Raises
         ------
@@ -237,16 +196,6 @@ class OutFolder:
     def set_aside(self, name: str) -> Path:
         """Give a result that is no longer true a name under which nobody takes it for one.
 
-        Parameters
-        ----------
-        name : str
-            The result, as in `Output`. [path]
-
-        Returns
-        -------
-        Path
-            Its new place: the name with ``.old``, numbered where that is taken.
-
         Raises
         ------
         OSError
@@ -262,17 +211,7 @@ class OutFolder:
         return aside
 
     def holds(self, outputs: Iterable[Output]) -> bool:
-        """Whether recorded results are in place and are those that were written.
-
-        Parameters
-        ----------
-        outputs : iterable of Output
-            As recorded.
-
-        Returns
-        -------
-        bool
-        """
+        """Whether recorded results are in place and are those that were written."""
         try:
             return all(
                 self.place(one.name).is_file()  # not a device, which has no end

@@ -42,20 +42,11 @@ class InputsRefused(Exception):
 
 @dataclass(frozen=True)
 class Input:
-    """One file to calculate.
+    """One file to calculate."""
 
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-    name : str
-        Its path relative to where the batch begins, with ``/``; results get the same. [path]
-    history : str
-        Name of its histories before ``.history``, where that of its result is another's too. [name]
-    """
-
-    path: Path
-    name: str
+    path: Path  #: The file.
+    name: str  #: Its path relative to where the batch begins, with ``/``; results get the same.
+    #: Name of its histories before ``.history``, where that of its result is another's too.
     history: str = ""
 
 
@@ -66,22 +57,6 @@ def find_inputs(
 
     A folder stands for the workbooks and case JSON files in it and below. Left out are the folder of
     results, hidden files, lock files (``~$…``), copies (``.bak``) and files that torsionbook wrote.
-
-    Parameters
-    ----------
-    patterns : sequence of str
-        Folders, glob patterns (``**`` reaches into subfolders), files. [paths]
-    out : Path
-        The folder of results. [path]
-    also_ours : iterable of Path
-        Further files that are results, such as the summary. [paths]
-    json : bool
-        Whether results are written as JSON too. [flag]
-
-    Returns
-    -------
-    list of Input
-        In natural order, each once; a named file that does not exist is among them.
 
     Raises
     ------
@@ -220,18 +195,7 @@ def _clash(names: dict[Path, str], json: bool) -> tuple[Path, Path, str] | None:
 
 
 def results_of(one: Input) -> tuple[str, ...]:
-    """Names that results of a file may have in the folder of results.
-
-    Parameters
-    ----------
-    one : Input
-        The file.
-
-    Returns
-    -------
-    tuple of str
-        Its results, and histories beside them. [paths]
-    """
+    """Names that results of a file may have in the folder of results."""
     result = Path(result_name(one.name))
     stem = one.history or result.stem
     beside = (result.with_name(f"{stem}.history.{kind}") for kind in KINDS)
@@ -242,17 +206,6 @@ def check_places(
     inputs: Sequence[Input], out: Path, json: Path | None = None, summary: Path | None = None
 ) -> None:
     """Refuse results that would land on an input, on the summary or on somebody's own JSON, before any work.
-
-    Parameters
-    ----------
-    inputs : sequence of Input
-        What is to be calculated.
-    out : Path
-        The folder of results. [path]
-    json : Path, optional
-        The folder of results as JSON. [path]
-    summary : Path, optional
-        The workbook of the summary; its CSV stands beside it. [path]
 
     Raises
     ------
@@ -311,53 +264,20 @@ def _is_same(place: Path, source: Path) -> bool:
 
 
 def result_name(name: str) -> str:
-    """Name of the results of a file, as `torsionbook recalc --out` would give it.
-
-    Parameters
-    ----------
-    name : str
-        The file, relative. [path]
-
-    Returns
-    -------
-    str
-        The same for a workbook, ``.results.json`` for a case JSON. [path]
-    """
+    """Name of the results of a file, as `torsionbook recalc --out` would give it."""
     if name.lower().endswith(".json"):
         return name[: -len(".json")] + ".results.json"
     return name
 
 
 def json_name(name: str) -> str:
-    """Name of the results of a file as JSON, as `torsionbook recalc --json FOLDER` would give it.
-
-    Parameters
-    ----------
-    name : str
-        The file, relative. [path]
-
-    Returns
-    -------
-    str
-        With the ending ``.results.json``. [path]
-    """
+    """Name of the results of a file as JSON, as `torsionbook recalc --json FOLDER` would give it."""
     folder, slash, last = name.rpartition("/")
     return f"{folder}{slash}{Path(last).stem}.results.json"
 
 
 def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
-    """Sorts ``train 9`` before ``train 10``.
-
-    Parameters
-    ----------
-    name : str
-        A path. [path]
-
-    Returns
-    -------
-    tuple
-        To be compared.
-    """
+    """Sorts ``train 9`` before ``train 10``."""
     return tuple(
         (0, int(part), "") if part.isdigit() and part.isascii() else (1, 0, part.casefold())
         for part in _DIGITS.split(name)

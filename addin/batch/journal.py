@@ -20,18 +20,7 @@ __all__ = ["Journal", "read_journal"]
 
 
 def read_journal(path: Path) -> dict[str, Record]:
-    """The last record of each file.
-
-    Parameters
-    ----------
-    path : Path
-        The journal; it need not exist. [path]
-
-    Returns
-    -------
-    dict of str to Record
-        By the file's name in its batch.
-    """
+    """The last record of each file."""
     return {record.name: record for _, record in _whole_lines(path)}
 
 
@@ -99,10 +88,6 @@ class Journal:
 
     def write(self, record: Record) -> None:
         """Add a record; it is on the disk when this returns.
-
-        Parameters
-        ----------
-        record : Record
 
         Raises
         ------

@@ -23,11 +23,6 @@ _KEYS = frozenset({"format", "version", "warnings", "errors"})
 def is_result_json(path: Path) -> bool:
     """Look at what a file holds.
 
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-
     Returns
     -------
     bool
@@ -37,18 +32,7 @@ def is_result_json(path: Path) -> bool:
 
 
 def holds_results(path: Path) -> bool:
-    """Whether it holds results, not the errors of an input that has none.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-
-    Returns
-    -------
-    bool
-        False also where it is no result JSON. [flag]
-    """
+    """Whether it holds results, not the errors of an input that has none."""
     return _kind(path) == "results"
 
 

@@ -57,35 +57,12 @@ _MOST = 1_000_000
 
 
 def stated_columns(names: Sequence[str]) -> dict[bytes, bytes]:
-    """What a result in Parquet carries with it, by which it is known again.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Its columns. [names]
-
-    Returns
-    -------
-    dict of bytes to bytes
-        Metadata of its schema.
-    """
+    """What a result in Parquet carries with it, by which it is known again."""
     return {_STATED: json.dumps(list(names)).encode()}
 
 
 def in_the_way(folder: Path, as_csv: bool) -> Iterator[Path]:
-    """Files of somebody else where results would be put.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder of results. [path]
-    as_csv : bool
-        A CSV would be written too. [flag]
-
-    Yields
-    ------
-    Path
-    """
+    """Files of somebody else where results would be put."""
     for name, is_ours, is_written in (
         (RESULT, is_result, True),
         (RESULT_CSV, is_result_csv, as_csv),
@@ -97,11 +74,6 @@ def in_the_way(folder: Path, as_csv: bool) -> Iterator[Path]:
 
 def is_result(path: Path) -> bool:
     """Look at the columns of a Parquet file.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
 
     Returns
     -------
@@ -125,18 +97,7 @@ def is_result(path: Path) -> bool:
 
 
 def is_result_csv(path: Path) -> bool:
-    """Look at the headers of a CSV.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-
-    Returns
-    -------
-    bool
-        False also where it cannot be read. [flag]
-    """
+    """Look at the headers of a CSV."""
     if not path.is_file():  # such as a device, which has no end
         return False
     try:

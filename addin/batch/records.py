@@ -58,95 +58,45 @@ _FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
 
 @dataclass(frozen=True)
 class Stamp:
-    """Which state of a file: its size, when it was saved, what it held.
+    """Which state of a file: its size, when it was saved, what it held."""
 
-    Parameters
-    ----------
-    size : int
-        Bytes. [count]
-    modified : int
-        Time of its last change. [ns]
-    sha256 : str
-        Digest of its bytes; empty if it could not be read. [hexadecimal]
-    """
-
-    size: int
-    modified: int
-    sha256: str
+    size: int  #: Bytes.
+    modified: int  #: Time of its last change. [ns]
+    sha256: str  #: Digest of its bytes; empty if it could not be read. [hexadecimal]
 
 
 @dataclass(frozen=True)
 class Output:
-    """One result file.
+    """One result file."""
 
-    Parameters
-    ----------
-    name : str
-        Path inside the folder of results, with ``/``; of a JSON that is wanted elsewhere the full
-        one. [path]
-    size : int
-        Bytes. [count]
-    sha256 : str
-        Digest of its bytes. [hexadecimal]
-    staged : str
-        Where it waits to be put in place, inside the folder of results. [path]
-    """
-
+    #: Path inside the folder of results, with ``/``; of a JSON that is wanted elsewhere the full
+    #: one.
     name: str
-    size: int
-    sha256: str
-    staged: str = ""
+    size: int  #: Bytes.
+    sha256: str  #: Digest of its bytes. [hexadecimal]
+    staged: str = ""  #: Where it waits to be put in place, inside the folder of results.
 
 
 @dataclass(frozen=True)
 class Record:
-    """What became of one file.
+    """What became of one file."""
 
-    Parameters
-    ----------
-    name : str
-        The file, relative to where its batch began. [path]
-    source : str
-        Its full path. [path]
-    outcome : str
-        `DONE`, `WRONG_INPUT`, `LOCKED`, ... [word]
-    sentence : str
-        What happened and what to do; empty when done. [sentence]
-    stamp : Stamp
-        The state that was calculated.
-    case_sha256 : str
-        Digest of the case; empty if it could not be read. [hexadecimal]
-    same_as : str
-        File whose calculation these results are; empty for its own. [path]
-    results : mapping
-        Fields of `addin.calculation.key_figures.Headline`; empty unless done. [SI]
-    warnings : tuple of str
-        What the engineer should know. [sentences]
-    errors : tuple of mapping
-        Problems in the form of the contract, and ``cell``.
-    outputs : tuple of Output
-        Result files.
-    seconds : float
-        What it took. [s]
-    version : str
-        Version that calculated it. [text]
-    settings : mapping
-        Fields of the case that the command line set. [SI]
-    """
-
-    name: str
-    source: str
-    outcome: str
-    sentence: str = ""
-    stamp: Stamp = Stamp(0, 0, "")
-    case_sha256: str = ""
-    same_as: str = ""
+    name: str  #: The file, relative to where its batch began.
+    source: str  #: Its full path.
+    outcome: str  #: `DONE`, `WRONG_INPUT`, `LOCKED`, ...
+    sentence: str = ""  #: What happened and what to do; empty when done.
+    stamp: Stamp = Stamp(0, 0, "")  #: The state that was calculated.
+    case_sha256: str = ""  #: Digest of the case; empty if it could not be read. [hexadecimal]
+    same_as: str = ""  #: File whose calculation these results are; empty for its own.
+    #: Fields of `addin.calculation.key_figures.Headline`; empty unless done. [SI]
     results: Mapping[str, Any] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  #: What the engineer should know.
+    #: Problems in the form of the contract, and ``cell``.
     errors: tuple[Mapping[str, Any], ...] = ()
-    outputs: tuple[Output, ...] = ()
-    seconds: float = 0.0
-    version: str = ""
+    outputs: tuple[Output, ...] = ()  #: Result files.
+    seconds: float = 0.0  #: What it took. [s]
+    version: str = ""  #: Version that calculated it.
+    #: Fields of the case that the command line set. [SI]
     settings: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -170,28 +120,12 @@ class Record:
         return self.outcome in SETTLED
 
     def as_json(self) -> dict[str, Any]:
-        """The record as an object of JSON.
-
-        Returns
-        -------
-        dict
-            Of plain values.
-        """
+        """The record as an object of JSON."""
         return asdict(self)
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Record:
-        """The record that `as_json` gave.
-
-        Parameters
-        ----------
-        content : mapping
-            Of plain values.
-
-        Returns
-        -------
-        Record
-        """
+        """The record that `as_json` gave."""
         return replace(
             cls(**content),
             stamp=Stamp(**content["stamp"]),
@@ -202,21 +136,7 @@ class Record:
 
 
 def failed(name: str, source: str, outcome: str, sentence: str, **more: Any) -> Record:
-    """The record of a file without results, its sentence among its errors.
-
-    Parameters
-    ----------
-    name, source : str
-        As in `Record`. [path]
-    outcome, sentence : str
-        What happened. [words]
-    **more
-        Other fields.
-
-    Returns
-    -------
-    Record
-    """
+    """The record of a file without results, its sentence among its errors."""
     error = {
         "sheet": "",
         "table": "",
@@ -231,18 +151,7 @@ def failed(name: str, source: str, outcome: str, sentence: str, **more: Any) -> 
 
 
 def outcome_of(cause: BaseException) -> str:
-    """The outcome that an exception stands for.
-
-    Parameters
-    ----------
-    cause : BaseException
-        What was raised while a file was read or its results were written.
-
-    Returns
-    -------
-    str
-        One of the outcomes above. [word]
-    """
+    """The outcome that an exception stands for."""
     from addin.xlsx.errors import SourceChanged, WorkbookLocked, WorkbookRefused
 
     if isinstance(cause, WorkbookLocked):
@@ -268,17 +177,7 @@ def _chain(cause: BaseException) -> Iterator[BaseException]:
 
 
 def counted(records: Iterable[Record]) -> dict[str, int]:
-    """How many records have each outcome.
-
-    Parameters
-    ----------
-    records : iterable of Record
-
-    Returns
-    -------
-    dict of str to int
-        By outcome. [count]
-    """
+    """How many records have each outcome."""
     found: dict[str, int] = {}
     for record in records:
         found[record.outcome] = found.get(record.outcome, 0) + 1

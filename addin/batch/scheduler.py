@@ -63,10 +63,6 @@ class Stop:
     def __call__(self) -> bool:
         """Whether nothing new is to be begun.
 
-        Returns
-        -------
-        bool
-
         Raises
         ------
         Abandoned
@@ -78,17 +74,7 @@ class Stop:
 
     @contextlib.contextmanager
     def listening(self, tell: Callable[[str], None]) -> Iterator[None]:
-        """Answer Ctrl-C and SIGTERM from now on.
-
-        Parameters
-        ----------
-        tell : callable
-            Takes a sentence for the user.
-
-        Yields
-        ------
-        None
-        """
+        """Answer Ctrl-C and SIGTERM from now on."""
 
         def asked(number: int, frame: FrameType | None) -> None:
             self.asked += 1
@@ -113,15 +99,7 @@ class Listener:
     """Told how a batch gets on; does nothing of itself."""
 
     def begin(self, stage: str, total: int) -> None:
-        """A stage begins.
-
-        Parameters
-        ----------
-        stage : str
-            ``reading`` or ``calculating``. [word]
-        total : int
-            How many files. [count]
-        """
+        """A stage begins."""
 
     def advance(self, record: Record | None) -> None:
         """One more file.
@@ -133,53 +111,24 @@ class Listener:
         """
 
     def note(self, sentence: str) -> None:
-        """Something the user should know now, such as a rare long wait.
-
-        Parameters
-        ----------
-        sentence : str
-            To be shown. [sentence]
-        """
+        """Something the user should know now, such as a rare long wait."""
 
 
 @dataclass
 class Batch:
-    """Files, their records, and the folder of results.
+    """Files, their records, and the folder of results."""
 
-    Parameters
-    ----------
-    folder : OutFolder
-        Held by this batch.
-    workers : Workers
-        Who does the work.
-    send : str
-        ``files`` or ``bytes``: how files reach the workers. [word]
-    ignore_lock : bool
-        Calculate although a lock file says somebody has a workbook open. [flag]
-    may_be_open : bool
-        The inputs may be open in Excel: they are calculated as saved. [flag]
-    resume : bool
-        Go on with what an earlier batch recorded in this folder. [flag]
-    stop : Stop
-        Asked all the time.
-    listener : Listener
-        Told all the time.
-    overrides : mapping
-        Fields of the case that the command line sets, such as ``method``. [SI]
-    json : Path or None
-        Folder in which results are wanted as JSON too. [path]
-    """
-
-    folder: OutFolder
-    workers: Workers
-    send: str = "files"
-    ignore_lock: bool = False
-    may_be_open: bool = False
-    resume: bool = False
-    stop: Stop = field(default_factory=Stop)
-    listener: Listener = field(default_factory=Listener)
+    folder: OutFolder  #: Held by this batch.
+    workers: Workers  #: Who does the work.
+    send: str = "files"  #: ``files`` or ``bytes``: how files reach the workers.
+    ignore_lock: bool = False  #: Calculate although a lock file says somebody has a workbook open.
+    may_be_open: bool = False  #: The inputs may be open in Excel: they are calculated as saved.
+    resume: bool = False  #: Go on with what an earlier batch recorded in this folder.
+    stop: Stop = field(default_factory=Stop)  #: Asked all the time.
+    listener: Listener = field(default_factory=Listener)  #: Told all the time.
+    #: Fields of the case that the command line sets, such as ``method``. [SI]
     overrides: Mapping[str, Any] = field(default_factory=dict)
-    json: Path | None = None
+    json: Path | None = None  #: Folder in which results are wanted as JSON too.
     records: dict[str, Record] = field(default_factory=dict)
     #: Files that needed no work, as an earlier batch did them. [count]
     kept: int = 0
@@ -209,11 +158,6 @@ class Batch:
 
     def process(self, inputs: Sequence[Input]) -> None:
         """Calculate files that have no valid record yet.
-
-        Parameters
-        ----------
-        inputs : sequence of Input
-            The files.
 
         Raises
         ------
@@ -523,13 +467,7 @@ def _no_journal(wrong: OSError) -> str:
 
 
 def cores() -> int:
-    """Cores this process may use.
-
-    Returns
-    -------
-    int
-        At least 1. [count]
-    """
+    """Cores this process may use."""
     try:
         return len(os.sched_getaffinity(0))
     except AttributeError:  # not on every system

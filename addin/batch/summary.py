@@ -34,24 +34,12 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f]")
 
 @dataclass(frozen=True)
 class Column:
-    """One column of the sheet of files.
+    """One column of the sheet of files."""
 
-    Parameters
-    ----------
-    header : str
-        With its unit. [words]
-    value : callable
-        Takes a record. [SI → unit of the header]
-    width : int
-        Characters shown. [count]
-    form : str
-        Number format of the workbook; empty for text. [format]
-    """
-
-    header: str
-    value: Callable[[Record], Any]
-    width: int
-    form: str = ""
+    header: str  #: With its unit.
+    value: Callable[[Record], Any]  #: Takes a record. [SI → unit of the header]
+    width: int  #: Characters shown.
+    form: str = ""  #: Number format of the workbook; empty for text. [format]
 
 
 def _of(key: str, factor: float = 1.0) -> Callable[[Record], Any]:
@@ -128,37 +116,12 @@ ERROR_COLUMNS: tuple[tuple[str, str, int], ...] = (
 
 
 def guarded(text: str) -> str:
-    """A text for a CSV that no spreadsheet program takes for a formula.
-
-    Parameters
-    ----------
-    text : str
-        Any text. [text]
-
-    Returns
-    -------
-    str
-        With an apostrophe in front where it begins like a formula, else the same.
-    """
+    """A text for a CSV that no spreadsheet program takes for a formula."""
     return f"'{text}" if text.startswith(_FORMULA_STARTS) else text
 
 
 def write_summary(workbook: Path, records: Sequence[Record], heading: str) -> tuple[Path, Path]:
     """Write the summary as workbook and, beside it, its rows of files as CSV.
-
-    Parameters
-    ----------
-    workbook : Path
-        The .xlsx; the CSV gets the same name with .csv. [path]
-    records : sequence of Record
-        In the order of the rows.
-    heading : str
-        What this is a summary of. [sentence]
-
-    Returns
-    -------
-    tuple of Path
-        Workbook and CSV.
 
     Raises
     ------

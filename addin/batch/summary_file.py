@@ -17,18 +17,7 @@ _CSV_BEGINS = re.compile(rb'(?:\xef\xbb\xbf)?"?File"?[,;\t]"?Outcome"?[,;\t]"?Ve
 
 
 def is_summary(path: Path) -> bool:
-    """Look at the sheets of a workbook.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-
-    Returns
-    -------
-    bool
-        False also where it is no workbook. [flag]
-    """
+    """Look at the sheets of a workbook."""
     try:
         with zipfile.ZipFile(path) as package, package.open("xl/workbook.xml") as part:
             text = part.read(_MOST).decode("utf-8", "replace")
@@ -38,18 +27,7 @@ def is_summary(path: Path) -> bool:
 
 
 def is_summary_csv(path: Path) -> bool:
-    """Look at the headers of a CSV.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-
-    Returns
-    -------
-    bool
-        False also where it cannot be read. [flag]
-    """
+    """Look at the headers of a CSV."""
     try:
         with open(path, "rb") as file:
             return _CSV_BEGINS.match(file.read(100)) is not None

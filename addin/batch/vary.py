@@ -82,85 +82,41 @@ class TableRefused(Exception):
 
 @dataclass(frozen=True)
 class Varied:
-    """One column of the table.
+    """One column of the table."""
 
-    Parameters
-    ----------
-    header : str
-        As it stands there. [text]
-    place : tuple
-        Table (``Case`` for a scalar), row counted from 1, column. [names]
-    spec : Field
-        The input it names.
-    unit : str
-        The unit in its header; empty for SI. [unit]
-    scale : UnitScale or None
-        What that unit is worth. [scale]
-    """
-
-    header: str
-    place: Place
-    spec: Field
-    unit: str = ""
-    scale: UnitScale | None = None
+    header: str  #: As it stands there.
+    place: Place  #: Table (``Case`` for a scalar), row counted from 1, column.
+    spec: Field  #: The input it names.
+    unit: str = ""  #: The unit in its header; empty for SI. [unit]
+    scale: UnitScale | None = None  #: What that unit is worth. [scale]
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """The task of calculating some rows.
+    """The task of calculating some rows."""
 
-    Parameters
-    ----------
-    base : bytes
-        Pickled `TypedCase`. [bytes]
-    columns : tuple of Varied
-        The table's columns, without the one of names.
-    rows : tuple
-        Row number, name and values of each row. [as read]
-    overrides : mapping
-        Fields of the case that the command line sets. [SI]
-    comma : bool
-        The comma is the decimal sign of the table. [flag]
-    """
-
-    base: bytes
-    columns: tuple[Varied, ...]
+    base: bytes  #: Pickled `TypedCase`. [bytes]
+    columns: tuple[Varied, ...]  #: The table's columns, without the one of names.
+    #: Row number, name and values of each row. [as read]
     rows: tuple[tuple[int, str | None, tuple[Any, ...]], ...]
+    #: Fields of the case that the command line sets. [SI]
     overrides: Mapping[str, Any] = field(default_factory=dict)
-    comma: bool = False
+    comma: bool = False  #: The comma is the decimal sign of the table.
 
 
 @dataclass
 class Programme:
-    """What became of a programme.
+    """What became of a programme."""
 
-    Parameters
-    ----------
-    result : Path
-        The Parquet file. [path]
-    rows : int
-        Rows of the table. [count]
-    csv : Path or None
-        The same as CSV, where it is asked for. [path]
-    form : CsvForm
-        How that is written.
-    comma : bool
-        Its decimal sign is the comma. [flag]
-    outcomes : dict of str to int
-        Rows by outcome; those not reached are missing. [count]
-    kept : int
-        Rows that an earlier run calculated. [count]
-    reasons : list of str
-        The first rows that could not be calculated, and why. [sentences]
-    """
-
-    result: Path
-    rows: int = 0
-    csv: Path | None = None
-    form: CsvForm = field(default_factory=lambda: CsvForm())
-    comma: bool = False
+    result: Path  #: The Parquet file.
+    rows: int = 0  #: Rows of the table.
+    csv: Path | None = None  #: The same as CSV, where it is asked for.
+    form: CsvForm = field(default_factory=lambda: CsvForm())  #: How that is written.
+    comma: bool = False  #: Its decimal sign is the comma.
+    #: Rows by outcome; those not reached are missing.
     outcomes: dict[str, int] = field(default_factory=dict)
-    kept: int = 0
+    kept: int = 0  #: Rows that an earlier run calculated.
+    #: The first rows that could not be calculated, and why.
     reasons: list[str] = field(default_factory=list)
 
 
@@ -299,41 +255,21 @@ _SURE_COMMA = re.compile(
 
 @dataclass(frozen=True)
 class CsvForm:
-    """How a CSV is written.
+    """How a CSV is written."""
 
-    Parameters
-    ----------
-    encoding : str
-        UTF-8, or UTF-16 where the file begins with its mark. [name]
-    separator : str
-        Comma, semicolon or tab. [character]
-    states : bool
-        Its first line is Excel's ``sep=;``. [flag]
-    """
-
-    encoding: str = "utf-8-sig"
-    separator: str = ","
-    states: bool = False
+    encoding: str = "utf-8-sig"  #: UTF-8, or UTF-16 where the file begins with its mark.
+    separator: str = ","  #: Comma, semicolon or tab. [character]
+    states: bool = False  #: Its first line is Excel's ``sep=;``.
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table that is read as a stream.
+    """A table that is read as a stream."""
 
-    Parameters
-    ----------
-    path : Path
-        CSV or Parquet. [path]
-    """
-
-    path: Path
+    path: Path  #: CSV or Parquet.
 
     def headers(self) -> list[str]:
         """Its column names. [text]
-
-        Returns
-        -------
-        list of str
 
         Raises
         ------
@@ -346,25 +282,14 @@ class Table:
             return next(iter(self._csv()), [])
 
     def count(self) -> int:
-        """Its rows. [count]
-
-        Returns
-        -------
-        int
-        """
+        """Its rows. [count]"""
         with self._reading():
             if self._is_parquet:
                 return int(self._parquet().metadata.num_rows)
             return max(sum(1 for row in self._csv() if row) - 1, 0)
 
     def rows(self) -> Iterator[list[Any]]:
-        """Its rows, one at a time.
-
-        Yields
-        ------
-        list
-            Values; of a CSV as text. [as read]
-        """
+        """Its rows, one at a time."""
         with self._reading():
             if not self._is_parquet:
                 rows = self._csv()
@@ -390,10 +315,6 @@ class Table:
     def form(self) -> CsvForm:
         """Encoding and separator of a CSV, by its begin.
 
-        Returns
-        -------
-        CsvForm
-
         Raises
         ------
         TableRefused
@@ -412,18 +333,7 @@ class Table:
         return CsvForm(encoding, max((",", ";", "\t"), key=first.count))
 
     def has_decimal_commas(self, columns: Sequence[Varied | None]) -> bool:
-        """Whether the comma is the decimal sign: a table has one, never both.
-
-        Parameters
-        ----------
-        columns : sequence of (Varied or None)
-            What its columns name.
-
-        Returns
-        -------
-        bool
-            By the first number with a comma; False where commas are the separator. [flag]
-        """
+        """Whether the comma is the decimal sign: a table has one, never both."""
         separator = self.form().separator
         if self._is_parquet or separator == ",":
             return False

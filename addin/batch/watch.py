@@ -59,11 +59,6 @@ class Watch:
     def run(self, first: Sequence[Input]) -> None:
         """Watch until the batch is asked to stop.
 
-        Parameters
-        ----------
-        first : sequence of Input
-            Files that have been calculated already.
-
         Raises
         ------
         Abandoned, Stopped
@@ -86,17 +81,7 @@ class Watch:
                 time.sleep(_ASK)
 
     def ready(self, inputs: Sequence[Input]) -> list[Input]:
-        """Files that were saved since they were calculated and rest now.
-
-        Parameters
-        ----------
-        inputs : sequence of Input
-            What is there.
-
-        Returns
-        -------
-        list of Input
-        """
+        """Files that were saved since they were calculated and rest now."""
         found = []
         now = time.monotonic()
         for one in inputs:

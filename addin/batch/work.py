@@ -49,136 +49,64 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Examine:
-    """The task of reading a file without calculating it.
+    """The task of reading a file without calculating it."""
 
-    Parameters
-    ----------
-    name, source : str
-        As in `Record`. [path]
-    content : bytes or None
-        The file, where it is not to be read from its path. [bytes]
-    stamp : Stamp
-        Its state, where it comes as bytes.
-    """
-
-    name: str
-    source: str
-    content: bytes | None = None
-    stamp: Stamp = Stamp(0, 0, "")
+    name: str  #: As in `Record`.
+    source: str  #: Likewise.
+    content: bytes | None = None  #: The file, where it is not to be read from its path. [bytes]
+    stamp: Stamp = Stamp(0, 0, "")  #: Its state, where it comes as bytes.
 
 
 @dataclass(frozen=True)
 class Examined:
-    """What reading a file showed.
+    """What reading a file showed."""
 
-    Parameters
-    ----------
-    name : str
-        As in `Record`. [path]
-    case_sha256 : str
-        Digest of its case; empty if it cannot be calculated. [hexadecimal]
-    record : Record or None
-        Why it cannot be calculated; None if it can.
-    compiles : bool
-        The numerical routines are not on this machine yet, so its calculation takes longer. [flag]
-    """
-
-    name: str
-    case_sha256: str
-    record: Record | None
+    name: str  #: As in `Record`.
+    case_sha256: str  #: Digest of its case; empty if it cannot be calculated. [hexadecimal]
+    record: Record | None  #: Why it cannot be calculated; None if it can.
+    #: The numerical routines are not on this machine yet, so its calculation takes longer.
     compiles: bool = False
 
 
 @dataclass(frozen=True)
 class Work:
-    """The task of calculating a file.
+    """The task of calculating a file."""
 
-    Parameters
-    ----------
-    name, source : str
-        As in `Record`. [path]
-    target : str
-        Where its result belongs in the end. [path]
-    staging : str
-        Folder of its own, to be made, for its results; empty if they are to come back as bytes.
-        [path]
-    root : str
-        Folder of results, to which the names of outputs are relative. [path]
-    content : bytes or None
-        The file, where it is not to be read from its path. [bytes]
-    stamp : Stamp
-        Size and time of the file where it comes as bytes.
-    known : bytes or None
-        Pickled `Results` of the same case. [bytes]
-    known_file : str
-        The same in a file. [path]
-    same_as : str
-        File whose calculation that was. [path]
-    case_sha256 : str
-        The case that was examined. [hexadecimal]
-    keep : bool
-        Send `Results` back too. [flag]
-    ignore_lock : bool
-        Calculate although lock files say somebody has the workbook or its result open. [flag]
-    may_be_open : bool
-        That somebody has the workbook itself open does not matter: the file as saved counts. [flag]
-    overrides : mapping
-        Fields of the case that the command line sets. [SI]
-    json : str
-        Name of the results as JSON, as in `Output`; empty if they are not wanted. [path]
-    history : str
-        As in `Input`. [name]
-    """
-
-    name: str
-    source: str
-    target: str
-    root: str
+    name: str  #: As in `Record`.
+    source: str  #: Likewise.
+    target: str  #: Where its result belongs in the end.
+    root: str  #: Folder of results, to which the names of outputs are relative.
+    #: Folder of its own, to be made, for its results; empty if they are to come back as bytes.
     staging: str = ""
-    content: bytes | None = None
-    stamp: Stamp = Stamp(0, 0, "")
-    known: bytes | None = None
-    known_file: str = ""
-    same_as: str = ""
-    case_sha256: str = ""
-    keep: bool = False
+    content: bytes | None = None  #: The file, where it is not to be read from its path. [bytes]
+    stamp: Stamp = Stamp(0, 0, "")  #: Size and time of the file where it comes as bytes.
+    known: bytes | None = None  #: Pickled `Results` of the same case. [bytes]
+    known_file: str = ""  #: The same in a file.
+    same_as: str = ""  #: File whose calculation that was.
+    case_sha256: str = ""  #: The case that was examined. [hexadecimal]
+    keep: bool = False  #: Send `Results` back too.
+    #: Calculate although lock files say somebody has the workbook or its result open.
     ignore_lock: bool = False
+    #: That somebody has the workbook itself open does not matter: the file as saved counts.
     may_be_open: bool = False
+    #: Fields of the case that the command line sets. [SI]
     overrides: Mapping[str, Any] = field(default_factory=dict)
-    json: str = ""
-    history: str = ""
+    json: str = ""  #: Name of the results as JSON, as in `Output`; empty if they are not wanted.
+    history: str = ""  #: As in `Input`.
 
 
 @dataclass(frozen=True)
 class Calculated:
-    """What became of a file.
+    """What became of a file."""
 
-    Parameters
-    ----------
-    record : Record
-        Its outputs wait in the staging folder, or in `files`.
-    results : bytes or None
-        Pickled `Results` where they were asked for. [bytes]
-    files : mapping of str to bytes
-        Result files by name, where there is no staging folder. [bytes]
-    """
-
-    record: Record
-    results: bytes | None = None
+    record: Record  #: Its outputs wait in the staging folder, or in `files`.
+    results: bytes | None = None  #: Pickled `Results` where they were asked for. [bytes]
+    #: Result files by name, where there is no staging folder. [bytes]
     files: dict[str, bytes] = field(default_factory=dict)
 
 
 def examine(task: Examine) -> Examined:
-    """Read a file and find what it holds.
-
-    Parameters
-    ----------
-    task : Examine
-
-    Returns
-    -------
-    Examined
-    """
+    """Read a file and find what it holds."""
     from addin.writing.recalculate import read_checked
     from engine.case.data import case_digest
 
@@ -220,17 +148,7 @@ def compiles(data: CaseData) -> bool:
 
 
 def calculate(task: Work) -> Calculated:
-    """Calculate a file and write its results into the staging folder.
-
-    Parameters
-    ----------
-    task : Work
-
-    Returns
-    -------
-    Calculated
-        Whatever happens, with a record that says so.
-    """
+    """Calculate a file and write its results into the staging folder."""
     import traceback
 
     try:
@@ -308,16 +226,7 @@ def _stamped(path: Path) -> Stamp:
 
 
 def is_locked(task: Work) -> Exception | None:
-    """Why a file is not calculated, where somebody has it or its result open.
-
-    Parameters
-    ----------
-    task : Work
-
-    Returns
-    -------
-    Exception or None
-    """
+    """Why a file is not calculated, where somebody has it or its result open."""
     from addin.xlsx.errors import WorkbookLocked
     from addin.xlsx.locks import check_not_open
 
@@ -420,18 +329,7 @@ def _failed(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: 
 
 
 def refused(task: Work | Examine, wrong: Exception) -> Record:
-    """The record of a file that cannot be used at all.
-
-    Parameters
-    ----------
-    task : Work or Examine
-    wrong : Exception
-        Why.
-
-    Returns
-    -------
-    Record
-    """
+    """The record of a file that cannot be used at all."""
     from addin.writing.recalculate import of_file
 
     sentence = of_file(Path(task.source), wrong).message

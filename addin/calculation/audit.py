@@ -61,18 +61,10 @@ EQUATIONS: tuple[tuple[str, str], ...] = (
 
 @dataclass(frozen=True)
 class Stamp:
-    """When and with what a calculation was made.
+    """When and with what a calculation was made."""
 
-    Parameters
-    ----------
-    software : str
-        Name and version. [text]
-    date : datetime
-        In UTC. [date]
-    """
-
-    software: str
-    date: dt.datetime
+    software: str  #: Name and version.
+    date: dt.datetime  #: In UTC. [date]
 
     @classmethod
     def now(cls) -> Stamp:

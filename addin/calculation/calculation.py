@@ -21,42 +21,20 @@ __all__ = ["Calculation", "calculate", "shown"]
 
 @dataclass(frozen=True, eq=False)
 class Calculation:
-    """One calculated case, ready to be written.
+    """One calculated case, ready to be written."""
 
-    Parameters
-    ----------
-    case : Case
-        What was calculated. [SI]
-    case_sha256 : str
-        Digest of the inputs as typed, before settings of the command line. [hex]
-    results : Results
-        The engine's results. [SI]
-    tables : mapping of str to list of dict
-        Result tables of the contract, rows under JSON keys. [SI]
-    startup : mapping or None
-        Outcome, time, end speed and sentence. [SI]
-    view : RunView
-        Tables and curves as the workbook shows them. [SI]
-    warnings : tuple of str
-        Of the reader and of the engine. [sentences]
-    outcome : str
-        How the run ended. [word]
-    details : mapping
-        Energy shares, nodes, damped eigenvalues, plans and sensitivity, for the JSON. [SI]
-    stamp : Stamp
-        Version and date. [text]
-    """
-
-    case: Case
-    case_sha256: str
-    results: Results
+    case: Case  #: What was calculated. [SI]
+    case_sha256: str  #: Digest of the inputs as typed, before settings of the command line. [hex]
+    results: Results  #: The engine's results. [SI]
+    #: Result tables of the contract, rows under JSON keys. [SI]
     tables: Mapping[str, Sequence[Mapping[str, Any]]]
-    startup: Mapping[str, Any] | None
-    view: RunView
-    warnings: tuple[str, ...]
-    outcome: str
+    startup: Mapping[str, Any] | None  #: Outcome, time, end speed and sentence. [SI]
+    view: RunView  #: Tables and curves as the workbook shows them. [SI]
+    warnings: tuple[str, ...]  #: Of the reader and of the engine.
+    outcome: str  #: How the run ended.
+    #: Energy shares, nodes, damped eigenvalues, plans and sensitivity, for the JSON. [SI]
     details: Mapping[str, Any]
-    stamp: Stamp
+    stamp: Stamp  #: Version and date.
 
 
 def calculate(

@@ -22,88 +22,34 @@ MODES = 3
 
 @dataclass(frozen=True)
 class Headline:
-    """What one looks at first; None where the case does not call for it.
+    """What one looks at first; None where the case does not call for it."""
 
-    Parameters
-    ----------
-    tag, title : str or None
-        Of the title block. [text]
-    frequencies : tuple of float
-        First elastic modes, `MODES` at most. [Hz]
-    margin : float or None
-        Worst separation margin. [1]
-    margin_mode : int or None
-        Its mode. [count]
-    margin_where : str or None
-        Its mode and excitation. [words]
-    peak_torque : float or None
-        Largest torque of a start at its element's own speed, a magnitude; the largest is found
-        at motor speed. [N m]
-    peak_over_rated : float or None
-        The same at motor speed over the rated torque. [1]
-    peak_where : str or None
-        Its element. [name]
-    stress : float or None
-        Largest nominal peak-to-peak shear stress of a start. [Pa]
-    stress_where : str or None
-        Its element. [name]
-    reversals : int or None
-        Most torque reversals of a mesh or geared coupling in a start. [count]
-    reversals_where : str or None
-        Its element; None without reversals. [name]
-    starts : float or None
-        Allowable starts; None where unlimited or not judged. [1]
-    starts_unlimited : bool
-        Shafts are judged and none is damaged. [flag]
-    starts_not_judged : bool
-        Shafts are judged, but the start did not come to its end. [flag]
-    starts_where : str or None
-        Governing shaft. [name]
-    outcome : str
-        How the start ended, or ``calculated``. [word]
-    verdict : str
-        The overall verdict. [word]
-    not_judged : int
-        Checks without a verdict. [count]
-    """
-
-    tag: str | None
-    title: str | None
-    frequencies: tuple[float, ...]
-    margin: float | None
-    margin_mode: int | None
-    margin_where: str | None
+    tag: str | None  #: Of the title block.
+    title: str | None  #: Likewise.
+    frequencies: tuple[float, ...]  #: First elastic modes, `MODES` at most. [Hz]
+    margin: float | None  #: Worst separation margin. [1]
+    margin_mode: int | None  #: Its mode.
+    margin_where: str | None  #: Its mode and excitation.
+    #: Largest torque of a start at its element's own speed, a magnitude; the largest is found at
+    #: motor speed. [N m]
     peak_torque: float | None
-    peak_over_rated: float | None
-    peak_where: str | None
-    stress: float | None
-    stress_where: str | None
-    reversals: int | None
-    reversals_where: str | None
-    starts: float | None
-    starts_unlimited: bool
-    starts_not_judged: bool
-    starts_where: str | None
-    outcome: str
-    verdict: str
-    not_judged: int
+    peak_over_rated: float | None  #: The same at motor speed over the rated torque. [1]
+    peak_where: str | None  #: Its element.
+    stress: float | None  #: Largest nominal peak-to-peak shear stress of a start. [Pa]
+    stress_where: str | None  #: Its element.
+    reversals: int | None  #: Most torque reversals of a mesh or geared coupling in a start.
+    reversals_where: str | None  #: Its element; None without reversals.
+    starts: float | None  #: Allowable starts; None where unlimited or not judged. [1]
+    starts_unlimited: bool  #: Shafts are judged and none is damaged.
+    starts_not_judged: bool  #: Shafts are judged, but the start did not come to its end.
+    starts_where: str | None  #: Governing shaft.
+    outcome: str  #: How the start ended, or ``calculated``.
+    verdict: str  #: The overall verdict.
+    not_judged: int  #: Checks without a verdict.
 
 
 def told_verdict(verdict: str, not_judged: int) -> str:
-    """An overall verdict in words, as sheet Summary says it.
-
-    Parameters
-    ----------
-    verdict : str
-        The overall verdict. [word]
-    not_judged : int
-        Checks without a verdict. [count]
-
-    Returns
-    -------
-    str
-        Such as ``pass, 1 not judged``. [words]
-    """
+    """An overall verdict in words, as sheet Summary says it."""
     if not not_judged or verdict == NOT_JUDGED:
         return verdict
     return f"{verdict}, {not_judged} {NOT_JUDGED}"

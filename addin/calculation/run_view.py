@@ -24,52 +24,30 @@ Rows = Sequence[Mapping[str, Any]]
 
 @dataclass(frozen=True, eq=False)
 class RunView:
-    """Results as tables and curves.
+    """Results as tables and curves."""
 
-    Parameters
-    ----------
-    case : CaseData
-        The inputs. [SI]
-    tables : mapping of str to rows
-        Result tables of the contract, rows by JSON key. [SI]
-    startup : mapping or None
-        Outcome, time, end_speed and sentence of the start; pull_in and bearing_forces. [SI]
-    speed_time : tuple of ndarray or None
-        Time and mean speed of the reference shaft. [s, rad/s]
-    histories : mapping of str to tuple of ndarray
-        Time and torque of each element, turning points included. [s, N m]
-    interference : engine.operation.margins.Interference or None
-        Lines of the interference diagram. [rad/s, Hz]
-    cycles : tuple of (str, ndarray, ndarray)
-        Judged shaft, stress amplitudes with SCF and counts of one start; empty arrays when the
-        largest amplitude alone shows that nothing is damaged. [Pa, 1]
-    amplitudes : mapping of str to (float, float)
-        Largest amplitude with SCF of a start and endurance limit of each judged shaft. [Pa]
-    plans : sequence of mapping
-        Number and reason of each plan, the reported one last. [words]
-    contact_law : str or None
-        Damping law of teeth in contact; None where no clearance was modelled. [word]
-    forces : ForceHistories or None
-        Tooth and bearing forces at the times of `speed_time`, where they were calculated. [N]
-    load_angle : tuple of ndarray or None
-        Time, unwrapped load angle and slip, where the field was applied. [s, rad, 1]
-    energies : sequence of mapping
-        Energy shares of every stiffness and inertia in the first modes. [1]
-    """
-
-    case: CaseData
-    tables: Mapping[str, Rows]
+    case: CaseData  #: The inputs. [SI]
+    tables: Mapping[str, Rows]  #: Result tables of the contract, rows by JSON key. [SI]
+    #: Outcome, time, end_speed and sentence of the start; pull_in and bearing_forces. [SI]
     startup: Mapping[str, Any] | None = None
+    #: Time and mean speed of the reference shaft. [s, rad/s]
     speed_time: tuple[Floats, Floats] | None = None
+    #: Time and torque of each element, turning points included. [s, N m]
     histories: Mapping[str, tuple[Floats, Floats]] | None = None
-    interference: Any = None
+    interference: Any = None  #: Lines of the interference diagram. [rad/s, Hz]
+    #: Judged shaft, stress amplitudes with SCF and counts of one start; empty arrays when the
+    #: largest amplitude alone shows that nothing is damaged. [Pa, 1]
     cycles: tuple[tuple[str, Floats, Floats], ...] = ()
+    #: Largest amplitude with SCF of a start and endurance limit of each judged shaft. [Pa]
     amplitudes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    plans: Rows = ()
+    plans: Rows = ()  #: Number and reason of each plan, the reported one last.
+    #: Damping law of teeth in contact; None where no clearance was modelled.
     contact_law: str | None = None
+    #: Tooth and bearing forces at the times of `speed_time`, where they were calculated. [N]
     forces: ForceHistories | None = None
+    #: Time, unwrapped load angle and slip, where the field was applied. [s, rad, 1]
     load_angle: tuple[Floats, Floats, Floats] | None = None
-    energies: Rows = ()
+    energies: Rows = ()  #: Energy shares of every stiffness and inertia in the first modes. [1]
 
 
 def view_of(results: Results, audit: Rows = ()) -> RunView:

@@ -65,21 +65,11 @@ _SMALLEST_CYCLE = 0.03
 
 @dataclass(frozen=True)
 class ChartTable:
-    """One block of chart data.
+    """One block of chart data."""
 
-    Parameters
-    ----------
-    name : str
-        Name of the Excel table. [name]
-    columns : tuple of str
-        Headers. [names]
-    help : str
-        What it holds. [sentence]
-    """
-
-    name: str
-    columns: tuple[str, ...]
-    help: str
+    name: str  #: Name of the Excel table.
+    columns: tuple[str, ...]  #: Headers.
+    help: str  #: What it holds.
 
 
 def _numbered(words: Sequence[str], count: int) -> tuple[str, ...]:
@@ -175,18 +165,10 @@ CHART_TABLES: tuple[ChartTable, ...] = (
 
 @dataclass(frozen=True)
 class ShownUnits:
-    """The unit shown above each column, and its size in SI.
+    """The unit shown above each column, and its size in SI."""
 
-    Parameters
-    ----------
-    names : mapping of (table, column) to str
-        Units as typed. [units]
-    factors : mapping of (table, column) to float
-        SI value of one shown unit. [SI]
-    """
-
-    names: Mapping[tuple[str, str], str]
-    factors: Mapping[tuple[str, str], float]
+    names: Mapping[tuple[str, str], str]  #: Units as typed. [units]
+    factors: Mapping[tuple[str, str], float]  #: SI value of one shown unit. [SI]
 
     def name(self, table: str, column: str) -> str:
         """The unit of a column; empty where there is none."""
@@ -483,20 +465,7 @@ def accuracy_block(rows: Iterable[Mapping[str, Any]]) -> Rows:
 
 
 def accuracy_title(drawn: bool, studied: bool = False) -> str:
-    """Title of the chart of sheet `Accuracy`, which says why where it is empty.
-
-    Parameters
-    ----------
-    drawn : bool
-        Whether it draws anything. [flag]
-    studied : bool
-        Whether the study has been run. [flag]
-
-    Returns
-    -------
-    str
-        The title. [words]
-    """
+    """Title of the chart of sheet `Accuracy`, which says why where it is empty."""
     if drawn:
         return "Error against wall time, as measured in this study"
     if studied:

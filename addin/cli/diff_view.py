@@ -21,15 +21,7 @@ _WIDTH = 120
 
 
 def show(found: Differences, everything: bool = False) -> None:
-    """Print the differences: verdicts first, then inputs, then results.
-
-    Parameters
-    ----------
-    found : Differences
-        It.
-    everything : bool
-        Show every changed result. [flag]
-    """
+    """Print the differences: verdicts first, then inputs, then results."""
     console = Console()
     if console.width < _WIDTH:
         console = Console(width=_WIDTH)

@@ -60,13 +60,7 @@ def serve(
 
 
 def run(settings: Any) -> None:
-    """Serve until Ctrl+C.
-
-    Parameters
-    ----------
-    settings : Settings
-        Addresses, keys, certificates, limits.
-    """
+    """Serve until Ctrl+C."""
     import threading
 
     import uvicorn

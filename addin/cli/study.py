@@ -72,21 +72,6 @@ def run_study(
 ) -> None:
     """Run a study from the command line and tell what became of it.
 
-    Parameters
-    ----------
-    study : Study
-        What is asked.
-    file : Path
-        Workbook or case JSON. [path]
-    settings : mapping
-        Of the command line. [names and values]
-    out, in_place, json, jobs, scheduler, ignore_lock
-        The options of the same names. [options]
-    show : callable, optional
-        Prints the tables of what was found.
-    then : callable, optional
-        Does what the command does with it besides.
-
     Raises
     ------
     typer.Exit

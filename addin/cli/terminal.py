@@ -35,15 +35,6 @@ def refuse_clashes(
 ) -> None:
     """Refuse two results with one name, and a result on top of its input, before any work.
 
-    Parameters
-    ----------
-    files : sequence of Path
-        Inputs. [paths]
-    targets : sequence of (Path or None, Path or None)
-        Workbook and JSON of each. [paths]
-    in_place : bool
-        Whether the input itself is written. [flag]
-
     Raises
     ------
     typer.BadParameter
@@ -111,19 +102,6 @@ def study_targets(
 ) -> tuple[Path | None, Path | None]:
     """Where a study of one input is written.
 
-    Parameters
-    ----------
-    file : Path
-        The input. [path]
-    command : str
-        Of the study: the middle of the name of its JSON. [word]
-    out : Path or None
-        Folder for the result. [path]
-    json : Path or None
-        File or folder for the JSON. [path]
-    in_place : bool
-        Whether the input itself is written. [flag]
-
     Returns
     -------
     destination, json : Path or None
@@ -147,13 +125,7 @@ def study_targets(
 
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A line that says what is being done, where somebody watches; a rare long wait is always told.
-
-    Yields
-    ------
-    callable
-        Takes what is being done. [text]
-    """
+    """A line that says what is being done, where somebody watches; a rare long wait is always told."""
     from addin.writing.recalculate import is_compiling
 
     told: set[str] = set()
@@ -181,17 +153,7 @@ def progress() -> Iterator[Callable[[str], None]]:
 def list_problems(
     file: Path, problems: Sequence[CellProblem], something_written: bool = False
 ) -> None:
-    """Everything wrong with an input, for the error stream.
-
-    Parameters
-    ----------
-    file : Path
-        The input. [path]
-    problems : sequence of CellProblem
-        What is wrong.
-    something_written : bool, optional
-        Whether some of its results are written all the same. [flag]
-    """
+    """Everything wrong with an input, for the error stream."""
     if not problems:
         return
     plural = "s" if len(problems) > 1 else ""

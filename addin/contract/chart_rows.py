@@ -183,18 +183,7 @@ CHECK_FORMULAS: Mapping[tuple[str, str], str] = _check_formulas()
 
 
 def workbook_columns(spec: TableSpec) -> tuple[Field, ...]:
-    """All columns of a table as it stands in the workbook.
-
-    Parameters
-    ----------
-    spec : TableSpec
-        The table.
-
-    Returns
-    -------
-    tuple of Field
-        Contract columns, the repeated ones numbered, live checks last.
-    """
+    """All columns of a table as it stands in the workbook."""
     repeated = () if spec.repeated is None else range(1, SHAPE_COLUMNS + 1)
     return (*spec.columns, *(spec.repeated_column(k) for k in repeated), *spec.extra_columns)
 

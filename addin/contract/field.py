@@ -32,39 +32,19 @@ _WORDS = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
 
 
 def json_key(name: str) -> str:
-    """The JSON key of a contract name: words and capital runs, joined by `_`, lower case.
-
-    Parameters
-    ----------
-    name : str
-        Defined name, table name or column header. [name]
-
-    Returns
-    -------
-    str
-        Key such as ``rated_power`` for ``RatedPower`` or ``sn_points`` for ``SNPoints``.
-    """
+    """The JSON key of a contract name: words and capital runs, joined by `_`, lower case."""
     return "_".join(_WORDS.findall(name)).lower()
 
 
 @dataclass(frozen=True)
 class Dimension:
-    """One physical dimension: the SI unit inside and the units people usually type.
+    """One physical dimension: the SI unit inside and the units people usually type."""
 
-    Parameters
-    ----------
-    si : str
-        Unit of the engine and of a plain JSON number; empty where there is none. [unit]
-    unit_us, unit_si : str
-        Units shown by the US-customary and the SI template. [unit]
-    units : tuple of str
-        The drop-down list. [units]
-    """
-
+    #: Unit of the engine and of a plain JSON number; empty where there is none. [unit]
     si: str = ""
-    unit_us: str = ""
-    unit_si: str = ""
-    units: tuple[str, ...] = ()
+    unit_us: str = ""  #: Units shown by the US-customary and the SI template. [unit]
+    unit_si: str = ""  #: Likewise. [unit]
+    units: tuple[str, ...] = ()  #: The drop-down list. [units]
 
 
 _RELATIVE = ("pu", "%")
@@ -125,47 +105,25 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Field:
-    """One input or output: a scalar of sheet `Case` or a column of a table.
+    """One input or output: a scalar of sheet `Case` or a column of a table."""
 
-    Parameters
-    ----------
-    name : str
-        Defined name of a scalar or header of a column, as in the contract. [name]
-    key : str
-        JSON key. [name]
-    kind : str
-        ``number``, ``integer``, ``text``, ``choice``, ``station``, ``element``, ``material``
-        (references by name); of results also ``flag`` (yes or no) and ``mixed`` (a number in one
-        row, words in another). [word]
-    dimension : str
-        Key of `DIMENSIONS`. [word]
-    unit_us, unit_si : str
-        Units shown by the two templates; empty where there is no unit. [unit]
-    units : tuple of str
-        Drop-down list of the unit cell; empty where there is no unit. [units]
-    choices : tuple of str
-        Allowed words of a choice; the first one is the default. [words]
-    default_text : str
-        What a blank cell means; empty where a blank has no meaning of its own. [text]
-    help : str
-        One sentence for the input prompt. [sentence]
-    group : str
-        Block of sheet `Case` the scalar stands in; empty for columns. [name]
-    trace : Trace or None
-        Of a result: equation, source and the inputs it comes from, see `addin.contract.result_tables`.
-    """
-
-    name: str
-    key: str
+    name: str  #: Defined name of a scalar or header of a column, as in the contract.
+    key: str  #: JSON key.
+    #: ``number``, ``integer``, ``text``, ``choice``, ``station``, ``element``, ``material``
+    #: (references by name); of results also ``flag`` (yes or no) and ``mixed`` (a number in one
+    #: row, words in another).
     kind: str
-    dimension: str
-    unit_us: str
-    unit_si: str
+    dimension: str  #: Key of `DIMENSIONS`.
+    unit_us: str  #: Units shown by the two templates; empty where there is no unit. [unit]
+    unit_si: str  #: Likewise. [unit]
+    #: Drop-down list of the unit cell; empty where there is no unit. [units]
     units: tuple[str, ...]
-    choices: tuple[str, ...]
-    default_text: str
-    help: str
-    group: str = ""
+    choices: tuple[str, ...]  #: Allowed words of a choice; the first one is the default.
+    default_text: str  #: What a blank cell means; empty where a blank has no meaning of its own.
+    help: str  #: One sentence for the input prompt.
+    group: str = ""  #: Block of sheet `Case` the scalar stands in; empty for columns.
+    #: Of a result: equation, source and the inputs it comes from, see
+    #: `addin.contract.result_tables`.
     trace: Trace | None = None
 
     @property
@@ -191,75 +149,32 @@ class Field:
 
 @dataclass(frozen=True)
 class TableSpec:
-    """One Excel table.
+    """One Excel table."""
 
-    Parameters
-    ----------
-    name : str
-        Name of the Excel table. [name]
-    key : str
-        JSON key. [name]
-    sheet : str
-        Sheet it is shipped on. [name]
-    columns : tuple of Field
-        Columns of the contract, in its order. [fields]
-    rows : int
-        Blank rows shipped. [count]
-    help : str
-        One sentence above the table. [sentence]
-    extra_columns : tuple of Field
-        Columns after those of the contract, such as live checks; never read. [fields]
-    repeated : Field or None
-        Column repeated after `columns`, its name ending in 1, 2, ... (mode shapes). [field]
-    json_only : tuple of str
-        Keys a JSON row may have beside the columns. [names]
-    states : str
-        Column without which a row of a workbook states nothing and is passed over, such as rows
-        shipped with names alone; empty = every filled row counts. [name]
-    """
-
-    name: str
-    key: str
-    sheet: str
-    columns: tuple[Field, ...]
-    rows: int
-    help: str
+    name: str  #: Name of the Excel table.
+    key: str  #: JSON key.
+    sheet: str  #: Sheet it is shipped on.
+    columns: tuple[Field, ...]  #: Columns of the contract, in its order.
+    rows: int  #: Blank rows shipped.
+    help: str  #: One sentence above the table.
+    #: Columns after those of the contract, such as live checks; never read.
     extra_columns: tuple[Field, ...] = ()
+    #: Column repeated after `columns`, its name ending in 1, 2, ... (mode shapes).
     repeated: Field | None = None
-    json_only: tuple[str, ...] = ()
+    json_only: tuple[str, ...] = ()  #: Keys a JSON row may have beside the columns.
+    #: Column without which a row of a workbook states nothing and is passed over, such as rows
+    #: shipped with names alone; empty = every filled row counts.
     states: str = ""
 
     def column(self, name: str) -> Field:
-        """The contract column of a header.
-
-        Parameters
-        ----------
-        name : str
-            Header. [name]
-
-        Returns
-        -------
-        Field
-            The column.
-        """
+        """The contract column of a header."""
         for field in self.columns:
             if field.name == name:
                 return field
         raise KeyError(f"table {self.name} has no column {name!r}")
 
     def repeated_column(self, number: int) -> Field:
-        """One of the repeated columns, such as ``Mode 3``.
-
-        Parameters
-        ----------
-        number : int
-            Counted from 1. [count]
-
-        Returns
-        -------
-        Field
-            The column.
-        """
+        """One of the repeated columns, such as ``Mode 3``."""
         if self.repeated is None:
             raise KeyError(f"table {self.name} has no repeated column")
         name = f"{self.repeated.name} {number}"
@@ -317,21 +232,7 @@ def number(
 
 
 def integer(name: str, help: str, *, group: str = "") -> Field:
-    """A whole number without unit.
-
-    Parameters
-    ----------
-    name : str
-        Header or defined name. [name]
-    help : str
-        One sentence. [sentence]
-    group : str, optional
-        Block of sheet `Case`. [name]
-
-    Returns
-    -------
-    Field
-    """
+    """A whole number without unit."""
     return number(name, "count", help, kind="integer", group=group)
 
 
@@ -360,10 +261,6 @@ def text(
         What a blank means. [sentence]
     group : str, optional
         Block of sheet `Case`. [name]
-
-    Returns
-    -------
-    Field
     """
     return Field(
         name=name,
@@ -402,10 +299,6 @@ def choice(
         What a blank means. [sentence]
     group : str, optional
         Block of sheet `Case`. [name]
-
-    Returns
-    -------
-    Field
     """
     return text(name, help, kind="choice", choices=choices, blank=blank, group=group)
 
@@ -413,63 +306,19 @@ def choice(
 def table(
     name: str, sheet: str, rows: int, help: str, *columns: Field, **more: object
 ) -> TableSpec:
-    """A table whose key follows from its name.
-
-    Parameters
-    ----------
-    name : str
-        Header or defined name. [name]
-    sheet : str
-        Sheet it is shipped on. [name]
-    rows : int
-        Blank rows shipped. [count]
-    help : str
-        One sentence. [sentence]
-    *columns : Field
-        Its columns.
-    **more : object
-        Further attributes of `TableSpec`.
-
-    Returns
-    -------
-    TableSpec
-    """
+    """A table whose key follows from its name."""
     return TableSpec(name, json_key(name), sheet, columns, rows, help, **more)  # type: ignore[arg-type]
 
 
 def mixed(name: str, help: str) -> Field:
-    """A result that is a number in one row and words in another.
-
-    Parameters
-    ----------
-    name : str
-        Header or defined name. [name]
-    help : str
-        One sentence. [sentence]
-
-    Returns
-    -------
-    Field
-    """
+    """A result that is a number in one row and words in another."""
     return text(name, help, kind="mixed")
 
 
 def traced(
     tables: Sequence[TableSpec], traces: Mapping[tuple[str, str], Trace]
 ) -> tuple[TableSpec, ...]:
-    """Result tables with the trace of every column.
-
-    Parameters
-    ----------
-    tables : sequence of TableSpec
-        The tables.
-    traces : mapping of (table, column) to Trace
-        Where each column comes from.
-
-    Returns
-    -------
-    tuple of TableSpec
-    """
+    """Result tables with the trace of every column."""
 
     def with_trace(table: str, field: Field) -> Field:
         return replace(field, trace=traces[table, field.name])

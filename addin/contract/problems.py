@@ -20,45 +20,20 @@ _NOT_TEXT = re.compile(
 
 @dataclass(frozen=True)
 class CellProblem:
-    """One thing wrong in a workbook or a case JSON, with the place to correct it.
+    """One thing wrong in a workbook or a case JSON, with the place to correct it."""
 
-    Parameters
-    ----------
-    sheet : str
-        Sheet; of a JSON case the sheet the table is shipped on. [name]
-    table : str
-        Input table, or ``Case`` for a scalar. [name]
-    row : int or None
-        Row of the table counted from 1, blank rows included. [count]
-    column : str
-        Column header or name of the scalar; empty for a whole table. [name]
-    found : object
-        What was found, as typed. [number or text]
-    allowed : str
-        What would be accepted. [words]
-    message : str
-        The whole sentence, beginning with the place. [sentence]
-    cell : str
-        Cell such as ``F12``, or path such as ``elements[2].stiffness``; empty when there is none.
-    """
-
-    sheet: str
-    table: str
-    row: int | None
-    column: str
-    found: Any
-    allowed: str
-    message: str
+    sheet: str  #: Sheet; of a JSON case the sheet the table is shipped on.
+    table: str  #: Input table, or ``Case`` for a scalar.
+    row: int | None  #: Row of the table counted from 1, blank rows included.
+    column: str  #: Column header or name of the scalar; empty for a whole table.
+    found: Any  #: What was found, as typed. [number or text]
+    allowed: str  #: What would be accepted.
+    message: str  #: The whole sentence, beginning with the place.
+    #: Cell such as ``F12``, or path such as ``elements[2].stiffness``; empty when there is none.
     cell: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """The problem in the form of the contract.
-
-        Returns
-        -------
-        dict
-            Keys sheet, table, row, column, found, allowed, message.
-        """
+        """The problem in the form of the contract."""
         plain = self.found is None or isinstance(self.found, (bool, int, str))
         return {
             "sheet": self.sheet,
@@ -89,11 +64,6 @@ def placed(problem: Problem, sheet: str, cell: str, kind: str = "cell") -> CellP
         Where it is; the cell may be empty. [name]
     kind : str
         What the cell is called: ``cell`` of a workbook, ``key`` of a JSON case. [word]
-
-    Returns
-    -------
-    CellProblem
-        ``Sheet Train, table Elements, row 3, Stiffness (cell F12): found ...``.
     """
     where = [f"Sheet {sheet}"]
     if problem.table != SCALAR_TABLE:
@@ -142,34 +112,10 @@ def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
 
 
 def shortened(text: str, longest: int = 60) -> str:
-    """A text that fits into a sentence.
-
-    Parameters
-    ----------
-    text : str
-        As typed. [text]
-    longest : int
-        Characters kept. [count]
-
-    Returns
-    -------
-    str
-        The text, or its beginning and three dots.
-    """
+    """A text that fits into a sentence."""
     return text if len(text) <= longest else text[: longest - 3] + "..."
 
 
 def printable(text: str) -> str:
-    """A text fit for a screen: controls become a blank; what turns the direction of writing, and half characters, U+FFFD.
-
-    Parameters
-    ----------
-    text : str
-        As typed. [text]
-
-    Returns
-    -------
-    str
-        The same for any ordinary text.
-    """
+    """A text fit for a screen: controls become a blank; what turns the direction of writing, and half characters, U+FFFD."""
     return _NOT_TEXT.sub(lambda found: " " if found[0] < "\xa0" else "\ufffd", text)

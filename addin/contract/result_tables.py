@@ -18,26 +18,15 @@ SHARE_MODES = 5
 
 @dataclass(frozen=True)
 class Trace:
-    """How one result column is obtained.
+    """How one result column is obtained."""
 
-    Parameters
-    ----------
-    equation : str
-        Formula or rule, in the symbols of the nomenclature. [text]
-    source : str
-        Paper, standard or textbook with section, equation or page; our own rules name the part of
-        docs/method.md that states them. [citation]
-    of_row : tuple of str
-        Inputs and results of the very row: of its element, station, mode, excitation or material.
-        [names]
-    of_case : tuple of str
-        Inputs and results of the whole case. [names]
-    """
-
-    equation: str
+    equation: str  #: Formula or rule, in the symbols of the nomenclature.
+    #: Paper, standard or textbook with section, equation or page; our own rules name the part of
+    #: docs/method.md that states them. [citation]
     source: str
+    #: Inputs and results of the very row: of its element, station, mode, excitation or material.
     of_row: tuple[str, ...] = ()
-    of_case: tuple[str, ...] = ()
+    of_case: tuple[str, ...] = ()  #: Inputs and results of the whole case.
 
     @property
     def inputs(self) -> tuple[str, ...]:

@@ -60,81 +60,37 @@ STRIP = (
 
 @dataclass(frozen=True)
 class ChartAt:
-    """A chart on a sheet.
+    """A chart on a sheet."""
 
-    Parameters
-    ----------
-    name : str
-        Key of `charts.CHARTS`. [name]
-    cell : str
-        Its upper left cell. [A1]
-    width, height : int
-        Size. [pixel]
-    """
-
-    name: str
-    cell: str
-    width: int
-    height: int
+    name: str  #: Key of `charts.CHARTS`.
+    cell: str  #: Its upper left cell. [A1]
+    width: int  #: Size. [pixel]
+    height: int  #: Likewise. [pixel]
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """One sheet as data.
+    """One sheet as data."""
 
-    Parameters
-    ----------
-    name : str
-        Sheet name. [name]
-    kind : str
-        ``input``, ``live``, ``result`` or ``notes``: colour of the tab and of the banner's word. [word]
-    widths : mapping of str to float
-        Column widths by ranges such as ``B:D``. [characters]
-    last : str
-        Last column of the banner. [letters]
-    tables : mapping of str to str
-        Cell of each table's caption; header and data stand below. [A1]
-    charts : tuple of ChartAt
-        Its charts.
-    freeze : str
-        First cell that scrolls; empty = all of it. [A1]
-    header_rows : int
-        Rows repeated on every page; a chart must begin below them. [count]
-    one_page : bool
-        Whether all of it is fitted to one page.
-    hidden : bool
-        Whether it holds nothing but numbers behind charts. [flag]
-    printed : str
-        Last column on paper; empty = all of them. [letters]
-    breaks : tuple of str
-        Columns at which another page begins; the print is then as large as the widest page allows,
-        not fitted to one page. [letters]
-    repeated : str
-        Columns repeated on every page, such as ``A:C``; empty = none. [letters]
-    row_breaks : tuple of int
-        Rows, counted from 1, at which another page begins. [count]
-    largest : int
-        Scale of a print in pieces at the most. [%]
-    side : float
-        Margin left and right of a printed page. [in]
-    """
-
-    name: str
+    name: str  #: Sheet name.
+    #: ``input``, ``live``, ``result`` or ``notes``: colour of the tab and of the banner's word.
     kind: str
-    widths: Mapping[str, float]
-    last: str
-    tables: Mapping[str, str]
-    charts: tuple[ChartAt, ...] = ()
-    freeze: str = "A4"
-    header_rows: int = 3
-    one_page: bool = False
-    hidden: bool = False
-    printed: str = ""
+    widths: Mapping[str, float]  #: Column widths by ranges such as ``B:D``.
+    last: str  #: Last column of the banner.
+    tables: Mapping[str, str]  #: Cell of each table's caption; header and data stand below. [A1]
+    charts: tuple[ChartAt, ...] = ()  #: Its charts.
+    freeze: str = "A4"  #: First cell that scrolls; empty = all of it. [A1]
+    header_rows: int = 3  #: Rows repeated on every page; a chart must begin below them.
+    one_page: bool = False  #: Whether all of it is fitted to one page.
+    hidden: bool = False  #: Whether it holds nothing but numbers behind charts.
+    printed: str = ""  #: Last column on paper; empty = all of them.
+    #: Columns at which another page begins; the print is then as large as the widest page allows,
+    #: not fitted to one page.
     breaks: tuple[str, ...] = ()
-    repeated: str = ""
-    row_breaks: tuple[int, ...] = ()
-    largest: int = 100
-    side: float = 0.4
+    repeated: str = ""  #: Columns repeated on every page, such as ``A:C``; empty = none.
+    row_breaks: tuple[int, ...] = ()  #: Rows, counted from 1, at which another page begins.
+    largest: int = 100  #: Scale of a print in pieces at the most. [%]
+    side: float = 0.4  #: Margin left and right of a printed page. [in]
 
 
 #: Row of the cell above each history chart; the chart begins one row below.

@@ -9,11 +9,6 @@ _PLACES = (_PACKAGE / "_templates", _PACKAGE.parent / "templates")
 def template_folder() -> Path:
     """The folder of the shipped workbooks.
 
-    Returns
-    -------
-    Path
-        `addin/_templates` of an installed wheel, else `templates` at the top of the checkout.
-
     Raises
     ------
     FileNotFoundError
@@ -31,16 +26,6 @@ def template_folder() -> Path:
 
 def template_path(name: str) -> Path:
     """The path of one shipped workbook.
-
-    Parameters
-    ----------
-    name : str
-        File name, such as `example_proposed.xlsx`.
-
-    Returns
-    -------
-    Path
-        An existing file. It is the product's own: copy it, do not write to it.
 
     Raises
     ------

@@ -882,50 +882,17 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = traced(
 
 
 def scalar(name: str) -> Field:
-    """The scalar of a defined name.
-
-    Parameters
-    ----------
-    name : str
-        Defined name. [name]
-
-    Returns
-    -------
-    Field
-        The scalar.
-    """
+    """The scalar of a defined name."""
     return _SCALARS[name]
 
 
 def input_table(name: str) -> TableSpec:
-    """The input table of a name.
-
-    Parameters
-    ----------
-    name : str
-        Name of the Excel table. [name]
-
-    Returns
-    -------
-    TableSpec
-        The table.
-    """
+    """The input table of a name."""
     return _INPUTS[name]
 
 
 def result_table(name: str) -> TableSpec:
-    """The result table of a name.
-
-    Parameters
-    ----------
-    name : str
-        Name of the Excel table. [name]
-
-    Returns
-    -------
-    TableSpec
-        The table.
-    """
+    """The result table of a name."""
     return _RESULTS[name]
 
 

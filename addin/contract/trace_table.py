@@ -58,35 +58,13 @@ _CAPTIONS = {**CAPTIONS, **STUDY_CAPTIONS}
 
 
 def traced_columns(spec: TableSpec) -> tuple[Field, ...]:
-    """Columns of a result table in the order of the workbook, a repeated one once.
-
-    Parameters
-    ----------
-    spec : TableSpec
-        Its table.
-
-    Returns
-    -------
-    tuple of Field
-        Contract columns, then the repeated one, then live checks.
-    """
+    """Columns of a result table in the order of the workbook, a repeated one once."""
     repeated = () if spec.repeated is None else (spec.repeated,)
     return (*spec.columns, *repeated, *spec.extra_columns)
 
 
 def trace_rows(*, studies: bool = False) -> Iterator[tuple[str, ...]]:
-    """Rows of sheet `Trace`, one a result column.
-
-    Parameters
-    ----------
-    studies : bool, optional
-        With the results of studies. [flag]
-
-    Yields
-    ------
-    tuple of str
-        Under `TRACE_HEADERS`.
-    """
+    """Rows of sheet `Trace`, one a result column."""
     more = STUDY_RESULT_TABLES if studies else ()
     for spec in (*RESULT_TABLES, *WORKBOOK_TABLES, *more):
         for field in traced_columns(spec):
@@ -104,13 +82,7 @@ def trace_rows(*, studies: bool = False) -> Iterator[tuple[str, ...]]:
 
 
 def trace_groups() -> Iterator[tuple[str, str]]:
-    """Groups of inputs that go together.
-
-    Yields
-    ------
-    tuple of str
-        Its name, and what belongs to it.
-    """
+    """Groups of inputs that go together."""
     for name, members in GROUPS.items():
         yield name, _grouped(members)
 
@@ -127,13 +99,7 @@ def _grouped(names: tuple[str, ...]) -> str:
 
 
 def page() -> str:
-    """The page.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """The page."""
     groups = "".join(f"- *{name}*: {members}\n" for name, members in trace_groups())
     head = f"{_HEAD}\n{groups}"
     return head + "".join(

@@ -38,18 +38,11 @@ TRANSMITTED_TORQUE = "torque transmitted there"
 
 @dataclass(frozen=True)
 class UnitScale:
-    """What one shown unit is worth.
+    """What one shown unit is worth."""
 
-    Parameters
-    ----------
-    factor : float
-        SI value of one shown unit. [SI unit per shown unit]
-    base : str
-        Empty, or what the number has to be multiplied by (`RATED_TORQUE`, `SYNCHRONOUS_SPEED`) or
-        divided by (`STATION_SPEED`), or is a share of and stays so (`TRANSMITTED_TORQUE`). [words]
-    """
-
-    factor: float
+    factor: float  #: SI value of one shown unit. [SI unit per shown unit]
+    #: Empty, or what the number has to be multiplied by (`RATED_TORQUE`, `SYNCHRONOUS_SPEED`) or
+    #: divided by (`STATION_SPEED`), or is a share of and stays so (`TRANSMITTED_TORQUE`).
     base: str = ""
 
     def to_si(self, number: float) -> float:

@@ -19,33 +19,17 @@ Value = None | bool | float | str
 
 @dataclass(frozen=True)
 class Change:
-    """One thing that differs between two files.
+    """One thing that differs between two files."""
 
-    Parameters
-    ----------
-    kind : str
-        ``changed``, ``row added``, ``row removed`` or ``row renamed``. [words]
-    table, row, column : str
-        Where; table ``Case`` for a scalar, the column empty for a whole row. [names]
-    before, after : number, text or None
-        In the first and in the second file. [SI]
-    unit : str
-        Unit in which it is shown; empty where there is none. [unit]
-    factor : float
-        SI value of one such unit. [SI]
-    administrative : bool
-        Whether it can change no result: title block and descriptions. [flag]
-    """
-
-    kind: str
-    table: str
-    row: str
-    column: str
-    before: Value
-    after: Value
-    unit: str = ""
-    factor: float = 1.0
-    administrative: bool = False
+    kind: str  #: ``changed``, ``row added``, ``row removed`` or ``row renamed``.
+    table: str  #: Where; table ``Case`` for a scalar, the column empty for a whole row.
+    row: str  #: Likewise.
+    column: str  #: Likewise.
+    before: Value  #: In the first and in the second file. [SI]
+    after: Value  #: Likewise. [SI]
+    unit: str = ""  #: Unit in which it is shown; empty where there is none. [unit]
+    factor: float = 1.0  #: SI value of one such unit. [SI]
+    administrative: bool = False  #: Whether it can change no result: title block and descriptions.
 
     @property
     def difference(self) -> float | None:
@@ -82,25 +66,16 @@ class Change:
 
 @dataclass(frozen=True)
 class VerdictChange:
-    """One check of either file; its verdict may or may not have changed.
+    """One check of either file; its verdict may or may not have changed."""
 
-    Parameters
-    ----------
-    table, row : str
-        Result table, and what is judged. [names]
-    before, after : str
-        Verdicts; empty where the check is not made. [words]
-    result_before, result_after, limit : str
-        The numbers judged, as words with their unit; empty where the table has none. [words]
-    """
-
-    table: str
-    row: str
-    before: str
-    after: str
+    table: str  #: Result table, and what is judged.
+    row: str  #: Likewise.
+    before: str  #: Verdicts; empty where the check is not made.
+    after: str  #: Likewise.
+    #: The numbers judged, as words with their unit; empty where the table has none.
     result_before: str = ""
-    result_after: str = ""
-    limit: str = ""
+    result_after: str = ""  #: Likewise.
+    limit: str = ""  #: Likewise.
 
     @property
     def changed(self) -> bool:
@@ -110,32 +85,17 @@ class VerdictChange:
 
 @dataclass(frozen=True)
 class Differences:
-    """Two files side by side.
+    """Two files side by side."""
 
-    Parameters
-    ----------
-    first, second : Side
-        The files.
-    verdicts : tuple of VerdictChange
-        All checks of table `Verdicts`, then those of other tables whose verdict changed.
-    inputs : tuple of Change or None
-        None where a side has no inputs (a result JSON).
-    results : tuple of Change
-        By table.
-    same_inputs, same_results : int
-        Quantities that are the same in both. [count]
-    studies : StudyDifferences
-        What differs on the study sheets.
-    """
-
-    first: Side
-    second: Side
+    first: Side  #: The files.
+    second: Side  #: Likewise.
+    #: All checks of table `Verdicts`, then those of other tables whose verdict changed.
     verdicts: tuple[VerdictChange, ...]
-    inputs: tuple[Change, ...] | None
-    results: tuple[Change, ...]
-    same_inputs: int
-    same_results: int
-    studies: StudyDifferences
+    inputs: tuple[Change, ...] | None  #: None where a side has no inputs (a result JSON).
+    results: tuple[Change, ...]  #: By table.
+    same_inputs: int  #: Quantities that are the same in both.
+    same_results: int  #: Likewise.
+    studies: StudyDifferences  #: What differs on the study sheets.
 
     @property
     def anything(self) -> bool:
@@ -145,13 +105,7 @@ class Differences:
         return bool(self.results) or any(not c.administrative for c in self.inputs or ())
 
     def changed_verdicts(self) -> Iterator[VerdictChange]:
-        """Checks whose verdict is another one.
-
-        Yields
-        ------
-        VerdictChange
-            In their order.
-        """
+        """Checks whose verdict is another one."""
         return (one for one in self.verdicts if one.changed)
 
 

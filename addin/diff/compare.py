@@ -24,20 +24,6 @@ def compare_files(
 ) -> Differences:
     """Two files side by side.
 
-    Parameters
-    ----------
-    first, second : Path
-        Workbooks, case JSON or result JSON. [paths]
-    recalculate : bool
-        Calculate both again, whatever they hold. [flag]
-    on_stage : callable, optional
-        Called with the name of each analysis as it begins.
-
-    Returns
-    -------
-    Differences
-        Verdicts, inputs, results.
-
     Raises
     ------
     CannotBeCompared
@@ -48,18 +34,7 @@ def compare_files(
 
 
 def compare_sides(first: Side, second: Side) -> Differences:
-    """Two sides that have been read.
-
-    Parameters
-    ----------
-    first, second : Side
-        The older and the newer one, or proposed and modified.
-
-    Returns
-    -------
-    Differences
-        Verdicts, inputs, results.
-    """
+    """Two sides that have been read."""
     # a case JSON is in SI, which nobody chose: workbooks alone say how numbers are shown
     units = Units([(s.typed, s.units) for s in (second, first) if s.units is not None])
     inputs: list[Change] | None = None

@@ -55,64 +55,30 @@ class CannotBeCompared(Exception):
 
 @dataclass(frozen=True)
 class Judged:
-    """A number of table `Verdicts`, which a workbook shows in words with few digits.
+    """A number of table `Verdicts`, which a workbook shows in words with few digits."""
 
-    Parameters
-    ----------
-    number : float
-        It. [SI]
-    half_step : float
-        Half the last digit shown; 0 where all digits are there. [SI]
-    words : str
-        As shown. [words]
-    """
-
-    number: float
-    half_step: float
-    words: str
+    number: float  #: It. [SI]
+    half_step: float  #: Half the last digit shown; 0 where all digits are there. [SI]
+    words: str  #: As shown.
 
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two files.
+    """One of the two files."""
 
-    Parameters
-    ----------
-    source : Path
-        The file. [path]
-    data : CaseData or None
-        Its inputs; None of a result JSON. [SI]
-    typed : TypedCase or None
-        The same as typed. [as typed]
-    units : ShownUnits or None
-        Units above the columns of a workbook.
-    tables : mapping of str to rows
-        Results by table and header. [SI]
-    results_from : str
-        Where they come from, in words. [sentence]
-    software : str
-        What calculated them. [text]
-    digest : str
-        Digest of the inputs. [hex]
-    settings : dict
-        Settings of the command line they were calculated with. [SI]
-    study_inputs : StudyInputs or None
-        Rows of its study sheets; None of a result JSON. [SI]
-    studies : tuple of StudyThere
-        Studies that stand in a workbook. [SI]
-    """
-
-    source: Path
-    data: CaseData | None
-    typed: TypedCase | None
-    units: ShownUnits | None
-    tables: Mapping[str, Rows]
-    results_from: str
-    software: str
-    digest: str
+    source: Path  #: The file.
+    data: CaseData | None  #: Its inputs; None of a result JSON. [SI]
+    typed: TypedCase | None  #: The same as typed. [as typed]
+    units: ShownUnits | None  #: Units above the columns of a workbook.
+    tables: Mapping[str, Rows]  #: Results by table and header. [SI]
+    results_from: str  #: Where they come from, in words.
+    software: str  #: What calculated them.
+    digest: str  #: Digest of the inputs. [hex]
+    #: Settings of the command line they were calculated with. [SI]
     settings: Mapping[str, Any] = field(default_factory=dict)
+    #: Rows of its study sheets; None of a result JSON. [SI]
     study_inputs: StudyInputs | None = None
-    studies: tuple[StudyThere, ...] = ()
+    studies: tuple[StudyThere, ...] = ()  #: Studies that stand in a workbook. [SI]
 
     @property
     def revision(self) -> str:
@@ -134,20 +100,6 @@ def read_side(
     on_stage: Callable[[str], None] | None = None,
 ) -> Side:
     """Read one of the two files.
-
-    Parameters
-    ----------
-    source : Path
-        Workbook, case JSON or result JSON. [path]
-    recalculate : bool
-        Calculate again although the file holds results of its inputs. [flag]
-    on_stage : callable, optional
-        Called with the name of each analysis as it begins.
-
-    Returns
-    -------
-    Side
-        Inputs and results.
 
     Raises
     ------

@@ -24,31 +24,13 @@ Row = Mapping[str, Any]
 
 @dataclass
 class Renamed:
-    """Names of the first file → names of the second, by kind of name.
+    """Names of the first file → names of the second, by kind of name."""
 
-    Parameters
-    ----------
-    names : dict
-        Key ``station``, ``element``, ``material`` or ``excitation``. [names]
-    """
-
+    #: Key ``station``, ``element``, ``material`` or ``excitation``.
     names: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def now(self, kind: str, name: Any) -> Any:
-        """A name of the first file as the second has it.
-
-        Parameters
-        ----------
-        kind : str
-            Kind of the field that holds it. [word]
-        name : object
-            A name; anything else stays as it is. [name]
-
-        Returns
-        -------
-        object
-            The name now.
-        """
+        """A name of the first file as the second has it."""
         return self.names.get(kind, {}).get(name, name) if isinstance(name, str) else name
 
 

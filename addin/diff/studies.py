@@ -32,23 +32,14 @@ _IN_NUMBERS = re.compile(r"(?<=×) \([^()]*\)| \(as is\)$")
 
 @dataclass(frozen=True)
 class StudyDifferences:
-    """What differs in the studies of two files.
+    """What differs in the studies of two files."""
 
-    Parameters
-    ----------
-    notes : tuple of str
-        What is not compared, or only in part, and why. [sentences]
-    inputs, results : tuple of Change
-        Rows of the study sheets; results of studies that both files have of their own inputs.
-    same_inputs, same_results : int
-        Quantities that are the same in both. [count]
-    """
-
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  #: What is not compared, or only in part, and why.
+    #: Rows of the study sheets; results of studies that both files have of their own inputs.
     inputs: tuple[Change, ...] = ()
-    results: tuple[Change, ...] = ()
-    same_inputs: int = 0
-    same_results: int = 0
+    results: tuple[Change, ...] = ()  #: Likewise.
+    same_inputs: int = 0  #: Quantities that are the same in both.
+    same_results: int = 0  #: Likewise.
 
     @property
     def anything(self) -> bool:
@@ -57,22 +48,7 @@ class StudyDifferences:
 
 
 def compare_studies(first: Side, second: Side, units: Units, renamed: Renamed) -> StudyDifferences:
-    """What differs in the studies of two files.
-
-    Parameters
-    ----------
-    first, second : Side
-        The files.
-    units : Units
-        Units to show.
-    renamed : Renamed
-        Names of the first file in the second.
-
-    Returns
-    -------
-    StudyDifferences
-        Empty where neither file has studies.
-    """
+    """What differs in the studies of two files."""
     inputs: list[Change] = []
     same_inputs = 0
     if first.study_inputs is not None and second.study_inputs is not None:

@@ -79,11 +79,6 @@ def in_words(change: Change, value: Value, *, unit: bool = True) -> str:
 def change_in_words(change: Change) -> str:
     """How much changed.
 
-    Parameters
-    ----------
-    change : Change
-        It.
-
     Returns
     -------
     str
@@ -107,20 +102,7 @@ def change_in_words(change: Change) -> str:
 
 
 def telling(name: str, changes: Sequence[Change]) -> list[Change]:
-    """The changes of a result table that an engineer asks for first.
-
-    Parameters
-    ----------
-    name : str
-        Result table. [name]
-    changes : sequence of Change
-        All its changes.
-
-    Returns
-    -------
-    list of Change
-        At most `SHOWN`; of margins the least, of stresses the largest.
-    """
+    """The changes of a result table that an engineer asks for first."""
     columns = TELLING.get(name, ())
     shown = [one for one in changes if one.column in columns and one.kind == "changed"]
     if name == "SeparationMargins":  # the margin nearest to the line
@@ -135,18 +117,7 @@ def _size(value: Value) -> float:
 
 
 def as_json(found: Differences) -> dict[str, Any]:
-    """Everything that differs as a JSON object.
-
-    Parameters
-    ----------
-    found : Differences
-        It.
-
-    Returns
-    -------
-    dict
-        Ready for `json.dumps`; numbers in SI, with the unit they are shown in beside.
-    """
+    """Everything that differs as a JSON object."""
     return {
         "format": AUDIT_FORMAT,
         "a": _side(found.first),

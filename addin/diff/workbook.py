@@ -82,13 +82,6 @@ class _Formats:
 def write_book(found: Differences, target: Path) -> None:
     """Write the differences as a workbook.
 
-    Parameters
-    ----------
-    found : Differences
-        It.
-    target : Path
-        The .xlsx file, replaced when it is there. [path]
-
     Raises
     ------
     OSError

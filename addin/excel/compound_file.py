@@ -27,34 +27,15 @@ _MOST_DEPTH = 8
 
 @dataclass
 class Storage:
-    """A folder of a compound file.
+    """A folder of a compound file."""
 
-    Parameters
-    ----------
-    entries : dict of str to bytes or Storage
-        Streams and storages by name.
-    class_id : bytes
-        Class of the object it holds; zeros for none.
-    state : int
-        Its user-defined flags.
-    """
-
+    #: Streams and storages by name.
     entries: dict[str, bytes | Storage] = field(default_factory=dict)
-    class_id: bytes = bytes(16)
-    state: int = 0
+    class_id: bytes = bytes(16)  #: Class of the object it holds; zeros for none.
+    state: int = 0  #: Its user-defined flags.
 
     def stream(self, *path: str) -> bytes:
         """A stream by its path.
-
-        Parameters
-        ----------
-        *path : str
-            Names from here down, in any capitals.
-
-        Returns
-        -------
-        bytes
-            Its content.
 
         Raises
         ------
@@ -78,16 +59,6 @@ class Storage:
 
 def read_compound_file(data: bytes) -> Storage:
     """Read a compound file.
-
-    Parameters
-    ----------
-    data : bytes
-        The file.
-
-    Returns
-    -------
-    Storage
-        Its root.
 
     Raises
     ------
@@ -245,16 +216,6 @@ _UNUSED = bytes(68) + struct.pack("<III", _NO_STREAM, _NO_STREAM, _NO_STREAM) + 
 
 def write_compound_file(root: Storage) -> bytes:
     """Write a compound file.
-
-    Parameters
-    ----------
-    root : Storage
-        What it shall hold.
-
-    Returns
-    -------
-    bytes
-        The file; equal contents give equal bytes.
 
     Raises
     ------

@@ -47,66 +47,29 @@ _ASK_SECONDS = 60.0
 
 @dataclass(frozen=True)
 class Check:
-    """One finding.
+    """One finding."""
 
-    Parameters
-    ----------
-    what : str
-        What was looked at. [words]
-    state : str
-        One of `GOOD`, `WRONG`, `NOTE`, `UNKNOWN`. [word]
-    found : str
-        What there is. [sentence]
-    advice : str
-        What to do; empty if nothing. [sentence]
-    """
-
-    what: str
-    state: str
-    found: str
-    advice: str = ""
+    what: str  #: What was looked at.
+    state: str  #: One of `GOOD`, `WRONG`, `NOTE`, `UNKNOWN`.
+    found: str  #: What there is.
+    advice: str = ""  #: What to do; empty if nothing.
 
 
 @dataclass(frozen=True)
 class Machine:
-    """Facts of a machine that the checks need.
+    """Facts of a machine that the checks need."""
 
-    Parameters
-    ----------
-    windows : bool
-        Whether it runs Windows. [flag]
-    variables : mapping of str to str
-        Its environment.
-    excel : str or None
-        Path of Excel's program; None if none is registered. [path]
-    is_file : callable
-        Whether a path is a file.
-    versions : callable
-        Path of python.exe → versions of xlwings and torsionbook there; None if it does not answer.
-    zone : callable
-        Path of a workbook → its mark of the web, such as ``3``; empty without one.
-    """
-
-    windows: bool
-    variables: Mapping[str, str]
-    excel: str | None
-    is_file: Callable[[str], bool]
+    windows: bool  #: Whether it runs Windows.
+    variables: Mapping[str, str]  #: Its environment.
+    excel: str | None  #: Path of Excel's program; None if none is registered.
+    is_file: Callable[[str], bool]  #: Whether a path is a file.
+    #: Path of python.exe → versions of xlwings and torsionbook there; None if it does not answer.
     versions: Callable[[str], Mapping[str, str] | None]
+    #: Path of a workbook → its mark of the web, such as ``3``; empty without one.
     zone: Callable[[Path], str]
 
     def expanded(self, path: str) -> str:
-        """A path with the variables of Windows filled in, as VBA does it.
-
-        Parameters
-        ----------
-        path : str
-            With names between percent signs. [path]
-
-        Returns
-        -------
-        str
-            Names that are not known stay. [path]
-        """
+        """A path with the variables of Windows filled in, as VBA does it."""
         known = {name.upper(): value for name, value in self.variables.items()}
         return re.sub(r"%([^%]+)%", lambda m: known.get(m[1].upper(), m[0]), path)
 
@@ -115,20 +78,7 @@ class Machine:
 
 
 def examine(file: Path, machine: Machine | None = None) -> tuple[Check, ...]:
-    """Check a workbook on a machine.
-
-    Parameters
-    ----------
-    file : Path
-        The workbook. [path]
-    machine : Machine, optional
-        Default this one.
-
-    Returns
-    -------
-    tuple of Check
-        In the order they should be read.
-    """
+    """Check a workbook on a machine."""
     here = machine or this_machine()
     try:
         found = installed_in(open_workbook(file, read_only=True))
@@ -138,22 +88,7 @@ def examine(file: Path, machine: Machine | None = None) -> tuple[Check, ...]:
 
 
 def checks(file: Path, found: Installed, machine: Machine) -> Iterator[Check]:
-    """All checks, given the facts.
-
-    Parameters
-    ----------
-    file : Path
-        The workbook, with its whole path. [path]
-    found : Installed
-        What it has of this.
-    machine : Machine
-        Where it shall run.
-
-    Yields
-    ------
-    Check
-        One finding after the other.
-    """
+    """All checks, given the facts."""
     yield _modules(file, found)
     if not found.xlwings:
         return
@@ -359,13 +294,7 @@ def _mark(file: Path, machine: Machine) -> Check:
 
 
 def this_machine() -> Machine:
-    """The facts of this machine.
-
-    Returns
-    -------
-    Machine
-        On other systems than Windows without Excel.
-    """
+    """The facts of this machine."""
     windows = sys.platform == "win32"
     return Machine(
         windows=windows,

@@ -26,16 +26,6 @@ _MOST_CANDIDATES = 64
 def compress(data: bytes) -> bytes:
     """Compress.
 
-    Parameters
-    ----------
-    data : bytes
-        Source in the code page of its project, or a ``dir`` stream.
-
-    Returns
-    -------
-    bytes
-        The container.
-
     Raises
     ------
     VbaCompressionError
@@ -101,16 +91,6 @@ def _longest_copy(chunk: bytes, at: int, seen: dict[bytes, list[int]]) -> tuple[
 
 def decompress(container: bytes) -> bytes:
     """Decompress.
-
-    Parameters
-    ----------
-    container : bytes
-        A compressed container.
-
-    Returns
-    -------
-    bytes
-        What was compressed.
 
     Raises
     ------

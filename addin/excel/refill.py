@@ -34,18 +34,11 @@ _PASTE_FORMATS = -4122
 
 @dataclass(frozen=True)
 class Results:
-    """What shall stand in the result cells.
+    """What shall stand in the result cells."""
 
-    Parameters
-    ----------
-    blocks : tuple of (str, Rect, tuple)
-        Sheet, rectangle and its rows, in the order they were written.
-    tables : tuple of Table
-        Result tables with the size they have then.
-    """
-
+    #: Sheet, rectangle and its rows, in the order they were written.
     blocks: tuple[tuple[str, Rect, Sequence[Sequence[Any]]], ...]
-    tables: tuple[Table, ...]
+    tables: tuple[Table, ...]  #: Result tables with the size they have then.
 
     @property
     def cells(self) -> int:
@@ -64,18 +57,7 @@ class _Collected:
 
 
 def results_of(workbook: Workbook) -> Results:
-    """What was written into a workbook.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        After its results were written.
-
-    Returns
-    -------
-    Results
-        Rectangles and tables.
-    """
+    """What was written into a workbook."""
     blocks = tuple(
         (sheet, one.rect, tuple(one.grid))
         for sheet, written in workbook.written.items()

@@ -40,40 +40,20 @@ RESERVED = frozenset(
 
 @dataclass(frozen=True)
 class ExcelArgument:
-    """One parameter of a function in Excel.
+    """One parameter of a function in Excel."""
 
-    Parameters
-    ----------
-    name : str
-        Valid in VBA and in Python. [name]
-    help : str
-        What to give, as the wizard shows it. [sentence]
-    optional : bool
-        Whether the formula may leave it out. [flag]
-    """
-
-    name: str
-    help: str
-    optional: bool
+    name: str  #: Valid in VBA and in Python.
+    help: str  #: What to give, as the wizard shows it.
+    optional: bool  #: Whether the formula may leave it out.
 
 
 @dataclass(frozen=True)
 class ExcelFunction:
-    """One function as Excel knows it.
+    """One function as Excel knows it."""
 
-    Parameters
-    ----------
-    name : str
-        In capitals, as in the contract. [name]
-    help : str
-        As the wizard shows it. [sentence]
-    arguments : tuple of ExcelArgument
-        In order.
-    """
-
-    name: str
-    help: str
-    arguments: tuple[ExcelArgument, ...]
+    name: str  #: In capitals, as in the contract.
+    help: str  #: As the wizard shows it.
+    arguments: tuple[ExcelArgument, ...]  #: In order.
 
     @property
     def signature(self) -> inspect.Signature:
@@ -88,13 +68,7 @@ class ExcelFunction:
 
 
 def excel_functions() -> tuple[ExcelFunction, ...]:
-    """All functions of the registry.
-
-    Returns
-    -------
-    tuple of ExcelFunction
-        In the order of their names, which is the order xlwings writes them in.
-    """
+    """All functions of the registry."""
     return tuple(
         ExcelFunction(
             one.name,

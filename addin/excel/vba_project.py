@@ -33,23 +33,12 @@ Record = tuple[int, bytes]
 
 @dataclass(frozen=True)
 class Module:
-    """One module of a project.
+    """One module of a project."""
 
-    Parameters
-    ----------
-    name : str
-        As the VBA editor shows it. [name]
-    records : tuple of (int, bytes)
-        Its records in the stream ``dir``.
-    stream : bytes
-        Its stream: what was compiled, and the compressed source behind it.
-    kind : str
-        Its word in the stream ``PROJECT``: Module, Class, Document or BaseClass (a form).
-    """
-
-    name: str
-    records: tuple[Record, ...]
-    stream: bytes
+    name: str  #: As the VBA editor shows it.
+    records: tuple[Record, ...]  #: Its records in the stream ``dir``.
+    stream: bytes  #: Its stream: what was compiled, and the compressed source behind it.
+    #: Its word in the stream ``PROJECT``: Module, Class, Document or BaseClass (a form).
     kind: str = "Module"
 
     @property
@@ -58,37 +47,13 @@ class Module:
         return _utf16(self.records, _STREAM_UNICODE) or self.name
 
     def source(self, code_page: str = "cp1252") -> str:
-        """Its source with line ends as stored.
-
-        Parameters
-        ----------
-        code_page : str
-            Of the project. [name of an encoding]
-
-        Returns
-        -------
-        str
-            The text, attributes included.
-        """
+        """Its source with line ends as stored."""
         (offset,) = struct.unpack("<I", dict(self.records)[_OFFSET])
         return decompress(self.stream[offset:]).decode(code_page, "replace")
 
 
 def standard_module(name: str, text: str) -> Module:
-    """A module of functions and macros.
-
-    Parameters
-    ----------
-    name : str
-        Its name, in ASCII. [name]
-    text : str
-        Its source, which begins with its attribute ``VB_Name``.
-
-    Returns
-    -------
-    Module
-        Without anything compiled, lines ended as Windows does.
-    """
+    """A module of functions and macros."""
     assert text.startswith(f'Attribute VB_Name = "{name}"\n'), name
     plain, wide = name.encode("ascii"), name.encode("utf-16-le")
     records = (
@@ -101,41 +66,19 @@ def standard_module(name: str, text: str) -> Module:
 
 @dataclass(frozen=True)
 class VbaProject:
-    """A project as it is stored.
+    """A project as it is stored."""
 
-    Parameters
-    ----------
-    rest : Storage
-        Everything in its container but the modules' streams, the list of them and what was compiled.
-    head : tuple of (int, bytes)
-        Records of the stream ``dir`` before those of the modules.
-    modules : tuple of Module
-        In the order of the stream ``dir``.
-    code_page : str
-        Encoding of its texts.
-    lines : tuple of str
-        Stream ``PROJECT``.
-    """
-
+    #: Everything in its container but the modules' streams, the list of them and what was
+    #: compiled.
     rest: Storage
-    head: tuple[Record, ...]
-    modules: tuple[Module, ...]
-    code_page: str
-    lines: tuple[str, ...] = field(repr=False)
+    head: tuple[Record, ...]  #: Records of the stream ``dir`` before those of the modules.
+    modules: tuple[Module, ...]  #: In the order of the stream ``dir``.
+    code_page: str  #: Encoding of its texts.
+    lines: tuple[str, ...] = field(repr=False)  #: Stream ``PROJECT``.
 
     @staticmethod
     def read(data: bytes) -> VbaProject:
         """Read ``vbaProject.bin``.
-
-        Parameters
-        ----------
-        data : bytes
-            The part.
-
-        Returns
-        -------
-        VbaProject
-            All of it.
 
         Raises
         ------
@@ -162,11 +105,6 @@ class VbaProject:
     def module(self, name: str) -> Module | None:
         """A module by its name, in any capitals.
 
-        Parameters
-        ----------
-        name : str
-            Its name. [name]
-
         Returns
         -------
         Module or None
@@ -177,11 +115,6 @@ class VbaProject:
     def source(self, name: str) -> str | None:
         """Source of a module.
 
-        Parameters
-        ----------
-        name : str
-            Its name. [name]
-
         Returns
         -------
         str or None
@@ -191,20 +124,7 @@ class VbaProject:
         return None if found is None else found.source(self.code_page)
 
     def with_modules(self, new: Iterable[Module], without: Collection[str] = ()) -> VbaProject:
-        """The project with some modules added or put in the place of those of the same name.
-
-        Parameters
-        ----------
-        new : iterable of Module
-            Added; one that is there under the same name is replaced where it stands.
-        without : collection of str
-            Names of modules left out.
-
-        Returns
-        -------
-        VbaProject
-            All other modules are as they were.
-        """
+        """The project with some modules added or put in the place of those of the same name."""
         gone = {name.casefold() for name in without}
         coming = {module.name.casefold(): module for module in new}
         kept = [m for m in self.modules if m.name.casefold() not in gone]
@@ -221,13 +141,7 @@ class VbaProject:
         )
 
     def to_bytes(self) -> bytes:
-        """The part ``vbaProject.bin``.
-
-        Returns
-        -------
-        bytes
-            Equal projects give equal bytes.
-        """
+        """The part ``vbaProject.bin``."""
         vba = self.rest.entries["VBA"]
         assert isinstance(vba, Storage)
         streams: dict[str, bytes | Storage] = {m.stored_under: m.stream for m in self.modules}

@@ -57,19 +57,11 @@ _PRODUCT = re.compile(r'TORSIONBOOK_VERSION As String = "([^"]*)"')
 
 @dataclass(frozen=True)
 class Installed:
-    """What a workbook has of this.
+    """What a workbook has of this."""
 
-    Parameters
-    ----------
-    xlwings, product : str
-        Versions that its VBA names; empty if there is none. [version]
-    settings : mapping of str to (str or bool) or None
-        Rows of its sheet of settings; None without one.
-    """
-
-    xlwings: str
-    product: str
-    settings: dict[str, Setting] | None
+    xlwings: str  #: Versions that its VBA names; empty if there is none. [version]
+    product: str  #: Likewise. [version]
+    settings: dict[str, Setting] | None  #: Rows of its sheet of settings; None without one.
 
     @property
     def interpreter(self) -> str:
@@ -103,11 +95,6 @@ def portable(path: str, local: str) -> str:
         Full path. [path]
     local : str
         The folder that LOCALAPPDATA names; may be empty. [path]
-
-    Returns
-    -------
-    str
-        With the name of the variable in its place. [path]
     """
     here, folder = PureWindowsPath(path), PureWindowsPath(local)
     if local and here.is_relative_to(folder):
@@ -137,11 +124,6 @@ def install(
     ignore_lock : bool
         Go on although a lock file says that somebody has it open. [flag]
 
-    Returns
-    -------
-    SaveReport
-        The parts that are new or differ; all others are byte for byte what they were.
-
     Raises
     ------
     ExcelError
@@ -162,16 +144,6 @@ def install(
 
 def installed_in(book: Workbook) -> Installed:
     """What a workbook has of this.
-
-    Parameters
-    ----------
-    book : Workbook
-        An open one.
-
-    Returns
-    -------
-    Installed
-        Versions and settings.
 
     Raises
     ------

@@ -22,67 +22,23 @@ COMPONENT = "org.torsionbook.calc.Functions"
 
 
 def identifier(text: str) -> str:
-    """A name that UNO takes for a parameter: a small letter, then letters and digits.
-
-    Parameters
-    ----------
-    text : str
-        Name of an argument, such as ``Shear modulus``. [name]
-
-    Returns
-    -------
-    str
-        ``shearModulus``. [name]
-    """
+    """A name that UNO takes for a parameter: a small letter, then letters and digits."""
     first, *others = re.findall("[A-Za-z0-9]+", text)
     return first.lower() + "".join(word[0].upper() + word[1:] for word in others)
 
 
 def method_name(function: str) -> str:
-    """The method of a function.
-
-    Parameters
-    ----------
-    function : str
-        Name in the registry. [name]
-
-    Returns
-    -------
-    str
-        The same in small letters. [name]
-    """
+    """The method of a function."""
     return function.lower()
 
 
 def parameter_names(arguments: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of the parameters of a method.
-
-    Parameters
-    ----------
-    arguments : tuple of str
-        Names of the arguments. [names]
-
-    Returns
-    -------
-    tuple of str
-        One each, all different. [names]
-    """
+    """Names of the parameters of a method."""
     found = tuple(identifier(name) for name in arguments)
     assert len(set(found)) == len(found), found
     return found
 
 
 def programmatic_name(function: str) -> str:
-    """How a file names a function.
-
-    Parameters
-    ----------
-    function : str
-        Name in the registry. [name]
-
-    Returns
-    -------
-    str
-        Component and method in capitals. [name]
-    """
+    """How a file names a function."""
     return f"{COMPONENT}.{method_name(function)}".upper()

@@ -44,34 +44,12 @@ XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
 def worker_command(python: str = sys.executable) -> list[str]:
-    """The command of the process that calculates.
-
-    Parameters
-    ----------
-    python : str
-        The Python where torsionbook is installed. [path]
-
-    Returns
-    -------
-    list of str
-        Program and arguments; modules beside an opened workbook are not taken for ours.
-    """
+    """The command of the process that calculates."""
     return [python, "-P", "-m", "addin.libreoffice.worker"]
 
 
 def extension(command: Sequence[str]) -> bytes:
-    """The extension as a file.
-
-    Parameters
-    ----------
-    command : sequence of str
-        The command of the process that calculates. [program, arguments]
-
-    Returns
-    -------
-    bytes
-        The .oxt; the same input gives the same bytes.
-    """
+    """The extension as a file."""
     settings = {
         "command": list(command),
         "methods": {method_name(name): [name, f.scalar] for name, f in FUNCTIONS.items()},

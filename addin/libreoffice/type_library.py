@@ -33,40 +33,16 @@ BASE = "com.sun.star.uno.XInterface"
 
 @dataclass(frozen=True)
 class Method:
-    """A method of the interface.
+    """A method of the interface."""
 
-    Parameters
-    ----------
-    name : str
-        Its name. [name]
-    answer : str
-        Type of what it returns. [type]
-    parameters : tuple of (str, str)
-        Name and type of each; all go in only. [names, types]
-    """
-
-    name: str
-    answer: str
+    name: str  #: Its name.
+    answer: str  #: Type of what it returns. [type]
+    #: Name and type of each; all go in only. [names, types]
     parameters: tuple[tuple[str, str], ...]
 
 
 def type_library(modules: Sequence[str], interface: str, methods: Sequence[Method]) -> bytes:
-    """A type library with one interface.
-
-    Parameters
-    ----------
-    modules : sequence of str
-        The modules it stands in, from the outside in. [names]
-    interface : str
-        Its name. [name]
-    methods : sequence of Method
-        Its methods, in order.
-
-    Returns
-    -------
-    bytes
-        The file.
-    """
+    """A type library with one interface."""
     written = bytearray(MAGIC + _number(0) + _number(0))
     entity = _append(written, _interface(methods))
     entry = _entry(written, interface, entity)

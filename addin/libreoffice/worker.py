@@ -32,13 +32,7 @@ def main() -> None:
 
 
 def serve(requests: BinaryIO, answers: BinaryIO) -> None:
-    """Answer until the requests end.
-
-    Parameters
-    ----------
-    requests, answers : binary file
-        Where they come from and go to. [messages]
-    """
+    """Answer until the requests end."""
     while (message := _read(requests)) is not None:
         content = json.dumps(_answer_to(message), allow_nan=False).encode()
         answers.write(struct.pack(">I", len(content)) + content)

@@ -20,21 +20,11 @@ Constant = None | bool | int | float | str | ErrorValue
 
 @dataclass(frozen=True)
 class Cell:
-    """What a cell shows.
+    """What a cell shows."""
 
-    Parameters
-    ----------
-    value : None, bool, int, float, str or ErrorValue
-        Its value; of a formula the value of the last calculation. [as typed]
-    is_formula : bool
-        Whether a formula stands in it. [flag]
-    number_format : str
-        Format code, such as ``0.00`` or ``dd/mm/yyyy``. [code]
-    """
-
-    value: Constant
-    is_formula: bool = False
-    number_format: str = "General"
+    value: Constant  #: Its value; of a formula the value of the last calculation. [as typed]
+    is_formula: bool = False  #: Whether a formula stands in it.
+    number_format: str = "General"  #: Format code, such as ``0.00`` or ``dd/mm/yyyy``.
 
     @property
     def is_blank(self) -> bool:
@@ -45,21 +35,11 @@ class Cell:
 
 @dataclass(frozen=True)
 class Fault:
-    """Why a cell cannot be taken as it is.
+    """Why a cell cannot be taken as it is."""
 
-    Parameters
-    ----------
-    found : str
-        What it shows. [as shown]
-    allowed : str
-        What would be accepted. [words]
-    message : str
-        What is wrong and what to do. [sentence]
-    """
-
-    found: str
-    allowed: str
-    message: str
+    found: str  #: What it shows. [as shown]
+    allowed: str  #: What would be accepted.
+    message: str  #: What is wrong and what to do.
 
 
 _NUMBER = "a number"
@@ -112,13 +92,6 @@ def read_number(cell: Cell, spec: Field, unit_place: str) -> float | Fault | Non
 def read_text(cell: Cell, spec: Field) -> str | Fault | None:
     """The words in a cell; a number stands for its digits.
 
-    Parameters
-    ----------
-    cell : Cell
-        Not merged away. [cell]
-    spec : Field
-        Its field. [field]
-
     Returns
     -------
     str, Fault or None
@@ -144,11 +117,6 @@ def read_unit(cell: Cell) -> str | Fault:
     """The unit in a cell; the number 1 is a unit too.
 
     A unit that cannot be told is no blank one: a ratio would be taken for what is per cent.
-
-    Parameters
-    ----------
-    cell : Cell
-        Beside the number or above the header. [cell]
 
     Returns
     -------
@@ -197,11 +165,6 @@ _WITH_UNIT = re.compile(r"([+\-−]?(?:\d[\d.,]*|\.\d+)(?:[eE][+\-−]?\d+)?)\s*
 
 def number_in_text(text: str) -> str:
     """Why a text is not the number it looks like, where no unit belongs.
-
-    Parameters
-    ----------
-    text : str
-        As typed. [text]
 
     Returns
     -------
@@ -259,49 +222,18 @@ _LITERAL = re.compile(r'"[^"]*"|\\.|_.|\*.|\[(?!h+\]|m+\]|s+\])[^\]]*\]', re.IGN
 
 
 def is_date_format(code: str) -> bool:
-    """Whether a number format shows a date or a time.
-
-    Parameters
-    ----------
-    code : str
-        Format code. [code]
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a number format shows a date or a time."""
     bare = _LITERAL.sub("", code).split(";")[0]
     return bare.casefold() != "general" and bool(re.search("[dmyhs]", bare, re.IGNORECASE))
 
 
 def is_percent_format(code: str) -> bool:
-    """Whether a number format shows a hundred times the value and a percent sign.
-
-    Parameters
-    ----------
-    code : str
-        Format code. [code]
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a number format shows a hundred times the value and a percent sign."""
     return "%" in _LITERAL.sub("", code)
 
 
 def built_in_format(number: int) -> str:
-    """A code that stands for a built-in number format: date, percent, or any other.
-
-    Parameters
-    ----------
-    number : int
-        Identifier below 164. [count]
-
-    Returns
-    -------
-    str
-        Format code.
-    """
+    """A code that stands for a built-in number format: date, percent, or any other."""
     if number in _BUILT_IN_DATES:
         return "yyyy-mm-dd"
     return "0%" if number in (9, 10) else "General"

@@ -57,50 +57,20 @@ _MOST_VALUES = 200
 
 @dataclass(frozen=True)
 class StudiesRead:
-    """What is typed on the study sheets.
+    """What is typed on the study sheets."""
 
-    Parameters
-    ----------
-    inputs : StudyInputs
-        What could be read. [SI]
-    tables : frozenset of str
-        Study tables that the input has. [names]
-    problems : tuple of Problem
-        Cells that cannot be read; checks of a study come on top. [problems]
-    warnings : tuple of str
-        What the engineer should know. [sentences]
-    bad : frozenset of Place
-        Places of which nothing more is to be said. [places]
-    locate : callable
-        A problem with its cell and the number as typed.
-    typed : TypedCase
-        Every entry of the study tables. [as typed]
-    """
-
-    inputs: StudyInputs
-    tables: frozenset[str]
-    problems: tuple[Problem, ...]
-    warnings: tuple[str, ...]
-    bad: frozenset[Place]
-    locate: Callable[[Problem], CellProblem]
-    typed: TypedCase
+    inputs: StudyInputs  #: What could be read. [SI]
+    tables: frozenset[str]  #: Study tables that the input has.
+    problems: tuple[Problem, ...]  #: Cells that cannot be read; checks of a study come on top.
+    warnings: tuple[str, ...]  #: What the engineer should know.
+    bad: frozenset[Place]  #: Places of which nothing more is to be said. [places]
+    locate: Callable[[Problem], CellProblem]  #: A problem with its cell and the number as typed.
+    typed: TypedCase  #: Every entry of the study tables. [as typed]
 
     def told(
         self, tables: Collection[str], found: Collection[Problem] = ()
     ) -> tuple[CellProblem, ...]:
-        """Everything wrong in some of the tables, in the order of the tables.
-
-        Parameters
-        ----------
-        tables : collection of str
-            Those that a study uses. [names]
-        found : collection of Problem, optional
-            What the study finds; nothing is said twice of a cell. [problems]
-
-        Returns
-        -------
-        tuple of CellProblem
-        """
+        """Everything wrong in some of the tables, in the order of the tables."""
         unread = [one for one in self.problems if one.table in tables]
         more = [one for one in found if (one.table, one.row, one.column) not in self.bad]
         order = {spec.name: i for i, spec in enumerate(STUDY_INPUT_TABLES)}

@@ -57,21 +57,11 @@ Place = tuple[str, int | None, str]
 
 @dataclass(frozen=True)
 class Typed:
-    """A number with its unit.
+    """A number with its unit."""
 
-    Parameters
-    ----------
-    number : float
-        As typed. [its unit]
-    scale : UnitScale
-        What one such unit is worth. [scale]
-    unit : str
-        The unit as typed. [unit]
-    """
-
-    number: float
-    scale: UnitScale
-    unit: str
+    number: float  #: As typed. [its unit]
+    scale: UnitScale  #: What one such unit is worth. [scale]
+    unit: str  #: The unit as typed. [unit]
 
     def __str__(self) -> str:
         return f"{self.number:.10g} {'' if self.unit == '1' else self.unit}".rstrip()
@@ -82,17 +72,10 @@ Entry = Typed | str
 
 @dataclass
 class TypedCase:
-    """Everything typed; a blank has no entry.
+    """Everything typed; a blank has no entry."""
 
-    Parameters
-    ----------
-    scalars : dict of str to Entry
-        By defined name. [entries]
-    tables : dict of str to list of dict
-        By table name; each row by column header. [entries]
-    """
-
-    scalars: dict[str, Entry] = field(default_factory=dict)
+    scalars: dict[str, Entry] = field(default_factory=dict)  #: By defined name.
+    #: By table name; each row by column header.
     tables: dict[str, list[dict[str, Entry]]] = field(default_factory=dict)
 
     def entry(self, place: Place) -> Entry | None:
@@ -140,27 +123,11 @@ class Findings:
         self._bad.add(place)
 
     def silence(self, place: Place) -> None:
-        """Say nothing more of a place whose cause is already noted.
-
-        Parameters
-        ----------
-        place : tuple
-            Table, row, column. [names]
-        """
+        """Say nothing more of a place whose cause is already noted."""
         self._bad.add(place)
 
     def is_bad(self, place: Place) -> bool:
-        """Whether a place has been noted or silenced.
-
-        Parameters
-        ----------
-        place : tuple
-            Table, row, column. [names]
-
-        Returns
-        -------
-        bool
-        """
+        """Whether a place has been noted or silenced."""
         return place in self._bad
 
     @property
@@ -171,26 +138,14 @@ class Findings:
 
 @dataclass(frozen=True)
 class CaseInput:
-    """A case as read, from a workbook or from JSON.
+    """A case as read, from a workbook or from JSON."""
 
-    Parameters
-    ----------
-    data : CaseData
-        What could be read. [SI]
-    problems : tuple of CellProblem
-        Everything wrong; the case may be calculated when it is empty. [count]
-    warnings : tuple of str
-        What the engineer should know. [sentences]
-    typed : TypedCase
-        Every entry with its unit as typed. [as typed]
-    studies : StudiesRead or None
-        What is typed on the study sheets; None where there are none. [SI]
-    """
-
-    data: CaseData
+    data: CaseData  #: What could be read. [SI]
+    #: Everything wrong; the case may be calculated when it is empty.
     problems: tuple[CellProblem, ...]
-    warnings: tuple[str, ...]
-    typed: TypedCase
+    warnings: tuple[str, ...]  #: What the engineer should know.
+    typed: TypedCase  #: Every entry with its unit as typed. [as typed]
+    #: What is typed on the study sheets; None where there are none. [SI]
     studies: StudiesRead | None = field(default=None, kw_only=True)
 
     def case(self) -> Case:
@@ -289,17 +244,6 @@ def _is_number(found: object) -> TypeGuard[float]:
 def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str | None:
     """A word or name as the engine wants it.
 
-    Parameters
-    ----------
-    text : str
-        As typed. [text]
-    spec : Field
-        Its field. [field]
-    place : tuple
-        Table, row, column. [names]
-    findings : Findings
-        Takes a word that is not among the choices. [problems]
-
     Returns
     -------
     str or None
@@ -334,22 +278,7 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
 
 
 def too_many_rows(table: str, count: int, findings: Findings) -> bool:
-    """Whether a table has more rows than are read; noted if so.
-
-    Parameters
-    ----------
-    table : str
-        Its name. [name]
-    count : int
-        Its rows. [count]
-    findings : Findings
-        Takes the problem. [problems]
-
-    Returns
-    -------
-    bool
-        The rows are not to be read then.
-    """
+    """Whether a table has more rows than are read; noted if so."""
     most = MOST_PARTS if table in ("Stations", "Elements") else MOST_ROWS
     if count <= most:
         return False
@@ -374,21 +303,11 @@ def _folded(word: str) -> str:
 
 @dataclass(frozen=True)
 class Bases:
-    """What relative units refer to; None where it is not known.
+    """What relative units refer to; None where it is not known."""
 
-    Parameters
-    ----------
-    rated_torque : float or None
-        Of `Ratings`. [N m]
-    synchronous_speed : float or None
-        Of the reference shaft. [rad/s]
-    ratios : mapping of str to float or None
-        Speed ratio of each station. [1]
-    """
-
-    rated_torque: float | None
-    synchronous_speed: float | None
-    ratios: Mapping[str, float | None]
+    rated_torque: float | None  #: Of `Ratings`. [N m]
+    synchronous_speed: float | None  #: Of the reference shaft. [rad/s]
+    ratios: Mapping[str, float | None]  #: Speed ratio of each station. [1]
 
     def si(self, typed: Typed, station: str | None) -> float | None:
         """A typed number in SI, None if its base is not known.

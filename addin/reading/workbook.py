@@ -83,37 +83,20 @@ def _own_names() -> frozenset[str]:
 
 @dataclass
 class Locations:
-    """Where everything stands in the workbook.
+    """Where everything stands in the workbook."""
 
-    Parameters
-    ----------
-    scalars : dict of str to (sheet, cell)
-        By defined name. [cells]
-    units : dict of (table, column) to (sheet, cell)
-        Unit cells; of a scalar under its table ``Case``. [cells]
-    tables : dict of str to Table
-        Input tables found, by the name of the contract. [tables]
-    columns : dict of (table, column) to int
-        Sheet column of each column found. [count]
-    rows : dict of str to list of int
-        Table row, counted from 1, of each row read. [count]
-    """
-
-    scalars: dict[str, tuple[str, str]] = field(default_factory=dict)
+    scalars: dict[str, tuple[str, str]] = field(default_factory=dict)  #: By defined name.
+    #: Unit cells; of a scalar under its table ``Case``.
     units: dict[tuple[str, str], tuple[str, str]] = field(default_factory=dict)
+    #: Input tables found, by the name of the contract.
     tables: dict[str, Table] = field(default_factory=dict)
+    #: Sheet column of each column found.
     columns: dict[tuple[str, str], int] = field(default_factory=dict)
+    #: Table row, counted from 1, of each row read.
     rows: dict[str, list[int]] = field(default_factory=dict)
 
     def table_row(self, table: str, row: int) -> int:
         """The row of a table as the engineer counts it.
-
-        Parameters
-        ----------
-        table : str
-            Input table. [name]
-        row : int
-            Row of `CaseData`, counted from 1. [count]
 
         Returns
         -------
@@ -155,53 +138,21 @@ class Locations:
 
 @dataclass(frozen=True)
 class WorkbookInput(CaseInput):
-    """A workbook as read; see `CaseInput` for data, problems, warnings and entries.
+    """A workbook as read; see `CaseInput` for data, problems, warnings and entries."""
 
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-    sha256 : str
-        Digest of the file. [hexadecimal]
-    template_version : str
-        As written in the workbook; empty when missing. [text]
-    locations : Locations
-        Where everything stands. [cells]
-    workbook : Workbook
-        The open workbook; results are written into what the inputs were read from. [file]
-    """
-
-    path: Path
-    sha256: str
-    template_version: str
-    locations: Locations
+    path: Path  #: The file.
+    sha256: str  #: Digest of the file. [hexadecimal]
+    template_version: str  #: As written in the workbook; empty when missing.
+    locations: Locations  #: Where everything stands.
+    #: The open workbook; results are written into what the inputs were read from.
     workbook: Workbook = field(repr=False, compare=False)
 
     def locate(self, problem: Problem) -> CellProblem:
-        """A problem of the engine with its sheet and cell.
-
-        Parameters
-        ----------
-        problem : Problem
-            Rows counted as in `data`. [problem]
-
-        Returns
-        -------
-        CellProblem
-            The problem with its place and the number as typed. [problem]
-        """
+        """A problem of the engine with its sheet and cell."""
         return _located(problem, self.typed, self.locations)
 
     def otherwise_now(self) -> tuple[list[str], list[str]]:
-        """Inputs that are formulas and show something else since results were written.
-
-        Returns
-        -------
-        without_value : list of str
-            Cells of inputs and units, with their sheet, that nothing here could calculate again.
-        changed : list of str
-            Cells of inputs that hang on results and have got another value.
-        """
+        """Inputs that are formulas and show something else since results were written."""
         places = dict(self._places())
         if not any(self._is_calculated(*cell) for cell in places):
             return [], []

@@ -90,11 +90,6 @@ def row_name(table: str, row: Mapping[str, Any]) -> tuple[Hashable, ...]:
 def match_rows(first: Sequence[Hashable], second: Sequence[Hashable]) -> list[Pair]:
     """Rows of two tables by their names; those of one name in their order.
 
-    Parameters
-    ----------
-    first, second : sequence
-        Names of the rows of either table. [names]
-
     Returns
     -------
     list of (int or None, int or None)

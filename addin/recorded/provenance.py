@@ -32,55 +32,22 @@ _DIGEST = re.compile(r"[0-9a-f]{64}")
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a file records of the calculation.
+    """What a file records of the calculation."""
 
-    Parameters
-    ----------
-    digest : str
-        Digest of the inputs; empty when there is none. [hex]
-    software : str
-        Name and version. [text]
-    settings : dict
-        Fields of the case that the command line set. [SI]
-    unreadable : tuple of str
-        Settings that cannot be used again. [text]
-    """
-
-    digest: str = ""
-    software: str = ""
+    digest: str = ""  #: Digest of the inputs; empty when there is none. [hex]
+    software: str = ""  #: Name and version.
+    #: Fields of the case that the command line set. [SI]
     settings: dict[str, Any] = field(default_factory=dict)
-    unreadable: tuple[str, ...] = ()
+    unreadable: tuple[str, ...] = ()  #: Settings that cannot be used again.
 
 
 def is_own_of_each_run(item: str) -> bool:
-    """Whether an item of the audit trail belongs to one run and not to the inputs.
-
-    Parameters
-    ----------
-    item : str
-        Item of table `Audit`. [text]
-
-    Returns
-    -------
-    bool
-        True for dates, versions and wall times.
-    """
+    """Whether an item of the audit trail belongs to one run and not to the inputs."""
     return _OWN_OF_EACH_RUN.fullmatch(item) is not None
 
 
 def of_workbook(workbook: Workbook) -> Recorded:
-    """What table `Audit` of a workbook records.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        The open workbook.
-
-    Returns
-    -------
-    Recorded
-        Blank where nothing is recorded.
-    """
+    """What table `Audit` of a workbook records."""
     rows = standing_rows(workbook, result_table("Audit"), ShownUnits({}, {}))
     return _of_audit({"item": row.get("Item"), "value": row.get("Value")} for row in rows)
 

@@ -18,36 +18,15 @@ __all__ = ["StandingStudy", "recorded_fact", "standing_rows", "standing_study"]
 
 @dataclass(frozen=True, eq=False)
 class StandingStudy:
-    """The study of accuracy that stands on sheet Accuracy.
+    """The study of accuracy that stands on sheet Accuracy."""
 
-    Parameters
-    ----------
-    rows : sequence of mapping
-        Rows of `AccuracyCost` by JSON key. [SI]
-    sentence, reference : str
-        What it found, and against what its errors are measured. [sentences]
-    inputs : str
-        Which inputs it belongs to, with date and version. [sentence]
-    """
-
-    rows: Sequence[Mapping[str, Any]]
-    sentence: str
-    reference: str
-    inputs: str
+    rows: Sequence[Mapping[str, Any]]  #: Rows of `AccuracyCost` by JSON key. [SI]
+    sentence: str  #: What it found, and against what its errors are measured.
+    reference: str  #: Likewise.
+    inputs: str  #: Which inputs it belongs to, with date and version.
 
     def belongs_to(self, digest: str) -> bool:
-        """Whether it is a study of these inputs.
-
-        Parameters
-        ----------
-        digest : str
-            Digest of the inputs. [hex]
-
-        Returns
-        -------
-        bool
-            True where the digest it names, which is shortened there, is that one.
-        """
+        """Whether it is a study of these inputs."""
         return digest[:12] in self.inputs
 
 
@@ -101,20 +80,7 @@ def _si(spec: TableSpec, one: Field, shown: Any, units: ShownUnits) -> Any:
 
 
 def recorded_fact(workbook: Workbook, name: str) -> str:
-    """Words that a calculation has left under a defined name.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        The open workbook.
-    name : str
-        Such as ``run_SHA256``. [name]
-
-    Returns
-    -------
-    str
-        Empty where there is none. [text]
-    """
+    """Words that a calculation has left under a defined name."""
     try:
         at = workbook.name(name)
     except PackageError:
@@ -127,13 +93,6 @@ def recorded_fact(workbook: Workbook, name: str) -> str:
 
 def standing_study(workbook: Workbook, units: ShownUnits) -> StandingStudy | None:
     """The study of accuracy in a workbook.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        The open workbook.
-    units : ShownUnits
-        The units above the columns.
 
     Returns
     -------

@@ -25,34 +25,17 @@ _ROWS = re.compile(r"study rows ([0-9a-f]{12})")
 
 @dataclass(frozen=True, eq=False)
 class StudyThere:
-    """A study that stands on the sheets of a workbook.
+    """A study that stands on the sheets of a workbook."""
 
-    Parameters
-    ----------
-    on_sheet : StudyOnSheet
-        Which study, its sheet and its command.
-    sentence, stamp : str
-        What it found; who made it, when, from which inputs. [sentences]
-    tables : mapping of str to sequence of mapping
-        Rows of its result tables by table and header, of tables that the workbook has. [SI]
-    outdated : str
-        Why it is not a study of the inputs as they are now; empty where it is. [sentence]
-    edited : tuple of str
-        Its tables that do not hold what it wrote. [names]
-    is_recorded : bool
-        What it wrote is recorded, so that edits are seen. [flag]
-    is_cut_short : bool
-        Ctrl-C ended it: a part of it stands there. [flag]
-    """
-
-    on_sheet: StudyOnSheet
-    sentence: str
-    stamp: str
+    on_sheet: StudyOnSheet  #: Which study, its sheet and its command.
+    sentence: str  #: What it found; who made it, when, from which inputs.
+    stamp: str  #: Likewise.
+    #: Rows of its result tables by table and header, of tables that the workbook has. [SI]
     tables: Mapping[str, Sequence[Mapping[str, Any]]]
-    outdated: str
-    edited: tuple[str, ...]
-    is_recorded: bool
-    is_cut_short: bool = False
+    outdated: str  #: Why it is not a study of the inputs as they are now; empty where it is.
+    edited: tuple[str, ...]  #: Its tables that do not hold what it wrote.
+    is_recorded: bool  #: What it wrote is recorded, so that edits are seen.
+    is_cut_short: bool = False  #: Ctrl-C ended it: a part of it stands there.
 
     @property
     def key(self) -> str:

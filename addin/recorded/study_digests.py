@@ -43,15 +43,6 @@ def twelve_digits(value: Any) -> Any:
 def table_digest(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> str:
     """Digest of the rows of a result table and of what its units are worth.
 
-    Parameters
-    ----------
-    workbook : Workbook
-        The open workbook.
-    spec : TableSpec
-        The table.
-    units : ShownUnits
-        The units above its columns.
-
     Returns
     -------
     str
@@ -96,22 +87,7 @@ def _canonical(cells: Mapping[str, Any]) -> str:
 def stated_digests(
     workbook: Workbook, specs: Iterable[TableSpec], units: ShownUnits
 ) -> Iterator[str]:
-    """What is recorded of the tables that a study has written.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        The open workbook, the tables written.
-    specs : iterable of TableSpec
-        These tables.
-    units : ShownUnits
-        The units above their columns.
-
-    Yields
-    ------
-    str
-        Name and digest of each. [words]
-    """
+    """What is recorded of the tables that a study has written."""
     for spec in specs:
         digest = table_digest(workbook, spec, units)
         if digest:
@@ -121,24 +97,7 @@ def stated_digests(
 def edited_tables(
     workbook: Workbook, specs: Iterable[TableSpec], units: ShownUnits, stated: str
 ) -> tuple[str, ...]:
-    """Tables that do not hold what was recorded of them.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        The open workbook.
-    specs : iterable of TableSpec
-        Tables of a study.
-    units : ShownUnits
-        The units above their columns.
-    stated : str
-        What is recorded, as of `stated_digests`. [words]
-
-    Returns
-    -------
-    tuple of str
-        Their names; of tables that nothing is recorded of none. [names]
-    """
+    """Tables that do not hold what was recorded of them."""
     recorded = dict(_STATED.findall(stated))
     return tuple(
         spec.name

@@ -64,13 +64,7 @@ from another workbook. (Where the format was changed afterwards and the cell sho
 
 
 def reference() -> str:
-    """The page.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """The page."""
     rows = [
         f"| [`{f.name}`](#{f.name.casefold()}) | {_first(f.help)} | {'yes' if f.long else ''} |\n"
         for f in FUNCTIONS.values()

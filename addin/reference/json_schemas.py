@@ -35,13 +35,7 @@ _PROBLEM_KEYS = ("sheet", "table", "row", "column", "found", "allowed", "message
 
 
 def case_schema() -> dict[str, Any]:
-    """Schema of a case JSON.
-
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12.
-    """
+    """Schema of a case JSON."""
     properties: dict[str, Any] = {"format": {"const": CASE_FORMAT}}
     properties |= {spec.key: _input(spec) for spec in SCALARS}
     properties |= {table.key: _input_table(table) for table in INPUT_TABLES}
@@ -54,13 +48,7 @@ def case_schema() -> dict[str, Any]:
 
 
 def results_schema() -> dict[str, Any]:
-    """Schema of a results JSON.
-
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12.
-    """
+    """Schema of a results JSON."""
     texts = {"type": "array", "items": {"type": "string"}}
     properties: dict[str, Any] = {
         "format": {"const": RESULTS_FORMAT},
@@ -81,13 +69,7 @@ def results_schema() -> dict[str, Any]:
 
 
 def verify_schema() -> dict[str, Any]:
-    """Schema of what `torsionbook verify --json` writes.
-
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12.
-    """
+    """Schema of what `torsionbook verify --json` writes."""
     text, flag, count = {"type": "string"}, {"type": "boolean"}, {"type": "integer", "minimum": 0}
     agreements = ("equal_to_the_bit", "equal_in_the_digits_shown", "within_the_reported_error",
                   "different", "not_compared")  # fmt: skip
@@ -141,13 +123,7 @@ def verify_schema() -> dict[str, Any]:
 
 
 def diff_schema() -> dict[str, Any]:
-    """Schema of what `torsionbook diff --json` writes.
-
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12.
-    """
+    """Schema of what `torsionbook diff --json` writes."""
     text, flag, count = {"type": "string"}, {"type": "boolean"}, {"type": "integer", "minimum": 0}
     number = {"type": ["number", "null"]}
     side = _whole(
@@ -255,13 +231,7 @@ SCHEMAS = {
 
 
 def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
-    """Write every schema.
-
-    Parameters
-    ----------
-    folder : Path
-        Where to; made when it is not there. [path]
-    """
+    """Write every schema."""
     from addin.reference.study_schemas import study_schema
     from addin.studies.registry import every_study
 
@@ -274,20 +244,7 @@ def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
 
 
 def closed_object(properties: dict[str, Any], required: list[str] | None = None) -> dict[str, Any]:
-    """Schema of an object that has these keys and no others.
-
-    Parameters
-    ----------
-    properties : dict
-        Schemas by key.
-    required : list of str, optional
-        Keys that are always there. [names]
-
-    Returns
-    -------
-    dict
-        The schema.
-    """
+    """Schema of an object that has these keys and no others."""
     content: dict[str, Any] = {"type": "object", "properties": properties}
     if required:
         content["required"] = required
@@ -325,18 +282,7 @@ def _result(spec: Field) -> dict[str, Any]:
 
 
 def result_table_schema(table: TableSpec) -> dict[str, Any]:
-    """Schema of the rows of a result table.
-
-    Parameters
-    ----------
-    table : TableSpec
-        The table.
-
-    Returns
-    -------
-    dict
-        The schema.
-    """
+    """Schema of the rows of a result table."""
     row = closed_object({column.key: _result(column) for column in table.columns})
     for key in table.json_only:
         row["properties"][key] = _JSON_ONLY[key]
@@ -460,13 +406,7 @@ def _details() -> dict[str, Any]:
 
 
 def problem_schema() -> dict[str, Any]:
-    """Schema of something wrong with an input.
-
-    Returns
-    -------
-    dict
-        The schema.
-    """
+    """Schema of something wrong with an input."""
     properties: dict[str, Any] = {key: {"type": "string"} for key in _PROBLEM_KEYS}
     properties["row"] = {"type": ["integer", "null"]}
     properties["found"] = {"type": ["string", "number", "boolean", "null"]}

@@ -21,18 +21,7 @@ _OR_WORD = ["number", "string", "null"]
 
 
 def study_schema(study: Study) -> dict[str, Any]:
-    """Schema of what a study writes as JSON.
-
-    Parameters
-    ----------
-    study : Study
-        The study.
-
-    Returns
-    -------
-    dict
-        JSON Schema, draft 2020-12.
-    """
+    """Schema of what a study writes as JSON."""
     digest = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
     always: dict[str, Any] = {
         "format": {"const": FORMAT},

@@ -35,11 +35,6 @@ _CAPTIONS = {**CAPTIONS, **STUDY_CAPTIONS}
 def earlier_name(found: Differences) -> str:
     """What the earlier calculation is called.
 
-    Parameters
-    ----------
-    found : Differences
-        The earlier calculation first, this one second.
-
     Returns
     -------
     str
@@ -56,20 +51,7 @@ def earlier_name(found: Differences) -> str:
 
 
 def changes(subject: Subject, found: Differences) -> Section:
-    """Inputs that changed, and what that did to verdicts and results.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-    found : Differences
-        The earlier calculation first, this one second.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Inputs that changed, and what that did to verdicts and results."""
     before = found.first
     facts = [
         ("Compared with", clean(before.source.name)),

@@ -49,18 +49,7 @@ _SAME = 1e-9
 
 
 def effects(subject: Subject) -> Section:
-    """What was simulated, and what was left out and why.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """What was simulated, and what was left out and why."""
     rows = subject.rows("Effects")
     title = "Effects simulated and left out"
     if not rows:
@@ -94,18 +83,7 @@ def effects(subject: Subject) -> Section:
 
 
 def accuracy(subject: Subject) -> Section:
-    """Estimated errors, and what they cost.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Estimated errors, and what they cost."""
     found = [
         (item, clean(subject.audit[item])) for item in _ACCURACY_ITEMS if item in subject.audit
     ]
@@ -190,18 +168,7 @@ def _starts_errors(subject: Subject) -> list[tuple[str, str]]:
 
 
 def equations(subject: Subject) -> Section:
-    """The equations with their sources.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """The equations with their sources."""
     sources = tuple((f"[{k}]", text) for k, text in enumerate(REFERENCES, start=1))
     return Section(
         "Equations and references",
@@ -217,18 +184,7 @@ def equations(subject: Subject) -> Section:
 
 
 def checks(subject: Subject) -> Section:
-    """Arithmetic done twice, and room for the checker.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Arithmetic done twice, and room for the checker."""
     columns = (
         Column("Check", "", "sentence"),
         Column("Values", "", "number"),
@@ -330,18 +286,7 @@ def _compared(name: str, pairs: list[tuple[Any, float]]) -> Iterator[tuple[str, 
 
 
 def audit(subject: Subject) -> Section:
-    """Digest, versions, settings.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Digest, versions, settings."""
     rows = [
         (clean(item), clean(value))
         for item, value in subject.audit.items()

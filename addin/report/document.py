@@ -42,11 +42,6 @@ _TONES = {
 def tone_of(word: str) -> str:
     """How a verdict is coloured; the word itself always stands there too.
 
-    Parameters
-    ----------
-    word : str
-        A verdict. [word]
-
     Returns
     -------
     str
@@ -57,160 +52,79 @@ def tone_of(word: str) -> str:
 
 @dataclass(frozen=True)
 class Paragraph:
-    """Some sentences.
+    """Some sentences."""
 
-    Parameters
-    ----------
-    text : str
-        The sentences. [text]
-    kind : str
-        ``text``, ``note`` (small print), ``lead`` (an outcome) or ``alert``. [word]
-    """
-
-    text: str
-    kind: str = "text"
+    text: str  #: The sentences.
+    kind: str = "text"  #: ``text``, ``note`` (small print), ``lead`` (an outcome) or ``alert``.
 
 
 @dataclass(frozen=True)
 class Listing:
-    """Sentences one below the other.
+    """Sentences one below the other."""
 
-    Parameters
-    ----------
-    items : tuple of str
-        The sentences. [text]
-    marker : str
-        Sign before each. [text]
-    """
-
-    items: tuple[str, ...]
-    marker: str = "–"
+    items: tuple[str, ...]  #: The sentences.
+    marker: str = "–"  #: Sign before each.
 
 
 @dataclass(frozen=True)
 class Facts:
-    """Names and values in two columns.
+    """Names and values in two columns."""
 
-    Parameters
-    ----------
-    rows : tuple of (str, str)
-        Name and value. [text]
-    width : float
-        Width of the names. [mm]
-    """
-
-    rows: tuple[tuple[str, str], ...]
-    width: float = 46.0
+    rows: tuple[tuple[str, str], ...]  #: Name and value.
+    width: float = 46.0  #: Width of the names. [mm]
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column of a table.
+    """One column of a table."""
 
-    Parameters
-    ----------
-    header : str
-        What it holds. [name]
-    unit : str
-        Its unit as shown; empty where there is none. [unit]
-    kind : str
-        ``text``, ``number``, ``sentence`` (takes the width that is left), ``verdict``, or ``gap``
-        between halves that stand beside each other. [word]
-    """
-
-    header: str
-    unit: str = ""
+    header: str  #: What it holds.
+    unit: str = ""  #: Its unit as shown; empty where there is none. [unit]
+    #: ``text``, ``number``, ``sentence`` (takes the width that is left), ``verdict``, or ``gap``
+    #: between halves that stand beside each other.
     kind: str = "text"
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table with a caption; its header is repeated on each page.
+    """A table with a caption; its header is repeated on each page."""
 
-    Parameters
-    ----------
-    caption : str
-        What it is. [text]
-    columns : tuple of Column
-        Columns.
-    rows : tuple of tuple of str
-        Cells as shown. [text]
-    note : str
-        Small print below: what was left out, by which equations. [text]
-    number : int
-        Counted through the document; 0 before `numbered`. [count]
-    together : bool
-        Whether it stays on one page, as a table folded into halves must. [flag]
-    """
-
-    caption: str
-    columns: tuple[Column, ...]
-    rows: tuple[tuple[str, ...], ...]
-    note: str = ""
-    number: int = 0
-    together: bool = False
+    caption: str  #: What it is.
+    columns: tuple[Column, ...]  #: Columns.
+    rows: tuple[tuple[str, ...], ...]  #: Cells as shown.
+    note: str = ""  #: Small print below: what was left out, by which equations.
+    number: int = 0  #: Counted through the document; 0 before `numbered`.
+    together: bool = False  #: Whether it stays on one page, as a table folded into halves must.
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture with a caption.
+    """A picture with a caption."""
 
-    Parameters
-    ----------
-    caption : str
-        What it shows. [text]
-    svg, png : bytes
-        The same drawing as vectors and as pixels; empty where it was not asked for. [file]
-    width, height : float
-        Size on the page. [mm]
-    number : int
-        Counted through the document. [count]
-    """
-
-    caption: str
-    svg: bytes
-    png: bytes
-    width: float
-    height: float
-    number: int = 0
+    caption: str  #: What it shows.
+    svg: bytes  #: The same drawing as vectors and as pixels; empty where it was not asked for.
+    png: bytes  #: Likewise.
+    width: float  #: Size on the page. [mm]
+    height: float  #: Likewise. [mm]
+    number: int = 0  #: Counted through the document.
 
 
 @dataclass(frozen=True)
 class Equation:
-    """An equation with its name, its signs and its source.
+    """An equation with its name, its signs and its source."""
 
-    Parameters
-    ----------
-    name : str
-        What it gives. [name]
-    formula : Node
-        The formula.
-    where : str
-        What its signs mean, or how it is used. [text]
-    source : str
-        Where it comes from. [text]
-    number : int
-        Counted through the document. [count]
-    """
-
-    name: str
-    formula: Node
-    where: str
-    source: str
-    number: int = 0
+    name: str  #: What it gives.
+    formula: Node  #: The formula.
+    where: str  #: What its signs mean, or how it is used.
+    source: str  #: Where it comes from.
+    number: int = 0  #: Counted through the document.
 
 
 @dataclass(frozen=True)
 class SignatureBox:
-    """Cells to be signed by hand.
+    """Cells to be signed by hand."""
 
-    Parameters
-    ----------
-    rows : tuple of (str, str)
-        Role, and name where it is known. [text]
-    """
-
-    rows: tuple[tuple[str, str], ...]
+    rows: tuple[tuple[str, str], ...]  #: Role, and name where it is known.
 
 
 Block = Paragraph | Listing | Facts | Table | Figure | Equation | SignatureBox
@@ -218,106 +132,45 @@ Block = Paragraph | Listing | Facts | Table | Figure | Equation | SignatureBox
 
 @dataclass(frozen=True)
 class Section:
-    """A section and what is in it.
+    """A section and what is in it."""
 
-    Parameters
-    ----------
-    title : str
-        Heading. [text]
-    blocks : tuple of Block
-        Content before the subsections.
-    parts : tuple of Section
-        Subsections.
-    number : str
-        Such as ``3`` or ``3.2``. [text]
-    """
-
-    title: str
-    blocks: tuple[Block, ...] = ()
-    parts: tuple[Section, ...] = ()
-    number: str = ""
+    title: str  #: Heading.
+    blocks: tuple[Block, ...] = ()  #: Content before the subsections.
+    parts: tuple[Section, ...] = ()  #: Subsections.
+    number: str = ""  #: Such as ``3`` or ``3.2``.
 
 
 @dataclass(frozen=True)
 class Cover:
-    """The first page.
+    """The first page."""
 
-    Parameters
-    ----------
-    kind : str
-        What sort of document it is. [text]
-    title, subtitle : str
-        Title of the calculation; the train. [text]
-    verdict : str
-        Overall verdict. [word]
-    sentence : str
-        What it rests on. [sentence]
-    facts : tuple of (str, str)
-        Title block. [text]
-    alerts : tuple of str
-        What must be known before anything is read. [sentences]
-    revisions : Table
-        Revision table; rows to be filled in by hand are blank.
-    signatures : SignatureBox
-        Who prepared, checked, approved.
-    """
-
-    kind: str
-    title: str
-    subtitle: str
-    verdict: str
-    sentence: str
-    facts: tuple[tuple[str, str], ...]
-    alerts: tuple[str, ...]
-    revisions: Table
-    signatures: SignatureBox
+    kind: str  #: What sort of document it is.
+    title: str  #: Title of the calculation; the train.
+    subtitle: str  #: Likewise.
+    verdict: str  #: Overall verdict.
+    sentence: str  #: What it rests on.
+    facts: tuple[tuple[str, str], ...]  #: Title block.
+    alerts: tuple[str, ...]  #: What must be known before anything is read.
+    revisions: Table  #: Revision table; rows to be filled in by hand are blank.
+    signatures: SignatureBox  #: Who prepared, checked, approved.
 
 
 @dataclass(frozen=True)
 class Document:
-    """A whole report.
+    """A whole report."""
 
-    Parameters
-    ----------
-    cover : Cover
-        First page.
-    sections : tuple of Section
-        The others.
-    name, revision : str
-        Document number and revision, on every page. [text]
-    short_title : str
-        Title for the head of each page. [text]
-    foot : str
-        Program and digest of the inputs, at the foot of each page. [text]
-    paper : str
-        ``a4`` or ``us-letter``. [word]
-    date : int
-        Seconds since 1970, UTC; the date written into the file. [s]
-    """
-
-    cover: Cover
-    sections: tuple[Section, ...]
-    name: str
-    revision: str
-    short_title: str
-    foot: str
-    paper: str
-    date: int
+    cover: Cover  #: First page.
+    sections: tuple[Section, ...]  #: The others.
+    name: str  #: Document number and revision, on every page.
+    revision: str  #: Likewise.
+    short_title: str  #: Title for the head of each page.
+    foot: str  #: Program and digest of the inputs, at the foot of each page.
+    paper: str  #: ``a4`` or ``us-letter``.
+    date: int  #: Seconds since 1970, UTC; the date written into the file. [s]
 
 
 def numbered(sections: Sequence[Section]) -> tuple[Section, ...]:
-    """Sections with their numbers, and their tables, figures and equations counted through.
-
-    Parameters
-    ----------
-    sections : sequence of Section
-        In order.
-
-    Returns
-    -------
-    tuple of Section
-        The same with numbers.
-    """
+    """Sections with their numbers, and their tables, figures and equations counted through."""
     counts = {Table: 0, Figure: 0, Equation: 0}
 
     def block(one: Block) -> Block:
@@ -335,18 +188,7 @@ def numbered(sections: Sequence[Section]) -> tuple[Section, ...]:
 
 
 def blocks_of(sections: Sequence[Section]) -> Iterator[Block]:
-    """Every block in reading order.
-
-    Parameters
-    ----------
-    sections : sequence of Section
-        Sections.
-
-    Yields
-    ------
-    Block
-        One after the other.
-    """
+    """Every block in reading order."""
     for section in sections:
         yield from section.blocks
         yield from blocks_of(section.parts)

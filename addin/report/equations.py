@@ -136,18 +136,7 @@ _NUMBERS = {equation.name: number for number, equation in enumerate(EQUATIONS, s
 
 
 def by(*names: str) -> str:
-    """A reference to equations by their names.
-
-    Parameters
-    ----------
-    *names : str
-        Names of `EQUATIONS`. [names]
-
-    Returns
-    -------
-    str
-        Such as ``By equations (2) and (3).`` [sentence]
-    """
+    """A reference to equations by their names."""
     shown = [f"({_NUMBERS[name]})" for name in names]
     if len(shown) == 1:
         return f"By equation {shown[0]}."

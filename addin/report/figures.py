@@ -74,18 +74,10 @@ _STYLE: Mapping[str, Any] = {
 
 @dataclass(frozen=True, eq=False)
 class Charts:
-    """Chart data by table and column, gaps as NaN.
+    """Chart data by table and column, gaps as NaN."""
 
-    Parameters
-    ----------
-    columns : mapping of str to mapping of str to list
-        By chart table and column. [shown units]
-    labels : mapping of str to str
-        Words of the charts. [words]
-    """
-
-    columns: Mapping[str, Mapping[str, list[Any]]]
-    labels: Mapping[str, str]
+    columns: Mapping[str, Mapping[str, list[Any]]]  #: By chart table and column. [shown units]
+    labels: Mapping[str, str]  #: Words of the charts.
 
     @classmethod
     def of(cls, blocks: Mapping[str, Sequence[Sequence[Any]]]) -> Charts:
@@ -127,19 +119,11 @@ class Charts:
 
 @dataclass(frozen=True)
 class Pictures:
-    """Draws the charts of one calculation.
+    """Draws the charts of one calculation."""
 
-    Parameters
-    ----------
-    charts : Charts
-        What is drawn. [shown units]
-    vectors, pixels : bool
-        Which forms are wanted: for the PDF, for the DOCX. [flag]
-    """
-
-    charts: Charts
-    vectors: bool = True
-    pixels: bool = False
+    charts: Charts  #: What is drawn. [shown units]
+    vectors: bool = True  #: Which forms are wanted: for the PDF, for the DOCX.
+    pixels: bool = False  #: Likewise.
 
     # ---- the train -----------------------------------------------------------------------------
 

@@ -27,18 +27,7 @@ _LARGE = frozenset("∑∫")
 
 
 def formula(*parts: str | Node) -> Node:
-    """A row of what the short notation says.
-
-    Parameters
-    ----------
-    *parts : str or Node
-        Notation and nodes in between. [text]
-
-    Returns
-    -------
-    Node
-        The row.
-    """
+    """A row of what the short notation says."""
     items: list[Node] = []
     for part in parts:
         items += [_word(word) for word in part.split()] if isinstance(part, str) else [part]
@@ -46,68 +35,22 @@ def formula(*parts: str | Node) -> Node:
 
 
 def frac(over: str | Node, under: str | Node) -> Node:
-    """A fraction.
-
-    Parameters
-    ----------
-    over, under : str or Node
-        Numerator and denominator. [text]
-
-    Returns
-    -------
-    Node
-        The fraction.
-    """
+    """A fraction."""
     return ("fraction", formula(over), formula(under))
 
 
 def root(body: str | Node) -> Node:
-    """A square root.
-
-    Parameters
-    ----------
-    body : str or Node
-        What stands under it. [text]
-
-    Returns
-    -------
-    Node
-        The root.
-    """
+    """A square root."""
     return ("root", formula(body))
 
 
 def fence(body: str | Node, around: str = "()") -> Node:
-    """Something in brackets of its own height.
-
-    Parameters
-    ----------
-    body : str or Node
-        What stands between. [text]
-    around : str
-        Opening and closing bracket. [text]
-
-    Returns
-    -------
-    Node
-        The fenced body.
-    """
+    """Something in brackets of its own height."""
     return ("fence", around[0], formula(body), around[1])
 
 
 def text_of(node: Node) -> str:
-    """A formula in one line of plain text.
-
-    Parameters
-    ----------
-    node : Node
-        The formula.
-
-    Returns
-    -------
-    str
-        For readers without pictures and for tests. [text]
-    """
+    """A formula in one line of plain text."""
     kind, *rest = node
     if kind == "row":
         return " ".join(text_of(one) for one in rest)

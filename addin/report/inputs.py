@@ -39,18 +39,7 @@ _TITLE_BLOCK = "Document"
 
 
 def inputs(subject: Subject) -> Section:
-    """All inputs, and the mass-elastic model as calculated.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The inputs.
-    """
+    """All inputs, and the mass-elastic model as calculated."""
     how = (
         "Numbers stand as typed, in the units typed."
         if subject.shown.is_workbook

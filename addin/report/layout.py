@@ -153,18 +153,7 @@ _SHORT = 22
 
 
 def stays_together(table: Table) -> bool:
-    """Whether a table is short enough to be kept on one page.
-
-    Parameters
-    ----------
-    table : Table
-        A table.
-
-    Returns
-    -------
-    bool
-        True for a short one and for one folded into halves. [flag]
-    """
+    """Whether a table is short enough to be kept on one page."""
     fits = [room(width) for width in column_widths(table)]
     lines = (
         max(math.ceil(1.1 * len(cell) / n) for cell, n in zip(row, fits, strict=True))
@@ -178,18 +167,7 @@ _OPENING = 600
 
 
 def held_paragraphs(section: Section) -> int:
-    """How many paragraphs below a heading stay on the page of what they lead to, as the heading does.
-
-    Parameters
-    ----------
-    section : Section
-        A section.
-
-    Returns
-    -------
-    int
-        The first so many of its blocks; 0 where nothing but text follows. [count]
-    """
+    """How many paragraphs below a heading stay on the page of what they lead to, as the heading does."""
     opening = [*takewhile(lambda block: isinstance(block, Paragraph), section.blocks)]
     if len(opening) == len(section.blocks) and not section.parts:
         return 0
@@ -198,18 +176,7 @@ def held_paragraphs(section: Section) -> int:
 
 
 def fitted(sections: Sequence[Section]) -> tuple[Section, ...]:
-    """Sections whose tables all fit: one that is too wide is parted, its first column repeated.
-
-    Parameters
-    ----------
-    sections : sequence of Section
-        Any sections.
-
-    Returns
-    -------
-    tuple of Section
-        The same, with as many tables as are needed.
-    """
+    """Sections whose tables all fit: one that is too wide is parted, its first column repeated."""
 
     def one(section: Section) -> Section:
         blocks: list[Block] = []
@@ -284,20 +251,7 @@ def _parted(table: Table) -> list[Table]:
 
 
 def soft(text: str, longest: int) -> str:
-    """A text in which words that are too long may be broken.
-
-    Parameters
-    ----------
-    text : str
-        The text. [text]
-    longest : int
-        Characters that fit. [count]
-
-    Returns
-    -------
-    str
-        The same, with invisible places to break in words longer than that. [text]
-    """
+    """A text in which words that are too long may be broken."""
     longest = max(longest, 4)
     if not any(len(word) > longest for word in text.split()):
         return text

@@ -22,24 +22,13 @@ __all__ = ["Reported", "report"]
 
 @dataclass(frozen=True)
 class Reported:
-    """What became of a report.
+    """What became of a report."""
 
-    Parameters
-    ----------
-    problems : tuple of CellProblem
-        Everything wrong with the input; empty where the report was written. [problems]
-    notes : tuple of str
-        What the user should know. [sentences]
-    written : tuple of Path
-        Files written. [paths]
-    wrong : Path or None
-        The file the problems are of, where it is not the source itself. [path]
-    """
-
+    #: Everything wrong with the input; empty where the report was written.
     problems: tuple[CellProblem, ...]
-    notes: tuple[str, ...]
-    written: tuple[Path, ...]
-    wrong: Path | None = None
+    notes: tuple[str, ...]  #: What the user should know.
+    written: tuple[Path, ...]  #: Files written.
+    wrong: Path | None = None  #: The file the problems are of, where it is not the source itself.
 
 
 def report(
@@ -63,11 +52,6 @@ def report(
         since. [path]
     on_stage : callable, optional
         Called with a word on what is being done.
-
-    Returns
-    -------
-    Reported
-        Problems, or the files written.
 
     Raises
     ------
@@ -138,20 +122,7 @@ def _compared(
 
 
 def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:
-    """What the workbook's own results belong to, if not to its inputs.
-
-    Parameters
-    ----------
-    read : CaseInput
-        What was read.
-    digest : str
-        Digest of the inputs. [hex]
-
-    Returns
-    -------
-    tuple of str
-        A sentence, or none where results are absent or belong to the inputs. [sentences]
-    """
+    """What the workbook's own results belong to, if not to its inputs."""
     from addin.reading.workbook import WorkbookInput
     from addin.recorded.results import recorded_fact
 

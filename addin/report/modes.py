@@ -26,18 +26,7 @@ _TOLERANCE = 0.1
 
 
 def shown_modes(subject: Subject) -> int:
-    """How many elastic modes the tables show.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    int
-        The lowest so many. [count]
-    """
+    """How many elastic modes the tables show."""
     elastic = [row["frequency"] for row in subject.rows("NaturalFrequencies") if row["frequency"]]
     if len(elastic) <= _ALL_MODES:
         return len(elastic)
@@ -47,18 +36,7 @@ def shown_modes(subject: Subject) -> int:
 
 
 def frequencies(subject: Subject) -> Section:
-    """Natural frequencies, damping, energies and shapes.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Natural frequencies, damping, energies and shapes."""
     rows, count = subject.rows("NaturalFrequencies"), shown_modes(subject)
     elastic = sum(1 for row in rows if row["frequency"])
     chosen = [row for row in rows if row["mode"] <= count]

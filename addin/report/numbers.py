@@ -28,11 +28,6 @@ _PLAIN_SHARES = frozenset({"Margin", "Required", "Percent speed", "Share", "Damp
 def clean(text: str) -> str:
     """A typed text without signs that no page can show.
 
-    Parameters
-    ----------
-    text : str
-        As typed. [text]
-
     Returns
     -------
     str
@@ -52,20 +47,7 @@ def clean(text: str) -> str:
 
 
 def engineering(value: float, digits: int = 4) -> str:
-    """A number with a power of ten that is a multiple of three.
-
-    Parameters
-    ----------
-    value : float
-        The number. [any]
-    digits : int
-        Significant digits. [count]
-
-    Returns
-    -------
-    str
-        Such as ``62.30×10⁶``. [text]
-    """
+    """A number with a power of ten that is a multiple of three."""
     rounded = float(f"{value:.{digits - 1}e}")
     power = 3 * math.floor(math.log10(abs(rounded)) / 3.0 + 1e-12) if rounded else 0
     mantissa = rounded / 10.0**power
@@ -74,20 +56,7 @@ def engineering(value: float, digits: int = 4) -> str:
 
 
 def significant(value: float, digits: int = 4) -> str:
-    """A number with so many significant digits; whole numbers keep all of theirs.
-
-    Parameters
-    ----------
-    value : float
-        The number. [any]
-    digits : int
-        Significant digits. [count]
-
-    Returns
-    -------
-    str
-        Such as ``52,379`` or ``0.01650``. [text]
-    """
+    """A number with so many significant digits; whole numbers keep all of theirs."""
     if value == 0.0:
         return "0"
     size = abs(value)
@@ -98,20 +67,7 @@ def significant(value: float, digits: int = 4) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """A number with so many decimals.
-
-    Parameters
-    ----------
-    value : float
-        The number. [any]
-    decimals : int
-        Digits after the point. [count]
-
-    Returns
-    -------
-    str
-        Such as ``1,234.50``. [text]
-    """
+    """A number with so many decimals."""
     return _signed(f"{value:,.{decimals}f}")
 
 
@@ -123,20 +79,7 @@ def _signed(text: str) -> str:
 
 
 def typed(value: float, digits: int = 10) -> str:
-    """An input: all digits that were typed, no more.
-
-    Parameters
-    ----------
-    value : float
-        The number. [any]
-    digits : int
-        Most digits shown; a number that was converted has seven. [count]
-
-    Returns
-    -------
-    str
-        Such as ``2,212,686,448`` or ``1.5``. [text]
-    """
+    """An input: all digits that were typed, no more."""
     if value == 0.0:
         return "0"
     text = f"{value:.{digits}g}"
@@ -223,20 +166,7 @@ def _fraction(value: float) -> str:
 
 
 def scientific(value: float, decimals: int = 3) -> str:
-    """A number with a power of ten.
-
-    Parameters
-    ----------
-    value : float
-        The number. [any]
-    decimals : int
-        Digits after the point. [count]
-
-    Returns
-    -------
-    str
-        Such as ``2.291×10⁻³``. [text]
-    """
+    """A number with a power of ten."""
     mantissa, _, power = f"{value:.{decimals}e}".partition("e")
     return f"{_signed(mantissa)}×10{str(int(power)).translate(_UP)}"
 

@@ -53,18 +53,7 @@ _SIGNS = (
 
 
 def cover_of(subject: Subject) -> Cover:
-    """The first page.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Cover
-        Title block, overall verdict, revisions, signatures.
-    """
+    """The first page."""
     calculation = subject.calculation
     overall = next(iter(subject.rows("Verdicts")), {"verdict": "not judged", "where": ""})
     facts = [
@@ -134,18 +123,7 @@ def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str
 
 
 def summary(subject: Subject) -> Section:
-    """Verdicts, key figures and warnings.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The summary.
-    """
+    """Verdicts, key figures and warnings."""
     table = result_table(
         "Verdicts",
         subject.rows("Verdicts"),
@@ -177,18 +155,7 @@ def summary(subject: Subject) -> Section:
 
 
 def conclusions(subject: Subject) -> Iterator[str]:
-    """What follows from the verdicts: where the train could be changed, what to enter, what to measure.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Yields
-    ------
-    str
-        One after the other. [sentences]
-    """
+    """What follows from the verdicts: where the train could be changed, what to enter, what to measure."""
     verdicts = [row for row in subject.rows("Verdicts") if row["check"] != "Overall"]
     failing = [str(row["check"]) for row in verdicts if row["verdict"] in ("fail", "unbounded")]
     open_checks = [str(row["check"]) for row in verdicts if row["verdict"] == "not judged"]
@@ -290,11 +257,6 @@ def _key_figures(subject: Subject) -> Iterator[tuple[str, str]]:
 def largest_peak(subject: Subject) -> str:
     """The largest torque of the start, compared at motor speed.
 
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
     Returns
     -------
     str
@@ -319,18 +281,7 @@ def largest_peak(subject: Subject) -> str:
 
 
 def scope(subject: Subject) -> Section:
-    """What was calculated, from what, by which conventions, and what was not.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The scope.
-    """
+    """What was calculated, from what, by which conventions, and what was not."""
     kind = "workbook" if subject.shown.is_workbook else "case file"
     stamp = subject.calculation.stamp
     basis = (

@@ -16,18 +16,7 @@ __all__ = ["margins", "steady_state"]
 
 
 def margins(subject: Subject) -> Section:
-    """Interference diagram and separation margins.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Interference diagram and separation margins."""
     rows = subject.rows("SeparationMargins")
     if not rows:
         why = "no excitation is known, or the train has no elastic mode"
@@ -109,18 +98,7 @@ _STEADY = (
 
 
 def steady_state(subject: Subject) -> Section:
-    """Forced response at running speed.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Forced response at running speed."""
     rows = subject.rows("SteadyState")
     title = "Steady-state response"
     if not rows:

@@ -46,18 +46,7 @@ _LINE, _FACT, _TITLE = 85, 72, 34
 
 
 def pdf_of(document: Document) -> bytes:
-    """The PDF of a document.
-
-    Parameters
-    ----------
-    document : Document
-        The document, its figures as vectors.
-
-    Returns
-    -------
-    bytes
-        The file; the same document gives the same bytes. [file]
-    """
+    """The PDF of a document."""
     import typst
 
     content = json.dumps(_document(document), ensure_ascii=False)

@@ -29,18 +29,7 @@ _CROSSINGS = (
 
 
 def start(subject: Subject) -> Section:
-    """Outcome, speed, crossings, peaks and histories.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Outcome, speed, crossings, peaks and histories."""
     title, startup = "Start-up", subject.calculation.startup
     if startup is None:
         return Section(title, (Paragraph(
@@ -199,18 +188,7 @@ def _pull_in(subject: Subject, field: Mapping[str, Any]) -> Iterator[Block]:
 
 
 def reversals(subject: Subject) -> Section:
-    """Reversed torque of teeth, clearances and forces.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Reversed torque of teeth, clearances and forces."""
     title, rows = "Torque reversals", subject.rows("TorqueReversals")
     if subject.calculation.startup is None:
         return Section(title, (Paragraph("No start was calculated, hence no reversal."),))
@@ -248,18 +226,7 @@ def reversals(subject: Subject) -> Section:
 
 
 def fatigue(subject: Subject) -> Section:
-    """Damage of one start, allowable starts, S-N line and cycles.
-
-    Parameters
-    ----------
-    subject : Subject
-        What the report is about.
-
-    Returns
-    -------
-    Section
-        The section.
-    """
+    """Damage of one start, allowable starts, S-N line and cycles."""
     title, rows = "Fatigue and allowable starts", subject.rows("AllowableStarts")
     if subject.calculation.startup is None:
         return Section(

@@ -23,39 +23,17 @@ _TITLE = 600
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """One calculation and what is needed to show it.
+    """One calculation and what is needed to show it."""
 
-    Parameters
-    ----------
-    name : str
-        Name of the file, without its folder. [name]
-    calculation : Calculation
-        The results. [SI]
-    read : CaseInput
-        The inputs as typed.
-    shown : Shown
-        Units of the document.
-    pictures : Pictures
-        Its charts.
-    alerts : tuple of str
-        What must be known before anything is read. [sentences]
-    show_times : bool
-        Whether measured times are shown; they differ from run to run. [flag]
-    study : StandingStudy or None
-        The study of accuracy in the workbook. [SI]
-    against : Differences or None
-        An earlier calculation and this one. [SI]
-    """
-
-    name: str
-    calculation: Calculation
-    read: CaseInput
-    shown: Shown
-    pictures: Pictures
-    alerts: tuple[str, ...]
-    show_times: bool
-    study: StandingStudy | None = None
-    against: Differences | None = None
+    name: str  #: Name of the file, without its folder.
+    calculation: Calculation  #: The results. [SI]
+    read: CaseInput  #: The inputs as typed.
+    shown: Shown  #: Units of the document.
+    pictures: Pictures  #: Its charts.
+    alerts: tuple[str, ...]  #: What must be known before anything is read.
+    show_times: bool  #: Whether measured times are shown; they differ from run to run.
+    study: StandingStudy | None = None  #: The study of accuracy in the workbook. [SI]
+    against: Differences | None = None  #: An earlier calculation and this one. [SI]
 
     def rows(self, table: str) -> Sequence[Mapping[str, Any]]:
         """Rows of a result table. [SI]"""

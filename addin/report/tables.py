@@ -273,18 +273,7 @@ def _with_unit(text: str) -> str:
 
 
 def without_blanks(table: Table) -> Table:
-    """A table without the columns that hold nothing; the first column stays.
-
-    Parameters
-    ----------
-    table : Table
-        A table.
-
-    Returns
-    -------
-    Table
-        The narrower one.
-    """
+    """A table without the columns that hold nothing; the first column stays."""
     keep = [k for k in range(len(table.columns)) if k == 0 or any(row[k] for row in table.rows)]
     return replace(
         table,
@@ -294,20 +283,7 @@ def without_blanks(table: Table) -> Table:
 
 
 def left_out(shown: int, total: int, what: str, why: str) -> str:
-    """What a table does not show.
-
-    Parameters
-    ----------
-    shown, total : int
-        Rows in the table and rows there are. [count]
-    what, why : str
-        What they are, and which are shown. [words]
-
-    Returns
-    -------
-    str
-        Empty where nothing is left out. [sentence]
-    """
+    """What a table does not show."""
     if shown == total:
         return ""
     rest = "all rows are in the workbook and in the JSON"
@@ -315,24 +291,7 @@ def left_out(shown: int, total: int, what: str, why: str) -> str:
 
 
 def with_column(table: Table, at: int, column: Column, cells: Sequence[str]) -> Table:
-    """A table with one column more.
-
-    Parameters
-    ----------
-    table : Table
-        A table.
-    at : int
-        Where the new column stands. [count]
-    column : Column
-        Its head.
-    cells : sequence of str
-        Its cells. [text]
-
-    Returns
-    -------
-    Table
-        The wider one.
-    """
+    """A table with one column more."""
     return replace(
         table,
         columns=(*table.columns[:at], column, *table.columns[at:]),
@@ -343,22 +302,7 @@ def with_column(table: Table, at: int, column: Column, cells: Sequence[str]) -> 
 
 
 def turned(table: Table, together: int = 4, without: Sequence[str] = ()) -> list[Table]:
-    """A table with many columns and few rows, turned: a line a quantity, a column an item.
-
-    Parameters
-    ----------
-    table : Table
-        A table whose first column names its items.
-    together : int
-        Most items beside each other; more make further tables. [count]
-    without : sequence of str
-        Headers left out. [headers]
-
-    Returns
-    -------
-    list of Table
-        Turned tables.
-    """
+    """A table with many columns and few rows, turned: a line a quantity, a column an item."""
     found = []
     for start in range(0, len(table.rows), together):
         items = table.rows[start : start + together]

@@ -30,24 +30,12 @@ _LONGEST = 1000
 
 @dataclass(frozen=True)
 class Shown:
-    """What a document is shown in.
+    """What a document is shown in."""
 
-    Parameters
-    ----------
-    units : ShownUnits
-        Units of the columns. [units]
-    system : str
-        ``US`` or ``SI``; it chooses the paper. [word]
-    is_workbook : bool
-        Whether numbers stand in the units they are typed in. [flag]
-    notes : tuple of str
-        Units that cannot be used. [sentences]
-    """
-
-    units: ShownUnits
-    system: str
-    is_workbook: bool
-    notes: tuple[str, ...]
+    units: ShownUnits  #: Units of the columns. [units]
+    system: str  #: ``US`` or ``SI``; it chooses the paper.
+    is_workbook: bool  #: Whether numbers stand in the units they are typed in.
+    notes: tuple[str, ...]  #: Units that cannot be used.
 
     @property
     def paper(self) -> str:
@@ -71,18 +59,7 @@ class Shown:
 
 
 def shown_of(read: CaseInput) -> Shown:
-    """Units of a document about an input.
-
-    Parameters
-    ----------
-    read : CaseInput
-        What was read; of a workbook a `WorkbookInput`.
-
-    Returns
-    -------
-    Shown
-        Its units.
-    """
+    """Units of a document about an input."""
     from addin.reading.workbook import WorkbookInput
     from addin.writing.workbook import read_shown_units
 

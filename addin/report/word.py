@@ -62,18 +62,7 @@ _TONES = {
 
 
 def docx_of(document: Document) -> bytes:
-    """The .docx of a document.
-
-    Parameters
-    ----------
-    document : Document
-        The document, its figures as pixels.
-
-    Returns
-    -------
-    bytes
-        The file; the same document gives the same bytes. [file]
-    """
+    """The .docx of a document."""
     writer = _Writer(document)
     writer.cover(document.cover)
     writer.contents(document.sections)

@@ -44,18 +44,7 @@ Answer = Callable[[Request], Awaitable[Response]]
 
 
 def create_app(settings: Settings) -> Starlette:
-    """The server as an ASGI application.
-
-    Parameters
-    ----------
-    settings : Settings
-        Keys, limits, number of processes.
-
-    Returns
-    -------
-    Starlette
-        Its processes start with it and end with it.
-    """
+    """The server as an ASGI application."""
     limits = settings.limits
     work = Work(settings.workers, limits.waiting, limits.long_time)
     # a page that shows a workbook does not wait for a start

@@ -43,18 +43,10 @@ Answer = dict[str, Any]
 
 @dataclass(frozen=True)
 class Call:
-    """A function with the arguments given.
+    """A function with the arguments given."""
 
-    Parameters
-    ----------
-    name : str
-        Name of the function, in capitals. [name]
-    arguments : list
-        As a front hands them over. [as typed]
-    """
-
-    name: str
-    arguments: list[Any]
+    name: str  #: Name of the function, in capitals.
+    arguments: list[Any]  #: As a front hands them over. [as typed]
 
     @property
     def is_long(self) -> bool:
@@ -63,13 +55,7 @@ class Call:
         return function is not None and function.long
 
     def model(self) -> Model | None:
-        """The model it asks about; None where the function itself will say what is wrong.
-
-        Returns
-        -------
-        Model or None
-            The model.
-        """
+        """The model it asks about; None where the function itself will say what is wrong."""
         function = FUNCTIONS.get(self.name)
         arguments = () if function is None else function.arguments
         for argument, given in zip(arguments, self.arguments, strict=False):
@@ -99,35 +85,12 @@ def _only_cell(given: Any) -> Any:
 
 
 def is_large(model: Model) -> bool:
-    """Whether even the modes of a train take too long for a thread of the server.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-
-    Returns
-    -------
-    bool
-        By the number of its stations.
-    """
+    """Whether even the modes of a train take too long for a thread of the server."""
     return len(model.case.stations) > LARGE_TRAIN
 
 
 def read_calls(content: Any, most: int) -> list[Call]:
     """The calls of a request.
-
-    Parameters
-    ----------
-    content : object
-        What its JSON holds.
-    most : int
-        How many may be asked for. [count]
-
-    Returns
-    -------
-    list of Call
-        In order.
 
     Raises
     ------
@@ -146,18 +109,6 @@ def read_calls(content: Any, most: int) -> list[Call]:
 
 def read_call(content: Any, place: str) -> Call:
     """One call.
-
-    Parameters
-    ----------
-    content : object
-        With ``name`` and ``arguments``.
-    place : str
-        Where it stands, for the sentence. [text]
-
-    Returns
-    -------
-    Call
-        The call.
 
     Raises
     ------
@@ -182,11 +133,6 @@ def error(message: str, code: str = "#VALUE!") -> Answer:
         Why. [sentence]
     code : str
         What a cell shows that can only show codes. [code]
-
-    Returns
-    -------
-    dict
-        As it is sent.
     """
     return {"error": {"message": message, "code": code}}
 
@@ -382,35 +328,11 @@ class Calls:
         return self._heavy if size > HEAVY else self._short
 
     async def encoded(self, content: Any) -> bytes:
-        """JSON, made in a thread since it may be large.
-
-        Parameters
-        ----------
-        content : object
-            Plain values.
-
-        Returns
-        -------
-        bytes
-            JSON.
-        """
+        """JSON, made in a thread since it may be large."""
         return await asyncio.get_running_loop().run_in_executor(self._json, encoded, content)
 
     async def in_thread(self, work: Callable[..., Any], *given: Any) -> Any:
-        """Something of the page's, in a thread of the long calls.
-
-        Parameters
-        ----------
-        work : callable
-            What is done.
-        *given : object
-            What it takes.
-
-        Returns
-        -------
-        object
-            What it gives.
-        """
+        """Something of the page's, in a thread of the long calls."""
         act = partial(copy_context().run, work, *given)
         return await asyncio.get_running_loop().run_in_executor(self._long, act)
 

@@ -114,16 +114,6 @@ class Client:
     def model(self, path: str | Path) -> str:
         """The handle of the model in a workbook or a case JSON.
 
-        Parameters
-        ----------
-        path : str or Path
-            The file. [path]
-
-        Returns
-        -------
-        str
-            For the functions that take a model. [text]
-
         Raises
         ------
         Refusal
@@ -133,13 +123,6 @@ class Client:
 
     def recalculate(self, path: str | Path, target: str | Path) -> None:
         """Have a workbook recalculated.
-
-        Parameters
-        ----------
-        path : str or Path
-            The workbook. [path]
-        target : str or Path
-            Where the recalculated one is written. [path]
 
         Raises
         ------

@@ -25,45 +25,17 @@ STATIC = Path(__file__).parent / "static"
 
 @cache
 def static(name: str) -> bytes:
-    """A file of the page.
-
-    Parameters
-    ----------
-    name : str
-        Its name. [name]
-
-    Returns
-    -------
-    bytes
-        Its content.
-    """
+    """A file of the page."""
     return (STATIC / name).read_bytes()
 
 
 def function_id(name: str) -> str:
-    """The id of a function in the Office host, which may hold letters, digits and points only.
-
-    Parameters
-    ----------
-    name : str
-        Name of the contract, such as ``TV_SPEED_TIME``. [name]
-
-    Returns
-    -------
-    str
-        Such as ``TV.SPEED.TIME``.
-    """
+    """The id of a function in the Office host, which may hold letters, digits and points only."""
     return name.replace("_", ".")
 
 
 def functions_json() -> dict[str, Any]:
-    """The metadata of custom functions, as Office.js wants it.
-
-    Returns
-    -------
-    dict
-        Every function of the registry; long ones stream.
-    """
+    """The metadata of custom functions, as Office.js wants it."""
     return {
         "allowCustomDataForDataTypeAny": True,
         "allowErrorForDataTypeAny": True,
@@ -98,13 +70,7 @@ def _metadata(function: Function) -> dict[str, Any]:
 
 
 def functions_script() -> bytes:
-    """The script that connects the functions with the server.
-
-    Returns
-    -------
-    bytes
-        JavaScript.
-    """
+    """The script that connects the functions with the server."""
     table = [[function_id(f.name), f.name, f.long] for f in FUNCTIONS.values()]
     return static("functions.js").replace(b'"the functions"', json.dumps(table).encode())
 
@@ -119,18 +85,7 @@ ABOUT = "Torsional vibration of synchronous-motor starts, calculated as you type
 
 
 def manifest(base: str) -> bytes:
-    """The add-in's manifest, after Microsoft's description of the add-in only XML.
-
-    Parameters
-    ----------
-    base : str
-        Address of the server as users have it, without a slash at the end. [URL]
-
-    Returns
-    -------
-    bytes
-        XML.
-    """
+    """The add-in's manifest, after Microsoft's description of the add-in only XML."""
     numbers = (re.findall(r"\d+", product_version()) + ["0"] * 4)[:4]
     root = etree.Element(f"{{{APP}}}OfficeApp", nsmap={None: APP, "bt": BASIC, "ov": OVERRIDES})
     root.set(TYPE, "TaskPaneApp")

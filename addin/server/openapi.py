@@ -18,13 +18,7 @@ WORKBOOKS = (
 
 
 def document() -> dict[str, Any]:
-    """The whole description.
-
-    Returns
-    -------
-    dict
-        Plain values.
-    """
+    """The whole description."""
     return {
         "openapi": "3.1.0",
         "info": {

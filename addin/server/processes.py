@@ -106,18 +106,7 @@ class Job:
         self._lock = threading.Lock()
 
     def listen(self, tell: Callable[[str], None]) -> Callable[[], None]:
-        """Be told every stage from now on, the present one at once.
-
-        Parameters
-        ----------
-        tell : callable
-            Takes the name of a stage; called in a thread of the pool. [words]
-
-        Returns
-        -------
-        callable
-            Ends it.
-        """
+        """Be told every stage from now on, the present one at once."""
         with self._lock:
             self._listeners.append(tell)
             tell(self.stage)
@@ -129,13 +118,7 @@ class Job:
         return leave
 
     def told(self, stage: str) -> None:
-        """Pass a stage on to the listeners.
-
-        Parameters
-        ----------
-        stage : str
-            Its name. [words]
-        """
+        """Pass a stage on to the listeners."""
         with self._lock:
             self.stage = stage
             for tell in self._listeners:
@@ -179,18 +162,6 @@ class Work:
 
     def submit(self, task: str, payload: Any) -> Job:
         """Put a task at the end of the queue.
-
-        Parameters
-        ----------
-        task : str
-            One of `TASKS`. [name]
-        payload : object
-            What it works on; it is pickled.
-
-        Returns
-        -------
-        Job
-            With its future.
 
         Raises
         ------

@@ -53,57 +53,18 @@ class Refused(Exception):
 
 
 def encoded(content: Any) -> bytes:
-    """JSON in which every double keeps all its digits.
-
-    Parameters
-    ----------
-    content : object
-        Plain values.
-
-    Returns
-    -------
-    bytes
-        ASCII, so that no text can make it fail.
-    """
+    """JSON in which every double keeps all its digits."""
     return json.dumps(content, allow_nan=False, separators=(",", ":")).encode("ascii")
 
 
 def answer(content: Any, status: int = 200, headers: Mapping[str, str] | None = None) -> Response:
-    """A JSON response.
-
-    Parameters
-    ----------
-    content : object
-        Plain values, or bytes already encoded.
-    status : int
-        HTTP status. [number]
-    headers : mapping, optional
-        Further headers. [texts]
-
-    Returns
-    -------
-    Response
-        The response.
-    """
+    """A JSON response."""
     body = content if isinstance(content, bytes) else encoded(content)
     return Response(body, status, headers, media_type="application/json")
 
 
 def is_key(settings: Settings, given: str | None) -> bool:
-    """Whether a key is one of ours; compared in a time that tells nothing.
-
-    Parameters
-    ----------
-    settings : Settings
-        With the keys.
-    given : str or None
-        As sent. [text]
-
-    Returns
-    -------
-    bool
-        True also where no key is asked for.
-    """
+    """Whether a key is one of ours; compared in a time that tells nothing."""
     if not settings.keys:
         return True
     sent = (given or "").encode("utf-8", "surrogatepass")
@@ -119,18 +80,7 @@ def key_of(headers: Headers) -> str | None:
 
 
 def no_key(given: str | None) -> str:
-    """Why a client is not answered.
-
-    Parameters
-    ----------
-    given : str or None
-        The key it sent. [text]
-
-    Returns
-    -------
-    str
-        For one without a key and for one with a wrong key. [sentence]
-    """
+    """Why a client is not answered."""
     if given:
         return (
             "The API key is not one of this server's: wrong, mistyped or withdrawn. Send another in "
@@ -227,16 +177,6 @@ async def read_json(request: Request, limit: int, seconds: float = 20.0) -> tupl
 def parsed(text: bytes | str) -> Any:
     """Plain values of a JSON text.
 
-    Parameters
-    ----------
-    text : bytes or str
-        JSON. [text]
-
-    Returns
-    -------
-    object
-        What it holds.
-
     Raises
     ------
     Refused
@@ -262,18 +202,6 @@ def _no_constant(name: str) -> None:
 
 async def while_connected(request: Request, work: Awaitable[T]) -> T:
     """Do something for a client, and give it up when the client is gone.
-
-    Parameters
-    ----------
-    request : Request
-        Its request, the body read.
-    work : awaitable
-        What is to be done.
-
-    Returns
-    -------
-    object
-        Its result.
 
     Raises
     ------
@@ -319,11 +247,6 @@ class Door:
     def enter(self, key: str) -> None:
         """It has sent its key: from now on it counts as a request.
 
-        Parameters
-        ----------
-        key : str
-            The key. [text]
-
         Raises
         ------
         Refused
@@ -333,13 +256,7 @@ class Door:
         OWNER.set(f"{key}@{self.address}")
 
     def wait(self, limit: asyncio.Timeout) -> None:
-        """Wait for the key, until then or until the place is needed.
-
-        Parameters
-        ----------
-        limit : asyncio.Timeout
-            Under way.
-        """
+        """Wait for the key, until then or until the place is needed."""
         self._limit = limit
         if self._is_closed:
             self.close()
@@ -429,13 +346,7 @@ class Guard:
         door.close()
 
     def enter(self, door: Door) -> None:
-        """A WebSocket has sent its key.
-
-        Parameters
-        ----------
-        door : Door
-            Where it waited.
-        """
+        """A WebSocket has sent its key."""
         self._not_too_many()
         if door in self._doors:
             self._doors.remove(door)

@@ -20,20 +20,7 @@ TASK = {RUN: "start", AT_SPEED: "speed"}
 
 
 async def waited_for(job: Job, tell: Tell | None = None) -> Any:
-    """The result of a job; whoever stops waiting gives the job up.
-
-    Parameters
-    ----------
-    job : Job
-        As submitted.
-    tell : callable, optional
-        Called with each stage, in the event loop. [words]
-
-    Returns
-    -------
-    object
-        Its result.
-    """
+    """The result of a job; whoever stops waiting gives the job up."""
     loop = asyncio.get_running_loop()
     leave = job.listen(lambda stage: _post(loop, tell, stage))
     try:

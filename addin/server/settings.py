@@ -37,72 +37,28 @@ class SettingsError(Exception):
 
 @dataclass(frozen=True)
 class Limits:
-    """How much one request, and all of them together, may ask for.
+    """How much one request, and all of them together, may ask for."""
 
-    Parameters
-    ----------
-    body : int
-        Largest body of a request. [B]
-    calls : int
-        Most function calls in one request. [count]
-    requests : int
-        Most requests being answered at a time; further ones get 503. [count]
-    large : int
-        Most requests at a time with more than `LARGE` to read; further ones get 503. [count]
-    waiting : int
-        Most long calculations waiting for a process. [count]
-    streams : int
-        Most long calls at a time of one WebSocket. [count]
-    message : int
-        Largest message of a WebSocket. [B]
-    strangers : int
-        Most WebSockets that have not sent their key; with one more the oldest is closed. [count]
-    strangers_each : int
-        The same of one address beyond this machine. [count]
-    body_time : float
-        Time for the body of a request to arrive, and a second more for every `BODY_RATE`. [s]
-    short_time : float
-        Time for the short functions of one request. [s]
-    long_time : float
-        Time for one start or one workbook, from its beginning. [s]
-    """
-
-    body: int = 25_000_000
-    calls: int = 2_000
-    requests: int = 2_000
+    body: int = 25_000_000  #: Largest body of a request. [B]
+    calls: int = 2_000  #: Most function calls in one request.
+    requests: int = 2_000  #: Most requests being answered at a time; further ones get 503.
+    #: Most requests at a time with more than `LARGE` to read; further ones get 503.
     large: int = 32
-    waiting: int = 64
-    streams: int = 500
-    message: int = 4_000_000
+    waiting: int = 64  #: Most long calculations waiting for a process.
+    streams: int = 500  #: Most long calls at a time of one WebSocket.
+    message: int = 4_000_000  #: Largest message of a WebSocket. [B]
+    #: Most WebSockets that have not sent their key; with one more the oldest is closed.
     strangers: int = 64
-    strangers_each: int = 8
+    strangers_each: int = 8  #: The same of one address beyond this machine.
+    #: Time for the body of a request to arrive, and a second more for every `BODY_RATE`. [s]
     body_time: float = 20.0
-    short_time: float = 60.0
-    long_time: float = 900.0
+    short_time: float = 60.0  #: Time for the short functions of one request. [s]
+    long_time: float = 900.0  #: Time for one start or one workbook, from its beginning. [s]
 
 
 @dataclass(frozen=True)
 class Settings:
     """One server.
-
-    Parameters
-    ----------
-    host : str
-        Address to listen at. [name]
-    port : int
-        Port; 0 = any that is free. [number]
-    keys : frozenset of str
-        API keys; empty = none is asked for. [texts]
-    certificate : Path or None
-        Certificate chain in PEM. [path]
-    certificate_key : Path or None
-        Its private key in PEM. [path]
-    public_url : str
-        Address users have in their browser, where a proxy stands in front; empty = as asked. [URL]
-    workers : int
-        Processes for long calculations. [count]
-    limits : Limits
-        Limits.
 
     Raises
     ------
@@ -110,14 +66,16 @@ class Settings:
         If these settings would expose the server, or contradict each other.
     """
 
-    host: str = "127.0.0.1"
-    port: int = 8765
-    keys: frozenset[str] = frozenset()
-    certificate: Path | None = None
-    certificate_key: Path | None = None
+    host: str = "127.0.0.1"  #: Address to listen at.
+    port: int = 8765  #: Port; 0 = any that is free. [number]
+    keys: frozenset[str] = frozenset()  #: API keys; empty = none is asked for.
+    certificate: Path | None = None  #: Certificate chain in PEM.
+    certificate_key: Path | None = None  #: Its private key in PEM.
+    #: Address users have in their browser, where a proxy stands in front; empty = as asked. [URL]
     public_url: str = ""
+    #: Processes for long calculations.
     workers: int = field(default_factory=lambda: max(1, min(4, (os.cpu_count() or 2) - 1)))
-    limits: Limits = field(default_factory=Limits)
+    limits: Limits = field(default_factory=Limits)  #: Limits.
 
     def __post_init__(self) -> None:
         if (self.certificate is None) != (self.certificate_key is None):
@@ -158,16 +116,6 @@ class Settings:
 
         A page of somebody else can make a browser send requests to a loopback address under a name
         of its own; those are refused here. Beyond loopback the certificate does this.
-
-        Parameters
-        ----------
-        name : str
-            Header ``Host`` of a request. [name and port]
-
-        Returns
-        -------
-        bool
-            True for loopback names and the host of `public_url`, or if the server is public.
         """
         try:
             host = urlsplit(f"//{name}").hostname or ""
@@ -188,11 +136,6 @@ def _is_address(url: str) -> bool:
 
 def check_certificate(settings: Settings) -> None:
     """See that certificate and key can be served with, before the server starts.
-
-    Parameters
-    ----------
-    settings : Settings
-        With the files, or without.
 
     Raises
     ------
@@ -236,16 +179,6 @@ def check_certificate(settings: Settings) -> None:
 
 def read_keys(path: Path) -> frozenset[str]:
     """API keys of a file: one a line, what follows # is a remark.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-
-    Returns
-    -------
-    frozenset of str
-        The keys. [texts]
 
     Raises
     ------

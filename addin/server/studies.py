@@ -34,34 +34,15 @@ _RANGES = {"samples": (30, MOST_SAMPLES), "seed": (0, 2**63 - 1)}
 
 @dataclass(frozen=True)
 class Asked:
-    """A study that a client asks for.
+    """A study that a client asks for."""
 
-    Parameters
-    ----------
-    command : str
-        One of `COMMANDS`. [word]
-    case : mapping
-        Case JSON with study tables. [SI]
-    settings : mapping
-        As on the command line. [names and values]
-    """
-
-    command: str
-    case: Mapping[str, Any]
-    settings: Mapping[str, Any]
+    command: str  #: One of `COMMANDS`.
+    case: Mapping[str, Any]  #: Case JSON with study tables. [SI]
+    settings: Mapping[str, Any]  #: As on the command line.
 
 
 def read_study(message: Mapping[str, Any]) -> Asked:
     """What a message asks for.
-
-    Parameters
-    ----------
-    message : mapping
-        Plain values of a client.
-
-    Returns
-    -------
-    Asked
 
     Raises
     ------
@@ -100,13 +81,6 @@ def _fits(name: str, value: Any, kind: type) -> bool:
 
 def study_of(asked: Asked, tell: Callable[[str], None]) -> dict[str, Any]:
     """Make the study; in a process of the pool, which is ended when nobody wants it any more.
-
-    Parameters
-    ----------
-    asked : Asked
-        What is asked for.
-    tell : callable
-        Told each stage. [words]
 
     Returns
     -------

@@ -38,22 +38,7 @@ MEDIA = {
 
 
 async def recalculated(request: Request, work: Work, limits: Limits) -> Response:
-    """Answer with the workbook of a request, its result sheets filled.
-
-    Parameters
-    ----------
-    request : Request
-        Its body is the workbook; its query may hold the ``name`` of the file.
-    work : Work
-        Where it is recalculated.
-    limits : Limits
-        Largest workbook, and how long it may take to arrive.
-
-    Returns
-    -------
-    Response
-        The workbook; or 422 and the errors as the contract has them.
-    """
+    """Answer with the workbook of a request, its result sheets filled."""
     body, name = await _sent(request, limits)
     if Path(name).suffix.lower() not in WORKBOOK_ENDINGS:
         raise Refused(415, "Send a workbook, .xlsx or .xlsm. /api/v1/model also takes a case JSON.")
@@ -74,22 +59,7 @@ async def recalculated(request: Request, work: Work, limits: Limits) -> Response
 
 
 async def model_of(request: Request, work: Work, limits: Limits) -> Response:
-    """Answer with the handle of the model that a workbook or a case JSON holds.
-
-    Parameters
-    ----------
-    request : Request
-        Its body is the file; its query may hold the ``name`` of the file.
-    work : Work
-        Where it is read.
-    limits : Limits
-        Largest file, and how long it may take to arrive.
-
-    Returns
-    -------
-    Response
-        ``model``, ``units`` and ``warnings``; or 422 and the errors as the contract has them.
-    """
+    """Answer with the handle of the model that a workbook or a case JSON holds."""
     body, name = await _sent(request, limits)
     if name.endswith(".json"):
         _refuse_no_case(body)

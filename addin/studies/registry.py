@@ -15,12 +15,7 @@ __all__ = ["every_study", "of_studies"]
 
 
 def every_study() -> tuple[Study, ...]:
-    """Every study, in the order of its sheets.
-
-    Returns
-    -------
-    tuple of Study
-    """
+    """Every study, in the order of its sheets."""
     from addin.studies.calibration import CALIBRATION
     from addin.studies.sensitivities import SENSITIVITIES
     from addin.studies.starts import STARTS
@@ -32,11 +27,6 @@ def every_study() -> tuple[Study, ...]:
 
 def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:
     """What is wrong on the study sheets of an input whose case is right.
-
-    Parameters
-    ----------
-    read : CaseInput or Unreadable
-        The input as read.
 
     Returns
     -------

@@ -38,121 +38,64 @@ CUT_SHORT = "Cut short by Ctrl-C"
 
 @dataclass(frozen=True)
 class CutShort:
-    """How far a study came before Ctrl-C, where a part of it may be told.
+    """How far a study came before Ctrl-C, where a part of it may be told."""
 
-    Parameters
-    ----------
-    calculated, planned : int
-        Of what the sentence names. [count]
-    sentence : str
-        The same in words, and what it means for the results. [sentences]
-    """
-
-    calculated: int
-    planned: int
-    sentence: str
+    calculated: int  #: Of what the sentence names.
+    planned: int  #: Likewise.
+    sentence: str  #: The same in words, and what it means for the results.
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What a study found, ready to be shown.
+    """What a study found, ready to be shown."""
 
-    Parameters
-    ----------
-    result : object
-        The engine's frozen result. [SI]
-    tables : mapping of str to sequence of mapping
-        Rows of the result tables, by table name, under JSON keys. [SI]
-    sentence : str
-        What was found, in words, for the sheet and the terminal. [sentences]
-    digest : str
-        Of the rows and settings that it was made from. [hexadecimal]
-    warnings : tuple of str
-        What the engineer should know. [sentences]
-    details : mapping of str to object
-        More for the JSON alone, or in place of a table that the sheet shows in part. [SI]
-    charts : mapping of str to sequence of mapping
-        Rows of tables that the workbook alone has: maps, and numbers behind charts. [SI]
-    cut_short : CutShort or None
-        How far it came, if it did not come to its end. [count]
-    units : mapping of (str, str) to WordUnit
-        What the engineer typed in, for the terminal; see `StudyInputs`. [units]
-    """
-
-    result: Any
+    result: Any  #: The engine's frozen result. [SI]
+    #: Rows of the result tables, by table name, under JSON keys. [SI]
     tables: Mapping[str, Sequence[Mapping[str, Any]]]
-    sentence: str
-    digest: str
-    warnings: tuple[str, ...] = ()
+    sentence: str  #: What was found, in words, for the sheet and the terminal.
+    digest: str  #: Of the rows and settings that it was made from. [hexadecimal]
+    warnings: tuple[str, ...] = ()  #: What the engineer should know.
+    #: More for the JSON alone, or in place of a table that the sheet shows in part. [SI]
     details: Mapping[str, Any] = field(default_factory=dict)
+    #: Rows of tables that the workbook alone has: maps, and numbers behind charts. [SI]
     charts: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
-    cut_short: CutShort | None = None
+    cut_short: CutShort | None = None  #: How far it came, if it did not come to its end.
+    #: What the engineer typed in, for the terminal; see `StudyInputs`. [units]
     units: Mapping[tuple[str, str], WordUnit] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Study:
-    """One kind of study.
+    """One kind of study."""
 
-    Parameters
-    ----------
-    key : str
-        Names it in JSON and in the facts of its sheet, see `study_sheets.STUDIES`. [name]
-    command : str
-        Its command, and the middle of the names of its files. [word]
-    inputs : tuple of str
-        Study tables that it reads. [names]
-    results : tuple of str
-        Result tables that it writes, in workbook and JSON. [names]
-    check : callable
-        Case, inputs and settings → every problem of its rows.
-    calculate : callable
-        Case, inputs, settings, `Spread` and what is told the stage → `Found`.
-    charts : tuple of str
-        Tables that the workbook alone has: maps, and numbers behind charts. [names]
-    write : callable or None
-        Input, destination, `Found` and whether locks are ignored → sentences, where it has no sheets
-        of its own as studies have.
-    as_json : callable or None
-        `Found`, input and warnings → its JSON, where that has another form.
-    """
-
-    key: str
-    command: str
-    inputs: tuple[str, ...]
-    results: tuple[str, ...]
+    key: str  #: Names it in JSON and in the facts of its sheet, see `study_sheets.STUDIES`.
+    command: str  #: Its command, and the middle of the names of its files.
+    inputs: tuple[str, ...]  #: Study tables that it reads.
+    results: tuple[str, ...]  #: Result tables that it writes, in workbook and JSON.
+    #: Case, inputs and settings → every problem of its rows.
     check: Callable[[Case, StudyInputs, Mapping[str, Any]], Sequence[Problem]]
+    #: Case, inputs, settings, `Spread` and what is told the stage → `Found`.
     calculate: Callable[
         [Case, StudyInputs, Mapping[str, Any], Spread, Callable[[str], None]], Found
     ]
+    #: Tables that the workbook alone has: maps, and numbers behind charts.
     charts: tuple[str, ...] = ()
+    #: Input, destination, `Found` and whether locks are ignored → sentences, where it has no
+    #: sheets of its own as studies have.
     write: Callable[[CaseInput, Path | None, Found, bool], tuple[str, ...]] | None = None
+    #: `Found`, input and warnings → its JSON, where that has another form.
     as_json: Callable[[Found, CaseInput, tuple[str, ...]], dict[str, Any]] | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Studied:
-    """What became of one input.
+    """What became of one input."""
 
-    Parameters
-    ----------
-    source : Path
-        The input. [path]
-    found : Found or None
-        The study; None if something was wrong. [SI]
-    problems : tuple of CellProblem
-        Everything wrong with the input. [problems]
-    warnings : tuple of str
-        What the engineer should know. [sentences]
-    written : tuple of Path
-        Files written: workbook, JSON. [paths]
-    """
-
-    source: Path
-    found: Found | None
-    problems: tuple[CellProblem, ...]
-    warnings: tuple[str, ...]
-    written: tuple[Path, ...] = ()
+    source: Path  #: The input.
+    found: Found | None  #: The study; None if something was wrong. [SI]
+    problems: tuple[CellProblem, ...]  #: Everything wrong with the input.
+    warnings: tuple[str, ...]  #: What the engineer should know.
+    written: tuple[Path, ...] = ()  #: Files written: workbook, JSON.
 
 
 def study_one(
@@ -189,11 +132,6 @@ def study_one(
         Go on although a lock file says somebody has the workbook open. [flag]
     on_stage : callable, optional
         Called with a word on what is being done.
-
-    Returns
-    -------
-    Studied
-        The study or problems, and the files written.
 
     Raises
     ------
@@ -306,20 +244,7 @@ def _said(found: Found) -> Found:
 
 
 def beside(source: Path, study: Study) -> Path:
-    """Default name of what a study writes: train.tune.xlsx, case.tune.json.
-
-    Parameters
-    ----------
-    source : Path
-        The input. [path]
-    study : Study
-        The study.
-
-    Returns
-    -------
-    Path
-        Beside the input.
-    """
+    """Default name of what a study writes: train.tune.xlsx, case.tune.json."""
     return source.with_name(f"{source.stem}.{study.command}{source.suffix}")
 
 

@@ -64,20 +64,7 @@ def map_tables(result: TuningResult) -> Mapping[str, Sequence[Row]]:
 
 
 def spread_out(count: int, room: int) -> list[int]:
-    """So many of some options, both ends among them.
-
-    Parameters
-    ----------
-    count : int
-        How many there are. [count]
-    room : int
-        How many there is room for, at least two. [count]
-
-    Returns
-    -------
-    list of int
-        Rising. [indices]
-    """
+    """So many of some options, both ends among them."""
     if count <= room:
         return list(range(count))
     return [round(k * (count - 1) / (room - 1)) for k in range(room)]

@@ -132,18 +132,7 @@ STUDY_TEMPLATES: Mapping[str, tuple[str, str]] = {"example_studies.xlsx": ("us",
 
 
 def build_all(folder: Path) -> list[Path]:
-    """Build every shipped workbook.
-
-    Parameters
-    ----------
-    folder : Path
-        Where they go; made when it is not there.
-
-    Returns
-    -------
-    list of Path
-        The workbooks.
-    """
+    """Build every shipped workbook."""
     folder.mkdir(parents=True, exist_ok=True)
     return [
         *(build_template(folder / name, *kind) for name, kind in TEMPLATES.items()),
@@ -162,26 +151,7 @@ def build_template(
     *,
     studies: bool = False,
 ) -> Path:
-    """Build one workbook; with functions in its cells, a second time with their answers.
-
-    Parameters
-    ----------
-    path : Path
-        The file, replaced when it is there.
-    system : str
-        ``us`` or ``si``. [word]
-    example : str or Example, optional
-        Key of `EXAMPLES`, or what is to be filled in. [name]
-    flavour : Flavour
-        One of `FLAVOURS`; VBA is not put in here (`addin.excel.workbook`).
-    studies : bool, optional
-        With the sheets of the studies. [flag]
-
-    Returns
-    -------
-    Path
-        The file.
-    """
+    """Build one workbook; with functions in its cells, a second time with their answers."""
     _build(path, system, example, flavour, None, studies)
     if flavour.spelled is not None and example is not None:
         from addin.reading.workbook import read_workbook
@@ -1118,18 +1088,7 @@ def _unit_list(field: Field) -> dict[str, Any]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Build the shipped workbooks into a folder.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Command line without the program's name.
-
-    Returns
-    -------
-    int
-        0.
-    """
+    """Build the shipped workbooks into a folder."""
     parser = argparse.ArgumentParser(
         prog="python -m addin.template.build", description=main.__doc__
     )

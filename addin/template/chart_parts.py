@@ -17,22 +17,12 @@ _AXIS_LINE = {"color": "#8C8C8C", "width": 0.75}
 
 @dataclass(frozen=True)
 class Place:
-    """Where the data rows of a table stand; rows and columns count from 0.
+    """Where the data rows of a table stand; rows and columns count from 0."""
 
-    Parameters
-    ----------
-    sheet : str
-        Sheet. [name]
-    first, last : int
-        First and last data row. [index]
-    columns : mapping of str to int
-        Column of each header. [index]
-    """
-
-    sheet: str
-    first: int
-    last: int
-    columns: Mapping[str, int]
+    sheet: str  #: Sheet.
+    first: int  #: First and last data row.
+    last: int  #: Likewise.
+    columns: Mapping[str, int]  #: Column of each header.
 
 
 class Places:
@@ -84,34 +74,14 @@ def font(size: float, **more: Any) -> dict[str, Any]:
 
 
 def title(chart: Any, name: str) -> None:
-    """Give a chart its title.
-
-    Parameters
-    ----------
-    chart : xlsxwriter.chart.Chart
-        The chart.
-    name : str
-        Words, or a cell as formula. [text]
-    """
+    """Give a chart its title."""
     chart.set_title(
         {"name": name, "name_font": font(10, bold=True, color=PALETTE["navy"]), "overlay": False}
     )
 
 
 def axis(name: str, **more: Any) -> dict[str, Any]:
-    """An axis with its name, thin grid and small numbers.
-
-    Parameters
-    ----------
-    name : str
-        Words, or a cell as formula. [text]
-    **more : object
-        Further options of XlsxWriter.
-
-    Returns
-    -------
-    dict
-    """
+    """An axis with its name, thin grid and small numbers."""
     return {
         "name": name,
         "name_font": font(9),
@@ -125,15 +95,7 @@ def axis(name: str, **more: Any) -> dict[str, Any]:
 
 
 def legend(chart: Any, without: tuple[int, ...] = ()) -> None:
-    """A legend below the chart.
-
-    Parameters
-    ----------
-    chart : xlsxwriter.chart.Chart
-        The chart.
-    without : tuple of int
-        Series it leaves out. [index]
-    """
+    """A legend below the chart."""
     chart.set_legend({"position": "bottom", "font": font(8), "delete_series": list(without)})
 
 
@@ -177,23 +139,7 @@ def dot(colour: str, kind: str = "circle", size: int = 5) -> dict[str, Any]:
 
 
 def xy(places: Places, table: str, x: str, y: str, name: str, **more: Any) -> dict[str, Any]:
-    """A series of two columns of a table.
-
-    Parameters
-    ----------
-    places : Places
-        Where tables stand.
-    table, x, y : str
-        Table and columns. [names]
-    name : str
-        In the legend. [text]
-    **more : object
-        Further options of XlsxWriter.
-
-    Returns
-    -------
-    dict
-    """
+    """A series of two columns of a table."""
     return {
         "name": name,
         "categories": places.column(table, x),

@@ -146,23 +146,13 @@ BACKLASH_PROVENANCE: tuple[tuple[str, str], ...] = (
 
 @dataclass(frozen=True)
 class Example:
-    """A filled workbook, in the units it shows.
+    """A filled workbook, in the units it shows."""
 
-    Parameters
-    ----------
-    scalars : mapping of str to value
-        By defined name. [shown units]
-    units : mapping of (table, column) to str
-        Units other than those of the blank template. [units]
-    tables : mapping of str to sequence of mapping
-        Rows of the input tables, by header. [shown units]
-    scalar_units : mapping of str to str
-        Units of scalars other than those of the blank template. [units]
-    """
-
-    scalars: Mapping[str, Value]
-    units: Mapping[tuple[str, str], str]
+    scalars: Mapping[str, Value]  #: By defined name. [shown units]
+    units: Mapping[tuple[str, str], str]  #: Units other than those of the blank template. [units]
+    #: Rows of the input tables, by header. [shown units]
     tables: Mapping[str, Sequence[Mapping[str, Value]]]
+    #: Units of scalars other than those of the blank template. [units]
     scalar_units: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -311,18 +301,7 @@ EXAMPLES: Mapping[str, Example] = {
 
 
 def provenance_of(name: str) -> tuple[tuple[str, str], ...]:
-    """Where the numbers of an example come from: term and text.
-
-    Parameters
-    ----------
-    name : str
-        Key of `EXAMPLES`. [name]
-
-    Returns
-    -------
-    tuple of (str, str)
-        Printed on sheet `Notes`.
-    """
+    """Where the numbers of an example come from: term and text."""
     return (*PROVENANCE, *(BACKLASH_PROVENANCE if name == _BACKLASH else ()))
 
 

@@ -24,18 +24,6 @@ def example_of(read: CaseInput, system: str) -> Example:
     A column whose cells are in several units, as in a case JSON, is converted to the unit of the
     template.
 
-    Parameters
-    ----------
-    read : CaseInput
-        An input without problems.
-    system : str
-        ``us`` or ``si``: units of what has no unit of its own. [word]
-
-    Returns
-    -------
-    Example
-        Ready for `template.build_template`.
-
     Raises
     ------
     MixedUnits

@@ -56,21 +56,12 @@ LIVE_SHEET = Sheet(
 
 @dataclass(frozen=True)
 class LiveAnswers:
-    """What the functions say of the shipped inputs, so that a file opens with its numbers.
+    """What the functions say of the shipped inputs, so that a file opens with its numbers."""
 
-    Parameters
-    ----------
-    handle : str
-        The model. [text]
-    modes, margins : list of list
-        Cells of the two array formulas. [shown units]
-    shafts : list of list
-        Element, geometry, stiffness from geometry and as typed, a row a shaft. [shown units]
-    """
-
-    handle: str
-    modes: Sequence[Sequence[Any]]
-    margins: Sequence[Sequence[Any]]
+    handle: str  #: The model.
+    modes: Sequence[Sequence[Any]]  #: Cells of the two array formulas. [shown units]
+    margins: Sequence[Sequence[Any]]  #: Likewise. [shown units]
+    #: Element, geometry, stiffness from geometry and as typed, a row a shaft. [shown units]
     shafts: Sequence[Sequence[Any]]
 
 

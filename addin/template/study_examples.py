@@ -101,16 +101,5 @@ _OF_EXAMPLE: Mapping[str, Rows] = {
 
 
 def study_rows(example: str) -> Rows:
-    """Rows of the study tables of an example.
-
-    Parameters
-    ----------
-    example : str
-        ``proposed``, ``modified`` or ``backlash``. [name]
-
-    Returns
-    -------
-    mapping of str to sequence of mapping
-        Table → rows, in the units of the US template.
-    """
+    """Rows of the study tables of an example."""
     return {**STUDY_ROWS, **_OF_EXAMPLE.get(example, {})}

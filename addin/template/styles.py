@@ -345,20 +345,7 @@ _COLUMN_FORMATS: Mapping[str, str] = {
 
 
 def number_format(name: str, dimension: str) -> str:
-    """Number format of a result column.
-
-    Parameters
-    ----------
-    name : str
-        Header of the column. [name]
-    dimension : str
-        Key of `fields.DIMENSIONS`. [word]
-
-    Returns
-    -------
-    str
-        Excel number format.
-    """
+    """Number format of a result column."""
     return _COLUMN_FORMATS.get(name, _NUMBER_FORMATS.get(dimension, _LARGE))
 
 
@@ -376,20 +363,7 @@ class Styles:
         self._made: dict[tuple[str, str], Any] = {}
 
     def __call__(self, name: str, number: str = "") -> Any:
-        """A format of the table above.
-
-        Parameters
-        ----------
-        name : str
-            Its name. [name]
-        number : str
-            Number format instead of its own. [Excel number format]
-
-        Returns
-        -------
-        xlsxwriter.format.Format
-            The format.
-        """
+        """A format of the table above."""
         key = (name, number)
         if key not in self._made:
             properties = dict(_FORMATS[name])

@@ -31,27 +31,14 @@ def _calc(function: str) -> str:
 
 @dataclass(frozen=True)
 class Flavour:
-    """One kind of workbook.
+    """One kind of workbook."""
 
-    Parameters
-    ----------
-    name : str
-        As the command line names it. [word]
-    suffix : str
-        Ending of its files. [text]
-    help : str
-        Whom it is for. [sentence]
-    spelled : callable or None
-        Name of a function of the registry → what the file holds; None = no sheet `Live`.
-    dynamic : bool
-        Whether its array formulas are dynamic arrays; else of fixed size. [flag]
-    """
-
-    name: str
-    suffix: str
-    help: str
+    name: str  #: As the command line names it.
+    suffix: str  #: Ending of its files.
+    help: str  #: Whom it is for.
+    #: Name of a function of the registry → what the file holds; None = no sheet `Live`.
     spelled: Callable[[str], str] | None = None
-    dynamic: bool = False
+    dynamic: bool = False  #: Whether its array formulas are dynamic arrays; else of fixed size.
 
 
 #: By name; the first is the usual one.

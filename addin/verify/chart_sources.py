@@ -49,20 +49,6 @@ def compare_drawings(
 
     A chart that was taken out is nobody's concern, nor is a chart of the engineer's own or a series
     that he put into one of ours.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-    charts : sequence of DrawnChart
-        Its charts.
-    same_version : bool
-        Whether this version drew it; what another one drew may differ. [flag]
-
-    Yields
-    ------
-    Finding
-        One a chart.
     """
     known = [(chart, _series(workbook, chart)) for chart in charts]
     for one in _expected(workbook):
@@ -77,20 +63,7 @@ def compare_drawings(
 
 
 def compare_copies(workbook: Workbook, charts: Sequence[DrawnChart]) -> Iterator[Finding]:
-    """Charts that carry other values than the cells they draw, which programs show that do not calculate.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-    charts : sequence of DrawnChart
-        Its charts.
-
-    Yields
-    ------
-    Finding
-        One a chart, of anybody.
-    """
+    """Charts that carry other values than the cells they draw, which programs show that do not calculate."""
     for chart in charts:
         wrong = [one for drawn in chart.references() for one in _wrong_points(workbook, drawn)]
         if wrong:

@@ -19,20 +19,7 @@ _OWN_LABELS = frozenset({"Accuracy title", "Accuracy axis"})
 
 
 def drawn_elements(workbook: Workbook, names: Sequence[str]) -> list[str | None]:
-    """The elements whose histories stand in the chart data.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-    names : sequence of str
-        Elements with a history. [names]
-
-    Returns
-    -------
-    list of (str or None)
-        One a chart. [names]
-    """
+    """The elements whose histories stand in the chart data."""
     labels = workbook.tables.get("ChartLabels")
     drawn: list[str | None] = [None] * HISTORIES
     for row in range(labels.data.top, labels.data.bottom + 1) if labels else ():
@@ -50,24 +37,7 @@ def drawn_elements(workbook: Workbook, names: Sequence[str]) -> list[str | None]
 def compare_charts(
     workbook: Workbook, expected: Sequence[TableData], same_version: bool
 ) -> Iterator[tuple[Counts, Finding | None]]:
-    """Compare the chart data, table by table.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-    expected : sequence of TableData
-        As it would be written.
-    same_version : bool
-        Whether this version drew it; what another one drew may differ. [flag]
-
-    Yields
-    ------
-    Counts
-        Of the table.
-    Finding or None
-        One for all its cells.
-    """
+    """Compare the chart data, table by table."""
     wanted = {data.name: data for data in expected}
     for chart in CHART_TABLES:
         data, table = wanted.get(chart.name), workbook.tables.get(chart.name)

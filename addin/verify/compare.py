@@ -19,24 +19,12 @@ Value = None | bool | int | float | str | ErrorValue
 
 @dataclass(frozen=True)
 class Standing:
-    """What stands in a cell, or under a key.
+    """What stands in a cell, or under a key."""
 
-    Parameters
-    ----------
-    value : None, bool, int, float, str or ErrorValue
-        Its value; of a formula the one it shows. [as shown]
-    place : str
-        Cell, or path. [A1]
-    formula : str
-        Text of a formula in it; empty without one. [text]
-    number_format : str
-        How it is shown; empty = with all digits. [code]
-    """
-
-    value: Value
-    place: str = ""
-    formula: str = ""
-    number_format: str = ""
+    value: Value  #: Its value; of a formula the one it shows. [as shown]
+    place: str = ""  #: Cell, or path. [A1]
+    formula: str = ""  #: Text of a formula in it; empty without one.
+    number_format: str = ""  #: How it is shown; empty = with all digits.
 
 
 def agreement(found: Standing, expected: Value, allowed: float | None = None) -> Agreement:

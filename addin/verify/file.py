@@ -22,24 +22,7 @@ def verify_file(
     within: Agreement = Agreement.ERROR,
     on_stage: Callable[[str], None] | None = None,
 ) -> Verification:
-    """Verify one file.
-
-    Parameters
-    ----------
-    source : Path
-        A workbook, or a result JSON. [path]
-    case : Path, optional
-        Case JSON or workbook with the inputs of a result JSON. [path]
-    within : Agreement
-        What is accepted.
-    on_stage : callable, optional
-        Called with the name of each analysis as it begins.
-
-    Returns
-    -------
-    Verification
-        Also of a file that cannot be read.
-    """
+    """Verify one file."""
     is_json = source.suffix.lower() == ".json"
     if is_json and case is None:
         return _not_verified(

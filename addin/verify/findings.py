@@ -41,36 +41,22 @@ AGREEMENTS = {
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that does not follow from the inputs, or that somebody should look at.
+    """One thing that does not follow from the inputs, or that somebody should look at."""
 
-    Parameters
-    ----------
-    kind : str
-        ``different``, ``edited``, ``row missing``, ``row added``, ``not shown``, ``old value``,
-        ``chart``, ``digest``, ``never calculated``, ``settings``, ``table missing``,
-        ``not judged``, ``not compared`` (a study). [word]
-    sheet, cell : str
-        Where; of a JSON file the table's key and the path. [names]
-    table, row, column : str
-        Result table, what its row is called, and the header; empty where there is none. [names]
-    found, expected : object
-        What stands there, and what would be written there. [shown unit]
-    sentence : str
-        What was found, without the place. [sentence]
-    fails : bool
-        Whether the file fails by it; else it is a note. [flag]
-    """
-
+    #: ``different``, ``edited``, ``row missing``, ``row added``, ``not shown``, ``old value``,
+    #: ``chart``, ``digest``, ``never calculated``, ``settings``, ``table missing``, ``not
+    #: judged``, ``not compared`` (a study).
     kind: str
-    sheet: str
-    cell: str
-    sentence: str
+    sheet: str  #: Where; of a JSON file the table's key and the path.
+    cell: str  #: Likewise.
+    sentence: str  #: What was found, without the place.
+    #: Result table, what its row is called, and the header; empty where there is none.
     table: str = ""
-    row: str = ""
-    column: str = ""
-    found: Any = None
-    expected: Any = None
-    fails: bool = True
+    row: str = ""  #: Likewise.
+    column: str = ""  #: Likewise.
+    found: Any = None  #: What stands there, and what would be written there. [shown unit]
+    expected: Any = None  #: Likewise. [shown unit]
+    fails: bool = True  #: Whether the file fails by it; else it is a note.
 
     @property
     def place(self) -> str:
@@ -80,65 +66,36 @@ class Finding:
 
 @dataclass
 class Counts:
-    """How many results of one table agree, and how well.
+    """How many results of one table agree, and how well."""
 
-    Parameters
-    ----------
-    table, sheet : str
-        Result table and where it stands. [names]
-    of : list of int
-        By `Agreement`. [count]
-    not_compared : int
-        Wall times, dates and what else each run has its own of. [count]
-    """
-
-    table: str
-    sheet: str
-    of: list[int] = field(default_factory=lambda: [0, 0, 0, 0])
-    not_compared: int = 0
+    table: str  #: Result table and where it stands.
+    sheet: str  #: Likewise.
+    of: list[int] = field(default_factory=lambda: [0, 0, 0, 0])  #: By `Agreement`.
+    not_compared: int = 0  #: Wall times, dates and what else each run has its own of.
 
 
 @dataclass(frozen=True)
 class Verification:
-    """What is said of one file.
+    """What is said of one file."""
 
-    Parameters
-    ----------
-    source : Path
-        The file. [path]
-    outcome : str
-        ``follows``, ``does not follow``, ``never calculated`` or ``not verified`` (its inputs
-        cannot be calculated, it cannot be read, or its own formulas cannot be judged). [words]
-    sentence : str
-        The outcome in words. [sentence]
-    made_by, this : str
-        Version that made the results, and this one; the first is empty if nothing says so. [text]
-    recorded, inputs : str
-        Digest of the inputs that the file records, and of the inputs in it. [hex]
-    settings : dict
-        Settings of the command line that the file records, used again here. [SI]
-    within : Agreement
-        What is accepted.
-    counts : tuple of Counts
-        One a table.
-    findings : tuple of Finding
-        What fails first, notes last; of each the headline answers first.
-    problems : tuple of CellProblem
-        What is wrong with the inputs. [problems]
-    """
-
-    source: Path
+    source: Path  #: The file.
+    #: ``follows``, ``does not follow``, ``never calculated`` or ``not verified`` (its inputs
+    #: cannot be calculated, it cannot be read, or its own formulas cannot be judged).
     outcome: str
-    sentence: str
+    sentence: str  #: The outcome in words.
+    #: Version that made the results, and this one; the first is empty if nothing says so.
     made_by: str = ""
-    this: str = ""
+    this: str = ""  #: Likewise.
+    #: Digest of the inputs that the file records, and of the inputs in it. [hex]
     recorded: str = ""
-    inputs: str = ""
+    inputs: str = ""  #: Likewise. [hex]
+    #: Settings of the command line that the file records, used again here. [SI]
     settings: dict[str, Any] = field(default_factory=dict)
-    within: Agreement = Agreement.ERROR
-    counts: tuple[Counts, ...] = ()
+    within: Agreement = Agreement.ERROR  #: What is accepted.
+    counts: tuple[Counts, ...] = ()  #: One a table.
+    #: What fails first, notes last; of each the headline answers first.
     findings: tuple[Finding, ...] = ()
-    problems: tuple[CellProblem, ...] = ()
+    problems: tuple[CellProblem, ...] = ()  #: What is wrong with the inputs.
 
     @property
     def passes(self) -> bool:
@@ -146,18 +103,7 @@ class Verification:
         return self.outcome == "follows"
 
     def total(self, agreement: Agreement) -> int:
-        """Results that agree just so well.
-
-        Parameters
-        ----------
-        agreement : Agreement
-            How well.
-
-        Returns
-        -------
-        int
-            Number of results. [count]
-        """
+        """Results that agree just so well."""
         return sum(one.of[agreement] for one in self.counts)
 
 
@@ -200,22 +146,7 @@ def _in_order(findings: Sequence[Finding], counts: Sequence[Counts]) -> list[Fin
 
 
 def concluded(about: Verification, counts: list[Counts], findings: list[Finding]) -> Verification:
-    """The outcome of everything found, what fails first.
-
-    Parameters
-    ----------
-    about : Verification
-        The file, its versions and digests.
-    counts : list of Counts
-        One a table.
-    findings : list of Finding
-        Everything found.
-
-    Returns
-    -------
-    Verification
-        Complete.
-    """
+    """The outcome of everything found, what fails first."""
     ordered = _in_order(findings, counts)
     wrong = sum(finding.fails and finding.kind != "not judged" for finding in ordered)
     unjudged = any(finding.kind == "not judged" for finding in ordered)
@@ -242,22 +173,7 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
 def not_calculated(
     about: Verification, problems: tuple[CellProblem, ...], findings: Sequence[Finding] = ()
 ) -> Verification:
-    """The outcome where the inputs cannot be calculated.
-
-    Parameters
-    ----------
-    about : Verification
-        The file, its versions and digests.
-    problems : tuple of CellProblem
-        Why. [problems]
-    findings : sequence of Finding
-        Found all the same.
-
-    Returns
-    -------
-    Verification
-        Complete.
-    """
+    """The outcome where the inputs cannot be calculated."""
     return replace(
         about,
         outcome="not verified",

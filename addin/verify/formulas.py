@@ -43,29 +43,15 @@ _QUOTED = re.compile(r'("(?:[^"]|"")*")')
 
 @dataclass(frozen=True)
 class OwnFormula:
-    """A live formula of ours where it belongs.
+    """A live formula of ours where it belongs."""
 
-    Parameters
-    ----------
-    sheet : str
-        Its sheet. [name]
-    row, column : int
-        Its cell. [index]
-    formula : str
-        What this version writes there. [text]
-    what : str
-        What it says. [words]
-    table, header : str
-        Result table and live column; empty elsewhere. [names]
-    """
-
-    sheet: str
-    row: int
-    column: int
-    formula: str
-    what: str
-    table: str = ""
-    header: str = ""
+    sheet: str  #: Its sheet.
+    row: int  #: Its cell.
+    column: int  #: Likewise.
+    formula: str  #: What this version writes there.
+    what: str  #: What it says.
+    table: str = ""  #: Result table and live column; empty elsewhere.
+    header: str = ""  #: Likewise.
 
     @property
     def cell(self) -> str:
@@ -82,18 +68,7 @@ class OwnFormula:
 
 
 def own_formulas(workbook: Workbook) -> list[OwnFormula]:
-    """Live formulas of ours in the cells where they belong, whatever stands there.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-
-    Returns
-    -------
-    list of OwnFormula
-        Check columns, the overall verdict, what stands beside its label, the lines of words.
-    """
+    """Live formulas of ours in the cells where they belong, whatever stands there."""
     found: list[OwnFormula] = []
     for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
         table = workbook.tables.get(spec.name)
@@ -127,18 +102,7 @@ def _of_column(workbook: Workbook, table: Table, first: str, column: str) -> Ite
 
 
 def summary_sheet(workbook: Workbook) -> str | None:
-    """The sheet with the key numbers, told by their labels and not by a name that may lead astray.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-
-    Returns
-    -------
-    str or None
-        The sheet with most of their labels. [name]
-    """
+    """The sheet with the key numbers, told by their labels and not by a name that may lead astray."""
     wanted = {plain(one[0]) for one in KEY_NUMBERS}
     first = [table.sheet for name, table in workbook.tables.items() if name == "Verdicts"]
     counts: dict[str, int] = {}
@@ -220,13 +184,6 @@ def _present_sheet(workbook: Workbook, shipped: str) -> str | None:
 
 def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
     """Live formulas of ours that were typed over or rewritten, and labels and names led astray.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-    same_version : bool
-        Whether this version wrote the file; another one may have had other labels. [flag]
 
     Yields
     ------
@@ -312,19 +269,7 @@ _WORD = re.compile(r"[A-Za-z_\\][\w.\\]*")
 
 
 def reads_nothing(workbook: Workbook, formula: str) -> bool:
-    """Whether a formula reads neither a cell nor a table nor a name.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        Where it stands.
-    formula : str
-        Its text.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether a formula reads neither a cell nor a table nor a name."""
     bare = _QUOTED.sub("", formula)
     names = {name.casefold() for name in workbook.defined_names}
     words = {word.casefold() for word in _WORD.findall(bare)}
@@ -333,18 +278,7 @@ def reads_nothing(workbook: Workbook, formula: str) -> bool:
 
 
 def restore(fresh: Workbook) -> dict[tuple[str, int, int], OwnFormula]:
-    """Put our formulas back where others stand, so that what they would show is calculated.
-
-    Parameters
-    ----------
-    fresh : Workbook
-        A copy that nobody keeps, with the results written anew.
-
-    Returns
-    -------
-    dict
-        The formulas put back, by sheet, row and column.
-    """
+    """Put our formulas back where others stand, so that what they would show is calculated."""
     restored = {}
     for own in own_formulas(fresh):
         if own.table or own.stands(fresh):
@@ -383,26 +317,7 @@ def old_values(
     formats: Sequence[str],
     restored: Mapping[tuple[str, int, int], OwnFormula] = MappingProxyType({}),
 ) -> Iterator[Finding]:
-    """Formulas of anybody whose value is not the one that follows now.
-
-    Parameters
-    ----------
-    standing : Workbook
-        As it stands.
-    fresh : Workbook
-        With the results written anew and the values of its formulas renewed.
-    left_out : dict of str to list of Rect
-        Areas by sheet in which rows do not stand in the same place.
-    formats : sequence of str
-        Number format of each style. [codes]
-    restored : mapping
-        Formulas of ours put back in ``fresh`` where others stand, by sheet, row and column.
-
-    Yields
-    ------
-    Finding
-        One a formula cell.
-    """
+    """Formulas of anybody whose value is not the one that follows now."""
     for sheet in standing.sheet_names:
         if not standing.sheet_bytes(sheet):
             continue
@@ -451,11 +366,6 @@ def unjudged(standing: Workbook, fresh: Workbook | None) -> list[OwnFormula]:
         As it stands.
     fresh : Workbook or None
         With the results written anew and the values of its formulas renewed; None where that failed.
-
-    Returns
-    -------
-    list of OwnFormula
-        Those without a value to compare with.
     """
     return [
         own

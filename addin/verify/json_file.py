@@ -35,16 +35,6 @@ _NESTED = ("outcome", "startup", "modes", "damped_eigenvalues", "plans", "sensit
 def read_results_json(path: Path) -> dict[str, Any]:
     """A result JSON as it stands.
 
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-
-    Returns
-    -------
-    dict
-        Its keys.
-
     Raises
     ------
     ValueError

@@ -22,11 +22,6 @@ _EVERYTHING = Rect(1, 1, 3000, 200)
 def missing_tables(workbook: Workbook) -> Iterator[Finding]:
     """Result tables that the workbook has no more, so that nobody can say what stands there.
 
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-
     Yields
     ------
     Finding
@@ -50,18 +45,7 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
 
 
 def odd_columns(workbook: Workbook) -> Iterator[Finding]:
-    """Headers that show other words than the columns are called, and columns nobody compared.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-
-    Yields
-    ------
-    Finding
-        One a header cell or column. A column of the engineer's own is a note.
-    """
+    """Headers that show other words than the columns are called, and columns nobody compared."""
     for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES):
         table = workbook.tables.get(spec.name)
         if table is None:
@@ -124,18 +108,7 @@ def _as_cells(workbook: Workbook, spec: TableSpec) -> tuple[str, str] | None:
 
 
 def plain(text: object) -> str:
-    """A header without blanks and capitals that nobody sees.
-
-    Parameters
-    ----------
-    text : object
-        What stands in the cell.
-
-    Returns
-    -------
-    str
-        Words in small letters.
-    """
+    """A header without blanks and capitals that nobody sees."""
     if not isinstance(text, str):
         return ""
     shown = "".join(c for c in text if unicodedata.category(c) != "Cf")

@@ -41,65 +41,33 @@ _REPRODUCED = 0.9
 
 @dataclass(frozen=True)
 class Expected:
-    """A table as it would be written.
+    """A table as it would be written."""
 
-    Parameters
-    ----------
-    name : str
-        Result table. [name]
-    rows : sequence of mapping
-        Values by header; a blank is None or absent. [shown units]
-    columns : tuple of str
-        Its headers. [names]
-    """
-
-    name: str
-    rows: Sequence[Mapping[str, Any]]
-    columns: tuple[str, ...]
+    name: str  #: Result table.
+    rows: Sequence[Mapping[str, Any]]  #: Values by header; a blank is None or absent. [shown units]
+    columns: tuple[str, ...]  #: Its headers.
 
 
 @dataclass(frozen=True)
 class Stands:
-    """A table as it stands.
+    """A table as it stands."""
 
-    Parameters
-    ----------
-    sheet : str
-        Its sheet, or the key in a JSON file. [name]
-    rows : sequence of mapping
-        What stands in each row by header. [shown units]
-    """
-
-    sheet: str
-    rows: Sequence[Mapping[str, Standing]]
+    sheet: str  #: Its sheet, or the key in a JSON file.
+    rows: Sequence[Mapping[str, Standing]]  #: What stands in each row by header. [shown units]
 
 
 @dataclass(frozen=True)
 class Compared:
-    """One result that is not equal to the bit.
+    """One result that is not equal to the bit."""
 
-    Parameters
-    ----------
-    table, sheet, row, column : str
-        Where. [names]
-    found : Standing
-        What stands there. [shown unit]
-    expected : number or text
-        What would be written. [shown unit]
-    agreement : Agreement
-        How well they agree.
-    scale : float
-        Largest number of the column. [shown unit]
-    """
-
-    table: str
-    sheet: str
-    row: str
-    column: str
-    found: Standing
-    expected: Any
-    agreement: Agreement
-    scale: float = 0.0
+    table: str  #: Where.
+    sheet: str  #: Likewise.
+    row: str  #: Likewise.
+    column: str  #: Likewise.
+    found: Standing  #: What stands there. [shown unit]
+    expected: Any  #: What would be written. [shown unit]
+    agreement: Agreement  #: How well they agree.
+    scale: float = 0.0  #: Largest number of the column. [shown unit]
 
     @property
     def is_rounding(self) -> bool:

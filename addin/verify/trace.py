@@ -38,18 +38,6 @@ _LISTED = 3
 def traced(source: Path, wanted: str) -> Iterator[str]:
     """A result traced to its inputs, in lines.
 
-    Parameters
-    ----------
-    source : Path
-        The workbook. [path]
-    wanted : str
-        Table (``SteadyState``), column (``SteadyState.Torque``) or cell (``Steady state!H9``).
-
-    Yields
-    ------
-    str
-        What it is, equation, source, then inputs with cell and value.
-
     Raises
     ------
     ValueError
@@ -131,15 +119,9 @@ def _definition(field: Field) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class _Traced:
-    """A workbook in which inputs are looked up.
+    """A workbook in which inputs are looked up."""
 
-    Parameters
-    ----------
-    read : WorkbookInput
-        Its inputs and where they stand.
-    """
-
-    read: WorkbookInput
+    read: WorkbookInput  #: Its inputs and where they stand.
 
     @property
     def workbook(self) -> Workbook:

@@ -16,20 +16,7 @@ SHOWN = 30
 
 
 def lines(found: Verification, everything: bool = False) -> Iterator[str]:
-    """A verification in lines for people.
-
-    Parameters
-    ----------
-    found : Verification
-        It.
-    everything : bool
-        List every finding, however many. [flag]
-
-    Yields
-    ------
-    str
-        Outcome, versions, how well results agree, then the findings with sheet and cell.
-    """
+    """A verification in lines for people."""
     yield f"{found.source}: {found.outcome}. {found.sentence}"
     if found.made_by or found.recorded:
         yield f"  made by {found.made_by or 'an unknown version'}, verified by {found.this}"
@@ -55,18 +42,7 @@ def lines(found: Verification, everything: bool = False) -> Iterator[str]:
 
 
 def in_words(finding: Finding) -> str:
-    """A finding with its place.
-
-    Parameters
-    ----------
-    finding : Finding
-        It.
-
-    Returns
-    -------
-    str
-        ``Steady state!G7 (SteadyState, HS coupling, Torque), edited: ...``
-    """
+    """A finding with its place."""
     inside = ", ".join(part for part in (finding.table, finding.row, finding.column) if part)
     place = finding.place
     where = f"{place} ({inside})" if place and inside else place or inside
@@ -80,18 +56,7 @@ def _digests(found: Verification) -> str:
 
 
 def as_json(found: Verification) -> dict[str, Any]:
-    """A verification as a JSON object.
-
-    Parameters
-    ----------
-    found : Verification
-        It.
-
-    Returns
-    -------
-    dict
-        Ready for `json.dumps`.
-    """
+    """A verification as a JSON object."""
     return {
         "format": AUDIT_FORMAT,
         "file": str(found.source),

@@ -107,19 +107,7 @@ class Cluster(Workers):
             )
 
     def shares(self, folder: Path, source: Path) -> bool:
-        """Whether every worker sees a folder and a file of this machine under the same paths.
-
-        Parameters
-        ----------
-        folder : Path
-            Folder that workers would write to. [path]
-        source : Path
-            A file that they would read. [path]
-
-        Returns
-        -------
-        bool
-        """
+        """Whether every worker sees a folder and a file of this machine under the same paths."""
         token = uuid.uuid4().hex
         probe = folder / "probe"
         probe.write_text(token, encoding="ascii")
@@ -242,21 +230,7 @@ def _version() -> str:
 
 
 def shared(folder: str, token: str, source: str) -> bool:
-    """Whether this worker sees the folder and the file, and may write there.
-
-    Parameters
-    ----------
-    folder : str
-        Folder of results. [path]
-    token : str
-        What stands in the file ``probe`` there. [text]
-    source : str
-        A file to be read. [path]
-
-    Returns
-    -------
-    bool
-    """
+    """Whether this worker sees the folder and the file, and may write there."""
     place = Path(folder)
     try:
         if (place / "probe").read_text(encoding="ascii") != token:

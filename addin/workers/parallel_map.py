@@ -43,18 +43,7 @@ class UnitLost(Exception):
 
 
 def alone(stopped: Callable[[], bool] = lambda: False) -> Spread:
-    """Everything in this process.
-
-    Parameters
-    ----------
-    stopped : callable, optional
-        Asked before each unit.
-
-    Returns
-    -------
-    Spread
-        Raises `Cancelled` once stopped.
-    """
+    """Everything in this process."""
 
     def spread(
         do: Callable[[Any], Any], payloads: Sequence[Any], done: Callable[[int], None]
@@ -72,20 +61,7 @@ def alone(stopped: Callable[[], bool] = lambda: False) -> Spread:
 
 
 def over_workers(workers: Workers, stopped: Callable[[], bool] = lambda: False) -> Spread:
-    """Over processes of this machine or a cluster.
-
-    Parameters
-    ----------
-    workers : Workers
-        What does tasks.
-    stopped : callable, optional
-        Asked all the time.
-
-    Returns
-    -------
-    Spread
-        Raises `Cancelled` once stopped, `UnitLost` when a unit ends its process twice.
-    """
+    """Over processes of this machine or a cluster."""
 
     def spread(
         do: Callable[[Any], Any], payloads: Sequence[Any], done: Callable[[int], None]
@@ -124,24 +100,7 @@ def as_far(
     payloads: Sequence[Any],
     done: Callable[[int], None],
 ) -> list[Any]:
-    """As `spread`, but after Ctrl-C the answers of the first payloads, as many as there are.
-
-    Parameters
-    ----------
-    spread : Spread
-        Where units of work are done.
-    do : callable
-        A function of a module.
-    payloads : sequence of object
-        What it is called with.
-    done : callable
-        Told how many are done. [count]
-
-    Returns
-    -------
-    list of object
-        Shorter than `payloads` after Ctrl-C.
-    """
+    """As `spread`, but after Ctrl-C the answers of the first payloads, as many as there are."""
     try:
         return spread(do, payloads, done)
     except Cancelled as cut:
@@ -168,10 +127,6 @@ def spread_over(
         Address of a Dask cluster. [address]
     stopped : callable
         Asked all the time.
-
-    Yields
-    ------
-    Spread
 
     Raises
     ------

@@ -30,34 +30,19 @@ _GARBAGE = (200_000, 10, 10)
 
 @dataclass(frozen=True)
 class Task:
-    """Something to do.
+    """Something to do."""
 
-    Parameters
-    ----------
-    do : callable
-        What is called with the payload, in another process: a function of a module.
-    payload : object
-        What it works on; can be pickled, and so can the answer.
-    tag : object
-        For the caller; it stays here.
-    """
-
+    #: What is called with the payload, in another process: a function of a module.
     do: Callable[[Any], Any]
-    payload: Any
-    tag: Any = None
+    payload: Any  #: What it works on; can be pickled, and so can the answer.
+    tag: Any = None  #: For the caller; it stays here.
 
 
 @dataclass(frozen=True)
 class Crashed:
-    """The answer to a task whose processes died.
+    """The answer to a task whose processes died."""
 
-    Parameters
-    ----------
-    sentence : str
-        What is known of it. [sentence]
-    """
-
-    sentence: str
+    sentence: str  #: What is known of it.
 
 
 class Workers:
@@ -67,27 +52,11 @@ class Workers:
     """
 
     def add(self, task: Task) -> None:
-        """Put a task at the end of the queue.
-
-        Parameters
-        ----------
-        task : Task
-        """
+        """Put a task at the end of the queue."""
         raise NotImplementedError
 
     def answers(self, stopped: Callable[[], bool]) -> Iterator[tuple[Task, Any]]:
-        """Each task with its answer, as they come, until nothing is left to do.
-
-        Parameters
-        ----------
-        stopped : callable
-            Asked all the time; once True, nothing new is begun.
-
-        Yields
-        ------
-        tuple of (Task, object)
-            The answer may be `Crashed`.
-        """
+        """Each task with its answer, as they come, until nothing is left to do."""
         raise NotImplementedError
 
     #: Whether they are on this machine. [flag]

@@ -74,27 +74,13 @@ def handed(model: Model, what: str, value: Any) -> Iterator[None]:
 
 @dataclass(eq=False)
 class Model:
-    """A case with what has been calculated of it; models of equal numbers share the results.
+    """A case with what has been calculated of it; models of equal numbers share the results."""
 
-    Parameters
-    ----------
-    handle : str
-        Its name in the cells. [text]
-    case : Case
-        The case. [SI]
-    system : str
-        ``US`` or ``SI``: units its results are shown in unless asked otherwise. [word]
-    results : str
-        Digest of all that can change a result. [hexadecimal]
-    size : int
-        Memory of the case. [B]
-    """
-
-    handle: str
-    case: Case
-    system: str
-    results: str = ""
-    size: int = 0
+    handle: str  #: Its name in the cells.
+    case: Case  #: The case. [SI]
+    system: str  #: ``US`` or ``SI``: units its results are shown in unless asked otherwise.
+    results: str = ""  #: Digest of all that can change a result. [hexadecimal]
+    size: int = 0  #: Memory of the case. [B]
     kept: dict[str, Any] = field(default_factory=dict)
     lock: threading.RLock = field(default_factory=threading.RLock)
     sizes: dict[str, int] = field(default_factory=dict)
@@ -216,16 +202,6 @@ class Models:
 
     def of(self, handle: str) -> Model:
         """The model of a handle.
-
-        Parameters
-        ----------
-        handle : str
-            As a cell holds it. [text]
-
-        Returns
-        -------
-        Model
-            The model.
 
         Raises
         ------

@@ -56,31 +56,16 @@ class FunctionError(Exception):
 
 @dataclass(frozen=True)
 class Argument:
-    """One argument of a function.
+    """One argument of a function."""
 
-    Parameters
-    ----------
-    name : str
-        As the wizard shows it. [name]
-    kind : str
-        One of `KINDS`: a range with headers, a handle of `TV_MODEL`, one number, a range of
-        numbers, a text, TRUE or FALSE, a whole number. [word]
-    help : str
-        What to give, so that it reads well after "give". [words]
-    optional : bool
-        Whether it may be left out or blank: the function then gets None. [flag]
-    blank : bool
-        Whether the cell given may be blank although others follow. [flag]
-    least : int
-        Smallest whole number it may be. [count]
-    """
-
-    name: str
+    name: str  #: As the wizard shows it.
+    #: One of `KINDS`: a range with headers, a handle of `TV_MODEL`, one number, a range of
+    #: numbers, a text, TRUE or FALSE, a whole number.
     kind: str
-    help: str
-    optional: bool = False
-    blank: bool = False
-    least: int = 1
+    help: str  #: What to give, so that it reads well after "give".
+    optional: bool = False  #: Whether it may be left out or blank: the function then gets None.
+    blank: bool = False  #: Whether the cell given may be blank although others follow.
+    least: int = 1  #: Smallest whole number it may be.
 
     def __post_init__(self) -> None:
         assert self.kind in KINDS, self.kind
@@ -88,36 +73,18 @@ class Argument:
 
 @dataclass(frozen=True)
 class Function:
-    """One worksheet function.
+    """One worksheet function."""
 
-    Parameters
-    ----------
-    name : str
-        In capitals, as in the contract. [name]
-    help : str
-        First sentence of its documentation. [sentence]
-    arguments : tuple of Argument
-        In order; the optional ones last.
-    answer : callable
-        Takes the values of the arguments, gives a value or rows. [SI inside, shown units outside]
-    scalar : bool
-        Whether the answer is one cell. [flag]
-    long : bool
-        Whether it may have to calculate a start. [flag]
-    example : str
-        A formula. [text]
-    columns : int or None
-        Columns of its table, 0 where they hang on the model; None for an answer that is no table.
-        A table takes `ROW_COUNT` as its last argument, which `answer` does not see. [count]
-    """
-
-    name: str
-    help: str
-    arguments: tuple[Argument, ...]
+    name: str  #: In capitals, as in the contract.
+    help: str  #: First sentence of its documentation.
+    arguments: tuple[Argument, ...]  #: In order; the optional ones last.
+    #: Takes the values of the arguments, gives a value or rows. [SI inside, shown units outside]
     answer: Callable[..., Any]
-    scalar: bool = False
-    long: bool = False
-    example: str = ""
+    scalar: bool = False  #: Whether the answer is one cell.
+    long: bool = False  #: Whether it may have to calculate a start.
+    example: str = ""  #: A formula.
+    #: Columns of its table, 0 where they hang on the model; None for an answer that is no table. A
+    #: table takes `ROW_COUNT` as its last argument, which `answer` does not see.
     columns: int | None = None
 
 
@@ -143,26 +110,7 @@ def registered(
     example: str = "",
     columns: int | None = None,
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Enter a function into the registry.
-
-    Parameters
-    ----------
-    name : str
-        In capitals. [name]
-    *arguments : Argument
-        As many as the function takes.
-    scalar, long : bool
-        Whether its answer is one cell; whether it may calculate a start. [flags]
-    example : str
-        A formula. [text]
-    columns : int, optional
-        Columns of its table; 0 = they hang on the model. [count]
-
-    Returns
-    -------
-    callable
-        Decorator that leaves the function as it is.
-    """
+    """Enter a function into the registry."""
 
     def enter(answer: Callable[..., Any]) -> Callable[..., Any]:
         optional = [a.optional for a in arguments]

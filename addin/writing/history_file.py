@@ -26,16 +26,6 @@ def history_stems(results: Iterable[str]) -> dict[str, str]:
 
     A history is called after its result without the ending; where two results differ in the ending
     only, after the whole name.
-
-    Parameters
-    ----------
-    results : iterable of str
-        Names of result files, different ones. [paths]
-
-    Returns
-    -------
-    dict of str to str
-        By the result: the name of its history before ``.history``. [paths]
     """
     stems = {name: name[: len(name) - len(Path(name).suffix)] for name in results}
     while True:

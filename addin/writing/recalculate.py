@@ -46,50 +46,25 @@ COMPILING = "compiling the numerical routines, once on this machine (some ten se
 
 @dataclass(frozen=True, eq=False)
 class Recalculated:
-    """What became of one input.
+    """What became of one input."""
 
-    Parameters
-    ----------
-    source : Path
-        The input. [path]
-    calculation : Calculation or None
-        The results; None if something was wrong. [SI]
-    problems : tuple of CellProblem
-        Everything wrong with it; empty if it was calculated. [problems]
-    warnings : tuple of str
-        What the engineer should know. [sentences]
-    written : tuple of Path
-        Files written: workbook, history, JSON. [paths]
-    cause : Exception or None
-        What was raised where a file could not be opened or written, for callers that tell one such
-        case from another.
-    """
-
-    source: Path
-    calculation: Calculation | None
-    problems: tuple[CellProblem, ...]
-    warnings: tuple[str, ...]
-    written: tuple[Path, ...]
+    source: Path  #: The input.
+    calculation: Calculation | None  #: The results; None if something was wrong. [SI]
+    problems: tuple[CellProblem, ...]  #: Everything wrong with it; empty if it was calculated.
+    warnings: tuple[str, ...]  #: What the engineer should know.
+    written: tuple[Path, ...]  #: Files written: workbook, history, JSON.
+    #: What was raised where a file could not be opened or written, for callers that tell one such
+    #: case from another.
     cause: Exception | None = None
 
 
 @dataclass(frozen=True)
 class Unreadable:
-    """An input that could not be opened at all, in the form of one that was read.
+    """An input that could not be opened at all, in the form of one that was read."""
 
-    Parameters
-    ----------
-    problems : tuple of CellProblem
-        Why. [problems]
-    warnings : tuple of str
-        Nothing. [sentences]
-    cause : Exception or None
-        What was raised.
-    """
-
-    problems: tuple[CellProblem, ...]
-    warnings: tuple[str, ...] = ()
-    cause: Exception | None = None
+    problems: tuple[CellProblem, ...]  #: Why.
+    warnings: tuple[str, ...] = ()  #: Nothing.
+    cause: Exception | None = None  #: What was raised.
 
 
 def read_checked(source: Path) -> CaseInput | Unreadable:
@@ -120,20 +95,7 @@ def read_checked(source: Path) -> CaseInput | Unreadable:
 
 
 def of_file(source: Path, wrong: Exception) -> CellProblem:
-    """A file that cannot be opened or written, as a problem.
-
-    Parameters
-    ----------
-    source : Path
-        The file. [path]
-    wrong : Exception
-        What was raised.
-
-    Returns
-    -------
-    CellProblem
-        With a sentence and no cell.
-    """
+    """A file that cannot be opened or written, as a problem."""
     sentence = str(wrong)
     if isinstance(wrong, FileNotFoundError) and _is_elsewhere(wrong, source):
         sentence = f"{wrong.filename} cannot be made there. Name another folder for the results."
@@ -260,18 +222,7 @@ def recalculate(
 
 
 def beside(source: Path) -> Path:
-    """Default name of the results: train.out.xlsx, case.results.json.
-
-    Parameters
-    ----------
-    source : Path
-        The input. [path]
-
-    Returns
-    -------
-    Path
-        Beside it. [path]
-    """
+    """Default name of the results: train.out.xlsx, case.results.json."""
     if source.suffix.lower() in WORKBOOK_ENDINGS:
         return source.with_name(f"{source.stem}.out{source.suffix}")
     return source.with_name(f"{source.stem}.results.json")
@@ -332,34 +283,12 @@ def calculate_read(
 
 
 def is_compiling(stage: str) -> bool:
-    """Whether a stage is one of the long waits that come once on a machine.
-
-    Parameters
-    ----------
-    stage : str
-        Name of a stage. [words]
-
-    Returns
-    -------
-    bool
-        True for `COMPILING` and the engine's `COMPILING_EVENTS`.
-    """
+    """Whether a stage is one of the long waits that come once on a machine."""
     return stage.startswith("compiling the ")
 
 
 def of_case(wrong: CaseError | ModelError) -> tuple[CellProblem, ...]:
-    """A case that cannot be calculated as a whole, as problems.
-
-    Parameters
-    ----------
-    wrong : CaseError or ModelError
-        What was raised.
-
-    Returns
-    -------
-    tuple of CellProblem
-        With sentences and no cells.
-    """
+    """A case that cannot be calculated as a whole, as problems."""
     from engine.errors import CaseError
 
     if isinstance(wrong, CaseError):
@@ -431,13 +360,6 @@ def _write_history(calculation: Calculation, beside: Path, stem: str) -> Iterabl
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Write JSON whole or not at all.
-
-    Parameters
-    ----------
-    path : Path
-        The file. [path]
-    content : mapping
-        What it holds.
 
     Raises
     ------

@@ -123,22 +123,7 @@ def table_rows(name: str, rows: Iterable[Mapping[str, Any]]) -> list[dict[str, A
 def errors_to_json(
     problems: Iterable[CellProblem], version: str, warnings: Iterable[str] = ()
 ) -> dict[str, Any]:
-    """The JSON object of an input that could not be calculated.
-
-    Parameters
-    ----------
-    problems : iterable of CellProblem
-        Everything wrong. [problems]
-    version : str
-        Version of this program. [text]
-    warnings : iterable of str
-        What the engineer should know besides. [sentences]
-
-    Returns
-    -------
-    dict
-        Ready for `json.dumps`.
-    """
+    """The JSON object of an input that could not be calculated."""
     return {
         "format": FORMAT,
         "version": version,
@@ -148,18 +133,7 @@ def errors_to_json(
 
 
 def storable(value: Any) -> Any:
-    """A single value JSON can hold: a damaged file may state numbers that are none, or lists of them.
-
-    Parameters
-    ----------
-    value : object
-        As it stands in a file.
-
-    Returns
-    -------
-    None, bool, int, float or str
-        The same where it is a single value; else words.
-    """
+    """A single value JSON can hold: a damaged file may state numbers that are none, or lists of them."""
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     if value is None or isinstance(value, bool | int | float | str):

@@ -107,21 +107,11 @@ ANALYSES = (
 
 @dataclass(frozen=True)
 class RunStamp:
-    """Who calculated, when, from which inputs.
+    """Who calculated, when, from which inputs."""
 
-    Parameters
-    ----------
-    software : str
-        Name and version. [text]
-    date : datetime
-        When, in UTC. [date]
-    sha256 : str
-        Digest of the inputs. [hexadecimal]
-    """
-
-    software: str
-    date: dt.datetime
-    sha256: str
+    software: str  #: Name and version.
+    date: dt.datetime  #: When, in UTC. [date]
+    sha256: str  #: Digest of the inputs. [hexadecimal]
 
     @property
     def sentence(self) -> str:
@@ -534,11 +524,6 @@ def _run_facts(run: RunView, stamp: RunStamp, units: ShownUnits) -> TableData:
 
 def chosen_elements(workbook: Workbook) -> list[str | None]:
     """What the engineer wrote into the cells above the history charts.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        The open workbook.
 
     Returns
     -------

@@ -71,13 +71,6 @@ def calculator_copy(
         Formulas that are not to be calculated; their cells keep their values.
     named : collection of str, optional
         Tables that formulas name; by default those that they read.
-
-    Returns
-    -------
-    replaced : dict of str to bytes
-        Parts with another content.
-    dropped : set of str
-        Parts left out.
     """
     parts = workbook.changed_parts()
     unread = [] if read is None else _unread_tables(workbook, read, named)

@@ -20,26 +20,16 @@ _AFTER_TEXT_FORMAT = frozenset({"extLst"})
 
 @dataclass(frozen=True)
 class TitleLink:
-    """Which cells title the chart that draws certain cells as its values, and nothing else.
+    """Which cells title the chart that draws certain cells as its values, and nothing else."""
 
-    Attributes
-    ----------
-    sheet : str
-        Sheet of the values and of the titles.
-    values : tuple of Rect
-        The values of its series.
-    title, value_axis : str
-        Cells of the chart's title and of the title of its vertical value axis.
-    title_words, axis_words : str
-        Pattern of the words that these cells may have shown; other words are somebody's own and stay.
-    """
-
-    sheet: str
-    values: tuple[Rect, ...]
-    title: str
-    value_axis: str
+    sheet: str  #: Sheet of the values and of the titles.
+    values: tuple[Rect, ...]  #: The values of its series.
+    title: str  #: Cells of the chart's title and of the title of its vertical value axis.
+    value_axis: str  #: Likewise.
+    #: Pattern of the words that these cells may have shown; other words are somebody's own and
+    #: stay.
     title_words: str
-    axis_words: str
+    axis_words: str  #: Likewise.
 
 
 def link_titles(
@@ -60,11 +50,6 @@ def link_titles(
         Areas of a reference text; None when it cannot be followed.
     shown : callable
         Text that a cell of a sheet shows.
-
-    Returns
-    -------
-    int
-        Number of titles changed.
     """
     drawn = {area for text in _value_references(root) for area in areas(text) or ()}
     for link in links:

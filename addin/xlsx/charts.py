@@ -64,20 +64,7 @@ class ChartPart:
         self._points_left = MOST_POINTS
 
     def retarget(self, sheet: str, old: Rect, new: Rect) -> int:
-        """Let ranges that covered exactly the old rows of a block cover its new rows.
-
-        Parameters
-        ----------
-        sheet : str
-            Sheet of the block.
-        old, new : Rect
-            The block before and after; same columns, same first row.
-
-        Returns
-        -------
-        int
-            Number of ranges changed.
-        """
+        """Let ranges that covered exactly the old rows of a block cover its new rows."""
         count = 0
         for formula in self._by_rows.pop((sheet, old.top, old.bottom), {}):
             areas = split_areas(formula.text)
@@ -109,11 +96,6 @@ class ChartPart:
             Values that the cells of a rectangle of a sheet show, row by row.
         known : dict, optional
             Points that other charts of the workbook draw, too, by kind, prefix and areas; added to.
-
-        Returns
-        -------
-        int
-            Number of caches renewed.
         """
         count = 0
         known = {} if known is None else known
@@ -148,11 +130,6 @@ class ChartPart:
             Areas of a reference text; None when it cannot be followed.
         text : callable
             Text that a cell of a sheet shows.
-
-        Returns
-        -------
-        int
-            Number of titles changed.
         """
         count = link_titles(self._root, links, resolve, text)
         self.changed = self.changed or count > 0

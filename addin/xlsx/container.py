@@ -46,33 +46,22 @@ _END_RECORD = struct.Struct("<4s4H2LH")
 
 @dataclass(frozen=True)
 class Limits:
-    """What is still taken for a workbook and not for an attack.
+    """What is still taken for a workbook and not for an attack."""
 
-    Attributes
-    ----------
-    file_size, total_size, part_size : int
-        Largest file, sum of all inflated parts and single inflated part. [byte]
-    inflated : int
-        Sum of the parts that are inflated here; pictures and the like stay packed. [byte]
-    marks : int
-        Sum of brackets and twice the equal signs of the parts that are parsed, each of which costs some hundred
-        bytes of memory; 300,000 cells have about as many. [count]
-    entries : int
-        Largest number of parts.
-    ratio : int
-        Largest inflated/stored ratio of a part above ``ratio_from``; ordinary sheets reach 10 to 20.
-    ratio_from : int
-        Parts below this inflated size may have any ratio. [byte]
-    """
-
+    #: Largest file, sum of all inflated parts and single inflated part. [byte]
     file_size: int = 100 * 2**20
-    total_size: int = 500 * 2**20
-    part_size: int = 100 * 2**20
+    total_size: int = 500 * 2**20  #: Likewise. [byte]
+    part_size: int = 100 * 2**20  #: Likewise. [byte]
+    #: Sum of the parts that are inflated here; pictures and the like stay packed. [byte]
     inflated: int = 150 * 2**20
+    #: Sum of brackets and twice the equal signs of the parts that are parsed, each of which costs
+    #: some hundred bytes of memory; 300,000 cells have about as many.
     marks: int = 2_500_000
-    entries: int = 5_000
+    entries: int = 5_000  #: Largest number of parts.
+    #: Largest inflated/stored ratio of a part above ``ratio_from``; ordinary sheets reach 10 to
+    #: 20.
     ratio: int = 200
-    ratio_from: int = 2**20
+    ratio_from: int = 2**20  #: Parts below this inflated size may have any ratio. [byte]
 
 
 DEFAULT_LIMITS = Limits()

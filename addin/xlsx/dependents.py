@@ -24,30 +24,19 @@ _LANGUAGE_WORDS = frozenset(["TRUE", "FALSE"])
 
 @dataclass(frozen=True)
 class FormulaCell:
-    """A formula of the workbook.
+    """A formula of the workbook."""
 
-    Attributes
-    ----------
-    sheet : str
-        Its sheet.
-    rect : Rect
-        The cells that show its result; more than one for array formulas, everything below and right of the first for
-        formulas that spill.
-    text : str
-        The formula as written in its master cell, of a data table what it reads; empty when that cannot be told.
-    shift : tuple of int
-        Rows and columns from the master of a shared formula to this cell.
-    spills : bool
-        Whether it is a dynamic-array formula.
-    is_data_table : bool
-        Whether it is a data table (What-If Analysis), whose values no other formula gives.
-    """
-
-    sheet: str
+    sheet: str  #: Its sheet.
+    #: The cells that show its result; more than one for array formulas, everything below and right
+    #: of the first for formulas that spill.
     rect: Rect
+    #: The formula as written in its master cell, of a data table what it reads; empty when that
+    #: cannot be told.
     text: str
+    #: Rows and columns from the master of a shared formula to this cell.
     shift: tuple[int, int] = (0, 0)
-    spills: bool = False
+    spills: bool = False  #: Whether it is a dynamic-array formula.
+    #: Whether it is a data table (What-If Analysis), whose values no other formula gives.
     is_data_table: bool = False
 
 

@@ -24,30 +24,14 @@ Area = tuple[str, Rect]
 
 @dataclass(frozen=True)
 class Drawn:
-    """Cells that a chart draws or names, and its copy of their values.
+    """Cells that a chart draws or names, and its copy of their values."""
 
-    Attributes
-    ----------
-    text : str
-        The reference as written; empty for fixed words.
-    areas : tuple of (str, Rect)
-        Sheet and cells; empty where the reference cannot be followed.
-    numbers : bool
-        Whether the copy holds numbers.
-    count : int
-        Points that the copy claims; -1 without a copy.
-    points : dict of int to str
-        Values of the copy by their place.
-    words : str
-        Fixed words in place of a reference.
-    """
-
-    text: str = ""
-    areas: tuple[Area, ...] = ()
-    numbers: bool = False
-    count: int = -1
-    points: dict[int, str] | None = None
-    words: str = ""
+    text: str = ""  #: The reference as written; empty for fixed words.
+    areas: tuple[Area, ...] = ()  #: Sheet and cells; empty where the reference cannot be followed.
+    numbers: bool = False  #: Whether the copy holds numbers.
+    count: int = -1  #: Points that the copy claims; -1 without a copy.
+    points: dict[int, str] | None = None  #: Values of the copy by their place.
+    words: str = ""  #: Fixed words in place of a reference.
 
 
 @dataclass(frozen=True)
@@ -61,25 +45,13 @@ class DrawnSeries:
 
 @dataclass(frozen=True)
 class DrawnChart:
-    """One chart of a worksheet.
+    """One chart of a worksheet."""
 
-    Attributes
-    ----------
-    sheet, cell : str
-        Where it lies: its sheet and the cell under its upper left corner.
-    title : str
-        Words above it, as the file holds them.
-    title_cell : Drawn
-        The cell that gives these words; empty for fixed ones.
-    series : tuple of DrawnSeries
-        In the order of the part.
-    """
-
-    sheet: str
-    cell: str
-    title: str
-    title_cell: Drawn
-    series: tuple[DrawnSeries, ...]
+    sheet: str  #: Where it lies: its sheet and the cell under its upper left corner.
+    cell: str  #: Likewise.
+    title: str  #: Words above it, as the file holds them.
+    title_cell: Drawn  #: The cell that gives these words; empty for fixed ones.
+    series: tuple[DrawnSeries, ...]  #: In the order of the part.
 
     def references(self) -> Iterator[Drawn]:
         """Everything in it that refers to cells."""
@@ -89,18 +61,7 @@ class DrawnChart:
 
 
 def drawn_charts(workbook: Workbook) -> list[DrawnChart]:
-    """The charts on the worksheets of a workbook.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        As it stands.
-
-    Returns
-    -------
-    list of DrawnChart
-        Sheet by sheet. Charts on chart sheets are left out.
-    """
+    """The charts on the worksheets of a workbook."""
     structure = workbook.structure
     found = []
     for sheet in workbook.sheet_names:

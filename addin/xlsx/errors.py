@@ -83,22 +83,12 @@ class CellRefused(PackageError):
 
 @dataclass(frozen=True)
 class Obstacle:
-    """Something in the way of a growing table.
+    """Something in the way of a growing table."""
 
-    Attributes
-    ----------
-    sheet, cell : str
-        Where it stands.
-    found : str
-        What stands there, in words.
-    table : str
-        The table that needs the room.
-    """
-
-    sheet: str
-    cell: str
-    found: str
-    table: str
+    sheet: str  #: Where it stands.
+    cell: str  #: Likewise.
+    found: str  #: What stands there, in words.
+    table: str  #: The table that needs the room.
 
     def __str__(self) -> str:
         return f"{self.sheet}!{self.cell}: {self.found} is in the way of table {self.table}."

@@ -43,18 +43,10 @@ LOOKS_AT_HIDDEN_ROWS = frozenset(["SUBTOTAL", "AGGREGATE"])
 
 @dataclass(frozen=True)
 class Reference:
-    """A cell range written in a formula.
+    """A cell range written in a formula."""
 
-    Attributes
-    ----------
-    sheet : str
-        Text before the exclamation mark, with it; empty = the formula's own sheet.
-    text : str
-        The range as written.
-    """
-
-    sheet: str
-    text: str
+    sheet: str  #: Text before the exclamation mark, with it; empty = the formula's own sheet.
+    text: str  #: The range as written.
 
 
 @dataclass(frozen=True)
@@ -75,53 +67,30 @@ class NameReference:
 
 @dataclass(frozen=True)
 class Span:
-    """``A1:INDEX(range, ...)``: cells from one reference to a place within another.
-
-    Attributes
-    ----------
-    start : Reference
-    within : Reference, TableReference or NameReference
-        What INDEX chooses from; all cells read lie in the rectangle around both.
-    """
+    """``A1:INDEX(range, ...)``: cells from one reference to a place within another."""
 
     start: Reference
+    #: What INDEX chooses from; all cells read lie in the rectangle around both.
     within: Reference | TableReference | NameReference
 
 
 @dataclass(frozen=True)
 class Parsed:
-    """What a formula text refers to.
-
-    Attributes
-    ----------
-    cells : tuple of Reference
-    tables : tuple of TableReference
-    names : tuple of NameReference
-    spans : tuple of Span
-        Their two ends are not repeated among cells, tables and names.
-    functions : frozenset of str
-        Upper case, without ``_xlfn.`` and ``_xlws.``.
-    unclear : bool
-        Something was not understood, or a function reads cells that are not named: it may read everything.
-    """
+    """What a formula text refers to."""
 
     cells: tuple[Reference, ...]
     tables: tuple[TableReference, ...]
     names: tuple[NameReference, ...]
-    spans: tuple[Span, ...]
-    functions: frozenset[str]
+    spans: tuple[Span, ...]  #: Their two ends are not repeated among cells, tables and names.
+    functions: frozenset[str]  #: Upper case, without ``_xlfn.`` and ``_xlws.``.
+    #: Something was not understood, or a function reads cells that are not named: it may read
+    #: everything.
     unclear: bool
 
 
 @lru_cache(maxsize=65_536)
 def parse_formula(text: str) -> Parsed:
-    """Find the references and functions of a formula.
-
-    Parameters
-    ----------
-    text : str
-        The formula in file syntax, without ``=``.
-    """
+    """Find the references and functions of a formula."""
     if len(text) > MAX_FORMULA or (len(text) > 1_000 and _has_stray_quotes(text)):
         # No program takes it, or each of its quotes would be followed to the end.
         return Parsed((), (), (), (), frozenset(), unclear=True)

@@ -69,44 +69,25 @@ _SAME_RESULT = 1e-9
 
 @dataclass(frozen=True)
 class CacheReport:
-    """What was done about the cached values of formulas.
+    """What was done about the cached values of formulas."""
 
-    Attributes
-    ----------
-    method : str
-        ``"not needed"`` (no formula hangs on a changed cell), ``"recalculated"`` or ``"removed"``.
-    formulas : int
-        Formula cells of the workbook whose value is not given by the writer.
-    affected : int
-        Those that hang on changed cells.
-    changed : int
-        Those that got a new value.
-    removed : int
-        Those that were left without a value, to be calculated when the workbook is opened.
-    disagreements : tuple of str
-        Formula cells written with a value that the recalculation gets otherwise (relative difference above 1e-9).
-    reason : str
-        Why values were removed, in words; empty otherwise.
-    """
-
+    #: ``"not needed"`` (no formula hangs on a changed cell), ``"recalculated"`` or ``"removed"``.
     method: str
-    formulas: int = 0
-    affected: int = 0
-    changed: int = 0
+    formulas: int = 0  #: Formula cells of the workbook whose value is not given by the writer.
+    affected: int = 0  #: Those that hang on changed cells.
+    changed: int = 0  #: Those that got a new value.
+    #: Those that were left without a value, to be calculated when the workbook is opened.
     removed: int = 0
+    #: Formula cells written with a value that the recalculation gets otherwise (relative
+    #: difference above 1e-9).
     disagreements: tuple[str, ...] = ()
-    reason: str = ""
+    reason: str = ""  #: Why values were removed, in words; empty otherwise.
 
 
 def refresh_formula_caches(workbook: Workbook) -> CacheReport:
     """Renew or remove the cached value of each formula that hangs on changed cells.
 
     Sheets without such a formula stay byte-identical.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        The workbook, after all cells are written.
     """
     if not workbook.changed:
         return CacheReport("not needed")

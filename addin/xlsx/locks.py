@@ -11,11 +11,6 @@ from addin.xlsx.errors import WorkbookLocked
 def check_not_open(path: Path) -> None:
     """Refuse a workbook that is open in Excel or LibreOffice.
 
-    Parameters
-    ----------
-    path : Path
-        The workbook.
-
     Raises
     ------
     WorkbookLocked

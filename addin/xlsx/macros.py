@@ -44,63 +44,31 @@ Setting = str | bool
 
 @dataclass(frozen=True)
 class Button:
-    """A button on a sheet, drawn into the drawing that is there; it is not printed.
+    """A button on a sheet, drawn into the drawing that is there; it is not printed."""
 
-    Attributes
-    ----------
-    sheet : str
-        Its sheet.
-    macro : str
-        What it runs.
-    words : str
-        What stands on it.
-    row, first, last : int
-        Its row, its first and last column, counted from 1.
-    height : float
-        From a little below the top of the row. [point]
-    colour : str
-        Of words and edge. [RRGGBB]
-    """
-
-    sheet: str
-    macro: str
-    words: str
-    row: int
-    first: int
-    last: int
-    height: float
-    colour: str
+    sheet: str  #: Its sheet.
+    macro: str  #: What it runs.
+    words: str  #: What stands on it.
+    row: int  #: Its row, its first and last column, counted from 1.
+    first: int  #: Likewise.
+    last: int  #: Likewise.
+    height: float  #: From a little below the top of the row. [point]
+    colour: str  #: Of words and edge. [RRGGBB]
 
 
 @dataclass(frozen=True)
 class MacroEdit:
-    """What a workbook gets.
+    """What a workbook gets."""
 
-    Attributes
-    ----------
-    project : bytes
-        The part ``vbaProject.bin``.
-    sheet : str
-        Name of the sheet of settings.
-    settings : mapping of str to (str or bool)
-        Its rows: name and value.
-    button : Button or None
-        For a macro; a workbook without that sheet, or with no drawing on it, gets none.
-    """
-
-    project: bytes
-    sheet: str
-    settings: Mapping[str, Setting]
+    project: bytes  #: The part ``vbaProject.bin``.
+    sheet: str  #: Name of the sheet of settings.
+    settings: Mapping[str, Setting]  #: Its rows: name and value.
+    #: For a macro; a workbook without that sheet, or with no drawing on it, gets none.
     button: Button | None = None
 
 
 def macro_project(workbook: Workbook) -> bytes | None:
     """The VBA project of a workbook.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        An open one.
 
     Returns
     -------
@@ -113,13 +81,6 @@ def macro_project(workbook: Workbook) -> bytes | None:
 
 def settings_of(workbook: Workbook, sheet: str) -> dict[str, Setting] | None:
     """Rows of a sheet of settings.
-
-    Parameters
-    ----------
-    workbook : Workbook
-        An open one.
-    sheet : str
-        Its name.
 
     Returns
     -------
@@ -164,10 +125,6 @@ def save_with_macros(
         ``name.bak2`` and so on where there is one.
     ignore_lock : bool
         Write although a lock file says that somebody has it open.
-
-    Returns
-    -------
-    SaveReport
 
     Raises
     ------

@@ -213,17 +213,7 @@ def split_areas(reference: str) -> list[str]:
 
 
 def retargeted(area: str, sheet: str, old: Rect, new: Rect) -> str:
-    """A written range, moved if it reached exactly over the rows of a resized block.
-
-    Parameters
-    ----------
-    area : str
-        The range with its sheet, e.g. ``"'Start-up'!$B$5:$B$14"``.
-    sheet : str
-        Sheet of the block.
-    old, new : Rect
-        The block before and after: same columns, same first row.
-    """
+    """A written range, moved if it reached exactly over the rows of a resized block."""
     area_sheet, text = split_sheet(area)
     if area_sheet != sheet:
         return area

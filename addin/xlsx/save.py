@@ -26,30 +26,16 @@ Check = Callable[[Mapping[str, bytes]], list[str]]
 
 @dataclass(frozen=True)
 class SaveReport:
-    """What was written.
+    """What was written."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    backup : Path or None
-        Copy of the original, when it was replaced.
-    parts : tuple of str
-        Parts that are new or differ from the original; all others are byte-identical.
-    dropped : tuple of str
-        Parts left out (the calculation chain, which spreadsheet programs make anew).
-    caches : CacheReport
-        What was done about the cached values of formulas.
-    notes : tuple of str
-        What the user should know, in sentences.
-    """
-
-    path: Path
-    backup: Path | None
+    path: Path  #: The file.
+    backup: Path | None  #: Copy of the original, when it was replaced.
+    #: Parts that are new or differ from the original; all others are byte-identical.
     parts: tuple[str, ...]
+    #: Parts left out (the calculation chain, which spreadsheet programs make anew).
     dropped: tuple[str, ...]
-    caches: CacheReport
-    notes: tuple[str, ...] = ()
+    caches: CacheReport  #: What was done about the cached values of formulas.
+    notes: tuple[str, ...] = ()  #: What the user should know, in sentences.
 
 
 def save_package(
@@ -69,31 +55,6 @@ def save_package(
     keep_backups: bool = False,
 ) -> SaveReport:
     """Write a changed package.
-
-    Parameters
-    ----------
-    container : Container
-        The package as opened.
-    replaced : mapping of str to bytes
-        Changed parts.
-    dropped : collection of str
-        Parts to leave out.
-    destination : Path or None
-        The new file.
-    in_place : bool
-        Replace the file that was opened.
-    read_only, ignore_lock : bool
-        As it was opened.
-    check : callable
-        Names the cells that read back wrongly from the changed parts.
-    caches, notes
-        Passed on into the report.
-    added : mapping of str to bytes, optional
-        New parts.
-    suffix : str
-        Ending of the new file's name, where the change makes another kind of workbook of it.
-    keep_backups : bool
-        Leave earlier backups as they are and number this one.
 
     Raises
     ------
@@ -285,13 +246,7 @@ class _Temporary:
 
 
 def flush_folder(folder: Path) -> None:
-    """Make new names in a folder durable; Windows has no such call and needs none.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder. [path]
-    """
+    """Make new names in a folder durable; Windows has no such call and needs none."""
     if os.name != "posix":
         return
     handle = os.open(folder, os.O_RDONLY)

@@ -253,17 +253,6 @@ class SheetPart:
     ) -> list[str]:
         """Write one cell, keeping its style unless another is given.
 
-        Parameters
-        ----------
-        row, column : int
-            The cell.
-        value : CellValue
-            A value that has passed `values.clean`.
-        style : str, optional
-            Style index.
-        replace_formula : bool
-            Whether a formula of the sheet may be replaced by a value.
-
         Raises
         ------
         CellRefused
@@ -416,11 +405,6 @@ class SheetPart:
         """Let conditional formats and data validations follow a resized block.
 
         Only ranges that reach exactly from its first to its last row, within its columns, are changed.
-
-        Returns
-        -------
-        int
-            Number of rules changed.
         """
         count = 0
         for around in self._around_cells():
@@ -439,13 +423,7 @@ class SheetPart:
         return count
 
     def retarget_sparklines(self, sheet: str, old: Rect, new: Rect) -> int:
-        """Let sparklines over a column of a resized block follow it.
-
-        Returns
-        -------
-        int
-            Number of sparklines changed.
-        """
+        """Let sparklines over a column of a resized block follow it."""
         count = 0
         for around in self._around_cells():
             for formula in around.iterfind(f".//{_SPARKLINE}/{_SPARKLINE_RANGE}"):

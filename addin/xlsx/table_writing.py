@@ -23,24 +23,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TableData:
-    """Rows for a table.
+    """Rows for a table."""
 
-    Parameters
-    ----------
-    name : str
-        The table.
-    rows : sequence of sequence
-        Values, aligned with ``columns``.
-    columns : sequence of str, optional
-        Columns that are written; the others stay the user's. Left out = all columns of the table in order.
-    formulas : mapping of str to str
-        Formula text of calculated columns. The row's value of such a column is the formula's cached value; for a column
-        that is not among ``columns`` the value is recalculated.
-    """
-
-    name: str
-    rows: Sequence[Sequence[Any]]
+    name: str  #: The table.
+    rows: Sequence[Sequence[Any]]  #: Values, aligned with ``columns``.
+    #: Columns that are written; the others stay the user's. Left out = all columns of the table in
+    #: order.
     columns: Sequence[str] | None = None
+    #: Formula text of calculated columns. The row's value of such a column is the formula's cached
+    #: value; for a column that is not among ``columns`` the value is recalculated.
     formulas: Mapping[str, str] = field(default_factory=dict)
 
 

@@ -23,34 +23,16 @@ _QUOTED = re.compile(r"'(.)")
 
 @dataclass(frozen=True)
 class Table:
-    """An Excel table.
+    """An Excel table."""
 
-    Attributes
-    ----------
-    name : str
-        The name that formulas use.
-    sheet : str
-        Its sheet.
-    ref : Rect
-        All of it, header and totals included.
-    columns : tuple of str
-        Column names.
-    has_header, has_totals : bool
-        Whether these rows are there.
-    calculated : tuple of (str or None)
-        Formula of each calculated column.
-    part : str
-        Name of its part in the package.
-    """
-
-    name: str
-    sheet: str
-    ref: Rect
-    columns: tuple[str, ...]
-    has_header: bool
-    has_totals: bool
-    calculated: tuple[str | None, ...]
-    part: str
+    name: str  #: The name that formulas use.
+    sheet: str  #: Its sheet.
+    ref: Rect  #: All of it, header and totals included.
+    columns: tuple[str, ...]  #: Column names.
+    has_header: bool  #: Whether these rows are there.
+    has_totals: bool  #: Likewise.
+    calculated: tuple[str | None, ...]  #: Formula of each calculated column.
+    part: str  #: Name of its part in the package.
 
     @cached_property
     def data(self) -> Rect:
@@ -95,15 +77,7 @@ class Table:
         return replace(self, ref=self.ref.with_bottom(bottom))
 
     def read_by(self, inside: str, at: Rect) -> Rect:
-        """Cells that a structured reference reads, rather too many than too few.
-
-        Parameters
-        ----------
-        inside : str
-            What stands in the brackets, e.g. ``[#This Row],[Flow]`` or ``Flow``.
-        at : Rect
-            Cells of the formula.
-        """
+        """Cells that a structured reference reads, rather too many than too few."""
         if inside not in self._read:
             self._read[inside] = _names_this_row(inside), self._area(inside)
         this_row, area = self._read[inside]
@@ -162,15 +136,7 @@ def _names_this_row(inside: str) -> bool:
 
 
 def parse_table(root: Element, sheet: str, part: str) -> Table:
-    """Read a table part.
-
-    Parameters
-    ----------
-    root : Element
-        Root of the table part.
-    sheet, part : str
-        Its sheet and the name of its part.
-    """
+    """Read a table part."""
     columns = root.findall(f"{main('tableColumns')}/{main('tableColumn')}")
     formulas = [column.findtext(main("calculatedColumnFormula")) for column in columns]
     name, written = root.get("displayName") or root.get("name"), root.get("ref", "")
@@ -235,20 +201,6 @@ def apply_table(root: Element, table: Table, formulas: Mapping[str, str]) -> boo
 
     The filter range follows the size. Filter criteria and sort order are taken out: they described the old rows, and a
     stale filter would hide new ones.
-
-    Parameters
-    ----------
-    root : Element
-        Root of the table part, changed in place.
-    table : Table
-        The table as it shall be.
-    formulas : mapping of str to str
-        Formula text of calculated columns.
-
-    Returns
-    -------
-    bool
-        Whether filter criteria were removed.
     """
     root.set("ref", str(table.ref))
     root.attrib.pop("insertRow", None)

@@ -54,18 +54,13 @@ class ErrorValue:
 
 @dataclass(frozen=True)
 class Formula:
-    """A formula with the value that it has now.
+    """A formula with the value that it has now."""
 
-    Parameters
-    ----------
-    text : str
-        The formula in file syntax: English names, commas, ``Table[[#This Row],[Column]]``, ``_xlfn.`` where Excel wants
-        it. A leading ``=`` is dropped.
-    cached : None, bool, int, float, str or ErrorValue
-        Its value. None = not known: it is recalculated with the formulas of the workbook, or left blank.
-    """
-
+    #: The formula in file syntax: English names, commas, ``Table[[#This Row],[Column]]``,
+    #: ``_xlfn.`` where Excel wants it. A leading ``=`` is dropped.
     text: str
+    #: Its value. None = not known: it is recalculated with the formulas of the workbook, or left
+    #: blank.
     cached: bool | int | float | str | ErrorValue | None = None
 
     def __post_init__(self) -> None:
@@ -144,19 +139,7 @@ def number_text(value: float) -> str:
 def row_xml(
     number: int, starts: Sequence[str], styles: Sequence[str | None], row: Sequence[CellValue]
 ) -> str:
-    """The ``<c>`` elements of a row in the default namespace; nothing for blank cells without a style.
-
-    Parameters
-    ----------
-    number : int
-        Row number.
-    starts : sequence of str
-        ``<c r="B`` and so on, one for each column.
-    styles : sequence of (str or None)
-        Style index of each cell.
-    row : sequence of CellValue
-        Values that have passed `clean`.
-    """
+    """The ``<c>`` elements of a row in the default namespace; nothing for blank cells without a style."""
     texts = []
     for start, style, value in zip(starts, styles, row, strict=True):
         if value is None and not style:
@@ -176,13 +159,7 @@ def row_xml(
 def row_writer(
     starts: Sequence[str], styles: Sequence[str | None]
 ) -> Callable[[int, Sequence[CellValue]], str]:
-    """`row_xml` for many rows with the same styles, quick where they hold numbers and blanks.
-
-    Parameters
-    ----------
-    starts, styles : sequence
-        As for `row_xml`.
-    """
+    """`row_xml` for many rows with the same styles, quick where they hold numbers and blanks."""
     around = [
         (start, f'" s="{style}"><v>' if style and style.isdigit() else '"><v>')
         for start, style in zip(starts, styles, strict=True)
@@ -253,15 +230,7 @@ _F, _V, _IS, _T, _R, _RPH = (main(tag) for tag in ("f", "v", "is", "t", "r", "rP
 
 
 def read_cell(cell: Element, shared_strings: Any) -> CellValue:
-    """Value of a ``<c>`` element.
-
-    Parameters
-    ----------
-    cell : Element
-        The cell.
-    shared_strings : callable
-        Gives the shared string of an index, given as text.
-    """
+    """Value of a ``<c>`` element."""
     constant = read_constant(cell, shared_strings)
     formula = cell.find(_F)
     if formula is None:

@@ -65,10 +65,6 @@ def open_workbook(
     limits : Limits
         Largest sizes accepted.
 
-    Returns
-    -------
-    Workbook
-
     Raises
     ------
     WorkbookRefused
@@ -368,13 +364,7 @@ class Workbook:
         self._sheet(sheet).set_row_height(row, height)
 
     def obstacles(self, rows: Mapping[str, int]) -> list[Obstacle]:
-        """What would be in the way if tables had these numbers of rows.
-
-        Parameters
-        ----------
-        rows : mapping of str to int
-            Number of rows by table name.
-        """
+        """What would be in the way if tables had these numbers of rows."""
         plans = []
         for name, count in rows.items():
             table = self.table(name)
@@ -390,18 +380,6 @@ class Workbook:
 
         Touches the chart parts concerned, and sheets with such sparklines, and nothing else in them than the range
         texts; called by `write_tables`.
-
-        Parameters
-        ----------
-        sheet : str
-            Sheet of the block.
-        old, new : str
-            The block before and after: same columns and first row.
-
-        Returns
-        -------
-        int
-            Number of ranges changed.
         """
         self._charts_current = False
         before, after = parse_range(old), parse_range(new)
@@ -417,11 +395,6 @@ class Workbook:
         ----------
         links : sequence of TitleLink
             Cells of the titles, by the cells a chart draws; all other charts stay as they are.
-
-        Returns
-        -------
-        int
-            Number of titles changed.
         """
 
         def text(sheet: str, cell: str) -> str:
@@ -434,11 +407,6 @@ class Workbook:
 
         Touches only chart parts with a range that reaches a changed cell, and in them only the caches; all other charts
         stay byte-identical. Called by `save`.
-
-        Returns
-        -------
-        int
-            Number of ranges renewed.
         """
         self._charts_current = True
         if not self._changed:
@@ -456,11 +424,6 @@ class Workbook:
 
     def allow_saving(self, *, ignore_lock: bool = False) -> None:
         """Make the checks that opening for reading only leaves out; from then on it can be saved.
-
-        Parameters
-        ----------
-        ignore_lock : bool
-            Allow it although a lock file says that somebody has the workbook open.
 
         Raises
         ------
@@ -487,17 +450,6 @@ class Workbook:
         and only then put there in one step; the original is read again before that, and if anything is wrong nothing
         has changed.
 
-        Parameters
-        ----------
-        destination : str or Path, optional
-            The new file; may be left out with ``in_place``.
-        in_place : bool
-            Replace the file that was opened; its old content stays as ``name.bak``.
-
-        Returns
-        -------
-        SaveReport
-
         Raises
         ------
         SaveRefused
@@ -522,13 +474,7 @@ class Workbook:
         )
 
     def chart_areas(self, text: str) -> list[Area] | None:
-        """Sheets and cells of a chart's reference; None when it cannot be followed.
-
-        Parameters
-        ----------
-        text : str
-            The reference as written; names of the workbook are followed.
-        """
+        """Sheets and cells of a chart's reference; None when it cannot be followed."""
         return self._areas(text)
 
     # ---- used by the modules of this package -------------------------------------------------------------------

@@ -44,27 +44,15 @@ class Relationship:
 
 @dataclass(frozen=True)
 class DefinedName:
-    """A defined name.
+    """A defined name."""
 
-    Attributes
-    ----------
-    name : str
-        The name.
-    text : str
-        What it stands for, as written.
-    local_sheet : str
-        Sheet to which it is confined; empty for the whole workbook.
-    sheet : str or None
-        Sheet of the cells it stands for; None when it stands for a formula, a constant or several areas.
-    rect : Rect or None
-        These cells.
-    """
-
-    name: str
-    text: str
-    local_sheet: str = ""
+    name: str  #: The name.
+    text: str  #: What it stands for, as written.
+    local_sheet: str = ""  #: Sheet to which it is confined; empty for the whole workbook.
+    #: Sheet of the cells it stands for; None when it stands for a formula, a constant or several
+    #: areas.
     sheet: str | None = None
-    rect: Rect | None = None
+    rect: Rect | None = None  #: These cells.
 
     @property
     def ref(self) -> str | None:
@@ -201,15 +189,7 @@ class WorkbookPart:
     def without_relationships(
         self, part: str, targets: Collection[str]
     ) -> tuple[set[str], dict[str, bytes]]:
-        """The relationships of a part that do not lead to some other parts.
-
-        Returns
-        -------
-        ids : set of str
-            Those taken out.
-        replaced : dict of str to bytes
-            The relationship part without them.
-        """
+        """The relationships of a part that do not lead to some other parts."""
         ids = {one.id for one in self.relationships(part) if one.part in targets}
         holder = self._container.find(relationships_part(part))
         if holder is None or not ids:

@@ -55,13 +55,6 @@ _own = _Own()
 def parse_part(data: bytes, name: str) -> Element:
     """Root element of a part.
 
-    Parameters
-    ----------
-    data : bytes
-        The part as stored.
-    name : str
-        Name of the part, for messages.
-
     Raises
     ------
     WorkbookRefused

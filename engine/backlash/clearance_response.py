@@ -41,28 +41,18 @@ RESPONSE_ANGLE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class ClearanceResponse:
-    """Response of a train with clearances at the requested times.
+    """Response of a train with clearances at the requested times."""
 
-    Parameters
-    ----------
-    time : ndarray, shape (n_times,)
-        Times. [s]
-    station_angle, station_speed : ndarray, shape (n_stations, n_times)
-        In each station's running direction, at its own speed. [rad, rad/s]
-    torque : ndarray, shape (n_outputs, n_times)
-        Torque of each element. [N m]
-    log : ndarray, shape (n_events, 5)
-        Time, clearance, contact of a flank before and after, its speed, of each event. [SI]
-    run : EventRun
-        Everything at every step. [SI]
-    """
-
-    time: Floats
+    time: Floats  #: Times. [s] Shape (n_times,).
+    #: In each station's running direction, at its own speed. [rad, rad/s] Shape (n_stations,
+    #: n_times).
     station_angle: Floats
-    station_speed: Floats
-    torque: Floats
+    station_speed: Floats  #: Likewise. [rad, rad/s] Shape (n_stations, n_times).
+    torque: Floats  #: Torque of each element. [N m] Shape (n_outputs, n_times).
+    #: Time, clearance, contact of a flank before and after, its speed, of each event. [SI] Shape
+    #: (n_events, 5).
     log: Floats
-    run: EventRun
+    run: EventRun  #: Everything at every step. [SI]
 
 
 def clearance_response(

@@ -40,42 +40,26 @@ RANK = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class PieceBasis:
-    """The basis that all pieces share, and the train in it.
+    """The basis that all pieces share, and the train in it."""
 
-    Parameters
-    ----------
-    train : Train
-        The train. [SI]
-    flanks : tuple of Flank
-        The clearances that are modelled. [count]
-    vectors : ndarray, shape (n_dof, m)
-        M-orthonormal; rigid modes of the closed train first, exactly. [1/√(kg m²)]
-    n_rigid : int
-        Rigid modes of the closed train. [count]
-    rows : ndarray, shape (n_rows, m)
-        Deflection of each row of the incidence matrix; exactly zero in the rigid modes. [rad]
-    back_rows : ndarray, shape (n_flanks, m)
-        Compression of each back flank. [rad]
-    closed_omega : ndarray, shape (n_kept,)
-        Frequencies of the kept modes of the closed train. [rad/s]
-    stated : ndarray, shape (m,)
-        Stated damping ratio along each basis vector; zero for the rigid ones. [1]
-    left_shape, left_torque : ndarray
-        Shapes (n_dof, n_left) of the modes left out, and row torques (n_rows, n_left). [SI]
-    left_flexibility : ndarray, shape (n_left, n_left)
-        Their flexibility beyond what the basis covers. [s²]
-    """
-
-    train: Train
-    flanks: tuple[Flank, ...]
+    train: Train  #: The train. [SI]
+    flanks: tuple[Flank, ...]  #: The clearances that are modelled.
+    #: M-orthonormal; rigid modes of the closed train first, exactly. [1/√(kg m²)] Shape (n_dof,
+    #: m).
     vectors: Floats
-    n_rigid: int
+    n_rigid: int  #: Rigid modes of the closed train.
+    #: Deflection of each row of the incidence matrix; exactly zero in the rigid modes. [rad] Shape
+    #: (n_rows, m).
     rows: Floats
-    back_rows: Floats
+    back_rows: Floats  #: Compression of each back flank. [rad] Shape (n_flanks, m).
+    #: Frequencies of the kept modes of the closed train. [rad/s] Shape (n_kept,).
     closed_omega: Floats
+    #: Stated damping ratio along each basis vector; zero for the rigid ones. [1] Shape (m,).
     stated: Floats
+    #: Shapes (n_dof, n_left) of the modes left out, and row torques (n_rows, n_left). [SI]
     left_shape: Floats
-    left_torque: Floats
+    left_torque: Floats  #: Likewise. [SI]
+    #: Their flexibility beyond what the basis covers. [s²] Shape (n_left, n_left).
     left_flexibility: Floats
 
     @property
@@ -92,24 +76,15 @@ class PieceBasis:
 
 @dataclass(frozen=True, eq=False)
 class ForcePlaces:
-    """Where torques act, in the order of the forces; those of the flanks come after them.
+    """Where torques act, in the order of the forces; those of the flanks come after them."""
 
-    Parameters
-    ----------
-    nodes : ndarray of int, shape (n_nodes,)
-        Stations of motors, loads and prescribed torques, then nodes whose dampers to ground act as
-        forces. [indices]
-    rows : ndarray of int, shape (n_rows,)
-        Rows of the incidence matrix whose dampers act as forces. [indices]
-    first_damper : int
-        Number of forces before the first damper. [count]
-    viscous : ndarray, shape (n_nodes + n_rows − first_damper,)
-        Coefficients of the dampers. [N m s/rad]
-    """
-
+    #: Stations of motors, loads and prescribed torques, then nodes whose dampers to ground act as
+    #: forces. [indices] Shape (n_nodes,).
     nodes: Ints
+    #: Rows of the incidence matrix whose dampers act as forces. [indices] Shape (n_rows,).
     rows: Ints
-    first_damper: int
+    first_damper: int  #: Number of forces before the first damper.
+    #: Coefficients of the dampers. [N m s/rad] Shape (n_nodes + n_rows − first_damper,).
     viscous: Floats
 
     @property
@@ -120,41 +95,23 @@ class ForcePlaces:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One linear system.
+    """One linear system."""
 
-    Parameters
-    ----------
-    loaded : tuple of bool
-        Whether each flank is: all drive flanks, then all back flanks. [flags]
-    stiffness, rate : ndarray, shape (m,)
-        λ and damping coefficient of its modes. [1/s², 1/s]
-    turn : ndarray, shape (m, m)
-        Basis coordinates from its modal coordinates, orthogonal. [1]
-    reach : ndarray, shape (m, n_forces)
-        Forces to modes. [rad/√(kg m²)]
-    constant : ndarray, shape (m,)
-        Modal force of the gaps of loaded back flanks. [N m rad/√(kg m²)]
-    viscous : ndarray, shape (n_dampers,)
-        Coefficients of the dampers that act as forces; zero for the flanks. [N m s/rad]
-    output_position, output_velocity : ndarray, shape (n_outputs, m)
-        Element torques from modal coordinates and velocities. [N m, N m s]
-    output_force : ndarray, shape (n_outputs, n_forces)
-        Element torques from forces. [1]
-    output_constant : ndarray, shape (n_outputs,)
-        Element torques of the gaps. [N m]
-    """
-
-    loaded: tuple[bool, ...]
-    stiffness: Floats
-    rate: Floats
-    turn: Floats
-    reach: Floats
+    loaded: tuple[bool, ...]  #: Whether each flank is: all drive flanks, then all back flanks.
+    stiffness: Floats  #: λ and damping coefficient of its modes. [1/s², 1/s] Shape (m,).
+    rate: Floats  #: Likewise. [1/s², 1/s] Shape (m,).
+    turn: Floats  #: Basis coordinates from its modal coordinates, orthogonal. [1] Shape (m, m).
+    reach: Floats  #: Forces to modes. [rad/√(kg m²)] Shape (m, n_forces).
+    #: Modal force of the gaps of loaded back flanks. [N m rad/√(kg m²)] Shape (m,).
     constant: Floats
+    #: Coefficients of the dampers that act as forces; zero for the flanks. [N m s/rad] Shape
+    #: (n_dampers,).
     viscous: Floats
+    #: Element torques from modal coordinates and velocities. [N m, N m s] Shape (n_outputs, m).
     output_position: Floats
-    output_velocity: Floats
-    output_force: Floats
-    output_constant: Floats
+    output_velocity: Floats  #: Likewise. [N m, N m s] Shape (n_outputs, m).
+    output_force: Floats  #: Element torques from forces. [1] Shape (n_outputs, n_forces).
+    output_constant: Floats  #: Element torques of the gaps. [N m] Shape (n_outputs,).
 
 
 def piece_basis(

@@ -44,124 +44,63 @@ MOST_STEPS = 5_000_000
 
 @dataclass(frozen=True, eq=False)
 class EventModel:
-    """A start in arrays, with its pieces.
+    """A start in arrays, with its pieces."""
 
-    Parameters
-    ----------
-    pieces : Pieces
-        The pieces met so far; more are made as a run comes to them. [SI]
-    curves, motors, loads, timed : tuple
-        As for the compiled loop. [SI]
-    damper_force : ndarray of int, shape (n_dampers,)
-        Force of each damper, those of the flanks last. [index]
-    electrical : tuple
-        Of each motor, before anything was switched. [SI]
-    phase : ndarray, shape (n_motors,)
-        Phase of each pulsation at t = 0. [rad]
-    sampled : float
-        Angular frequency that the base step samples. [rad/s]
-    limited : bool
-        True: contact damping never exceeds the spring force. [flag]
-    visible : float
-        Ringing above this share of an answer is followed. [1]
-    """
-
-    pieces: Pieces
-    curves: tuple[Any, ...]
-    motors: tuple[Any, ...]
-    loads: tuple[Any, ...]
-    timed: tuple[Any, ...]
-    damper_force: Ints
-    electrical: tuple[Any, ...]
-    phase: Floats
-    sampled: float
-    limited: bool
-    visible: float
+    pieces: Pieces  #: The pieces met so far; more are made as a run comes to them. [SI]
+    curves: tuple[Any, ...]  #: As for the compiled loop. [SI]
+    motors: tuple[Any, ...]  #: Likewise. [SI]
+    loads: tuple[Any, ...]  #: Likewise. [SI]
+    timed: tuple[Any, ...]  #: Likewise. [SI]
+    damper_force: Ints  #: Force of each damper, those of the flanks last. Shape (n_dampers,).
+    electrical: tuple[Any, ...]  #: Of each motor, before anything was switched. [SI]
+    phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+    sampled: float  #: Angular frequency that the base step samples. [rad/s]
+    limited: bool  #: True: contact damping never exceeds the spring force.
+    visible: float  #: Ringing above this share of an answer is followed. [1]
 
 
 @dataclass(frozen=True)
 class Script:
-    """What a run waits for, and what it does then.
+    """What a run waits for, and what it does then."""
 
-    Parameters
-    ----------
-    maximum_time : float
-        When it ends at the latest. [s]
-    waiting_time : float
-        When it ends if neither the field was applied nor the motors have tripped. [s]
-    end_speed : float or None
-        Mean speed at which it ends; None with field or trip. [rad/s]
-    field_speed, field_angle : float or None
-        Mean speed from which the field is applied, and load angle waited for then. [rad/s, rad]
-    trip_speed, coast_end : float or None
-        Mean speed at which the motors are disconnected, and at which the coast-down ends. [rad/s]
-    coast_time : float
-        Longest coast-down that is followed. [s]
-    look_every : float
-        How often `settled` is asked. [s]
-    stops : tuple of float
-        Times at which a step is made to end. [s]
-    keep_state : bool
-        True: positions and velocities in the common basis are kept, too. [flag]
-    keep_all : bool
-        True: no sample is left out, however much memory that takes. [flag]
-    """
-
-    maximum_time: float
+    maximum_time: float  #: When it ends at the latest. [s]
+    #: When it ends if neither the field was applied nor the motors have tripped. [s]
     waiting_time: float = math.inf
-    end_speed: float | None = None
+    end_speed: float | None = None  #: Mean speed at which it ends; None with field or trip. [rad/s]
+    #: Mean speed from which the field is applied, and load angle waited for then. [rad/s, rad]
     field_speed: float | None = None
-    field_angle: float | None = None
+    field_angle: float | None = None  #: Likewise. [rad/s, rad]
+    #: Mean speed at which the motors are disconnected, and at which the coast-down ends. [rad/s]
     trip_speed: float | None = None
-    coast_end: float | None = None
-    coast_time: float = math.inf
-    look_every: float = math.inf
-    stops: tuple[float, ...] = ()
-    keep_state: bool = False
-    keep_all: bool = False
+    coast_end: float | None = None  #: Likewise. [rad/s]
+    coast_time: float = math.inf  #: Longest coast-down that is followed. [s]
+    look_every: float = math.inf  #: How often `settled` is asked. [s]
+    stops: tuple[float, ...] = ()  #: Times at which a step is made to end. [s]
+    keep_state: bool = False  #: True: positions and velocities in the common basis are kept, too.
+    keep_all: bool = False  #: True: no sample is left out, however much memory that takes.
 
 
 @dataclass(frozen=True, eq=False)
 class EventRun:
-    """Sampled histories of one run; two samples share one time at an event.
+    """Sampled histories of one run; two samples share one time at an event."""
 
-    Parameters
-    ----------
-    trajectory : Trajectory
-        Torques and mean speed. [SI]
-    phase : ndarray, shape (n_motors, n_times)
-        Phase of each pulsation, unbroken. [rad]
-    bearing : ndarray, shape (n_bodies, n_times)
-        Radial force of each gear's bearings. [N]
-    largest_bearing : ndarray, shape (n_bodies, 2)
-        Its largest value, and when. [N, s]
-    log : ndarray, shape (n_events, 5)
-        Time, clearance, contact of a flank before and after, its speed. [SI]
-    field_time, trip_time : float or None
-        When the field was applied, when the motors tripped. [s]
-    settled : bool
-        True if the run ended because it had settled. [flag]
-    gave_up : bool
-        True if it took too many steps, or contacts changed without end at one instant: what follows
-        is missing. [flag]
-    waits_for_angle : bool
-        True if the field was still waiting for its load angle. [flag]
-    position, velocity : ndarray, shape (m, n_times)
-        In the common basis; without columns unless the script asks for them. [SI]
-    """
-
-    trajectory: Trajectory
-    phase: Floats
-    bearing: Floats
-    largest_bearing: Floats
+    trajectory: Trajectory  #: Torques and mean speed. [SI]
+    phase: Floats  #: Phase of each pulsation, unbroken. [rad] Shape (n_motors, n_times).
+    bearing: Floats  #: Radial force of each gear's bearings. [N] Shape (n_bodies, n_times).
+    largest_bearing: Floats  #: Its largest value, and when. [N, s] Shape (n_bodies, 2).
+    #: Time, clearance, contact of a flank before and after, its speed. [SI] Shape (n_events, 5).
     log: Floats
-    field_time: float | None
-    trip_time: float | None
-    settled: bool
+    field_time: float | None  #: When the field was applied, when the motors tripped. [s]
+    trip_time: float | None  #: Likewise. [s]
+    settled: bool  #: True if the run ended because it had settled.
+    #: True if it took too many steps, or contacts changed without end at one instant: what follows
+    #: is missing.
     gave_up: bool
-    waits_for_angle: bool
+    waits_for_angle: bool  #: True if the field was still waiting for its load angle.
+    #: In the common basis; without columns unless the script asks for them. [SI] Shape (m,
+    #: n_times).
     position: Floats
-    velocity: Floats
+    velocity: Floats  #: Likewise. [SI] Shape (m, n_times).
 
 
 class _Recorder:

@@ -46,148 +46,78 @@ CONTACT_LAWS = ("limited", "no adhesion")
 
 @dataclass(frozen=True)
 class StartEffects:
-    """Effects to simulate in one start.
+    """Effects to simulate in one start."""
 
-    Parameters
-    ----------
-    clearances : tuple of str
-        Elements whose clearance is modelled; empty = a linear train. [names]
-    breaker_closing, pull_in, aborted_start : bool
-        Whether that effect is simulated. [flag]
-    coupled_damping : bool
-        True: dampers act as torques between their ends; False: on each mode for itself. [flag]
-    fast_modes : bool
-        True: no mode is left out. [flag]
-    full_length : bool
-        True: the run does not stop early because the train has settled. [flag]
-    contact_law : str
-        One of `CONTACT_LAWS`. [word]
-    """
-
+    #: Elements whose clearance is modelled; empty = a linear train.
     clearances: tuple[str, ...] = ()
-    breaker_closing: bool = False
-    pull_in: bool = False
-    aborted_start: bool = False
+    breaker_closing: bool = False  #: Whether that effect is simulated.
+    pull_in: bool = False  #: Likewise.
+    aborted_start: bool = False  #: Likewise.
+    #: True: dampers act as torques between their ends; False: on each mode for itself.
     coupled_damping: bool = False
-    fast_modes: bool = False
-    full_length: bool = False
-    contact_law: str = CONTACT_LAWS[0]
+    fast_modes: bool = False  #: True: no mode is left out.
+    full_length: bool = False  #: True: the run does not stop early because the train has settled.
+    contact_law: str = CONTACT_LAWS[0]  #: One of `CONTACT_LAWS`.
 
 
 @dataclass(frozen=True)
 class EffectDecision:
-    """One effect: whether it is simulated, why, and what leaving it out may cost.
+    """One effect: whether it is simulated, why, and what leaving it out may cost."""
 
-    Parameters
-    ----------
-    effect : str
-        One of `EFFECTS`. [name]
-    choice : str
-        What the user chose: ``auto``, ``on`` or ``off``. [word]
-    on : bool
-        Whether it is simulated. [flag]
-    deciding_number, limit : float or None
-        The number that decided, and what it was compared with; None where the inputs leave
-        nothing to decide. [1]
-    bound : float or None
-        Bound on the relative change of the reported answers while the effect is left out; 0 =
-        exact, None = it is on, or nothing is known (forced off). [1]
-    time : float or None
-        Time it cost in this run, or would cost when on (estimated). [s]
-    why : str
-        The decision in words, with its numbers. [sentence]
-    """
-
-    effect: str
-    choice: str
-    on: bool
+    effect: str  #: One of `EFFECTS`.
+    choice: str  #: What the user chose: ``auto``, ``on`` or ``off``.
+    on: bool  #: Whether it is simulated.
+    #: The number that decided, and what it was compared with; None where the inputs leave nothing
+    #: to decide. [1]
     deciding_number: float | None
-    limit: float | None
+    limit: float | None  #: Likewise. [1]
+    #: Bound on the relative change of the reported answers while the effect is left out; 0 =
+    #: exact, None = it is on, or nothing is known (forced off). [1]
     bound: float | None
-    time: float | None
-    why: str
+    time: float | None  #: Time it cost in this run, or would cost when on (estimated). [s]
+    why: str  #: The decision in words, with its numbers.
 
 
 @dataclass(frozen=True)
 class ContactRecord:
-    """What happened at one clearance during a start.
+    """What happened at one clearance during a start."""
 
-    Parameters
-    ----------
-    element : str
-        Gear mesh or geared coupling. [name]
-    impacts, back_impacts : int
-        Recontacts after free flight, of any flank; and those of the back flank. [count]
-    time_unloaded : float
-        Total time without tooth contact. [s]
-    recontact_speed : float or None
-        Largest approach speed at a recontact along the normal of the flank; None for a coupling.
-        [m/s]
-    recontact_speed_angular : float
-        The same as relative angular speed on the From side. [rad/s]
-    tooth_force : float or None
-        Largest normal tooth force; None for a coupling. [N]
-    tooth_torque : float
-        The same as torque on the From side. [N m]
-    """
-
-    element: str
-    impacts: int
-    back_impacts: int
-    time_unloaded: float
+    element: str  #: Gear mesh or geared coupling.
+    impacts: int  #: Recontacts after free flight, of any flank; and those of the back flank.
+    back_impacts: int  #: Likewise.
+    time_unloaded: float  #: Total time without tooth contact. [s]
+    #: Largest approach speed at a recontact along the normal of the flank; None for a coupling.
+    #: [m/s]
     recontact_speed: float | None
-    recontact_speed_angular: float
-    tooth_force: float | None
-    tooth_torque: float
+    recontact_speed_angular: float  #: The same as relative angular speed on the From side. [rad/s]
+    tooth_force: float | None  #: Largest normal tooth force; None for a coupling. [N]
+    tooth_torque: float  #: The same as torque on the From side. [N m]
 
 
 @dataclass(frozen=True)
 class BearingForce:
-    """Largest radial force of one gear's bearings during a start.
+    """Largest radial force of one gear's bearings during a start."""
 
-    Parameters
-    ----------
-    station : str
-        The gear. [name]
-    force : float
-        Largest magnitude of the vibratory and transmitted force together, without weight. [N]
-    time : float
-        When. [s]
-    """
-
-    station: str
+    station: str  #: The gear.
+    #: Largest magnitude of the vibratory and transmitted force together, without weight. [N]
     force: float
-    time: float
+    time: float  #: When. [s]
 
 
 @dataclass(frozen=True)
 class PullIn:
-    """Field application and what came of it.
+    """Field application and what came of it."""
 
-    Parameters
-    ----------
-    field_time, field_slip : float
-        When the field was applied, and the slip then. [s, 1]
-    synchronised : bool
-        True if the motor was in step at the end of the run. [flag]
-    pole_slips : int
-        Full turns of the load angle between field application and the last passage. [count]
-    pull_in_time : float or None
-        When the load angle passed 180 degrees for the last time (or the field was applied, if it
-        never did); None if it never stayed. [s]
-    load_angle : float or None
-        Mean load angle at the end. [rad]
-    swing_frequency : float or None
-        Frequency of the swing after pull-in, from its zero crossings; None where it does not swing.
-        [Hz]
-    """
-
-    field_time: float
-    field_slip: float
-    synchronised: bool
-    pole_slips: int
+    field_time: float  #: When the field was applied, and the slip then. [s, 1]
+    field_slip: float  #: Likewise. [s, 1]
+    synchronised: bool  #: True if the motor was in step at the end of the run.
+    pole_slips: int  #: Full turns of the load angle between field application and the last passage.
+    #: When the load angle passed 180 degrees for the last time (or the field was applied, if it
+    #: never did); None if it never stayed. [s]
     pull_in_time: float | None
-    load_angle: float | None
+    load_angle: float | None  #: Mean load angle at the end. [rad]
+    #: Frequency of the swing after pull-in, from its zero crossings; None where it does not swing.
+    #: [Hz]
     swing_frequency: float | None
 
 
@@ -197,19 +127,13 @@ NEARLY_FELT = 1.0 / 3.0
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Change of the answers under a change of the input by 1e-9.
+    """Change of the answers under a change of the input by 1e-9."""
 
-    Parameters
-    ----------
-    spread : float
-        Largest relative change of a peak torque, seen or, by what three runs did once they had parted, to
-        be expected. [1]
-    sensitive : bool
-        True if another such change may well exceed the tolerance: the answer is one of many equally
-        right ones. [flag]
-    """
-
+    #: Largest relative change of a peak torque, seen or, by what three runs did once they had
+    #: parted, to be expected. [1]
     spread: float
+    #: True if another such change may well exceed the tolerance: the answer is one of many equally
+    #: right ones.
     sensitive: bool
 
     @classmethod

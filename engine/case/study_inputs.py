@@ -62,181 +62,94 @@ SCATTERED = (
 
 @dataclass(frozen=True)
 class TuningRow:
-    """One row of `Tuning`: a quantity that may be chosen, and what is tried for it.
+    """One row of `Tuning`: a quantity that may be chosen, and what is tried for it."""
 
-    Parameters
-    ----------
-    element : str or None
-        Element of `Elements`; for an inertia the station of `Stations`. [name]
-    quantity : str or None
-        One of `TUNED`. [word]
-    relative : bool
-        Whether the numbers below multiply what the case says; else they stand in its place. [flag]
-    values : tuple of float
-        Values to try; empty = the range. [1 or SI]
-    from_, to : float or None
-        Ends of a range. [1 or SI]
-    steps : int or None
-        How many values the range is given, ends included; blank = 11. [count]
-    """
-
-    element: str | None = None
-    quantity: str | None = None
+    element: str | None = None  #: Element of `Elements`; for an inertia the station of `Stations`.
+    quantity: str | None = None  #: One of `TUNED`.
+    #: Whether the numbers below multiply what the case says; else they stand in its place.
     relative: bool = True
-    values: tuple[float, ...] = ()
-    from_: float | None = None
-    to: float | None = None
-    steps: int | None = None
+    values: tuple[float, ...] = ()  #: Values to try; empty = the range. [1 or SI]
+    from_: float | None = None  #: Ends of a range. [1 or SI]
+    to: float | None = None  #: Likewise. [1 or SI]
+    steps: int | None = None  #: How many values the range is given, ends included; blank = 11.
 
 
 @dataclass(frozen=True)
 class CatalogueRow:
-    """One row of `Catalogue`: a coupling that a maker offers for an element.
+    """One row of `Catalogue`: a coupling that a maker offers for an element."""
 
-    Parameters
-    ----------
-    element : str or None
-        The element that it may replace. [name]
-    name : str or None
-        The maker's designation. [name]
-    fitted : str or None
-        ``yes`` for the one whose inertia the stations of the case contain; else none is in them. [word]
-    stiffness : float or None
-        Torsional stiffness. [N m/rad]
-    inertia : float or None
-        Of the whole coupling; half of it at each end, instead of the fitted one's. [kg m²]
-    damping : float or None
-        Viscous damping across it; blank = as in the case. [N m s/rad]
-    loss_factor : float or None
-        Hysteretic loss factor; blank = as in the case. [1]
-    rated_torque, peak_torque_limit, vibratory_limit : float or None
-        The maker's limits; blank = not judged. [N m]
-    """
-
-    element: str | None = None
-    name: str | None = None
+    element: str | None = None  #: The element that it may replace.
+    name: str | None = None  #: The maker's designation.
+    #: ``yes`` for the one whose inertia the stations of the case contain; else none is in them.
     fitted: str | None = None
-    stiffness: float | None = None
+    stiffness: float | None = None  #: Torsional stiffness. [N m/rad]
+    #: Of the whole coupling; half of it at each end, instead of the fitted one's. [kg m²]
     inertia: float | None = None
-    damping: float | None = None
-    loss_factor: float | None = None
-    rated_torque: float | None = None
-    peak_torque_limit: float | None = None
-    vibratory_limit: float | None = None
+    damping: float | None = None  #: Viscous damping across it; blank = as in the case. [N m s/rad]
+    loss_factor: float | None = None  #: Hysteretic loss factor; blank = as in the case. [1]
+    rated_torque: float | None = None  #: The maker's limits; blank = not judged. [N m]
+    peak_torque_limit: float | None = None  #: Likewise. [N m]
+    vibratory_limit: float | None = None  #: Likewise. [N m]
 
 
 @dataclass(frozen=True)
 class ScatterRow:
-    """One row of `Scatter`: how sure a quantity is.
+    """One row of `Scatter`: how sure a quantity is."""
 
-    Parameters
-    ----------
-    name : str or None
-        Element, station or material; blank = all that have the quantity. [name]
-    quantity : str or None
-        One of `SCATTERED`. [word]
-    distribution : str or None
-        ``normal`` (default), ``uniform``, ``triangular`` or ``from-to``. [word]
-    spread : float or None
-        Of what the case says: standard deviation (normal) or half width (uniform, triangular). [1]
-    from_, to : float or None
-        Ends of a uniform distribution over what the case says (from-to). [1]
-    together : str or None
-        With a blank name: ``each`` (default) scatters for itself, ``together`` all by one factor. [word]
-    """
-
-    name: str | None = None
-    quantity: str | None = None
+    name: str | None = None  #: Element, station or material; blank = all that have the quantity.
+    quantity: str | None = None  #: One of `SCATTERED`.
+    #: ``normal`` (default), ``uniform``, ``triangular`` or ``from-to``.
     distribution: str | None = None
+    #: Of what the case says: standard deviation (normal) or half width (uniform, triangular). [1]
     spread: float | None = None
+    #: Ends of a uniform distribution over what the case says (from-to). [1]
     from_: float | None = None
-    to: float | None = None
+    to: float | None = None  #: Likewise. [1]
+    #: With a blank name: ``each`` (default) scatters for itself, ``together`` all by one factor.
     together: str | None = None
 
 
 @dataclass(frozen=True)
 class StartConditionRow:
-    """One row of `StartConditions`: a kind of start, and how often it happens.
+    """One row of `StartConditions`: a kind of start, and how often it happens."""
 
-    Parameters
-    ----------
-    condition : str or None
-        Name of the kind of start, unique. [name]
-    voltage : float or None
-        Over the voltage of the torque curves; blank = as in the case. [1]
-    damping_ratio : float or None
-        Of all elastic modes, hot or cold; blank = as in the case. [1]
-    load : float or None
-        Share of LoadTorque that acts: 1 loaded (blank), 0 unloaded. [1]
-    trip_speed : float or None
-        Of the reference shaft, where the start is aborted; blank = as in the case. [rad/s]
-    per_year : float or None
-        Such starts a year; blank = 0. [1/year]
-    so_far : float or None
-        Such starts the train has seen; blank = 0. [count]
-    """
-
-    condition: str | None = None
+    condition: str | None = None  #: Name of the kind of start, unique.
+    #: Over the voltage of the torque curves; blank = as in the case. [1]
     voltage: float | None = None
+    #: Of all elastic modes, hot or cold; blank = as in the case. [1]
     damping_ratio: float | None = None
-    load: float | None = None
+    load: float | None = None  #: Share of LoadTorque that acts: 1 loaded (blank), 0 unloaded. [1]
+    #: Of the reference shaft, where the start is aborted; blank = as in the case. [rad/s]
     trip_speed: float | None = None
-    per_year: float | None = None
-    so_far: float | None = None
+    per_year: float | None = None  #: Such starts a year; blank = 0. [1/year]
+    so_far: float | None = None  #: Such starts the train has seen; blank = 0. [1]
 
 
 @dataclass(frozen=True)
 class MeasuredFrequencyRow:
-    """One row of `MeasuredFrequencies`.
+    """One row of `MeasuredFrequencies`."""
 
-    Parameters
-    ----------
-    mode : int or None
-        Elastic mode it is taken for, counted from 1; blank = the one that fits best. [count]
-    frequency : float or None
-        As measured. [Hz]
-    uncertainty : float or None
-        Standard deviation over the frequency; blank = 0.01. [1]
-    """
-
+    #: Elastic mode it is taken for, counted from 1; blank = the one that fits best.
     mode: int | None = None
-    frequency: float | None = None
-    uncertainty: float | None = None
+    frequency: float | None = None  #: As measured. [Hz]
+    uncertainty: float | None = None  #: Standard deviation over the frequency; blank = 0.01. [1]
 
 
 @dataclass(frozen=True)
 class MeasuredPeakRow:
-    """One row of `MeasuredPeaks`: the largest torque of an element in a measured start.
+    """One row of `MeasuredPeaks`: the largest torque of an element in a measured start."""
 
-    Parameters
-    ----------
-    element : str or None
-        Element of `Elements`. [name]
-    maximum_torque : float or None
-        As measured, at the element's own speed. [N m]
-    uncertainty : float or None
-        Standard deviation over the torque; blank = 0.05. [1]
-    """
-
-    element: str | None = None
-    maximum_torque: float | None = None
-    uncertainty: float | None = None
+    element: str | None = None  #: Element of `Elements`.
+    maximum_torque: float | None = None  #: As measured, at the element's own speed. [N m]
+    uncertainty: float | None = None  #: Standard deviation over the torque; blank = 0.05. [1]
 
 
 @dataclass(frozen=True)
 class WordUnit:
-    """A unit in which a sentence names a quantity.
+    """A unit in which a sentence names a quantity."""
 
-    Parameters
-    ----------
-    name : str
-        As it stands in the sentence. [unit]
-    size : float
-        What one of it is worth. [SI]
-    """
-
-    name: str
-    size: float
+    name: str  #: As it stands in the sentence. [unit]
+    size: float  #: What one of it is worth. [SI]
 
     def told(self, value: float, digits: int = 6) -> str:
         """A number with the unit.
@@ -258,23 +171,17 @@ class WordUnit:
 
 @dataclass(frozen=True)
 class StudyInputs:
-    """Every table of the study sheets, unchecked.
+    """Every table of the study sheets, unchecked."""
 
-    Parameters
-    ----------
-    tuning, catalogue, scatter, start_conditions, measured_frequencies, measured_peaks : tuple
-        Rows of the tables of the same name. [rows]
-    units : mapping of (str, str) to WordUnit
-        What the engineer typed in: element and quantity, or an empty name and the quantity, ``stress``,
-        ``torque``, ``measured frequency`` or ``measured torque``, → its unit. For words alone: no number and no digest depends on it. [units]
-    """
-
-    tuning: tuple[TuningRow, ...] = ()
-    catalogue: tuple[CatalogueRow, ...] = ()
-    scatter: tuple[ScatterRow, ...] = ()
-    start_conditions: tuple[StartConditionRow, ...] = ()
-    measured_frequencies: tuple[MeasuredFrequencyRow, ...] = ()
-    measured_peaks: tuple[MeasuredPeakRow, ...] = ()
+    tuning: tuple[TuningRow, ...] = ()  #: Rows of the tables of the same name. [rows]
+    catalogue: tuple[CatalogueRow, ...] = ()  #: Likewise. [rows]
+    scatter: tuple[ScatterRow, ...] = ()  #: Likewise. [rows]
+    start_conditions: tuple[StartConditionRow, ...] = ()  #: Likewise. [rows]
+    measured_frequencies: tuple[MeasuredFrequencyRow, ...] = ()  #: Likewise. [rows]
+    measured_peaks: tuple[MeasuredPeakRow, ...] = ()  #: Likewise. [rows]
+    #: What the engineer typed in: element and quantity, or an empty name and the quantity,
+    #: ``stress``, ``torque``, ``measured frequency`` or ``measured torque``, → its unit. For words
+    #: alone: no number and no digest depends on it. [units]
     units: Mapping[tuple[str, str], WordUnit] = field(default_factory=dict, compare=False)
 
 

@@ -112,31 +112,19 @@ class SNCurve:
     to the endurance limit, the knee; below it the rule decides. Above the first point the first
     slope continues, and whoever uses it says so (`above_first_point`).
 
-    Parameters
-    ----------
-    cycles : ndarray, shape (n_points,)
-        Cycles to failure, rising. [1]
-    stress : ndarray, shape (n_points,)
-        Stress amplitude in torsion, falling. [Pa]
-    endurance : float
-        Endurance limit in torsion. [Pa]
-    below_endurance : str
-        ``none``: no damage at or below the limit; ``same slope``: the last slope k goes on;
-        ``2k-1``: slope 2k−1 below the knee (Haibach). [word]
-    notes : tuple of str
-        What was assumed in building it. [sentences]
-
     Raises
     ------
     ModelError
         When no falling line through two points or more results.
     """
 
-    cycles: Floats
-    stress: Floats
-    endurance: float
+    cycles: Floats  #: Cycles to failure, rising. [1] Shape (n_points,).
+    stress: Floats  #: Stress amplitude in torsion, falling. [Pa] Shape (n_points,).
+    endurance: float  #: Endurance limit in torsion. [Pa]
+    #: ``none``: no damage at or below the limit; ``same slope``: the last slope k goes on;
+    #: ``2k-1``: slope 2k−1 below the knee (Haibach).
     below_endurance: str = BELOW_ENDURANCE[0]
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  #: What was assumed in building it.
 
     def __post_init__(self) -> None:
         cycles, stress = _read_only(self.cycles), _read_only(self.stress)
@@ -289,21 +277,11 @@ def sn_curve_for(material: MaterialRow, points: Sequence[SNPointRow]) -> SNCurve
 
 @dataclass(frozen=True, eq=False)
 class CycleCount:
-    """Counted cycles of one history, one entry a cycle or half cycle.
+    """Counted cycles of one history, one entry a cycle or half cycle."""
 
-    Parameters
-    ----------
-    range : ndarray, shape (n_cycles,)
-        Peak to valley. [as the history]
-    mean : ndarray, shape (n_cycles,)
-        Half way between. [as the history]
-    count : ndarray, shape (n_cycles,)
-        1 for a cycle, 0.5 for a half cycle. [1]
-    """
-
-    range: Floats
-    mean: Floats
-    count: Floats
+    range: Floats  #: Peak to valley. [as the history] Shape (n_cycles,).
+    mean: Floats  #: Half way between. [as the history] Shape (n_cycles,).
+    count: Floats  #: 1 for a cycle, 0.5 for a half cycle. [1] Shape (n_cycles,).
 
     def __post_init__(self) -> None:
         for name in ("range", "mean", "count"):
@@ -585,65 +563,29 @@ def needs_counting(largest_amplitude: float, curve: SNCurve, stress_error: float
 
 @dataclass(frozen=True, eq=False)
 class ShaftFatigue:
-    """What one start does to one shaft. None for a number of starts means unlimited.
+    """What one start does to one shaft. None for a number of starts means unlimited."""
 
-    Parameters
-    ----------
-    element : str
-        Row of `Elements`. [name]
-    damage : float
-        Miner sum of one start, rainflow count. [1]
-    damage_low, damage_high : float
-        The same at the ends of the error of the history. [1]
-    allowable_starts : float or None
-        1/damage. [1]
-    unlimited : bool
-        No damage. [flag]
-    starts_low, starts_high : float or None
-        Interval of the allowable starts from the error of the history. [1]
-    paper_damage : float
-        Miner sum of one start, the paper's count. [1]
-    paper_starts : float or None
-        1/paper_damage. [1]
-    cycles : CycleCount
-        Rainflow cycles of local stress, with SCF; empty when not counted. [Pa]
-    counted : bool
-        False when `largest_amplitude` alone settled it. [flag]
-    residue : str
-        Rule of the rainflow residue. [word]
-    largest_amplitude : float
-        Half of maximum minus minimum local stress, rest included, with SCF. [Pa]
-    endurance : float
-        Endurance limit in torsion it is compared with. [Pa]
-    peak_nominal_stress : float
-        Largest absolute nominal stress, without SCF. [Pa]
-    above_first_point : float
-        Cycles a start above the first S-N point, where the line is extended. [1]
-    above_shear_yield : bool or None
-        Nominal peak above Yield/2; None when Yield is blank. [flag]
-    notes : tuple of str
-        What a reader must know. [sentences]
-    """
-
-    element: str
-    damage: float
-    damage_low: float
-    damage_high: float
-    allowable_starts: float | None
-    unlimited: bool
-    starts_low: float | None
-    starts_high: float | None
-    paper_damage: float
-    paper_starts: float | None
-    cycles: CycleCount
-    counted: bool
-    residue: str
+    element: str  #: Row of `Elements`.
+    damage: float  #: Miner sum of one start, rainflow count. [1]
+    damage_low: float  #: The same at the ends of the error of the history. [1]
+    damage_high: float  #: Likewise. [1]
+    allowable_starts: float | None  #: 1/damage. [1]
+    unlimited: bool  #: No damage.
+    starts_low: float | None  #: Interval of the allowable starts from the error of the history. [1]
+    starts_high: float | None  #: Likewise. [1]
+    paper_damage: float  #: Miner sum of one start, the paper's count. [1]
+    paper_starts: float | None  #: 1/paper_damage. [1]
+    cycles: CycleCount  #: Rainflow cycles of local stress, with SCF; empty when not counted. [Pa]
+    counted: bool  #: False when `largest_amplitude` alone settled it.
+    residue: str  #: Rule of the rainflow residue.
+    #: Half of maximum minus minimum local stress, rest included, with SCF. [Pa]
     largest_amplitude: float
-    endurance: float
-    peak_nominal_stress: float
+    endurance: float  #: Endurance limit in torsion it is compared with. [Pa]
+    peak_nominal_stress: float  #: Largest absolute nominal stress, without SCF. [Pa]
+    #: Cycles a start above the first S-N point, where the line is extended. [1]
     above_first_point: float
-    above_shear_yield: bool | None
-    notes: tuple[str, ...]
+    above_shear_yield: bool | None  #: Nominal peak above Yield/2; None when Yield is blank.
+    notes: tuple[str, ...]  #: What a reader must know.
 
     @property
     def starts_error(self) -> float | None:
@@ -785,34 +727,17 @@ def _notes(
 
 @dataclass(frozen=True, eq=False)
 class AllowableStarts:
-    """Fatigue of all judged shafts and the one that governs. None means unlimited.
+    """Fatigue of all judged shafts and the one that governs. None means unlimited."""
 
-    Parameters
-    ----------
-    shafts : tuple of ShaftFatigue
-        One entry a judged shaft. [rows]
-    governing : str or None
-        Shaft with the fewest starts; None when none is damaged or none is judged. [name]
-    starts : float or None
-        Allowable starts of the governing shaft, 1/q. [1]
-    unlimited : bool
-        Shafts are judged and none is damaged. [flag]
-    starts_low, starts_high : float or None
-        Interval of the least starts over all shafts. [1]
-    starts_factor : float
-        What the starts are divided by before they are judged. [1]
-    judged_starts : float or None
-        `starts` over `starts_factor`. [1]
-    """
-
-    shafts: tuple[ShaftFatigue, ...]
+    shafts: tuple[ShaftFatigue, ...]  #: One entry a judged shaft. [rows]
+    #: Shaft with the fewest starts; None when none is damaged or none is judged.
     governing: str | None
-    starts: float | None
-    unlimited: bool
-    starts_low: float | None
-    starts_high: float | None
-    starts_factor: float
-    judged_starts: float | None
+    starts: float | None  #: Allowable starts of the governing shaft, 1/q. [1]
+    unlimited: bool  #: Shafts are judged and none is damaged.
+    starts_low: float | None  #: Interval of the least starts over all shafts. [1]
+    starts_high: float | None  #: Likewise. [1]
+    starts_factor: float  #: What the starts are divided by before they are judged. [1]
+    judged_starts: float | None  #: `starts` over `starts_factor`. [1]
 
     @property
     def starts_error(self) -> float | None:

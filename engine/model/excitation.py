@@ -49,36 +49,18 @@ SAME_RATIO = 1e-9
 
 @dataclass(frozen=True)
 class Excitation:
-    """One thing that shakes the train: a multiple of a shaft's speed, or a fixed frequency.
+    """One thing that shakes the train: a multiple of a shaft's speed, or a fixed frequency."""
 
-    Parameters
-    ----------
-    name : str
-        Name. [name]
-    order : float or None
-        Multiple of the speed of `of_station`; None for a fixed frequency. [1]
-    ratio : float
-        Speed of that station over the speed of the reference shaft. [1]
-    of_station : str or None
-        Station whose speed counts; None = the reference shaft. [name]
-    frequency : float or None
-        Fixed frequency; None for an order. [Hz]
-    station : str or None
-        Where it acts; None = motor, gears and driven machines in turn. [name]
-    torque : float or None
-        Zero-to-peak torque at the speed of the station where it acts. [N m]
-    torque_share : float or None
-        Zero-to-peak torque over the torque transmitted there. [1]
-    """
-
-    name: str
+    name: str  #: Name.
+    #: Multiple of the speed of `of_station`; None for a fixed frequency. [1]
     order: float | None = None
-    ratio: float = 1.0
-    of_station: str | None = None
-    frequency: float | None = None
-    station: str | None = None
+    ratio: float = 1.0  #: Speed of that station over the speed of the reference shaft. [1]
+    of_station: str | None = None  #: Station whose speed counts; None = the reference shaft.
+    frequency: float | None = None  #: Fixed frequency; None for an order. [Hz]
+    station: str | None = None  #: Where it acts; None = motor, gears and driven machines in turn.
+    #: Zero-to-peak torque at the speed of the station where it acts. [N m]
     torque: float | None = None
-    torque_share: float | None = None
+    torque_share: float | None = None  #: Zero-to-peak torque over the torque transmitted there. [1]
 
     def frequency_at(self, speed: float) -> float:
         """Frequency of the excitation.
@@ -192,27 +174,19 @@ def _line_frequencies(case: CaseData) -> tuple[Excitation, ...]:
 
 @dataclass(frozen=True, eq=False)
 class TransmittedTorque:
-    """Torque of every part of the train in continuous operation.
+    """Torque of every part of the train in continuous operation."""
 
-    Parameters
-    ----------
-    load : ndarray, shape (n_stations,)
-        Absorbed by each station, at its own speed. [N m]
-    motor : ndarray, shape (n_stations,)
-        Delivered by each motor in balance with the loads, at its own speed. [N m]
-    element : ndarray, shape (n_elements,)
-        Transmitted by each element at its own speed (a mesh: on its From side). [N m]
-    rated : ndarray, shape (n_stations,)
-        Share of RatedTorque of each motor, at its own speed; 0 if RatedTorque is unknown. [N m]
-    warnings : tuple of str
-        What was assumed, or could not be known. [sentences]
-    """
-
-    load: Floats
+    load: Floats  #: Absorbed by each station, at its own speed. [N m] Shape (n_stations,).
+    #: Delivered by each motor in balance with the loads, at its own speed. [N m] Shape
+    #: (n_stations,).
     motor: Floats
+    #: Transmitted by each element at its own speed (a mesh: on its From side). [N m] Shape
+    #: (n_elements,).
     element: Floats
+    #: Share of RatedTorque of each motor, at its own speed; 0 if RatedTorque is unknown. [N m]
+    #: Shape (n_stations,).
     rated: Floats
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...]  #: What was assumed, or could not be known.
 
 
 def transmitted_torque(case: CaseData, train: Train) -> TransmittedTorque:
@@ -330,18 +304,10 @@ def _parallel_shares(case: CaseData, train: Train) -> Floats:
 
 @dataclass(frozen=True)
 class Place:
-    """A station where an excitation acts.
+    """A station where an excitation acts."""
 
-    Parameters
-    ----------
-    station : int
-        Station. [index]
-    torque : float
-        Zero-to-peak torque at the station's own speed. [N m]
-    """
-
-    station: int
-    torque: float
+    station: int  #: Station.
+    torque: float  #: Zero-to-peak torque at the station's own speed. [N m]
 
 
 def excitation_places(

@@ -48,42 +48,24 @@ BEARING_STIFFNESS, MASS = "bearing stiffness", "sideways mass"
 
 @dataclass(frozen=True, eq=False)
 class FrequencyDerivative:
-    """What one quantity does to all elastic frequencies.
+    """What one quantity does to all elastic frequencies."""
 
-    Parameters
-    ----------
-    quantity : str
-        ``stiffness``, ``inertia``, ``bearing stiffness`` or ``sideways mass``. [word]
-    name : str
-        Element or station. [name]
-    value : ndarray, shape (n_elastic,)
-        ∂ln f/∂ln of the quantity. [1]
-    """
-
-    quantity: str
-    name: str
-    value: Floats
+    quantity: str  #: ``stiffness``, ``inertia``, ``bearing stiffness`` or ``sideways mass``.
+    name: str  #: Element or station.
+    value: Floats  #: ∂ln f/∂ln of the quantity. [1] Shape (n_elastic,).
 
 
 @dataclass(frozen=True, eq=False)
 class FrequencyDerivatives:
-    """What every quantity does to all elastic frequencies.
+    """What every quantity does to all elastic frequencies."""
 
-    Parameters
-    ----------
-    rows : tuple of FrequencyDerivative
-        Stiffnesses of elements and bearings, then inertias and masses. [1]
-    clusters : tuple of tuple of int
-        Elastic modes, counted from 1, that are as good as equal. [count]
-    notes : tuple of str
-        What must be known of near-equal modes. [sentences]
-    unnamed : ndarray, shape (n_elastic,)
-        Share of the kinetic energy in the shafts' own inertia, which no row stands for. [1]
-    """
-
+    #: Stiffnesses of elements and bearings, then inertias and masses. [1]
     rows: tuple[FrequencyDerivative, ...]
+    #: Elastic modes, counted from 1, that are as good as equal.
     clusters: tuple[tuple[int, ...], ...]
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  #: What must be known of near-equal modes.
+    #: Share of the kinetic energy in the shafts' own inertia, which no row stands for. [1] Shape
+    #: (n_elastic,).
     unnamed: Floats
 
     def of(self, quantity: str, name: str) -> Floats | None:

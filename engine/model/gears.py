@@ -68,17 +68,10 @@ def line_of_action(mesh: MeshRow) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class FlankNormals:
-    """Unit vectors along which each flank pushes the driven gear; the driver gets the opposite.
+    """Unit vectors along which each flank pushes the driven gear; the driver gets the opposite."""
 
-    Parameters
-    ----------
-    drive : ndarray, shape (2,)
-        Of the flank that transmits the driving torque. [1]
-    back : ndarray, shape (2,)
-        Of the other one: its mirror image about the common centre line. [1]
-    """
-
-    drive: Floats
+    drive: Floats  #: Of the flank that transmits the driving torque. [1] Shape (2,).
+    #: Of the other one: its mirror image about the common centre line. [1] Shape (2,).
     back: Floats
 
 

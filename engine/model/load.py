@@ -32,24 +32,12 @@ WIDEST_ZONE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """One driven machine.
+    """One driven machine."""
 
-    Parameters
-    ----------
-    station : int
-        Station it acts on. [index]
-    torque : TorqueCurve
-        Opposing torque against speed, at the station's own speed. [N m]
-    synchronous_speed : float
-        Of its own station, with the motor at synchronism. [rad/s]
-    soft_speed : float
-        Below this speed the torque goes smoothly through zero. [rad/s]
-    """
-
-    station: int
-    torque: TorqueCurve
-    synchronous_speed: float
-    soft_speed: float
+    station: int  #: Station it acts on.
+    torque: TorqueCurve  #: Opposing torque against speed, at the station's own speed. [N m]
+    synchronous_speed: float  #: Of its own station, with the motor at synchronism. [rad/s]
+    soft_speed: float  #: Below this speed the torque goes smoothly through zero. [rad/s]
 
 
 def loads_of(case: CaseData, train: Train) -> tuple[Load, ...]:

@@ -57,61 +57,41 @@ RICHARDSON = 2.5
 
 @dataclass(frozen=True)
 class Node:
-    """A point of a mode that stands still.
+    """A point of a mode that stands still."""
 
-    Parameters
-    ----------
-    mode : int
-        Elastic mode, counted from 1. [count]
-    element : str
-        Element on which it lies. [name]
-    position : float
-        Distance from the From end over the element's length. [1]
-    """
-
-    mode: int
-    element: str
-    position: float
+    mode: int  #: Elastic mode, counted from 1.
+    element: str  #: Element on which it lies.
+    position: float  #: Distance from the From end over the element's length. [1]
 
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Modes of a train, rigid-body modes first, then elastic ones in rising frequency.
+    """Modes of a train, rigid-body modes first, then elastic ones in rising frequency."""
 
-    Parameters
-    ----------
-    omega : ndarray, shape (n_modes,)
-        Natural angular frequency, exactly 0 for rigid modes. [rad/s]
-    n_rigid : int
-        Number of rigid-body modes, counted from the topology. [count]
-    shape : ndarray, shape (n_dof, n_modes)
-        Mode shapes at unit modal mass, in running direction; of a transverse freedom its
-        displacement. [rad/√(kg m²), m/√(kg m²)]
-    row_torque : ndarray, shape (n_rows, n_modes)
-        Elastic torque of each incidence row at unit modal coordinate. [N m]
-    row_twist : ndarray, shape (n_rows, n_modes)
-        Deflection of each row at unit modal coordinate. [rad]
-    strain_share : ndarray, shape (n_elements, n_modes)
-        Share of the strain energy in each element; zero for rigid modes. [1]
-    kinetic_share : ndarray, shape (n_stations, n_modes)
-        Share of the kinetic energy in the rotation of each station. [1]
-    bearing_share : ndarray, shape (n_bodies, n_modes)
-        Share of the strain energy in the bearings of each gear that moves sideways. [1]
-    sideways_share : ndarray, shape (n_bodies, n_modes)
-        Share of the kinetic energy in the sideways motion of that gear. [1]
-    algorithm : str
-        ``svd``, ``jacobi`` or ``chain``; of several parts the last that is no ``svd``. [word]
-    """
-
+    #: Natural angular frequency, exactly 0 for rigid modes. [rad/s] Shape (n_modes,).
     omega: Floats
-    n_rigid: int
+    n_rigid: int  #: Number of rigid-body modes, counted from the topology.
+    #: Mode shapes at unit modal mass, in running direction; of a transverse freedom its
+    #: displacement. [rad/√(kg m²), m/√(kg m²)] Shape (n_dof, n_modes).
     shape: Floats
+    #: Elastic torque of each incidence row at unit modal coordinate. [N m] Shape (n_rows,
+    #: n_modes).
     row_torque: Floats
+    #: Deflection of each row at unit modal coordinate. [rad] Shape (n_rows, n_modes).
     row_twist: Floats
+    #: Share of the strain energy in each element; zero for rigid modes. [1] Shape (n_elements,
+    #: n_modes).
     strain_share: Floats
+    #: Share of the kinetic energy in the rotation of each station. [1] Shape (n_stations,
+    #: n_modes).
     kinetic_share: Floats
+    #: Share of the strain energy in the bearings of each gear that moves sideways. [1] Shape
+    #: (n_bodies, n_modes).
     bearing_share: Floats
+    #: Share of the kinetic energy in the sideways motion of that gear. [1] Shape (n_bodies,
+    #: n_modes).
     sideways_share: Floats
+    #: ``svd``, ``jacobi`` or ``chain``; of several parts the last that is no ``svd``.
     algorithm: str
 
     @property
@@ -256,24 +236,12 @@ def _with_energies(
 
 @dataclass(frozen=True, eq=False)
 class SubdividedModes:
-    """Modes of a case whose shafts may carry inertia of their own.
+    """Modes of a case whose shafts may carry inertia of their own."""
 
-    Parameters
-    ----------
-    train : Train
-        The train, shafts with density subdivided. [SI]
-    modes : Modes
-        Its modes. [SI]
-    segments : tuple of (str, int)
-        Number of segments of each subdivided shaft. [count]
-    frequency_error : float
-        Estimated largest relative error of the wanted frequencies. [1]
-    """
-
-    train: Train
-    modes: Modes
-    segments: tuple[tuple[str, int], ...]
-    frequency_error: float
+    train: Train  #: The train, shafts with density subdivided. [SI]
+    modes: Modes  #: Its modes. [SI]
+    segments: tuple[tuple[str, int], ...]  #: Number of segments of each subdivided shaft.
+    frequency_error: float  #: Estimated largest relative error of the wanted frequencies. [1]
 
 
 def natural_modes(
@@ -396,30 +364,18 @@ def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:
 
 @dataclass(frozen=True, eq=False)
 class ModalDamping:
-    """Damping of each mode, and what the modal form leaves out.
+    """Damping of each mode, and what the modal form leaves out."""
 
-    Parameters
-    ----------
-    ratio : ndarray, shape (n_modes,)
-        Fraction of critical damping; zero for rigid modes. [1]
-    structural : ndarray, shape (n_modes,)
-        Part of it that is stated or hysteretic, without the dampers. [1]
-    rate : ndarray, shape (n_modes,)
-        Coefficient d of q̈ + d q̇ + ω² q, also for rigid modes. [1/s]
-    neglected : float
-        Largest off-diagonal term of the modal damping matrix. [1/s]
-    neglected_modes : tuple of int
-        The pair of modes (counted from 0, rigid first) it couples. [indices]
-    coupling : float
-        Largest |d_ij| ω_j / |ω_i² − ω_j²|: the part of one mode that appears in another; small
-        against one means the modal form is good. [1]
-    """
-
-    ratio: Floats
+    ratio: Floats  #: Fraction of critical damping; zero for rigid modes. [1] Shape (n_modes,).
+    #: Part of it that is stated or hysteretic, without the dampers. [1] Shape (n_modes,).
     structural: Floats
+    #: Coefficient d of q̈ + d q̇ + ω² q, also for rigid modes. [1/s] Shape (n_modes,).
     rate: Floats
-    neglected: float
+    neglected: float  #: Largest off-diagonal term of the modal damping matrix. [1/s]
+    #: The pair of modes (counted from 0, rigid first) it couples. [indices]
     neglected_modes: tuple[int, int]
+    #: Largest |d_ij| ω_j / |ω_i² − ω_j²|: the part of one mode that appears in another; small
+    #: against one means the modal form is good. [1]
     coupling: float
 
 

@@ -39,28 +39,15 @@ Electrical = tuple[Floats, Floats, float, Floats, Floats, Floats, Floats, Floats
 
 @dataclass(frozen=True, eq=False)
 class Motor:
-    """One motor.
+    """One motor."""
 
-    Parameters
-    ----------
-    station : int
-        Station it acts on. [index]
-    average, pulsating : TorqueCurve
-        Torque against speed, at the voltage of this start; pulsating zero-to-peak. [N m]
-    synchronous_speed : float
-        Of its own station. [rad/s]
-    pole_pairs : float
-        Line angular frequency over its synchronous speed. [1]
-    phase : float
-        Phase of the pulsation at t = 0. [rad]
-    """
-
-    station: int
+    station: int  #: Station it acts on.
+    #: Torque against speed, at the voltage of this start; pulsating zero-to-peak. [N m]
     average: TorqueCurve
-    pulsating: TorqueCurve
-    synchronous_speed: float
-    pole_pairs: float
-    phase: float
+    pulsating: TorqueCurve  #: Likewise. [N m]
+    synchronous_speed: float  #: Of its own station. [rad/s]
+    pole_pairs: float  #: Line angular frequency over its synchronous speed. [1]
+    phase: float  #: Phase of the pulsation at t = 0. [rad]
 
 
 def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:

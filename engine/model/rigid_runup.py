@@ -26,30 +26,19 @@ N_GRID = 2001
 
 @dataclass(frozen=True, eq=False)
 class RigidRunup:
-    """Net torque and run-up of the rigid train, referred to the reference shaft.
+    """Net torque and run-up of the rigid train, referred to the reference shaft."""
 
-    Parameters
-    ----------
-    speed : ndarray, shape (n,)
-        Speed of the reference shaft, from standstill to end speed. [rad/s]
-    average, pulsating, load : ndarray, shape (n,)
-        Sum of the motors' average and pulsating torques and of the loads and dampers, referred
-        to the reference shaft. [N m]
-    inertia : float
-        Inertia of the whole train, referred to the reference shaft. [kg m²]
-    equilibrium : float or None
-        Lowest speed where the net torque is no longer positive; None if there is none. [rad/s]
-    time : ndarray, shape (n,)
-        Time to reach each speed; infinite beyond the equilibrium. [s]
-    """
-
+    #: Speed of the reference shaft, from standstill to end speed. [rad/s] Shape (n,).
     speed: Floats
+    #: Sum of the motors' average and pulsating torques and of the loads and dampers, referred to
+    #: the reference shaft. [N m] Shape (n,).
     average: Floats
-    pulsating: Floats
-    load: Floats
-    inertia: float
+    pulsating: Floats  #: Likewise. [N m] Shape (n,).
+    load: Floats  #: Likewise. [N m] Shape (n,).
+    inertia: float  #: Inertia of the whole train, referred to the reference shaft. [kg m²]
+    #: Lowest speed where the net torque is no longer positive; None if there is none. [rad/s]
     equilibrium: float | None
-    time: Floats
+    time: Floats  #: Time to reach each speed; infinite beyond the equilibrium. [s] Shape (n,).
 
     @property
     def net(self) -> Floats:

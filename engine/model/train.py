@@ -52,21 +52,11 @@ NO_ELEMENT = -1
 
 @dataclass(frozen=True)
 class RigidMesh:
-    """A gear mesh without elasticity; its torque comes from the equilibrium of its To side.
+    """A gear mesh without elasticity; its torque comes from the equilibrium of its To side."""
 
-    Parameters
-    ----------
-    element : int
-        Index of the element. [index]
-    to_side : tuple of int
-        Nodes of the same rigid group that the mesh drives. [indices]
-    from_ratio : float
-        Speed ratio of the From station. [1]
-    """
-
-    element: int
-    to_side: tuple[int, ...]
-    from_ratio: float
+    element: int  #: Index of the element.
+    to_side: tuple[int, ...]  #: Nodes of the same rigid group that the mesh drives. [indices]
+    from_ratio: float  #: Speed ratio of the From station. [1]
 
 
 @dataclass(frozen=True)
@@ -76,73 +66,39 @@ class GearBody:
     Its x axis lies along the drive flank's line of action in its first mesh, so that the motion
     across it, which no tooth of a single mesh sees, is exactly uncoupled. Bearings are isotropic:
     the choice of axes changes no result.
-
-    Parameters
-    ----------
-    station : int
-        The gear. [index]
-    node_x, node_y : int
-        Its transverse nodes. [indices]
-    row_x, row_y : int
-        Incidence rows of its bearing. [indices]
-    mass : float
-        Mass of the body. [kg]
-    stiffness : float
-        Bearing stiffness, the same in every direction. [N/m]
-    damping : float
-        Bearing damping. [N s/m]
-    axis_angle : float
-        Direction of its x axis, as the angle of a line of centres is measured. [rad]
     """
 
-    station: int
-    node_x: int
-    node_y: int
-    row_x: int
-    row_y: int
-    mass: float
-    stiffness: float
-    damping: float
+    station: int  #: The gear.
+    node_x: int  #: Its transverse nodes. [indices]
+    node_y: int  #: Likewise. [indices]
+    row_x: int  #: Incidence rows of its bearing. [indices]
+    row_y: int  #: Likewise. [indices]
+    mass: float  #: Mass of the body. [kg]
+    stiffness: float  #: Bearing stiffness, the same in every direction. [N/m]
+    damping: float  #: Bearing damping. [N s/m]
+    #: Direction of its x axis, as the angle of a line of centres is measured. [rad]
     axis_angle: float
 
 
 @dataclass(frozen=True, eq=False)
 class Flank:
-    """The two sides on which an element can touch: tooth flanks, or the stops of a coupling.
+    """The two sides on which an element can touch: tooth flanks, or the stops of a coupling."""
 
-    Parameters
-    ----------
-    element : int
-        Index of the element. [index]
-    drive_row : int
-        Its incidence row. [index]
-    drive : ndarray, shape (n_nodes,)
-        Deflection from the node angles (and displacements), positive where the drive flank is
-        compressed. [1, 1/m]
-    back : ndarray, shape (n_nodes,)
-        The same of the back flank, before the gap is subtracted. Without bearings it is −drive.
-        [1, 1/m]
-    gap : float or None
-        Total clearance as an angle on the From side; None where there is none. [rad]
-    stiffness : float
-        Of either flank, on the From side. [N m/rad]
-    viscous : float
-        Contact damping, on the From side. [N m s/rad]
-    base_radius : float or None
-        Base radius of the From gear; None for a coupling, or a mesh without pitch radius. [m]
-    normal_factor : float
-        Normal tooth force over torque / base radius, 1 / cos β_b. [1]
-    """
-
-    element: int
-    drive_row: int
+    element: int  #: Index of the element.
+    drive_row: int  #: Its incidence row.
+    #: Deflection from the node angles (and displacements), positive where the drive flank is
+    #: compressed. [1, 1/m] Shape (n_nodes,).
     drive: Floats
+    #: The same of the back flank, before the gap is subtracted. Without bearings it is −drive. [1,
+    #: 1/m] Shape (n_nodes,).
     back: Floats
+    #: Total clearance as an angle on the From side; None where there is none. [rad]
     gap: float | None
-    stiffness: float
-    viscous: float
+    stiffness: float  #: Of either flank, on the From side. [N m/rad]
+    viscous: float  #: Contact damping, on the From side. [N m s/rad]
+    #: Base radius of the From gear; None for a coupling, or a mesh without pitch radius. [m]
     base_radius: float | None
-    normal_factor: float
+    normal_factor: float  #: Normal tooth force over torque / base radius, 1 / cos β_b. [1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,65 +108,35 @@ class Train:
     Nodes are the stations, then the inner points of subdivided shafts, then x and y of each gear
     on bearings: there angle means displacement [m], inertia mass [kg], and speed ratio and ground
     damping are 0.
-
-    Parameters
-    ----------
-    stations, elements : tuple of str
-        Names, in the order of the case. [names]
-    speed_ratio : ndarray, shape (n_nodes,)
-        Speed of each node over the speed of the reference shaft. [1]
-    sense : ndarray, shape (n_nodes,)
-        +1 or −1: physical direction of rotation against the reference shaft. [1]
-    node_inertia : ndarray, shape (n_nodes,)
-        Inertia at the node's own speed. [kg m²]
-    node_damping : ndarray, shape (n_nodes,)
-        Viscous damping to ground at the node's own speed. [N m s/rad]
-    node_dof : ndarray, shape (n_nodes,)
-        Degree of freedom each node belongs to. [index]
-    node_scale : ndarray, shape (n_nodes,)
-        Angle of the node over the angle of its degree of freedom. [1]
-    inertia : ndarray, shape (n_dof,)
-        Inertia of each degree of freedom. [kg m²]
-    stiffness, viscous, loss_factor : ndarray, shape (n_rows,)
-        Of each row of the incidence matrix. [N m/rad, N m s/rad, 1]
-    node_incidence : ndarray, shape (n_rows, n_nodes)
-        Deflection of each row from the node angles. [1]
-    incidence : ndarray, shape (n_rows, n_dof)
-        The same from the degrees of freedom. [1]
-    row_element : ndarray, shape (n_rows,)
-        Element each row belongs to; −1 for a row of a bearing. [index]
-    rigid_meshes : tuple of RigidMesh
-        Meshes merged exactly. [count]
-    orientation : ndarray, shape (n_elements,)
-        +1 if From is the drive end, −1 if To is. [1]
-    beyond : ndarray of bool, shape (n_elements, n_stations)
-        Stations on the driven side of each element. [mask]
-    bodies : tuple of GearBody
-        Gears on bearings, in the order of the stations. [count]
-    flanks : tuple of Flank
-        Elastic gear meshes, and other elements with a clearance. [count]
     """
 
-    stations: tuple[str, ...]
-    elements: tuple[str, ...]
+    stations: tuple[str, ...]  #: Names, in the order of the case.
+    elements: tuple[str, ...]  #: Likewise.
+    #: Speed of each node over the speed of the reference shaft. [1] Shape (n_nodes,).
     speed_ratio: Floats
+    #: +1 or −1: physical direction of rotation against the reference shaft. [1] Shape (n_nodes,).
     sense: Floats
-    node_inertia: Floats
+    node_inertia: Floats  #: Inertia at the node's own speed. [kg m²] Shape (n_nodes,).
+    #: Viscous damping to ground at the node's own speed. [N m s/rad] Shape (n_nodes,).
     node_damping: Floats
-    node_dof: Ints
+    node_dof: Ints  #: Degree of freedom each node belongs to. Shape (n_nodes,).
+    #: Angle of the node over the angle of its degree of freedom. [1] Shape (n_nodes,).
     node_scale: Floats
-    inertia: Floats
+    inertia: Floats  #: Inertia of each degree of freedom. [kg m²] Shape (n_dof,).
+    #: Of each row of the incidence matrix. [N m/rad, N m s/rad, 1] Shape (n_rows,).
     stiffness: Floats
-    viscous: Floats
-    loss_factor: Floats
+    viscous: Floats  #: Likewise. [N m/rad, N m s/rad, 1] Shape (n_rows,).
+    loss_factor: Floats  #: Likewise. [N m/rad, N m s/rad, 1] Shape (n_rows,).
+    #: Deflection of each row from the node angles. [1] Shape (n_rows, n_nodes).
     node_incidence: Floats
-    incidence: Floats
-    row_element: Ints
-    rigid_meshes: tuple[RigidMesh, ...]
-    orientation: Floats
+    incidence: Floats  #: The same from the degrees of freedom. [1] Shape (n_rows, n_dof).
+    row_element: Ints  #: Element each row belongs to; −1 for a row of a bearing. Shape (n_rows,).
+    rigid_meshes: tuple[RigidMesh, ...]  #: Meshes merged exactly.
+    orientation: Floats  #: +1 if From is the drive end, −1 if To is. [1] Shape (n_elements,).
+    #: Stations on the driven side of each element. [mask] Shape (n_elements, n_stations).
     beyond: NDArray[np.bool_]
-    bodies: tuple[GearBody, ...]
-    flanks: tuple[Flank, ...]
+    bodies: tuple[GearBody, ...]  #: Gears on bearings, in the order of the stations.
+    flanks: tuple[Flank, ...]  #: Elastic gear meshes, and other elements with a clearance.
 
     @property
     def n_dof(self) -> int:
@@ -349,24 +275,13 @@ def shaft_inertia(od: float, bore: float, length: float, density: float) -> floa
 
 @dataclass(frozen=True)
 class Link:
-    """Stiffness, damping and inertia of one element, whatever they were given by.
+    """Stiffness, damping and inertia of one element, whatever they were given by."""
 
-    Parameters
-    ----------
-    stiffness : float or None
-        Torsional stiffness, of a mesh on its From side; None = rigid mesh. [N m/rad]
-    viscous : float
-        Viscous damping, likewise. [N m s/rad]
-    loss_factor : float
-        Hysteretic loss factor. [1]
-    inertia : float
-        Of the element itself. [kg m²]
-    """
-
+    #: Torsional stiffness, of a mesh on its From side; None = rigid mesh. [N m/rad]
     stiffness: float | None
-    viscous: float
-    loss_factor: float
-    inertia: float
+    viscous: float  #: Viscous damping, likewise. [N m s/rad]
+    loss_factor: float  #: Hysteretic loss factor. [1]
+    inertia: float  #: Of the element itself. [kg m²]
 
 
 def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:

@@ -45,22 +45,13 @@ SPARE_SAMPLES = 10
 
 @dataclass(frozen=True)
 class Percentile:
-    """One percentile with its interval; infinite = unlimited starts.
+    """One percentile with its interval; infinite = unlimited starts."""
 
-    Parameters
-    ----------
-    probability : float
-        Which percentile. [1]
-    value : float
-        It. [as the quantity]
-    low, high : float or None
-        Its interval; None = more samples would be needed to bound it. [as the quantity]
-    """
-
-    probability: float
-    value: float
+    probability: float  #: Which percentile. [1]
+    value: float  #: It. [as the quantity]
+    #: Its interval; None = more samples would be needed to bound it. [as the quantity]
     low: float | None
-    high: float | None
+    high: float | None  #: Likewise. [as the quantity]
 
 
 def percentile_interval(ordered: Floats, probability: float) -> Percentile:
@@ -116,24 +107,14 @@ def share_interval(met: int, of: int) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class RankRegression:
-    """Linear regression of the ranks of an answer on the ranks of its inputs.
+    """Linear regression of the ranks of an answer on the ranks of its inputs."""
 
-    Parameters
-    ----------
-    coefficient : ndarray, shape (n_inputs,)
-        Standardized coefficients β. [1]
-    partial : ndarray, shape (n_inputs,)
-        Partial rank correlation: with the part of all other inputs taken out. [1]
-    share : ndarray, shape (n_inputs,)
-        β·r, the part of R² of each input. [1]
-    explained : float
-        R², the sum of the shares. [1]
-    """
-
-    coefficient: Floats
+    coefficient: Floats  #: Standardized coefficients β. [1] Shape (n_inputs,).
+    #: Partial rank correlation: with the part of all other inputs taken out. [1] Shape
+    #: (n_inputs,).
     partial: Floats
-    share: Floats
-    explained: float
+    share: Floats  #: β·r, the part of R² of each input. [1] Shape (n_inputs,).
+    explained: float  #: R², the sum of the shares. [1]
 
 
 def rank_regression(inputs: Floats, answer: Floats) -> RankRegression | None:
@@ -182,18 +163,10 @@ def rank_regression(inputs: Floats, answer: Floats) -> RankRegression | None:
 
 @dataclass(frozen=True)
 class Convergence:
-    """Whether a sample was large enough.
+    """Whether a sample was large enough."""
 
-    Parameters
-    ----------
-    reached : bool
-        Whether it was. [flag]
-    sentence : str
-        With the numbers that decided it. [sentence]
-    """
-
-    reached: bool
-    sentence: str
+    reached: bool  #: Whether it was.
+    sentence: str  #: With the numbers that decided it.
 
 
 def convergence(values: Floats, what: str, probability: float = 0.1) -> Convergence:

@@ -20,17 +20,11 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TorqueCurve:
-    """Torque against the fraction of synchronous speed.
+    """Torque against the fraction of synchronous speed."""
 
-    Parameters
-    ----------
-    knots : ndarray, shape (n,)
-        Fraction of synchronous speed. [1]
-    cubic : ndarray, shape (n, 4)
-        Coefficients of powers of (x − knot) from each knot on; the last row is the end value. [N m]
-    """
-
-    knots: Floats
+    knots: Floats  #: Fraction of synchronous speed. [1] Shape (n,).
+    #: Coefficients of powers of (x − knot) from each knot on; the last row is the end value. [N m]
+    #: Shape (n, 4).
     cubic: Floats
 
     def __call__(self, fraction: Floats | float) -> Floats:

@@ -25,39 +25,21 @@ __all__ = ["Band", "Window", "forbidden_bands", "free_windows", "rows_of_bands"]
 
 @dataclass(frozen=True)
 class Band:
-    """Frequencies that one excitation forbids to every mode.
+    """Frequencies that one excitation forbids to every mode."""
 
-    Parameters
-    ----------
-    excitation : str
-        Excitation. [name]
-    from_, to : float
-        Ends of the band; a mode between them has too small a margin. [Hz]
-    lowest, highest : float
-        Frequency of the excitation over the speeds of continuous operation. [Hz]
-    """
-
-    excitation: str
-    from_: float
-    to: float
-    lowest: float
-    highest: float
+    excitation: str  #: Excitation.
+    from_: float  #: Ends of the band; a mode between them has too small a margin. [Hz]
+    to: float  #: Likewise. [Hz]
+    lowest: float  #: Frequency of the excitation over the speeds of continuous operation. [Hz]
+    highest: float  #: Likewise. [Hz]
 
 
 @dataclass(frozen=True)
 class Window:
-    """Frequencies that no excitation forbids.
+    """Frequencies that no excitation forbids."""
 
-    Parameters
-    ----------
-    from_ : float
-        Lower end. [Hz]
-    to : float or None
-        Upper end; None above the highest band. [Hz]
-    """
-
-    from_: float
-    to: float | None
+    from_: float  #: Lower end. [Hz]
+    to: float | None  #: Upper end; None above the highest band. [Hz]
 
 
 def forbidden_bands(case: CaseData, excitations: Sequence[Excitation]) -> tuple[Band, ...]:

@@ -59,36 +59,18 @@ DIAGRAM_REACH = 1.1
 
 @dataclass(frozen=True)
 class MarginRow:
-    """One natural frequency against one excitation.
+    """One natural frequency against one excitation."""
 
-    Parameters
-    ----------
-    mode : int
-        Elastic mode, counted from 1. [count]
-    mode_frequency : float
-        Natural frequency. [Hz]
-    excitation : str
-        Excitation. [name]
-    speed : float or None
-        Speed of the reference shaft where the margin is least; None for a fixed frequency. [rad/s]
-    excitation_frequency : float
-        Frequency of the excitation there. [Hz]
-    margin : float
-        |f − f_exc| / f_exc. [1]
-    required : float
-        Required margin. [1]
-    verdict : str
-        ``pass``, ``accepted by forced response`` or ``fail``; before the forced response is
-        known, ``pass`` or ``fail``. [word]
-    """
-
-    mode: int
-    mode_frequency: float
-    excitation: str
+    mode: int  #: Elastic mode, counted from 1.
+    mode_frequency: float  #: Natural frequency. [Hz]
+    excitation: str  #: Excitation.
+    #: Speed of the reference shaft where the margin is least; None for a fixed frequency. [rad/s]
     speed: float | None
-    excitation_frequency: float
-    margin: float
-    required: float
+    excitation_frequency: float  #: Frequency of the excitation there. [Hz]
+    margin: float  #: |f − f_exc| / f_exc. [1]
+    required: float  #: Required margin. [1]
+    #: ``pass``, ``accepted by forced response`` or ``fail``; before the forced response is known,
+    #: ``pass`` or ``fail``.
     verdict: str
 
     @property
@@ -99,24 +81,13 @@ class MarginRow:
 
 @dataclass(frozen=True)
 class SeparationMargins:
-    """Every elastic mode against every excitation.
+    """Every elastic mode against every excitation."""
 
-    Parameters
-    ----------
-    rows : tuple of MarginRow
-        In the order of modes, then of excitations. [rows]
-    required : float
-        Required margin. [1]
-    speed_range : tuple of float, or None
-        Lowest and highest speed of continuous operation, of the reference shaft. [rad/s]
-    warnings : tuple of str
-        What could not be judged. [sentences]
-    """
-
-    rows: tuple[MarginRow, ...]
-    required: float
+    rows: tuple[MarginRow, ...]  #: In the order of modes, then of excitations. [rows]
+    required: float  #: Required margin. [1]
+    #: Lowest and highest speed of continuous operation, of the reference shaft. [rad/s]
     speed_range: tuple[float, float] | None
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...]  #: What could not be judged.
 
     @property
     def worst(self) -> MarginRow | None:
@@ -298,40 +269,21 @@ def percent_speed(frequency: float, line_frequency: float) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class Interference:
-    """Lines of the interference (Campbell) diagram.
+    """Lines of the interference (Campbell) diagram."""
 
-    Parameters
-    ----------
-    speed : ndarray, shape (n_speeds,)
-        Speed of the reference shaft, from 0; empty if no speed is known. [rad/s]
-    mode_frequency : ndarray, shape (n_elastic,)
-        Natural frequencies, the horizontal lines. [Hz]
-    order_names : tuple of str
-        Excitations that follow the speed. [names]
-    order_frequency : ndarray, shape (n_orders, n_speeds)
-        Their frequencies. [Hz]
-    fixed_names : tuple of str
-        Excitations of fixed frequency. [names]
-    fixed_frequency : ndarray, shape (n_fixed,)
-        Their frequencies. [Hz]
-    slip_frequency : ndarray, shape (n_speeds,)
-        Twice the slip frequency during the start; NaN above synchronous speed or if the line
-        frequency is unknown. [Hz]
-    crossing_percent : tuple of float or None
-        Percent speed where it crosses each mode; None where it never does. [%]
-    speed_range : tuple of float, or None
-        Speeds of continuous operation. [rad/s]
-    """
-
+    #: Speed of the reference shaft, from 0; empty if no speed is known. [rad/s] Shape (n_speeds,).
     speed: Floats
-    mode_frequency: Floats
-    order_names: tuple[str, ...]
-    order_frequency: Floats
-    fixed_names: tuple[str, ...]
-    fixed_frequency: Floats
+    mode_frequency: Floats  #: Natural frequencies, the horizontal lines. [Hz] Shape (n_elastic,).
+    order_names: tuple[str, ...]  #: Excitations that follow the speed.
+    order_frequency: Floats  #: Their frequencies. [Hz] Shape (n_orders, n_speeds).
+    fixed_names: tuple[str, ...]  #: Excitations of fixed frequency.
+    fixed_frequency: Floats  #: Their frequencies. [Hz] Shape (n_fixed,).
+    #: Twice the slip frequency during the start; NaN above synchronous speed or if the line
+    #: frequency is unknown. [Hz] Shape (n_speeds,).
     slip_frequency: Floats
+    #: Percent speed where it crosses each mode; None where it never does. [%]
     crossing_percent: tuple[float | None, ...]
-    speed_range: tuple[float, float] | None
+    speed_range: tuple[float, float] | None  #: Speeds of continuous operation. [rad/s]
 
 
 def interference(

@@ -81,21 +81,15 @@ BATCH = 2_000_000
 
 @dataclass(frozen=True, eq=False)
 class HarmonicResponse:
-    """Steady response to torques of one frequency. A second axis, n_loads, comes with several.
+    """Steady response to torques of one frequency. A second axis, n_loads, comes with several."""
 
-    Parameters
-    ----------
-    omega : ndarray, shape (n_freq,)
-        Angular frequencies. [rad/s]
-    station_angle : ndarray of complex, shape (n_stations, n_freq) or (n_stations, n_loads, n_freq)
-        Angle of each station in its running direction; infinite where unbounded. [rad]
-    element_torque : ndarray of complex, shape (n_elements, n_freq) or with n_loads
-        Torque of each element, positive where the drive end pushes; of a subdivided shaft the
-        segment with the largest magnitude; infinite where unbounded. [N m]
-    """
-
-    omega: Floats
+    omega: Floats  #: Angular frequencies. [rad/s] Shape (n_freq,).
+    #: Angle of each station in its running direction; infinite where unbounded. [rad] Shape
+    #: (n_stations, n_freq).
     station_angle: Complexes
+    #: Torque of each element, positive where the drive end pushes; of a subdivided shaft the
+    #: segment with the largest magnitude; infinite where unbounded. [N m] Shape (n_elements,
+    #: n_freq).
     element_torque: Complexes
 
     @property
@@ -362,68 +356,36 @@ def _takes_part(
 
 @dataclass(frozen=True)
 class SteadyStateRow:
-    """Vibratory torque and stress of one element under one excitation, at its worst.
+    """Vibratory torque and stress of one element under one excitation, at its worst."""
 
-    Parameters
-    ----------
-    element : str
-        Element. [name]
-    excitation : str
-        Excitation. [name]
-    mode : int or None
-        Elastic mode at whose resonance the row is evaluated; None = swept over the operating
-        range. [count]
-    frequency : float
-        Frequency of the excitation; of a sweep the worst one. [Hz]
-    applied_at : str
-        Station where the excitation acts, of several the worst one. [name]
-    applied_torque : float
-        Torque of the excitation there, zero-to-peak, at the station's own speed. [N m]
-    torque : float or None
-        Torque of the element, zero-to-peak, at its own speed; None = unbounded. [N m]
-    zero_to_peak_stress, peak_to_peak_stress : float or None
-        Shear stress with SCF; None without a stress diameter, or unbounded. [Pa]
-    allowable : float or None
-        UTS/25; None where no stress can be judged. [Pa]
-    torque_limit : float or None
-        Vibratory limit of the element, zero-to-peak. [N m]
-    verdict : str
-        ``pass``, ``fail``, ``unbounded`` or ``not judged``. [word]
-    """
-
-    element: str
-    excitation: str
+    element: str  #: Element.
+    excitation: str  #: Excitation.
+    #: Elastic mode at whose resonance the row is evaluated; None = swept over the operating range.
     mode: int | None
-    frequency: float
-    applied_at: str
+    frequency: float  #: Frequency of the excitation; of a sweep the worst one. [Hz]
+    applied_at: str  #: Station where the excitation acts, of several the worst one.
+    #: Torque of the excitation there, zero-to-peak, at the station's own speed. [N m]
     applied_torque: float
+    #: Torque of the element, zero-to-peak, at its own speed; None = unbounded. [N m]
     torque: float | None
+    #: Shear stress with SCF; None without a stress diameter, or unbounded. [Pa]
     zero_to_peak_stress: float | None
-    peak_to_peak_stress: float | None
-    allowable: float | None
-    torque_limit: float | None
-    verdict: str
+    peak_to_peak_stress: float | None  #: Likewise. [Pa]
+    allowable: float | None  #: UTS/25; None where no stress can be judged. [Pa]
+    torque_limit: float | None  #: Vibratory limit of the element, zero-to-peak. [N m]
+    verdict: str  #: ``pass``, ``fail``, ``unbounded`` or ``not judged``.
 
 
 @dataclass(frozen=True)
 class SteadyState:
-    """Vibratory torques and stresses in continuous operation.
+    """Vibratory torques and stresses in continuous operation."""
 
-    Parameters
-    ----------
-    rows : tuple of SteadyStateRow
-        For each margin that is not kept a row an element at the resonance; then for each
-        excitation a row an element, swept over the operating range. Where no load is known, the
-        default excitation acts at the motor alone and nothing passes on it. [rows]
-    stress_basis : str
-        ``peak-to-peak`` or ``zero-to-peak``: what is compared with UTS/25. [word]
-    warnings : tuple of str
-        What was assumed, or could not be evaluated. [sentences]
-    """
-
+    #: For each margin that is not kept a row an element at the resonance; then for each excitation
+    #: a row an element, swept over the operating range. Where no load is known, the default
+    #: excitation acts at the motor alone and nothing passes on it. [rows]
     rows: tuple[SteadyStateRow, ...]
-    stress_basis: str
-    warnings: tuple[str, ...]
+    stress_basis: str  #: ``peak-to-peak`` or ``zero-to-peak``: what is compared with UTS/25.
+    warnings: tuple[str, ...]  #: What was assumed, or could not be evaluated.
 
 
 def steady_state(

@@ -58,30 +58,14 @@ LARGEST_AMPLIFICATION = 20.0
 
 @dataclass(frozen=True)
 class ElementMinimum:
-    """Lowest torque of an element that may have a clearance.
+    """Lowest torque of an element that may have a clearance."""
 
-    Parameters
-    ----------
-    element : str
-        Gear mesh or geared coupling. [name]
-    minimum : float
-        Lowest torque after rest. [N m]
-    error : float
-        Its estimated error. [N m]
-    largest : float
-        Largest magnitude of its torque. [N m]
-    clearance : bool
-        Whether its clearance is given, and not zero. [flag]
-    tight : bool
-        Whether a clearance of zero is given for it. [flag]
-    """
-
-    element: str
-    minimum: float
-    error: float
-    largest: float
-    clearance: bool
-    tight: bool = False
+    element: str  #: Gear mesh or geared coupling.
+    minimum: float  #: Lowest torque after rest. [N m]
+    error: float  #: Its estimated error. [N m]
+    largest: float  #: Largest magnitude of its torque. [N m]
+    clearance: bool  #: Whether its clearance is given, and not zero.
+    tight: bool = False  #: Whether a clearance of zero is given for it.
 
     @property
     def lowest(self) -> float:
@@ -91,97 +75,49 @@ class ElementMinimum:
 
 @dataclass(frozen=True)
 class StartEvidence:
-    """What a calculated start tells.
+    """What a calculated start tells."""
 
-    Parameters
-    ----------
-    minima : tuple of ElementMinimum
-        Of every mesh and geared coupling. [N m]
-    truncation_error : float
-        What the modes left out may change. [1]
-    kept_modes : int
-        Modes integrated. [count]
-    time : float
-        Simulated time. [s]
-    outcome : str
-        How it ended. [word]
-    stress_ratio : float or None
-        Largest possible stress amplitude over endurance; None where no shaft is judged. [1]
-    must_count : bool
-        Whether any cycle may damage. [flag]
-    wall_time : float
-        What it cost. [s]
-    n_modes : int or None
-        Modes of the train it was calculated with; None = as many as are integrated. [count]
-    """
-
-    minima: tuple[ElementMinimum, ...]
-    truncation_error: float
-    kept_modes: int
-    time: float
-    outcome: str
+    minima: tuple[ElementMinimum, ...]  #: Of every mesh and geared coupling. [N m]
+    truncation_error: float  #: What the modes left out may change. [1]
+    kept_modes: int  #: Modes integrated.
+    time: float  #: Simulated time. [s]
+    outcome: str  #: How it ended.
+    #: Largest possible stress amplitude over endurance; None where no shaft is judged. [1]
     stress_ratio: float | None
-    must_count: bool
-    wall_time: float
+    must_count: bool  #: Whether any cycle may damage.
+    wall_time: float  #: What it cost. [s]
+    #: Modes of the train it was calculated with; None = as many as are integrated.
     n_modes: int | None = None
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Cheap numbers a plan is made from.
+    """Cheap numbers a plan is made from."""
 
-    Parameters
-    ----------
-    tolerance : float
-        Relative change of an answer that may be neglected. [1]
-    start : bool
-        Whether a start or prescribed torque is calculated. [flag]
-    n_modes, n_coupled_modes : int
-        Modes without and with bearings. [count]
-    first_frequency : float or None
-        Lowest elastic mode. [Hz]
-    line_frequency : float or None
-        Line frequency. [Hz]
-    bearing_number : float or None
-        How much the bearings change a mode; None without bearing data. [1]
-    coupling : float
-        Estimated share of an element's torque that dampers bring by coupling modes. [1]
-    runup_time : float or None
-        Rigid-body run-up to the end speed; inf = never; None without motor. [s]
-    longest_time : float
-        Longest simulated time. [s]
-    field_slip : float or None
-        Slip the rigid train reaches, where field data are given. [1]
-    trip_share : float or None
-        Highest speed of the rigid train, or of its start, over the trip speed. [1]
-    shock_share : float or None
-        Shock of all motors over the least motor torque at standstill, times its largest
-        amplification; None without shock data or motor. [1]
-    judged : int
-        Shafts whose fatigue is judged. [count]
-    clearances : tuple of str
-        Elements with a clearance. [names]
-    linear, event : StartEvidence or None
-        The linear start, and the latest one with events; None before it. [SI]
-    """
-
-    tolerance: float
-    start: bool
-    n_modes: int
-    n_coupled_modes: int
-    first_frequency: float | None
-    line_frequency: float | None
+    tolerance: float  #: Relative change of an answer that may be neglected. [1]
+    start: bool  #: Whether a start or prescribed torque is calculated.
+    n_modes: int  #: Modes without and with bearings.
+    n_coupled_modes: int  #: Likewise.
+    first_frequency: float | None  #: Lowest elastic mode. [Hz]
+    line_frequency: float | None  #: Line frequency. [Hz]
+    #: How much the bearings change a mode; None without bearing data. [1]
     bearing_number: float | None
+    #: Estimated share of an element's torque that dampers bring by coupling modes. [1]
     coupling: float
+    #: Rigid-body run-up to the end speed; inf = never; None without motor. [s]
     runup_time: float | None
-    longest_time: float
-    field_slip: float | None
+    longest_time: float  #: Longest simulated time. [s]
+    field_slip: float | None  #: Slip the rigid train reaches, where field data are given. [1]
+    #: Highest speed of the rigid train, or of its start, over the trip speed. [1]
     trip_share: float | None
+    #: Shock of all motors over the least motor torque at standstill, times its largest
+    #: amplification; None without shock data or motor. [1]
     shock_share: float | None
-    judged: int
-    clearances: tuple[str, ...]
+    judged: int  #: Shafts whose fatigue is judged.
+    clearances: tuple[str, ...]  #: Elements with a clearance.
+    #: The linear start, and the latest one with events; None before it. [SI]
     linear: StartEvidence | None = None
-    event: StartEvidence | None = None
+    event: StartEvidence | None = None  #: Likewise. [SI]
 
 
 def has_bearings(case: CaseData) -> bool:

@@ -53,36 +53,16 @@ NO_FORCES = (
 
 @dataclass(frozen=True)
 class Plan:
-    """What is simulated, and why.
+    """What is simulated, and why."""
 
-    Parameters
-    ----------
-    number : int
-        1 for the first plan of a run. [count]
-    reason : str
-        Why this plan was made. [sentence]
-    decisions : tuple of EffectDecision
-        One an effect, in the order of `EFFECTS`. [mixed]
-    effects : StartEffects
-        What the start simulates. [flags]
-    lateral : bool
-        Whether gears move sideways on their bearings in the start. [flag]
-    cycle_counting : bool
-        Whether cycles are counted. [flag]
-    sweep : bool
-        Whether crossings of the modes are evaluated. [flag]
-    warnings : tuple of str
-        Choices that go against the evidence. [sentences]
-    """
-
-    number: int
-    reason: str
-    decisions: tuple[EffectDecision, ...]
-    effects: StartEffects
-    lateral: bool
-    cycle_counting: bool
-    sweep: bool
-    warnings: tuple[str, ...] = ()
+    number: int  #: 1 for the first plan of a run.
+    reason: str  #: Why this plan was made.
+    decisions: tuple[EffectDecision, ...]  #: One an effect, in the order of `EFFECTS`. [mixed]
+    effects: StartEffects  #: What the start simulates.
+    lateral: bool  #: Whether gears move sideways on their bearings in the start.
+    cycle_counting: bool  #: Whether cycles are counted.
+    sweep: bool  #: Whether crossings of the modes are evaluated.
+    warnings: tuple[str, ...] = ()  #: Choices that go against the evidence.
 
     def decision(self, effect: str) -> EffectDecision:
         """The decision on one effect.

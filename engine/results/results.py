@@ -30,125 +30,60 @@ __all__ = ["AccuracyRow", "AtSpeed", "Results"]
 
 @dataclass(frozen=True)
 class AccuracyRow:
-    """What one calculation was worth and what it cost.
+    """What one calculation was worth and what it cost."""
 
-    Parameters
-    ----------
-    method : str
-        Method of the time integration, or the analysis. [name]
-    setting : str
-        Wanted tolerance or step. [words]
-    error_peak : float or None
-        Error of the peak torques, relative; None where the analysis has none. [1]
-    error_starts : float or None
-        Error of the allowable starts, relative; None where none is counted, or unlimited. [1]
-    time : float
-        Wall time. [s]
-    """
-
-    method: str
-    setting: str
+    method: str  #: Method of the time integration, or the analysis.
+    setting: str  #: Wanted tolerance or step.
+    #: Error of the peak torques, relative; None where the analysis has none. [1]
     error_peak: float | None
+    #: Error of the allowable starts, relative; None where none is counted, or unlimited. [1]
     error_starts: float | None
-    time: float
+    time: float  #: Wall time. [s]
 
 
 @dataclass(frozen=True, eq=False)
 class AtSpeed:
-    """What holds without any start: modes, margins, forced response.
+    """What holds without any start: modes, margins, forced response."""
 
-    Parameters
-    ----------
-    case : CaseData
-        What was asked. [SI]
-    case_sha256 : str
-        Digest of the inputs. [hex]
-    train : Train
-        The train as arrays. [SI]
-    modes : Modes
-        Natural modes. [SI]
-    nodes : tuple of Node
-        Where the modes stand still. [count]
-    segments : tuple of (str, int)
-        Subdivision of shafts with inertia of their own. [count]
-    frequency_error : float
-        Estimated relative error of the frequencies from that subdivision. [1]
-    damping : ModalDamping
-        Damping of the modes. [SI]
-    eigenvalues : ndarray of complex or None
-        Damped eigenvalues where dampers couple the modes; None where damping is proportional.
-        [1/s]
-    excitations : tuple of Excitation
-        What was judged. [SI]
-    margins : SeparationMargins
-        Separation margins with verdicts. [1]
-    interference : Interference
-        Lines of the interference diagram. [Hz]
-    steady : SteadyState
-        Forced response. [SI]
-    """
-
-    case: CaseData
-    case_sha256: str
-    train: Train
-    modes: Modes
-    nodes: tuple[Node, ...]
-    segments: tuple[tuple[str, int], ...]
+    case: CaseData  #: What was asked. [SI]
+    case_sha256: str  #: Digest of the inputs. [hex]
+    train: Train  #: The train as arrays. [SI]
+    modes: Modes  #: Natural modes. [SI]
+    nodes: tuple[Node, ...]  #: Where the modes stand still.
+    segments: tuple[tuple[str, int], ...]  #: Subdivision of shafts with inertia of their own.
+    #: Estimated relative error of the frequencies from that subdivision. [1]
     frequency_error: float
-    damping: ModalDamping
+    damping: ModalDamping  #: Damping of the modes. [SI]
+    #: Damped eigenvalues where dampers couple the modes; None where damping is proportional. [1/s]
     eigenvalues: NDArray[np.complex128] | None
-    excitations: tuple[Excitation, ...]
-    margins: SeparationMargins
-    interference: Interference
-    steady: SteadyState
+    excitations: tuple[Excitation, ...]  #: What was judged. [SI]
+    margins: SeparationMargins  #: Separation margins with verdicts. [1]
+    interference: Interference  #: Lines of the interference diagram. [Hz]
+    steady: SteadyState  #: Forced response. [SI]
 
 
 @dataclass(frozen=True, eq=False)
 class Results(AtSpeed):
-    """Everything one run answers: what `AtSpeed` holds, and the start.
+    """Everything one run answers: what `AtSpeed` holds, and the start."""
 
-    Parameters
-    ----------
-    start : Start or None
-        The start, or the response to prescribed torques. [SI]
-    crossings : tuple of Crossing
-        Where 2 × slip crosses the modes. [SI]
-    starts : AllowableStarts or None
-        Fatigue of the judged shafts. [1]
-    starts_error : tuple of (str, float or None)
-        Per judged shaft, estimated relative error of its allowable starts; None = unlimited. [1]
-    verdicts : tuple of Verdict
-        The checks at a glance. [words]
-    warnings : tuple of str
-        What a reader must know beside the numbers. [sentences]
-    spent : tuple of (str, float)
-        Wall time of each analysis in this run. [s]
-    plans : tuple of Plan
-        Every plan of this run; the last one is that of the results. [mixed]
-    reversals : tuple of Reversal
-        Torque reversals of meshes and geared couplings in the start that is reported. [SI]
-    bearing_forces : tuple of BearingForce
-        Largest bearing force of each gear that moves sideways. [N]
-    pull_in : PullIn or None
-        Field application, where it was simulated. [SI]
-    sensitivity : Sensitivity or None
-        Change of the answers under a tiny change of the input, where clearances are modelled. [1]
-    accuracy : tuple of AccuracyRow
-        Estimated error and time of each analysis, as calculated. [1, s]
-    """
-
-    start: Start | None
-    crossings: tuple[Crossing, ...]
-    starts: AllowableStarts | None
+    start: Start | None  #: The start, or the response to prescribed torques. [SI]
+    crossings: tuple[Crossing, ...]  #: Where 2 × slip crosses the modes. [SI]
+    starts: AllowableStarts | None  #: Fatigue of the judged shafts. [1]
+    #: Per judged shaft, estimated relative error of its allowable starts; None = unlimited. [1]
     starts_error: tuple[tuple[str, float | None], ...]
-    verdicts: tuple[Verdict, ...]
-    warnings: tuple[str, ...]
-    spent: tuple[tuple[str, float], ...]
+    verdicts: tuple[Verdict, ...]  #: The checks at a glance.
+    warnings: tuple[str, ...]  #: What a reader must know beside the numbers.
+    spent: tuple[tuple[str, float], ...]  #: Wall time of each analysis in this run. [s]
+    #: Every plan of this run; the last one is that of the results. [mixed]
     plans: tuple[Plan, ...] = ()
+    #: Torque reversals of meshes and geared couplings in the start that is reported. [SI]
     reversals: tuple[Reversal, ...] = ()
+    #: Largest bearing force of each gear that moves sideways. [N]
     bearing_forces: tuple[BearingForce, ...] = ()
-    pull_in: PullIn | None = None
+    pull_in: PullIn | None = None  #: Field application, where it was simulated. [SI]
+    #: Change of the answers under a tiny change of the input, where clearances are modelled. [1]
     sensitivity: Sensitivity | None = None
+    #: Estimated error and time of each analysis, as calculated. [1, s]
     accuracy: tuple[AccuracyRow, ...] = ()
 
     @property

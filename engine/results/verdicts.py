@@ -22,28 +22,14 @@ __all__ = ["Verdict", "verdicts_of"]
 
 @dataclass(frozen=True)
 class Verdict:
-    """One check.
+    """One check."""
 
-    Parameters
-    ----------
-    check : str
-        What was checked. [name]
-    result, limit : float, str or None
-        What was found and what is allowed. [SI, in the dimension named]
-    dimension : str
-        ``fraction``, ``pressure``, ``torque``, ``count`` or ``text``. [word]
-    verdict : str
-        ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``. [word]
-    where : str
-        Mode, element or shaft that governs. [names]
-    """
-
-    check: str
-    result: float | str | None
-    limit: float | str | None
-    dimension: str
-    verdict: str
-    where: str
+    check: str  #: What was checked.
+    result: float | str | None  #: What was found and what is allowed. [SI, in the dimension named]
+    limit: float | str | None  #: Likewise. [SI, in the dimension named]
+    dimension: str  #: ``fraction``, ``pressure``, ``torque``, ``count`` or ``text``.
+    verdict: str  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
+    where: str  #: Mode, element or shaft that governs.
 
 
 def verdicts_of(

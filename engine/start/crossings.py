@@ -32,51 +32,26 @@ LEWIS_FACTOR = 3.67773
 
 @dataclass(frozen=True)
 class Crossing:
-    """One mode crossed by the 2 × slip pulsation, or just above where it begins.
+    """One mode crossed by the 2 × slip pulsation, or just above where it begins."""
 
-    Parameters
-    ----------
-    mode : int
-        Elastic mode, counted from 1. [count]
-    frequency : float
-        Natural frequency. [Hz]
-    percent_speed : float or None
-        Speed of the crossing, 100 (1 − f / 2 f_line); None for a mode just above 2 × line, listed
-        because the initial shock excites it. [%]
-    time : float or None
-        When the mean speed passes there; None if the start ends before. [s]
-    average_torque, pulsating_torque, load_torque : float or None
-        At that speed, referred to the motor; None, like the next two, if it is not reached. [N m]
-    acceleration : float or None
-        Of the reference shaft as a rigid train. [rad/s²]
-    sweep_rate : float or None
-        Rate at which the pulsation frequency falls. [Hz/s]
-    governing_element : str or None
-        Element most stressed while the mode is excited. [name]
-    peak_to_peak_torque : float or None
-        Its torque range in that window. [N m]
-    peak_to_peak_stress : float or None
-        Its nominal stress range, where it has a stress diameter. [Pa]
-    mesh_minimum_torque : float or None
-        Lowest mesh torque in that window. [N m]
-    note : str
-        The reasons, in words. [sentences]
-    """
-
-    mode: int
-    frequency: float
+    mode: int  #: Elastic mode, counted from 1.
+    frequency: float  #: Natural frequency. [Hz]
+    #: Speed of the crossing, 100 (1 − f / 2 f_line); None for a mode just above 2 × line, listed
+    #: because the initial shock excites it. [%]
     percent_speed: float | None
-    time: float | None
+    time: float | None  #: When the mean speed passes there; None if the start ends before. [s]
+    #: At that speed, referred to the motor; None, like the next two, if it is not reached. [N m]
     average_torque: float | None
-    pulsating_torque: float | None
-    load_torque: float | None
-    acceleration: float | None
-    sweep_rate: float | None
-    governing_element: str | None
-    peak_to_peak_torque: float | None
+    pulsating_torque: float | None  #: Likewise. [N m]
+    load_torque: float | None  #: Likewise. [N m]
+    acceleration: float | None  #: Of the reference shaft as a rigid train. [rad/s²]
+    sweep_rate: float | None  #: Rate at which the pulsation frequency falls. [Hz/s]
+    governing_element: str | None  #: Element most stressed while the mode is excited.
+    peak_to_peak_torque: float | None  #: Its torque range in that window. [N m]
+    #: Its nominal stress range, where it has a stress diameter. [Pa]
     peak_to_peak_stress: float | None
-    mesh_minimum_torque: float | None
-    note: str
+    mesh_minimum_torque: float | None  #: Lowest mesh torque in that window. [N m]
+    note: str  #: The reasons, in words.
 
 
 def start_crossings(

@@ -46,27 +46,14 @@ BISECTIONS = 60
 
 @dataclass(frozen=True)
 class PracticeLimit:
-    """What a published source says about reversing torque.
+    """What a published source says about reversing torque."""
 
-    Parameters
-    ----------
-    applies_to : str
-        ``gear mesh`` or ``coupling``. [word]
-    service : str
-        ``continuous`` or ``start``. [word]
-    share : float or None
-        Lowest torque allowed over the full-load torque; None = no number in the source. [1]
-    says : str
-        What the source says, in our words. [sentence]
-    source : str
-        Where it is written. [citation]
-    """
-
-    applies_to: str
-    service: str
+    applies_to: str  #: ``gear mesh`` or ``coupling``.
+    service: str  #: ``continuous`` or ``start``.
+    #: Lowest torque allowed over the full-load torque; None = no number in the source. [1]
     share: float | None
-    says: str
-    source: str
+    says: str  #: What the source says, in our words.
+    source: str  #: Where it is written. [citation]
 
 
 #: What the literature says. None of it puts a number on the reversal that a *start* may cause, so
@@ -102,79 +89,36 @@ PRACTICE_LIMITS = (
 
 @dataclass(frozen=True)
 class Reversal:
-    """Lowest torque of one mesh or coupling during a start, and its passages below zero.
+    """Lowest torque of one mesh or coupling during a start, and its passages below zero."""
 
-    Parameters
-    ----------
-    element : str
-        Gear mesh, geared coupling, or other element that states a reversal limit. [name]
-    kind : str
-        Its kind. [word]
-    minimum_torque : float
-        Lowest torque. [N m]
-    minimum_time : float
-        When. [s]
-    slip_frequency : float or None
-        Twice the slip times line frequency then; None where line or speed is unknown. [Hz]
-    largest_torque : float
-        Largest magnitude of its torque. [N m]
-    hysteresis : float
-        Depth below zero from which a passage counts. [N m]
-    reversals : int
-        How many. [count]
-    first_time : float or None
-        When the first one began; None if there is none. [s]
-    longest_reversal : float
-        Duration of the longest. [s]
-    time_unloaded : float
-        Without clearance model: total time below zero of the counted reversals. With it: total
-        time without tooth contact. [s]
-    transmitted_torque : float
-        Torque it transmits in continuous operation. [N m]
-    margin : float or None
-        Minimum over transmitted torque; None where that is zero. [1]
-    limit : float or None
-        The maker's `Reversal limit`, a magnitude; None = not stated. [N m]
-    verdict : str
-        ``pass``, ``fail`` or ``not judged``. [word]
-    model : str
-        ``clearance`` where the teeth may part, else ``linear``. [word]
-    impacts : int or None
-        Recontacts; None without clearance model. [count]
-    recontact_speed : float or None
-        Largest approach speed of the flanks; None for a coupling and without that model. [m/s]
-    recontact_speed_angular : float or None
-        The same as relative angular speed on the From side. [rad/s]
-    tooth_force : float or None
-        Largest normal tooth force; None for a coupling and without that model. [N]
-    practice : str
-        What the literature says of such an element in a start. [sentence]
-    sentence : str
-        What was found, with its numbers. [sentence]
-    """
-
-    element: str
-    kind: str
-    minimum_torque: float
-    minimum_time: float
+    element: str  #: Gear mesh, geared coupling, or other element that states a reversal limit.
+    kind: str  #: Its kind.
+    minimum_torque: float  #: Lowest torque. [N m]
+    minimum_time: float  #: When. [s]
+    #: Twice the slip times line frequency then; None where line or speed is unknown. [Hz]
     slip_frequency: float | None
-    largest_torque: float
-    hysteresis: float
-    reversals: int
-    first_time: float | None
-    longest_reversal: float
+    largest_torque: float  #: Largest magnitude of its torque. [N m]
+    hysteresis: float  #: Depth below zero from which a passage counts. [N m]
+    reversals: int  #: How many.
+    first_time: float | None  #: When the first one began; None if there is none. [s]
+    longest_reversal: float  #: Duration of the longest. [s]
+    #: Without clearance model: total time below zero of the counted reversals. With it: total time
+    #: without tooth contact. [s]
     time_unloaded: float
-    transmitted_torque: float
-    margin: float | None
-    limit: float | None
-    verdict: str
-    model: str
-    impacts: int | None
+    transmitted_torque: float  #: Torque it transmits in continuous operation. [N m]
+    margin: float | None  #: Minimum over transmitted torque; None where that is zero. [1]
+    limit: float | None  #: The maker's `Reversal limit`, a magnitude; None = not stated. [N m]
+    verdict: str  #: ``pass``, ``fail`` or ``not judged``.
+    model: str  #: ``clearance`` where the teeth may part, else ``linear``.
+    impacts: int | None  #: Recontacts; None without clearance model.
+    #: Largest approach speed of the flanks; None for a coupling and without that model. [m/s]
     recontact_speed: float | None
+    #: The same as relative angular speed on the From side. [rad/s]
     recontact_speed_angular: float | None
+    #: Largest normal tooth force; None for a coupling and without that model. [N]
     tooth_force: float | None
-    practice: str
-    sentence: str
+    practice: str  #: What the literature says of such an element in a start.
+    sentence: str  #: What was found, with its numbers.
 
     @property
     def reverses(self) -> bool:

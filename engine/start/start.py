@@ -132,74 +132,37 @@ SETTLED = 0.01
 
 @dataclass(frozen=True)
 class StartSettings:
-    """How a start is to be calculated.
+    """How a start is to be calculated."""
 
-    Parameters
-    ----------
-    method : str
-        ``exponential`` or ``newmark``. [word]
-    tolerance_peak : float
-        Wanted relative error of peak torques. [1]
-    end_speed : float
-        Speed of the reference shaft at which the start ends. [rad/s]
-    maximum_time : float or None
-        Longest simulated time; None = from the rigid-body run-up. [s]
-    """
-
-    method: str
-    tolerance_peak: float
-    end_speed: float
-    maximum_time: float | None
+    method: str  #: ``exponential`` or ``newmark``.
+    tolerance_peak: float  #: Wanted relative error of peak torques. [1]
+    end_speed: float  #: Speed of the reference shaft at which the start ends. [rad/s]
+    maximum_time: float | None  #: Longest simulated time; None = from the rigid-body run-up. [s]
 
 
 @dataclass(frozen=True)
 class StartOutcome:
-    """How the start ended.
+    """How the start ended."""
 
-    Parameters
-    ----------
-    outcome : str
-        ``reached``, ``asynchronous``, ``stalled``, ``no breakaway`` or ``time out``; with the field
-        applied ``synchronised`` or ``not synchronised`` (it went on slipping poles, or the run
-        ended first); ``tripped``: an aborted start came to its trip speed and coasted down. [word]
-    time : float
-        Simulated time. [s]
-    end_speed : float
-        Mean speed of the reference shaft at that time. [rad/s]
-    sentence : str
-        The outcome with its numbers. [sentence]
-    """
-
+    #: ``reached``, ``asynchronous``, ``stalled``, ``no breakaway`` or ``time out``; with the field
+    #: applied ``synchronised`` or ``not synchronised`` (it went on slipping poles, or the run
+    #: ended first); ``tripped``: an aborted start came to its trip speed and coasted down.
     outcome: str
-    time: float
-    end_speed: float
-    sentence: str
+    time: float  #: Simulated time. [s]
+    end_speed: float  #: Mean speed of the reference shaft at that time. [rad/s]
+    sentence: str  #: The outcome with its numbers.
 
 
 @dataclass(frozen=True)
 class ElementPeak:
-    """Extremes of the torque of one element over the whole start.
+    """Extremes of the torque of one element over the whole start."""
 
-    Parameters
-    ----------
-    element : str
-        Element. [name]
-    maximum, minimum : float
-        Largest and smallest torque, at the element's own speed. [N m]
-    time : float
-        When the larger of the two magnitudes occurs. [s]
-    speed : float
-        Mean speed of the reference shaft then. [rad/s]
-    error : float
-        Estimated absolute error of the extremes. [N m]
-    """
-
-    element: str
-    maximum: float
-    minimum: float
-    time: float
-    speed: float
-    error: float
+    element: str  #: Element.
+    maximum: float  #: Largest and smallest torque, at the element's own speed. [N m]
+    minimum: float  #: Likewise. [N m]
+    time: float  #: When the larger of the two magnitudes occurs. [s]
+    speed: float  #: Mean speed of the reference shaft then. [rad/s]
+    error: float  #: Estimated absolute error of the extremes. [N m]
 
     @property
     def peak_to_peak(self) -> float:
@@ -215,96 +178,53 @@ class ElementPeak:
 
 @dataclass(frozen=True, eq=False)
 class ForceHistories:
-    """Forces of teeth and bearings at the samples of a trajectory.
+    """Forces of teeth and bearings at the samples of a trajectory."""
 
-    Parameters
-    ----------
-    teeth : tuple of str
-        Meshes. [names]
-    tooth_force : ndarray, shape (n_meshes, n_times)
-        Normal tooth force, positive on the drive flank, negative on the back flank. [N]
-    bearings : tuple of str
-        Gears that move sideways. [names]
-    bearing_force : ndarray, shape (n_gears, n_times)
-        Magnitude of the radial force, without weight. [N]
-    """
-
-    teeth: tuple[str, ...]
+    teeth: tuple[str, ...]  #: Meshes.
+    #: Normal tooth force, positive on the drive flank, negative on the back flank. [N] Shape
+    #: (n_meshes, n_times).
     tooth_force: Floats
-    bearings: tuple[str, ...]
+    bearings: tuple[str, ...]  #: Gears that move sideways.
+    #: Magnitude of the radial force, without weight. [N] Shape (n_gears, n_times).
     bearing_force: Floats
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A complete start.
+    """A complete start."""
 
-    Parameters
-    ----------
-    outcome : StartOutcome
-        How it ended. [mixed]
-    peaks : tuple of ElementPeak
-        One an element. [N m]
-    trajectory : Trajectory
-        The finest simulation. [SI]
-    turning_points : tuple of (ndarray, ndarray)
-        Per element, times and torques of all turning points from rest to the end. [s, N m]
-    coarse_turning_points : tuple of (ndarray, ndarray)
-        The same at twice the step: what the error of cycle counts is estimated from. [s, N m]
-    output_of_element : ndarray of int, shape (n_elements,)
-        Row of `trajectory.torque` that stands for each element; −1 where there is none. [index]
-    runup : RigidRunup or None
-        The rigid-body run-up; None for a response to prescribed torques alone. [SI]
-    step : float
-        Largest step used. [s]
-    halvings : int
-        How often the step was halved to meet the tolerance. [count]
-    estimated_error : float
-        Largest relative error of the peaks. [1]
-    truncation_error : float
-        Part of it that the modes left out may cause. [1]
-    kept_modes : int
-        Modes integrated. [count]
-    method : str
-        ``exponential`` or ``newmark``. [word]
-    met_tolerance : bool
-        False if halving stopped before the tolerance was met. [flag]
-    uncoupled_dampers : tuple of str, optional
-        Dampers that stayed on each mode for itself although coupling was asked for. [names]
-    contacts : tuple of ContactRecord, optional
-        What happened at each clearance that was modelled. [SI]
-    bearing_forces : tuple of BearingForce, optional
-        Largest bearing force of each gear that moves sideways. [N]
-    pull_in : PullIn or None, optional
-        Field application and what came of it. [SI]
-    sensitivity : Sensitivity or None, optional
-        Asked where the answers did not settle as the step was refined. [1]
-    forces : ForceHistories or None, optional
-        Tooth and bearing forces against time, where they were calculated. [N]
-    load_angle : ndarray, shape (n_times,), or None, optional
-        Unwrapped load angle at the samples, the motor lagging positive; None without a field. [rad]
-    """
-
-    outcome: StartOutcome
-    peaks: tuple[ElementPeak, ...]
-    trajectory: Trajectory
+    outcome: StartOutcome  #: How it ended. [mixed]
+    peaks: tuple[ElementPeak, ...]  #: One an element. [N m]
+    trajectory: Trajectory  #: The finest simulation. [SI]
+    #: Per element, times and torques of all turning points from rest to the end. [s, N m]
     turning_points: tuple[tuple[Floats, Floats], ...]
+    #: The same at twice the step: what the error of cycle counts is estimated from. [s, N m]
     coarse_turning_points: tuple[tuple[Floats, Floats], ...]
+    #: Row of `trajectory.torque` that stands for each element; −1 where there is none. Shape
+    #: (n_elements,).
     output_of_element: NDArray[np.int64]
+    #: The rigid-body run-up; None for a response to prescribed torques alone. [SI]
     runup: RigidRunup | None
-    step: float
-    halvings: int
-    estimated_error: float
-    truncation_error: float
-    kept_modes: int
-    method: str
-    met_tolerance: bool
+    step: float  #: Largest step used. [s]
+    halvings: int  #: How often the step was halved to meet the tolerance.
+    estimated_error: float  #: Largest relative error of the peaks. [1]
+    truncation_error: float  #: Part of it that the modes left out may cause. [1]
+    kept_modes: int  #: Modes integrated.
+    method: str  #: ``exponential`` or ``newmark``.
+    met_tolerance: bool  #: False if halving stopped before the tolerance was met.
+    #: Dampers that stayed on each mode for itself although coupling was asked for.
     uncoupled_dampers: tuple[str, ...] = ()
+    #: What happened at each clearance that was modelled. [SI]
     contacts: tuple[ContactRecord, ...] = ()
+    #: Largest bearing force of each gear that moves sideways. [N]
     bearing_forces: tuple[BearingForce, ...] = ()
-    pull_in: PullIn | None = None
+    pull_in: PullIn | None = None  #: Field application and what came of it. [SI]
+    #: Asked where the answers did not settle as the step was refined. [1]
     sensitivity: Sensitivity | None = None
+    #: Tooth and bearing forces against time, where they were calculated. [N]
     forces: ForceHistories | None = None
+    #: Unwrapped load angle at the samples, the motor lagging positive; None without a field. [rad]
+    #: Shape (n_times,).
     load_angle: Floats | None = None
 
     @property
@@ -320,62 +240,37 @@ class Start:
 
 @dataclass(frozen=True, eq=False)
 class StartModel:
-    """A start in arrays: kept modes, force stations, curves.
+    """A start in arrays: kept modes, force stations, curves."""
 
-    Parameters
-    ----------
-    stiffness, rate : ndarray, shape (n_modes,)
-        ω² and damping coefficient of the kept modes. [1/s², 1/s]
-    reach : ndarray, shape (n_modes, n_forces)
-        Forces to modes. [rad/√(kg m²)]
-    mean_speed : ndarray, shape (n_modes,)
-        Rigid-body speed of the reference shaft from modal velocities. [√(1/(kg m²))]
-    outputs : TorqueOutputs
-        Element torques. [SI]
-    curves, motors, loads, timed, dampers : tuple
-        Arguments of the compiled loop. [SI]
-    phase : ndarray, shape (n_motors,)
-        Phase of each pulsation at t = 0. [rad]
-    pulsation_omega : float
-        Highest pulsation frequency, twice line. [rad/s]
-    windows : tuple of (float, float)
-        (end time, largest angular frequency to be resolved until then). [s, rad/s]
-    truncation : ndarray, shape (n_outputs,)
-        Bound on what the modes left out may add to each output. [N m]
-    largest_step : float
-        Longest step at which dampers that act as forces are followed. [s]
-    electrical : tuple
-        Transient, field and connection of each motor, for the compiled loop. [SI]
-    keep : ndarray of bool, shape (n_modes,)
-        Modes that are integrated. [mask]
-    force_nodes : ndarray of int
-        Nodes of the first forces: stations, then dampers to ground. [indices]
-    damper_rows : ndarray of int
-        Rows of the remaining forces, dampers across elements. [indices]
-    uncoupled_dampers : tuple of str
-        Dampers so strong for their inertias that following them as forces would need absurdly short
-        steps: they damp each mode for itself although coupling was asked for. [names]
-    """
-
+    #: ω² and damping coefficient of the kept modes. [1/s², 1/s] Shape (n_modes,).
     stiffness: Floats
-    rate: Floats
-    reach: Floats
+    rate: Floats  #: Likewise. [1/s², 1/s] Shape (n_modes,).
+    reach: Floats  #: Forces to modes. [rad/√(kg m²)] Shape (n_modes, n_forces).
+    #: Rigid-body speed of the reference shaft from modal velocities. [√(1/(kg m²))] Shape
+    #: (n_modes,).
     mean_speed: Floats
-    outputs: TorqueOutputs
-    curves: tuple[Any, ...]
-    motors: tuple[Any, ...]
-    loads: tuple[Any, ...]
-    timed: tuple[Any, ...]
-    dampers: tuple[Any, ...]
-    phase: Floats
-    pulsation_omega: float
+    outputs: TorqueOutputs  #: Element torques. [SI]
+    curves: tuple[Any, ...]  #: Arguments of the compiled loop. [SI]
+    motors: tuple[Any, ...]  #: Likewise. [SI]
+    loads: tuple[Any, ...]  #: Likewise. [SI]
+    timed: tuple[Any, ...]  #: Likewise. [SI]
+    dampers: tuple[Any, ...]  #: Likewise. [SI]
+    phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+    pulsation_omega: float  #: Highest pulsation frequency, twice line. [rad/s]
+    #: (end time, largest angular frequency to be resolved until then). [s, rad/s]
     windows: tuple[tuple[float, float], ...]
+    #: Bound on what the modes left out may add to each output. [N m] Shape (n_outputs,).
     truncation: Floats
-    largest_step: float
+    largest_step: float  #: Longest step at which dampers that act as forces are followed. [s]
+    #: Transient, field and connection of each motor, for the compiled loop. [SI]
     electrical: tuple[Any, ...]
-    keep: NDArray[np.bool_]
+    keep: NDArray[np.bool_]  #: Modes that are integrated. [mask] Shape (n_modes,).
+    #: Nodes of the first forces: stations, then dampers to ground. [indices]
     force_nodes: NDArray[np.int64]
+    #: Rows of the remaining forces, dampers across elements. [indices]
     damper_rows: NDArray[np.int64]
+    #: Dampers so strong for their inertias that following them as forces would need absurdly short
+    #: steps: they damp each mode for itself although coupling was asked for.
     uncoupled_dampers: tuple[str, ...] = ()
 
 
@@ -1311,20 +1206,11 @@ def outcome_of(
 
 @dataclass(frozen=True, eq=False)
 class SingleRun:
-    """One simulation of a start at one step, and what is read out of it.
+    """One simulation of a start at one step, and what is read out of it."""
 
-    Parameters
-    ----------
-    trajectory : Trajectory
-        The simulation. [SI]
-    end : float
-        When it ended. [s]
-    turning : list of (ndarray, ndarray)
-        Times and torques of all turning points of every output, from rest to the end. [s, N m]
-    """
-
-    trajectory: Trajectory
-    end: float
+    trajectory: Trajectory  #: The simulation. [SI]
+    end: float  #: When it ended. [s]
+    #: Times and torques of all turning points of every output, from rest to the end. [s, N m]
     turning: list[tuple[Floats, Floats]]
 
     @property
@@ -1346,31 +1232,15 @@ class SingleRun:
 
 @dataclass(frozen=True, eq=False)
 class PreparedStart:
-    """A start ready to be simulated at one step or another.
+    """A start ready to be simulated at one step or another."""
 
-    Parameters
-    ----------
-    model : StartModel
-        The start in arrays. [SI]
-    settings : StartSettings
-        How it is to be calculated. [mixed]
-    runup : RigidRunup
-        The rigid train. [SI]
-    maximum_time, longest : float
-        Time to simulate, and the longest it may be prolonged to. [s]
-    synchronous : float
-        Synchronous speed of the reference shaft. [rad/s]
-    keep_all : bool
-        Whether every sample is kept, however much memory that takes. [flag]
-    """
-
-    model: StartModel
-    settings: StartSettings
-    runup: RigidRunup
-    maximum_time: float
-    longest: float
-    synchronous: float
-    keep_all: bool
+    model: StartModel  #: The start in arrays. [SI]
+    settings: StartSettings  #: How it is to be calculated. [mixed]
+    runup: RigidRunup  #: The rigid train. [SI]
+    maximum_time: float  #: Time to simulate, and the longest it may be prolonged to. [s]
+    longest: float  #: Likewise. [s]
+    synchronous: float  #: Synchronous speed of the reference shaft. [rad/s]
+    keep_all: bool  #: Whether every sample is kept, however much memory that takes.
 
     def at(self, step: float) -> SingleRun:
         """Simulate at one step.

@@ -38,20 +38,12 @@ _SPACING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class PrescribedTorque:
-    """Torque at one station as a function of time; make it by `held`, `linear` or `of_time`.
+    """Torque at one station as a function of time; make it by `held`, `linear` or `of_time`."""
 
-    Parameters
-    ----------
-    station : int
-        Station. [index]
-    knots : ndarray, shape (n,)
-        Times between which the torque is one polynomial; empty for a callable. [s]
-    value : callable
-        Torque at times, from the left and from the right of a knot: value(t, side). [N m]
-    """
-
-    station: int
+    station: int  #: Station.
+    #: Times between which the torque is one polynomial; empty for a callable. [s] Shape (n,).
     knots: Floats
+    #: Torque at times, from the left and from the right of a knot: value(t, side). [N m]
     value: Callable[[Floats, str], Floats]
 
 
@@ -131,29 +123,19 @@ def of_time(station: int, function: Callable[[Floats], Floats]) -> PrescribedTor
 
 @dataclass(frozen=True, eq=False)
 class TimeResponse:
-    """Response of a train at the requested times.
+    """Response of a train at the requested times."""
 
-    Parameters
-    ----------
-    time : ndarray, shape (n_times,)
-        Times. [s]
-    station_angle, station_speed : ndarray, shape (n_stations, n_times)
-        In each station's running direction, at its own speed. [rad, rad/s]
-    torque, torque_rate : ndarray, shape (n_outputs, n_times)
-        Torque of each element (each segment of a subdivided shaft) and its rate. [N m, N m/s]
-    output_element : ndarray of int, shape (n_outputs,)
-        Element of each output. [index]
-    coupled : bool
-        True if damping coupled the modes and the full matrix was used. [flag]
-    """
-
-    time: Floats
+    time: Floats  #: Times. [s] Shape (n_times,).
+    #: In each station's running direction, at its own speed. [rad, rad/s] Shape (n_stations,
+    #: n_times).
     station_angle: Floats
-    station_speed: Floats
+    station_speed: Floats  #: Likewise. [rad, rad/s] Shape (n_stations, n_times).
+    #: Torque of each element (each segment of a subdivided shaft) and its rate. [N m, N m/s] Shape
+    #: (n_outputs, n_times).
     torque: Floats
-    torque_rate: Floats
-    output_element: NDArray[np.int64]
-    coupled: bool
+    torque_rate: Floats  #: Likewise. [N m, N m/s] Shape (n_outputs, n_times).
+    output_element: NDArray[np.int64]  #: Element of each output. Shape (n_outputs,).
+    coupled: bool  #: True if damping coupled the modes and the full matrix was used.
 
 
 def time_response(

@@ -28,24 +28,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TorqueOutputs:
-    """Element torques from modal coordinates, velocities and forces.
+    """Element torques from modal coordinates, velocities and forces."""
 
-    Parameters
-    ----------
-    element : ndarray, shape (n_outputs,)
-        Element of each output; a subdivided shaft has one output a segment. [index]
-    position : ndarray, shape (n_outputs, n_modes)
-        Y_q. [N m]
-    velocity : ndarray, shape (n_outputs, n_modes)
-        Y_v. [N m s]
-    force : ndarray, shape (n_outputs, n_forces)
-        Y_f. [1]
-    """
-
+    #: Element of each output; a subdivided shaft has one output a segment. Shape (n_outputs,).
     element: NDArray[np.int64]
-    position: Floats
-    velocity: Floats
-    force: Floats
+    position: Floats  #: Y_q. [N m] Shape (n_outputs, n_modes).
+    velocity: Floats  #: Y_v. [N m s] Shape (n_outputs, n_modes).
+    force: Floats  #: Y_f. [1] Shape (n_outputs, n_forces).
 
 
 def force_reach(train: Train, modes: Modes, stations: NDArray[np.int64]) -> Floats:

@@ -28,34 +28,19 @@ SAME_VALUE, SAME_TIME = 1e-9, 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """One simulated start.
+    """One simulated start."""
 
-    Parameters
-    ----------
-    time : ndarray, shape (n_times,)
-        Sample times, the first is rest; two samples may share one time where something jumps. [s]
-    mean_speed : ndarray, shape (n_times,)
-        Rigid-body speed of the reference shaft. [rad/s]
-    torque, torque_rate : ndarray, shape (n_outputs, n_times)
-        Torque of every output and its rate. [N m, N m/s]
-    output_element : ndarray of int, shape (n_outputs,)
-        Element of each output. [index]
-    reached : bool
-        True if the target speed was reached. [flag]
-    n_steps : int
-        Steps taken. [count]
-    turning : tuple of (ndarray, ndarray) or None, optional
-        Turning points of every output where samples were thinned out; None = take them from the
-        samples. [s, N m]
-    """
-
+    #: Sample times, the first is rest; two samples may share one time where something jumps. [s]
+    #: Shape (n_times,).
     time: Floats
-    mean_speed: Floats
-    torque: Floats
-    torque_rate: Floats
-    output_element: NDArray[np.int64]
-    reached: bool
-    n_steps: int
+    mean_speed: Floats  #: Rigid-body speed of the reference shaft. [rad/s] Shape (n_times,).
+    torque: Floats  #: Torque of every output and its rate. [N m, N m/s] Shape (n_outputs, n_times).
+    torque_rate: Floats  #: Likewise. [N m, N m/s] Shape (n_outputs, n_times).
+    output_element: NDArray[np.int64]  #: Element of each output. Shape (n_outputs,).
+    reached: bool  #: True if the target speed was reached.
+    n_steps: int  #: Steps taken.
+    #: Turning points of every output where samples were thinned out; None = take them from the
+    #: samples. [s, N m]
     turning: tuple[Turning, ...] | None = None
 
     @property

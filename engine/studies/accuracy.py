@@ -70,25 +70,14 @@ EVENTS, NEWMARK_LINEAR = "exponential with events", "newmark (linear train)"
 
 @dataclass(frozen=True)
 class AccuracyStudy:
-    """Error against wall time of one case.
+    """Error against wall time of one case."""
 
-    Parameters
-    ----------
-    rows : tuple of AccuracyRow
-        From coarse to fine, method by method; empty where there is nothing to study. [1, s]
-    sentence : str
-        What the wanted accuracy costs. [sentence]
-    reference : str
-        What was compared with, and how times were taken. [sentences]
-    reference_error_peak, reference_error_starts : float or None
-        Difference of the two references. [1]
-    """
-
+    #: From coarse to fine, method by method; empty where there is nothing to study. [1, s]
     rows: tuple[AccuracyRow, ...]
-    sentence: str
-    reference: str
-    reference_error_peak: float | None = None
-    reference_error_starts: float | None = None
+    sentence: str  #: What the wanted accuracy costs.
+    reference: str  #: What was compared with, and how times were taken.
+    reference_error_peak: float | None = None  #: Difference of the two references. [1]
+    reference_error_starts: float | None = None  #: Likewise. [1]
 
 
 @dataclass(frozen=True)

@@ -73,118 +73,57 @@ FEWEST_MODES, MOST_MODES = 3, 12
 
 @dataclass(frozen=True)
 class Held:
-    """What even the length of steps depends on, held fast so that small differences can be taken.
+    """What even the length of steps depends on, held fast so that small differences can be taken."""
 
-    Parameters
-    ----------
-    windows : tuple of (float, float)
-        Until when which frequencies are followed by finer steps. [s, rad/s]
-    keep : tuple of bool
-        Modes that are integrated. [mask]
-    maximum_time : float
-        Time to simulate. [s]
-    """
-
+    #: Until when which frequencies are followed by finer steps. [s, rad/s]
     windows: tuple[tuple[float, float], ...]
-    keep: tuple[bool, ...]
-    maximum_time: float
+    keep: tuple[bool, ...]  #: Modes that are integrated. [mask]
+    maximum_time: float  #: Time to simulate. [s]
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """What the plain run has decided for all trains near to its own.
+    """What the plain run has decided for all trains near to its own."""
 
-    Parameters
-    ----------
-    segments : tuple of (str, int)
-        Segments of each shaft that has inertia of its own. [count]
-    lateral : bool
-        Whether the reported modes include gears on their bearings. [flag]
-    start : str
-        ``linear``, ``planned`` (events, prescribed torques or strong dampers) or ``none``. [word]
-    start_lateral : bool
-        Whether gears move sideways in the start. [flag]
-    effects : StartEffects
-        What the start simulates. [flags]
-    step : float
-        Step of a linear start. [s]
-    step_error : float
-        Its relative error of peak torques, from the plain run. [1]
-    starts_error : float or None
-        Its relative error of the starts, likewise; None = no starts. [1]
-    always_count : bool
-        Whether cycles are counted even below the endurance limit. [flag]
-    n_modes : int
-        Elastic modes whose frequencies are wanted. [count]
-    margins : tuple of (int, str)
-        Mode and excitation of each margin that is wanted. [count, name]
-    gaps : tuple of str
-        Elements with a clearance that the plan does not simulate. [names]
-    held : Held or None, optional
-        What is held fast for small differences; None = each start decides for itself. [mixed]
-    """
-
-    segments: tuple[tuple[str, int], ...]
-    lateral: bool
+    segments: tuple[tuple[str, int], ...]  #: Segments of each shaft that has inertia of its own.
+    lateral: bool  #: Whether the reported modes include gears on their bearings.
+    #: ``linear``, ``planned`` (events, prescribed torques or strong dampers) or ``none``.
     start: str
-    start_lateral: bool
-    effects: StartEffects
-    step: float
-    step_error: float
-    starts_error: float | None
-    always_count: bool
-    n_modes: int
+    start_lateral: bool  #: Whether gears move sideways in the start.
+    effects: StartEffects  #: What the start simulates.
+    step: float  #: Step of a linear start. [s]
+    step_error: float  #: Its relative error of peak torques, from the plain run. [1]
+    starts_error: float | None  #: Its relative error of the starts, likewise; None = no starts. [1]
+    always_count: bool  #: Whether cycles are counted even below the endurance limit.
+    n_modes: int  #: Elastic modes whose frequencies are wanted.
+    #: Mode and excitation of each margin that is wanted. [count, name]
     margins: tuple[tuple[int, str], ...]
-    gaps: tuple[str, ...]
+    gaps: tuple[str, ...]  #: Elements with a clearance that the plan does not simulate.
+    #: What is held fast for small differences; None = each start decides for itself. [mixed]
     held: Held | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class NearTrain:
-    """Modes and margins of a train near to the planned one.
+    """Modes and margins of a train near to the planned one."""
 
-    Parameters
-    ----------
-    model : Model
-        Train, modes and damping that are reported. [SI]
-    frequency : ndarray, shape (n_modes,)
-        Wanted elastic frequencies. [Hz]
-    margin : ndarray, shape (n_margins,)
-        Wanted margins, in the order of `Recipe.margins`. [1]
-    """
-
-    model: Model
-    frequency: Floats
-    margin: Floats
+    model: Model  #: Train, modes and damping that are reported. [SI]
+    frequency: Floats  #: Wanted elastic frequencies. [Hz] Shape (n_modes,).
+    margin: Floats  #: Wanted margins, in the order of `Recipe.margins`. [1] Shape (n_margins,).
 
 
 @dataclass(frozen=True, eq=False)
 class NearStart:
-    """A start of a train near to the planned one.
+    """A start of a train near to the planned one."""
 
-    Parameters
-    ----------
-    outcome : StartOutcome
-        How it ended. [mixed]
-    maximum, minimum : ndarray, shape (n_elements,)
-        Extremes of the torque of each element; 0 where it has none. [N m]
-    damage : ndarray, shape (n_judged,)
-        Miner sum of each judged shaft; 0 = none. [1]
-    turning : dict of int to (ndarray, ndarray)
-        Turning points of each element by its index. [s, N m]
-    reversed : tuple of str
-        Elements of `Recipe.gaps` whose torque reverses all the same. [names]
-    sensitive : bool, optional
-        Whether a tiny change of the input was found to change its peaks. [flag]
-    """
-
-    outcome: StartOutcome
+    outcome: StartOutcome  #: How it ended. [mixed]
+    #: Extremes of the torque of each element; 0 where it has none. [N m] Shape (n_elements,).
     maximum: Floats
-    minimum: Floats
-    damage: Floats
-    turning: Mapping[int, Turning]
-    reversed: tuple[str, ...]
-    sensitive: bool = False
+    minimum: Floats  #: Likewise. [N m] Shape (n_elements,).
+    damage: Floats  #: Miner sum of each judged shaft; 0 = none. [1] Shape (n_judged,).
+    turning: Mapping[int, Turning]  #: Turning points of each element by its index. [s, N m]
+    reversed: tuple[str, ...]  #: Elements of `Recipe.gaps` whose torque reverses all the same.
+    sensitive: bool = False  #: Whether a tiny change of the input was found to change its peaks.
 
     @property
     def largest(self) -> Floats:

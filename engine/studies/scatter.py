@@ -66,28 +66,15 @@ TABLE = "Scatter"
 
 @dataclass(frozen=True)
 class Factor:
-    """One independent number that multiplies one quantity of one name, or of several together.
+    """One independent number that multiplies one quantity of one name, or of several together."""
 
-    Parameters
-    ----------
-    quantity : str
-        One of `engine.studies.variation.SCATTERED`. [word]
-    names : tuple of str
-        Elements, stations or materials it multiplies; one empty name for the damping ratio. [names]
-    distribution : str
-        One of `DISTRIBUTIONS`. [word]
-    spread : float
-        Standard deviation, or half width; 0 for ``from-to``. [1]
-    from_, to : float
-        Ends for ``from-to``; else 1. [1]
-    """
-
-    quantity: str
+    quantity: str  #: One of `engine.studies.variation.SCATTERED`.
+    #: Elements, stations or materials it multiplies; one empty name for the damping ratio.
     names: tuple[str, ...]
-    distribution: str
-    spread: float = 0.0
-    from_: float = 1.0
-    to: float = 1.0
+    distribution: str  #: One of `DISTRIBUTIONS`.
+    spread: float = 0.0  #: Standard deviation, or half width; 0 for ``from-to``. [1]
+    from_: float = 1.0  #: Ends for ``from-to``; else 1. [1]
+    to: float = 1.0  #: Likewise. [1]
 
     @property
     def label(self) -> str:

@@ -65,24 +65,12 @@ _OWNERS = {
 
 @dataclass(frozen=True)
 class Change:
-    """One quantity of a case, changed.
+    """One quantity of a case, changed."""
 
-    Parameters
-    ----------
-    quantity : str
-        One of `TUNED` or `SCATTERED`. [word]
-    name : str
-        Element, station or material; empty for the damping ratio. [name]
-    value : float
-        What it is multiplied by, or becomes. [1 or SI]
-    relative : bool
-        Whether it is multiplied. [flag]
-    """
-
-    quantity: str
-    name: str
-    value: float
-    relative: bool = True
+    quantity: str  #: One of `TUNED` or `SCATTERED`.
+    name: str  #: Element, station or material; empty for the damping ratio.
+    value: float  #: What it is multiplied by, or becomes. [1 or SI]
+    relative: bool = True  #: Whether it is multiplied.
 
     def of(self, present: float | None) -> float | None:
         """What becomes of a number; a blank stays blank when multiplied. [SI]

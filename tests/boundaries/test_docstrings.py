@@ -4,11 +4,13 @@ Read from the sources, so that compiled functions are seen as they are written. 
 public function, method and class in a public module of `engine`:
 
 - it has a docstring that opens with one line;
-- a public function with parameters has a section Parameters with the same names in the same order
-  (methods: where the section is there);
-- a frozen dataclass lists its fields, in a section Attributes or Parameters;
-- an entry whose type is a float, a complex or an array carries a unit in [brackets], [1] for a
-  plain number; the same for Returns and Yields.
+- a public function that takes or gives a float, a complex or an array has a section Parameters with
+  the names of its parameters in the same order (methods: where the section is there); elsewhere one
+  plain line is enough;
+- an entry whose type is such a quantity carries a unit in [brackets], [1] for a plain number; the
+  same for Returns and Yields;
+- each field of a dataclass that is such a quantity is described where it is defined, in a comment
+  `#:` behind it or above it, with its unit.
 """
 
 import ast
@@ -22,8 +24,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
-QUANTITY = re.compile(r"\b(float|complex|ndarray|array_like|array|NDArray)\b")
-NOT_A_QUANTITY = re.compile(r"of (int|bool|str)\b|dtype (int|bool)|\b(Int|Bool)\w*\b|\bcallable\b")
+QUANTITY = re.compile(r"\b(float|complex|ndarray|array_like|array|NDArray|Floats)\b")
+NOT_A_QUANTITY = re.compile(
+    r"of (int|bool|str)\b|dtype (int|bool)|\b(Int|Bool)\w*\b|\bu?int\d*\b|\bcallable\b"
+)
 UNIT = re.compile(r"\[[^\[\]]+\]")
 
 
@@ -104,6 +108,31 @@ def fields(node: ast.ClassDef) -> list[str]:
     ]
 
 
+def is_quantity(annotation: ast.expr | None) -> bool:
+    text = ast.unparse(annotation) if annotation else ""
+    return bool(QUANTITY.search(text)) and not NOT_A_QUANTITY.search(text)
+
+
+def carries_quantities(function: Function) -> bool:
+    words = function.args
+    given = [a.annotation for a in [*words.posonlyargs, *words.args, *words.kwonlyargs]]
+    return any(is_quantity(one) for one in [*given, function.returns])
+
+
+def field_complaints(node: ast.ClassDef, lines: list[str]) -> Iterator[str]:
+    """Fields that are quantities and have no unit in the comment behind or above them."""
+    for field in node.body:
+        if not (isinstance(field, ast.AnnAssign) and is_quantity(field.annotation)):
+            continue
+        comment = lines[(field.end_lineno or field.lineno) - 1].partition("#:")[2]
+        above = field.lineno - 2
+        while lines[above].strip().startswith("#:"):
+            comment = lines[above].strip() + comment
+            above -= 1
+        if is_public(ast.unparse(field.target)) and not UNIT.search(comment):
+            yield f"{ast.unparse(field.target)} has no unit in [brackets] behind or above it"
+
+
 def unit_complaints(found: dict[str, list[Entry]]) -> Iterator[str]:
     for section in ("Parameters", "Attributes", "Returns", "Yields"):
         for entry in found.get(section, []):
@@ -127,23 +156,22 @@ def function_complaints(function: Function, *, method: bool) -> Iterator[str]:
         quantity = QUANTITY.search(returns) and not NOT_A_QUANTITY.search(returns)
         if quantity and not UNIT.search(docstring):
             yield "has no unit in [brackets]"
-    elif "Parameters" in found or (wanted and not method):
+    elif "Parameters" in found or (wanted and not method and carries_quantities(function)):
         told = listed(found, "Parameters")
         if told != wanted:
             yield f"Parameters lists {told}, the signature has {wanted}"
     yield from unit_complaints(found)
 
 
-def class_complaints(node: ast.ClassDef) -> Iterator[str]:
+def class_complaints(node: ast.ClassDef, lines: list[str]) -> Iterator[str]:
     docstring = ast.get_docstring(node)
     if not docstring:
         yield "has no docstring"
         return
     found = sections(docstring)
     if "dataclass" in decorators(node) and fields(node):
-        told = listed(found, "Attributes", "Parameters")
-        if told != fields(node):
-            yield f"Attributes lists {told}, the fields are {fields(node)}"
+        if listed(found, "Attributes", "Parameters") != fields(node):
+            yield from field_complaints(node, lines)
     elif "Parameters" in found:
         for member in node.body:
             if isinstance(member, Function) and member.name == "__init__":
@@ -163,7 +191,7 @@ def complaints(source: str) -> Iterator[tuple[int, str, str]]:
             for sentence in function_complaints(node, method=False):
                 yield node.lineno, node.name, sentence
         elif isinstance(node, ast.ClassDef) and is_public(node.name):
-            for sentence in class_complaints(node):
+            for sentence in class_complaints(node, source.splitlines()):
                 yield node.lineno, node.name, sentence
             for member in node.body:
                 if isinstance(member, Function) and is_public(member.name):
@@ -239,20 +267,17 @@ def test_the_reading_of_dataclasses():
 
 @dataclass(frozen=True)
 class Shaft:
-    """A shaft.
+    """A shaft."""
 
-    Attributes
-    ----------
-    length : float
-        Length. [m]
-    name : str
-        Name.
-    """
-
-    length: float
+    length: float  #: Length. [m]
     name: str
+    #: Inner diameter,
+    #: 0 for a solid shaft. [m]
     bore: float = 0.0
+    speed: float = 0.0  #: Speed.
+    stiffness: float | None = None
 '''
     assert [s for _, _, s in complaints(source)] == [
-        "Attributes lists ['length', 'name'], the fields are ['length', 'name', 'bore']"
+        "speed has no unit in [brackets] behind or above it",
+        "stiffness has no unit in [brackets] behind or above it",
     ]

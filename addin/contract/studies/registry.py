@@ -45,32 +45,16 @@ __all__ = [
 
 @dataclass(frozen=True)
 class StudyOnSheet:
-    """A study and the sheet of its results.
+    """A study and the sheet of its results."""
 
-    Parameters
-    ----------
-    key : str
-        Begins the names of its facts: ``tuning`` for ``tuning_SHA256``. [name]
-    sheet : str
-        Sheet of its results. [name]
-    last : str
-        Last column of its lines of words. [letters]
-    command : str
-        What calculates it. [command]
-    height : float
-        Of the line that says what was found. [points]
-    also : tuple of (str, str)
-        Further sheets of its results with the last columns of their lines. [names, letters]
-    first : str
-        First column of its lines; right of those that are repeated on every printed page. [letters]
-    """
-
-    key: str
-    sheet: str
-    last: str
-    command: str
-    height: float = 42.0
+    key: str  #: Begins the names of its facts: ``tuning`` for ``tuning_SHA256``.
+    sheet: str  #: Sheet of its results.
+    last: str  #: Last column of its lines of words.
+    command: str  #: What calculates it. [command]
+    height: float = 42.0  #: Of the line that says what was found. [points]
+    #: Further sheets of its results with the last columns of their lines. [names, letters]
     also: tuple[tuple[str, str], ...] = ()
+    #: First column of its lines; right of those that are repeated on every printed page.
     first: str = "B"
 
     @property
@@ -220,18 +204,7 @@ def study_lines(study: StudyOnSheet) -> tuple[tuple[str, str, float], ...]:
 
 
 def with_studies(sheets: Sequence[Sheet]) -> list[Sheet]:
-    """The sheets of a workbook with those of the studies: inputs behind inputs, results behind results.
-
-    Parameters
-    ----------
-    sheets : sequence of Sheet
-        Without them.
-
-    Returns
-    -------
-    list of Sheet
-        With them.
-    """
+    """The sheets of a workbook with those of the studies: inputs behind inputs, results behind results."""
     inputs = max(k for k, sheet in enumerate(sheets) if sheet.kind == "input") + 1
     results = max(k for k, sheet in enumerate(sheets) if sheet.name == "Accuracy") + 1
     beside = {sheet.name: sheet for sheet in _RESULT_SHEETS if sheet.name in _BEHIND.values()}

@@ -20,24 +20,13 @@ __all__ = [
 
 @dataclass(frozen=True)
 class StudyScale:
-    """Columns of a map that are coloured by their numbers.
+    """Columns of a map that are coloured by their numbers."""
 
-    Parameters
-    ----------
-    table : str
-        Result table. [name]
-    first, last : str
-        Its first and last coloured column. [names]
-    limit : str
-        Column with the limit below which a cell is red; empty = from least to most. [name]
-    over : str
-        Table of the same rows and columns whose cells below their limit are marked in this one. [name]
-    """
-
-    table: str
-    first: str
-    last: str
-    limit: str = ""
+    table: str  #: Result table.
+    first: str  #: Its first and last coloured column.
+    last: str  #: Likewise.
+    limit: str = ""  #: Column with the limit below which a cell is red; empty = from least to most.
+    #: Table of the same rows and columns whose cells below their limit are marked in this one.
     over: str = ""
 
 

@@ -28,27 +28,14 @@ OF_FREQUENCIES, OF_PEAKS = (STIFFNESS, INERTIA), (DAMPING, DAMPING_RATIO)
 
 @dataclass(frozen=True)
 class CalibrationPlan:
-    """What is uncertain, what was measured, and what it costs.
+    """What is uncertain, what was measured, and what it costs."""
 
-    Parameters
-    ----------
-    factors : tuple of Factor
-        Uncertain quantities. [1]
-    frequencies : tuple of Reading
-        Measured frequencies. [Hz]
-    peaks : tuple of PeakReading
-        Measured peak torques. [N m]
-    starts_at_once : int
-        Starts of one bundle, that may run side by side; 0 without measured peaks. [count]
-    notes : tuple of str
-        What was assumed or left out. [sentences]
-    """
-
-    factors: tuple[Factor, ...]
-    frequencies: tuple[Reading, ...]
-    peaks: tuple[PeakReading, ...]
+    factors: tuple[Factor, ...]  #: Uncertain quantities. [1]
+    frequencies: tuple[Reading, ...]  #: Measured frequencies. [Hz]
+    peaks: tuple[PeakReading, ...]  #: Measured peak torques. [N m]
+    #: Starts of one bundle, that may run side by side; 0 without measured peaks.
     starts_at_once: int
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  #: What was assumed or left out.
 
 
 # --- what was typed -------------------------------------------------------------------------------

@@ -81,19 +81,12 @@ class Stopped(Exception):  # noqa: N818 - it is an answer, no error
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """Uncertain quantities with their prior.
+    """Uncertain quantities with their prior."""
 
-    Parameters
-    ----------
-    factors : tuple of Factor
-        One an unknown. [1]
-    centre, deviation : ndarray, shape (n_unknowns,)
-        Mean and standard deviation of the logarithm of each factor. [1]
-    """
-
-    factors: tuple[Factor, ...]
+    factors: tuple[Factor, ...]  #: One an unknown. [1]
+    #: Mean and standard deviation of the logarithm of each factor. [1] Shape (n_unknowns,).
     centre: Floats
-    deviation: Floats
+    deviation: Floats  #: Likewise. [1] Shape (n_unknowns,).
 
     @property
     def number(self) -> int:
@@ -161,23 +154,13 @@ def unknowns_of(factors: Sequence[Factor]) -> Unknowns:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Modes of the changed train.
+    """Modes of the changed train."""
 
-    Parameters
-    ----------
-    case : CaseData
-        The changed case. [SI]
-    train : Train
-        Its train. [SI]
-    modes : Modes
-        Its modes. [SI]
-    vectors : ndarray, shape (n_dof, n_elastic)
-        Elastic mode shapes weighted by the root of the inertia: orthonormal. [1]
-    """
-
-    case: CaseData
-    train: Train
-    modes: Modes
+    case: CaseData  #: The changed case. [SI]
+    train: Train  #: Its train. [SI]
+    modes: Modes  #: Its modes. [SI]
+    #: Elastic mode shapes weighted by the root of the inertia: orthonormal. [1] Shape (n_dof,
+    #: n_elastic).
     vectors: Floats
 
     @property
@@ -281,46 +264,23 @@ def followed(reference: Floats, vectors: Floats) -> tuple[Ints, Floats]:
 
 @dataclass(frozen=True)
 class Reading:
-    """A measured frequency.
+    """A measured frequency."""
 
-    Parameters
-    ----------
-    frequency : float
-        As measured. [Hz]
-    uncertainty : float
-        Standard deviation over it. [1]
-    mode : int or None
-        Elastic mode of the case it is taken for, counted from 0; None = the one that fits. [index]
-    row : int
-        Row of the table. [count]
-    """
-
-    frequency: float
-    uncertainty: float
+    frequency: float  #: As measured. [Hz]
+    uncertainty: float  #: Standard deviation over it. [1]
+    #: Elastic mode of the case it is taken for, counted from 0; None = the one that fits.
     mode: int | None
-    row: int
+    row: int  #: Row of the table.
 
 
 @dataclass(frozen=True)
 class PeakReading:
-    """A measured peak torque.
+    """A measured peak torque."""
 
-    Parameters
-    ----------
-    element : str
-        Where. [name]
-    torque : float
-        Largest torque of the start, at the element's own speed. [N m]
-    uncertainty : float
-        Standard deviation over it. [1]
-    row : int
-        Row of the table. [count]
-    """
-
-    element: str
-    torque: float
-    uncertainty: float
-    row: int
+    element: str  #: Where.
+    torque: float  #: Largest torque of the start, at the element's own speed. [N m]
+    uncertainty: float  #: Standard deviation over it. [1]
+    row: int  #: Row of the table.
 
 
 def assign(
@@ -520,33 +480,16 @@ class PeakModel:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The most probable unknowns, and how sure they are.
+    """The most probable unknowns, and how sure they are."""
 
-    Parameters
-    ----------
-    z : ndarray, shape (n_unknowns,)
-        In prior standard deviations. [1]
-    residual : ndarray, shape (n_readings + n_peaks,)
-        Calculated minus measured over its standard deviation. [1]
-    jacobian : ndarray, shape (n_readings + n_peaks, n_unknowns)
-        Its derivatives. [1]
-    state : State
-        Modes there. [SI]
-    order : ndarray of int, shape (n_elastic,)
-        Where each mode of the case has come to. [index]
-    torque : ndarray, shape (n_peaks,)
-        Peak torques there. [N m]
-    modes : dict of int to int
-        Which mode of the case each reading is taken for. [indices]
-    """
-
-    z: Floats
+    z: Floats  #: In prior standard deviations. [1] Shape (n_unknowns,).
+    #: Calculated minus measured over its standard deviation. [1] Shape (n_readings + n_peaks,).
     residual: Floats
-    jacobian: Floats
-    state: State
-    order: Ints
-    torque: Floats
-    modes: dict[int, int]
+    jacobian: Floats  #: Its derivatives. [1] Shape (n_readings + n_peaks, n_unknowns).
+    state: State  #: Modes there. [SI]
+    order: Ints  #: Where each mode of the case has come to. Shape (n_elastic,).
+    torque: Floats  #: Peak torques there. [N m] Shape (n_peaks,).
+    modes: dict[int, int]  #: Which mode of the case each reading is taken for. [indices]
 
     @property
     def least(self) -> float:
@@ -693,18 +636,11 @@ class _Problem:
 
 @dataclass(frozen=True, eq=False)
 class Assigned:
-    """The best assignment that was found.
+    """The best assignment that was found."""
 
-    Parameters
-    ----------
-    solution : Solution
-        Its least change. [1]
-    rivals : dict of int to (int or None, float)
-        Per reading the next best mode for it (None = none at all), and by how much S would be
-        larger. [index, 1]
-    """
-
-    solution: Solution
+    solution: Solution  #: Its least change. [1]
+    #: Per reading the next best mode for it (None = none at all), and by how much S would be
+    #: larger. [index, 1]
     rivals: dict[int, tuple[int | None, float]]
 
 

@@ -42,54 +42,29 @@ _PARABOLA = np.array([[1.0, 0.0, 0.0], [-3.0, 4.0, -1.0], [2.0, -4.0, 2.0]])
 
 @dataclass(frozen=True, eq=False)
 class TangentModel:
-    """A start in arrays with the derivative of each array with respect to each parameter.
+    """A start in arrays with the derivative of each array with respect to each parameter."""
 
-    Parameters
-    ----------
-    model : StartModel
-        The start. [SI]
-    stiffness, rate : ndarray, shape (n_parameters, n_modes)
-        Derivatives of ω² and d. [1/s², 1/s]
-    reach : ndarray, shape (n_parameters, n_modes, n_forces)
-        Of the shapes at the forces. [rad/√(kg m²)]
-    position, velocity : ndarray, shape (n_parameters, n_outputs, n_modes)
-        Of the outputs. [N m, N m s]
-    force : ndarray, shape (n_parameters, n_outputs, n_forces)
-        Of the outputs. [1]
-    cubics : ndarray, shape (n_parameters, n_curves, n_knots, 4)
-        Of the torque curves. [N m]
-    soft_speed : ndarray, shape (n_parameters, n_loads)
-        Of the standstill zones of the loads. [rad/s]
-    viscous : ndarray, shape (n_parameters, n_dampers)
-        Of the dampers that act as forces. [N m s/rad]
-    """
-
-    model: StartModel
-    stiffness: Floats
-    rate: Floats
+    model: StartModel  #: The start. [SI]
+    stiffness: Floats  #: Derivatives of ω² and d. [1/s², 1/s] Shape (n_parameters, n_modes).
+    rate: Floats  #: Likewise. [1/s², 1/s] Shape (n_parameters, n_modes).
+    #: Of the shapes at the forces. [rad/√(kg m²)] Shape (n_parameters, n_modes, n_forces).
     reach: Floats
-    position: Floats
-    velocity: Floats
-    force: Floats
-    cubics: Floats
+    position: Floats  #: Of the outputs. [N m, N m s] Shape (n_parameters, n_outputs, n_modes).
+    velocity: Floats  #: Likewise. [N m, N m s] Shape (n_parameters, n_outputs, n_modes).
+    force: Floats  #: Of the outputs. [1] Shape (n_parameters, n_outputs, n_forces).
+    cubics: Floats  #: Of the torque curves. [N m] Shape (n_parameters, n_curves, n_knots, 4).
+    #: Of the standstill zones of the loads. [rad/s] Shape (n_parameters, n_loads).
     soft_speed: Floats
+    #: Of the dampers that act as forces. [N m s/rad] Shape (n_parameters, n_dampers).
     viscous: Floats
 
 
 @dataclass(frozen=True, eq=False)
 class Watched:
-    """Torques of one output at given times, and their derivatives.
+    """Torques of one output at given times, and their derivatives."""
 
-    Parameters
-    ----------
-    torque : ndarray, shape (n_times,)
-        Torque. [N m]
-    derivative : ndarray, shape (n_times, n_parameters)
-        Its derivative. [N m]
-    """
-
-    torque: Floats
-    derivative: Floats
+    torque: Floats  #: Torque. [N m] Shape (n_times,).
+    derivative: Floats  #: Its derivative. [N m] Shape (n_times, n_parameters).
 
 
 def tangent_model(

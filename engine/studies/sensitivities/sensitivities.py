@@ -107,27 +107,13 @@ BOTH = "differences, checked by tangent"
 
 @dataclass(frozen=True, eq=False)
 class DerivativePlan:
-    """What will be differentiated.
+    """What will be differentiated."""
 
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    nominal : Results
-        Its plain run. [SI]
-    recipe : Recipe
-        How changed trains are calculated. [mixed]
-    parameters : tuple of (str, str)
-        Quantity and name of each. [names]
-    reason : str
-        Why no start is differentiated; empty where one is. [sentence]
-    """
-
-    case: CaseData
-    nominal: Results
-    recipe: Recipe
-    parameters: tuple[Parameter, ...]
-    reason: str
+    case: CaseData  #: The case. [SI]
+    nominal: Results  #: Its plain run. [SI]
+    recipe: Recipe  #: How changed trains are calculated. [mixed]
+    parameters: tuple[Parameter, ...]  #: Quantity and name of each.
+    reason: str  #: Why no start is differentiated; empty where one is.
 
     @property
     def n_starts(self) -> int:
@@ -137,170 +123,88 @@ class DerivativePlan:
 
 @dataclass(frozen=True)
 class DerivativeUnit:
-    """One parameter to be differentiated by.
+    """One parameter to be differentiated by."""
 
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    recipe : Recipe
-        How changed trains are calculated. [mixed]
-    index : int
-        Place in the plan. [index]
-    parameter : tuple of (str, str)
-        Quantity and name. [names]
-    """
-
-    case: CaseData
-    recipe: Recipe
-    index: int
-    parameter: Parameter
+    case: CaseData  #: The case. [SI]
+    recipe: Recipe  #: How changed trains are calculated. [mixed]
+    index: int  #: Place in the plan.
+    parameter: Parameter  #: Quantity and name.
 
 
 @dataclass(frozen=True, eq=False)
 class Differences:
-    """Derivatives with respect to one parameter by differences of whole starts.
+    """Derivatives with respect to one parameter by differences of whole starts."""
 
-    Parameters
-    ----------
-    index : int
-        Place in the plan. [index]
-    peak, peak_error : ndarray, shape (n_elements,)
-        ∂ln(largest torque)/∂ln p of each element, and its error. [1]
-    starts, starts_error : ndarray, shape (n_judged,)
-        ∂ln(allowable starts)/∂ln p of each judged shaft; 0 where they are unlimited. [1]
-    peak_ends : ndarray, shape (2, n_elements)
-        ln of the largest torque at − 1 % and + 1 %, over the stated one. [1]
-    starts_ends : ndarray, shape (2, n_judged)
-        ln of the starts there, over the stated one. [1]
-    trouble : str
-        Why there is none; else empty. [sentence]
-    """
-
-    index: int
+    index: int  #: Place in the plan.
+    #: ∂ln(largest torque)/∂ln p of each element, and its error. [1] Shape (n_elements,).
     peak: Floats
-    peak_error: Floats
+    peak_error: Floats  #: Likewise. [1] Shape (n_elements,).
+    #: ∂ln(allowable starts)/∂ln p of each judged shaft; 0 where they are unlimited. [1] Shape
+    #: (n_judged,).
     starts: Floats
-    starts_error: Floats
+    starts_error: Floats  #: Likewise. [1] Shape (n_judged,).
+    #: ln of the largest torque at − 1 % and + 1 %, over the stated one. [1] Shape (2, n_elements).
     peak_ends: Floats
-    starts_ends: Floats
-    trouble: str = ""
+    starts_ends: Floats  #: ln of the starts there, over the stated one. [1] Shape (2, n_judged).
+    trouble: str = ""  #: Why there is none; else empty.
 
 
 @dataclass(frozen=True, eq=False)
 class TangentDerivatives:
-    """The same derivatives by the tangent of the start, for every parameter.
+    """The same derivatives by the tangent of the start, for every parameter."""
 
-    Parameters
-    ----------
-    peak : ndarray, shape (n_parameters, n_elements)
-        ∂ln(largest torque)/∂ln p. [1]
-    starts : ndarray, shape (n_parameters, n_judged)
-        ∂ln(allowable starts)/∂ln p. [1]
-    edge : ndarray, shape (n_judged,)
-        What cycles within 1 % of the endurance limit, which come and go, make of the damage. [1]
-    off : float
-        Largest relative difference of a peak torque from that of the step itself. [1]
-    """
-
-    peak: Floats
-    starts: Floats
+    peak: Floats  #: ∂ln(largest torque)/∂ln p. [1] Shape (n_parameters, n_elements).
+    starts: Floats  #: ∂ln(allowable starts)/∂ln p. [1] Shape (n_parameters, n_judged).
+    #: What cycles within 1 % of the endurance limit, which come and go, make of the damage. [1]
+    #: Shape (n_judged,).
     edge: Floats
-    off: float
+    off: float  #: Largest relative difference of a peak torque from that of the step itself. [1]
 
 
 @dataclass(frozen=True)
 class DerivativeRow:
-    """What one quantity does.
+    """What one quantity does."""
 
-    Parameters
-    ----------
-    quantity, of : str
-        Quantity, and whose. [names]
-    frequency : tuple of float
-        ∂ln f/∂ln of it, elastic mode by mode. [1]
-    peak : float or None
-        ∂ln(peak stress of the governing element); None = not judged. [1]
-    peak_error : float or None
-        Its error. [1]
-    starts : float or None
-        ∂ln(allowable starts of the governing shaft); None = unlimited or not judged. [1]
-    starts_error : float or None
-        Its error. [1]
-    peak_ends, starts_ends : tuple of float, or None
-        Relative change of either answer at − 1 % and at + 1 %. [1]
-    method : str
-        ``energies``, ``differences`` or ``differences, checked by tangent``. [words]
-    note : str
-        What must be known of this row. [sentences]
-    """
-
-    quantity: str
-    of: str
-    frequency: tuple[float, ...]
-    peak: float | None
-    peak_error: float | None
+    quantity: str  #: Quantity, and whose.
+    of: str  #: Likewise.
+    frequency: tuple[float, ...]  #: ∂ln f/∂ln of it, elastic mode by mode. [1]
+    peak: float | None  #: ∂ln(peak stress of the governing element); None = not judged. [1]
+    peak_error: float | None  #: Its error. [1]
+    #: ∂ln(allowable starts of the governing shaft); None = unlimited or not judged. [1]
     starts: float | None
-    starts_error: float | None
+    starts_error: float | None  #: Its error. [1]
+    #: Relative change of either answer at − 1 % and at + 1 %. [1]
     peak_ends: tuple[float, float] | None
-    starts_ends: tuple[float, float] | None
-    method: str
-    note: str
+    starts_ends: tuple[float, float] | None  #: Likewise. [1]
+    method: str  #: ``energies``, ``differences`` or ``differences, checked by tangent``.
+    note: str  #: What must be known of this row.
 
 
 @dataclass(frozen=True, eq=False)
 class Derivatives:
-    """How the answers of a case follow its quantities.
+    """How the answers of a case follow its quantities."""
 
-    Parameters
-    ----------
-    case_sha256 : str
-        Of the case. [hash]
-    frequencies : tuple of float
-        Elastic frequencies that are differentiated. [Hz]
-    energies : FrequencyDerivatives
-        Derivatives of all frequencies. [1]
-    rows : tuple of DerivativeRow
-        The quantity that matters most first. [1]
-    governing : str or None
-        Element whose peak, and shaft whose starts, the rows tell. [name]
-    peak : float or None
-        Largest torque of that element. [N m]
-    starts : float or None
-        Its allowable starts; None = unlimited or not judged. [1]
-    parameters : tuple of (str, str)
-        In the order of the arrays below. [names]
-    elements, shafts : tuple of str
-        Likewise. [names]
-    peaks, peak_errors : ndarray, shape (n_parameters, n_elements)
-        ∂ln(largest torque)/∂ln p of every element, and errors. [1]
-    all_starts, starts_errors : ndarray, shape (n_parameters, n_shafts)
-        ∂ln(starts)/∂ln p of every judged shaft, and errors. [1]
-    tangent : TangentDerivatives or None
-        The second way; None where there is none. [1]
-    largest_difference : float or None
-        Largest difference of the two ways over the largest derivative of the answer. [1]
-    sentences : tuple of str
-        What a reader must know. [sentences]
-    """
-
-    case_sha256: str
-    frequencies: tuple[float, ...]
-    energies: FrequencyDerivatives
-    rows: tuple[DerivativeRow, ...]
-    governing: str | None
-    peak: float | None
-    starts: float | None
-    parameters: tuple[Parameter, ...]
-    elements: tuple[str, ...]
-    shafts: tuple[str, ...]
+    case_sha256: str  #: Of the case. [hash]
+    frequencies: tuple[float, ...]  #: Elastic frequencies that are differentiated. [Hz]
+    energies: FrequencyDerivatives  #: Derivatives of all frequencies. [1]
+    rows: tuple[DerivativeRow, ...]  #: The quantity that matters most first. [1]
+    governing: str | None  #: Element whose peak, and shaft whose starts, the rows tell.
+    peak: float | None  #: Largest torque of that element. [N m]
+    starts: float | None  #: Its allowable starts; None = unlimited or not judged. [1]
+    parameters: tuple[Parameter, ...]  #: In the order of the arrays below.
+    elements: tuple[str, ...]  #: Likewise.
+    shafts: tuple[str, ...]  #: Likewise.
+    #: ∂ln(largest torque)/∂ln p of every element, and errors. [1] Shape (n_parameters,
+    #: n_elements).
     peaks: Floats
-    peak_errors: Floats
+    peak_errors: Floats  #: Likewise. [1] Shape (n_parameters, n_elements).
+    #: ∂ln(starts)/∂ln p of every judged shaft, and errors. [1] Shape (n_parameters, n_shafts).
     all_starts: Floats
-    starts_errors: Floats
-    tangent: TangentDerivatives | None
+    starts_errors: Floats  #: Likewise. [1] Shape (n_parameters, n_shafts).
+    tangent: TangentDerivatives | None  #: The second way; None where there is none. [1]
+    #: Largest difference of the two ways over the largest derivative of the answer. [1]
     largest_difference: float | None
-    sentences: tuple[str, ...]
+    sentences: tuple[str, ...]  #: What a reader must know.
 
 
 # --- the plan -------------------------------------------------------------------------------------

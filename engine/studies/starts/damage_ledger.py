@@ -33,118 +33,59 @@ __all__ = [
 
 @dataclass(frozen=True)
 class LedgerRow:
-    """What a duty does to one judged shaft. Every sum is None where it is not judged.
+    """What a duty does to one judged shaft. Every sum is None where it is not judged."""
 
-    Parameters
-    ----------
-    element : str
-        Row of `Elements`. [name]
-    used, used_low, used_high : float or None
-        Damage so far, Σ so far × damage, and the ends of its error. [1]
-    yearly, yearly_low, yearly_high : float or None
-        Damage a year, Σ per year × damage, and the ends of its error. [1/year]
-    allowed : float
-        1/StartsFactor. [1]
-    left : float or None
-        Allowed minus used; negative where it is overdrawn. [1]
-    remaining_years : float or None
-        Left over yearly, 0 where nothing is left; None = unlimited, or no duty a year. [year]
-    years_low, years_high : float or None
-        Its interval; None = unlimited. [year]
-    unlimited : bool
-        There is a duty a year, something is left, and no kind of start of it damages. [flag]
-    governing : str or None
-        Kind of start that takes most a year, else took most so far. [name]
-    verdict : str
-        ``pass``: something is left; ``fail``: nothing is; ``not judged``. [word]
-    reason : str
-        Why, with the numbers. [sentences]
-    """
-
-    element: str
-    used: float | None
-    used_low: float | None
-    used_high: float | None
-    yearly: float | None
-    yearly_low: float | None
-    yearly_high: float | None
-    allowed: float
-    left: float | None
+    element: str  #: Row of `Elements`.
+    used: float | None  #: Damage so far, Σ so far × damage, and the ends of its error. [1]
+    used_low: float | None  #: Likewise. [1]
+    used_high: float | None  #: Likewise. [1]
+    yearly: float | None  #: Damage a year, Σ per year × damage, and the ends of its error. [1/year]
+    yearly_low: float | None  #: Likewise. [1/year]
+    yearly_high: float | None  #: Likewise. [1/year]
+    allowed: float  #: 1/StartsFactor. [1]
+    left: float | None  #: Allowed minus used; negative where it is overdrawn. [1]
+    #: Left over yearly, 0 where nothing is left; None = unlimited, or no duty a year. [year]
     remaining_years: float | None
-    years_low: float | None
-    years_high: float | None
+    years_low: float | None  #: Its interval; None = unlimited. [year]
+    years_high: float | None  #: Likewise. [year]
+    #: There is a duty a year, something is left, and no kind of start of it damages.
     unlimited: bool
-    governing: str | None
-    verdict: str
-    reason: str
+    governing: str | None  #: Kind of start that takes most a year, else took most so far.
+    verdict: str  #: ``pass``: something is left; ``fail``: nothing is; ``not judged``.
+    reason: str  #: Why, with the numbers.
 
 
 @dataclass(frozen=True)
 class RemainingStarts:
-    """How many starts of one kind, and no other, are left for one shaft.
+    """How many starts of one kind, and no other, are left for one shaft."""
 
-    Parameters
-    ----------
-    element : str
-        Row of `Elements`. [name]
-    condition : str
-        Kind of start. [name]
-    peak_to_peak_stress : float or None
-        Nominal, in one such start; None where it was not calculated. [Pa]
-    damage, damage_low, damage_high : float or None
-        Of one such start, and the ends of its error; None where it was not calculated. [1]
-    so_far, per_year : float
-        Its duty. [count, 1/year]
-    share : float or None
-        Of the yearly damage; None where that is not judged or zero. [1]
-    remaining_starts : float or None
-        Left over damage, 0 where nothing is left; None = unlimited or not judged. [count]
-    unlimited : bool
-        It does not damage, and something is left. [flag]
-    judged : bool
-        Whether there is an answer. [flag]
-    reason : str
-        Why there is none. [sentence]
-    """
-
-    element: str
-    condition: str
+    element: str  #: Row of `Elements`.
+    condition: str  #: Kind of start.
+    #: Nominal, in one such start; None where it was not calculated. [Pa]
     peak_to_peak_stress: float | None
+    #: Of one such start, and the ends of its error; None where it was not calculated. [1]
     damage: float | None
-    damage_low: float | None
-    damage_high: float | None
-    so_far: float
-    per_year: float
-    share: float | None
+    damage_low: float | None  #: Likewise. [1]
+    damage_high: float | None  #: Likewise. [1]
+    so_far: float  #: Its duty. [count, 1/year]
+    per_year: float  #: Likewise. [count, 1/year]
+    share: float | None  #: Of the yearly damage; None where that is not judged or zero. [1]
+    #: Left over damage, 0 where nothing is left; None = unlimited or not judged. [1]
     remaining_starts: float | None
-    unlimited: bool
-    judged: bool
-    reason: str
+    unlimited: bool  #: It does not damage, and something is left.
+    judged: bool  #: Whether there is an answer.
+    reason: str  #: Why there is none.
 
 
 @dataclass(frozen=True)
 class DamageLedger:
-    """The ledger of a train.
+    """The ledger of a train."""
 
-    Parameters
-    ----------
-    rows : tuple of LedgerRow
-        One a judged shaft. [rows]
-    remaining : tuple of RemainingStarts
-        One a judged shaft and kind of start. [rows]
-    verdict : str
-        The worst of the shafts. [word]
-    sentence : str
-        What it comes to. [sentences]
-    assumption : str
-        The rule behind it. [sentence]
-    """
-
-    rows: tuple[LedgerRow, ...]
-    remaining: tuple[RemainingStarts, ...]
-    verdict: str
-    sentence: str
-    assumption: str
+    rows: tuple[LedgerRow, ...]  #: One a judged shaft. [rows]
+    remaining: tuple[RemainingStarts, ...]  #: One a judged shaft and kind of start. [rows]
+    verdict: str  #: The worst of the shafts.
+    sentence: str  #: What it comes to.
+    assumption: str  #: The rule behind it.
 
 
 ASSUMPTION = (

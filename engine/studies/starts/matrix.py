@@ -90,40 +90,21 @@ _COLUMN_OF = {
 
 @dataclass(frozen=True)
 class StartCondition:
-    """One kind of start, blanks filled from the case.
+    """One kind of start, blanks filled from the case."""
 
-    Parameters
-    ----------
-    name : str
-        Unique in the matrix. [name]
-    voltage : float
-        Over the voltage of the torque curves. [1]
-    damping_ratio : float or None
-        Of all elastic modes; None = what the case says, which may be blank. [1]
-    load : float
-        Share of LoadTorque. [1]
-    trip_speed : float or None
-        Where it is aborted, of the reference shaft; None = it is not. [rad/s]
-    trip_span : float
-        The speed gained in the period over which the trip is tried; 0 = this one instant. [rad/s]
-    per_year, so_far : float
-        Duty. [1/year, count]
-    row : int or None
-        Row of `StartConditions`; None = of the standard matrix. [count]
-    why : str
-        Why the standard matrix has it; empty for a row. [words]
-    """
-
-    name: str
-    voltage: float = 1.0
+    name: str  #: Unique in the matrix.
+    voltage: float = 1.0  #: Over the voltage of the torque curves. [1]
+    #: Of all elastic modes; None = what the case says, which may be blank. [1]
     damping_ratio: float | None = None
-    load: float = 1.0
+    load: float = 1.0  #: Share of LoadTorque. [1]
+    #: Where it is aborted, of the reference shaft; None = it is not. [rad/s]
     trip_speed: float | None = None
+    #: The speed gained in the period over which the trip is tried; 0 = this one instant. [rad/s]
     trip_span: float = 0.0
-    per_year: float = 0.0
-    so_far: float = 0.0
-    row: int | None = None
-    why: str = ""
+    per_year: float = 0.0  #: Duty. [1/year, count]
+    so_far: float = 0.0  #: Likewise. [1/year, count]
+    row: int | None = None  #: Row of `StartConditions`; None = of the standard matrix.
+    why: str = ""  #: Why the standard matrix has it; empty for a row.
 
     @property
     def has_duty(self) -> bool:
@@ -145,21 +126,12 @@ class StartCondition:
 
 @dataclass(frozen=True)
 class MatrixPlan:
-    """What will be calculated: one full run a unit.
+    """What will be calculated: one full run a unit."""
 
-    Parameters
-    ----------
-    conditions : tuple of StartCondition
-        In the order of the table, then of the standard matrix. [rows]
-    standard : bool
-        Whether the standard matrix is in it. [flag]
-    notes : tuple of str
-        What was left out of it, and why. [sentences]
-    """
-
+    #: In the order of the table, then of the standard matrix. [rows]
     conditions: tuple[StartCondition, ...]
-    standard: bool
-    notes: tuple[str, ...] = ()
+    standard: bool  #: Whether the standard matrix is in it.
+    notes: tuple[str, ...] = ()  #: What was left out of it, and why.
 
     @property
     def units(self) -> tuple[StartCondition, ...]:
@@ -169,142 +141,68 @@ class MatrixPlan:
 
 @dataclass(frozen=True)
 class ConditionShaft:
-    """What one start of a kind does to one judged shaft.
+    """What one start of a kind does to one judged shaft."""
 
-    Parameters
-    ----------
-    element : str
-        Row of `Elements`. [name]
-    peak_to_peak_stress : float
-        Nominal, without SCF, from rest to the end. [Pa]
-    damage : float
-        Miner sum of one such start, or of the part of it that was calculated. [1]
-    damage_low, damage_high : float
-        The same at the ends of its error: that of the history, and the change between two steps. [1]
-    allowable_starts : float or None
-        Of this kind alone, 1/damage; None = unlimited or not judged. [1]
-    unlimited : bool
-        No damage. [flag]
-    judged : bool
-        Whether the damage says how many such starts are allowed. [flag]
-    extended : bool
-        Cycles above the first S-N point: their life is its slope extended, not test data. [flag]
-    yields : bool, optional
-        Nominal peak above shear yield: elastic stress and its count do not hold. [flag]
-    """
-
-    element: str
-    peak_to_peak_stress: float
-    damage: float
+    element: str  #: Row of `Elements`.
+    peak_to_peak_stress: float  #: Nominal, without SCF, from rest to the end. [Pa]
+    damage: float  #: Miner sum of one such start, or of the part of it that was calculated. [1]
+    #: The same at the ends of its error: that of the history, and the change between two steps.
+    #: [1]
     damage_low: float
-    damage_high: float
+    damage_high: float  #: Likewise. [1]
+    #: Of this kind alone, 1/damage; None = unlimited or not judged. [1]
     allowable_starts: float | None
-    unlimited: bool
-    judged: bool
+    unlimited: bool  #: No damage.
+    judged: bool  #: Whether the damage says how many such starts are allowed.
+    #: Cycles above the first S-N point: their life is its slope extended, not test data.
     extended: bool
+    #: Nominal peak above shear yield: elastic stress and its count do not hold.
     yields: bool = False
 
 
 @dataclass(frozen=True)
 class ConditionResult:
-    """One row of the matrix.
+    """One row of the matrix."""
 
-    Parameters
-    ----------
-    condition : StartCondition
-        What was asked. [SI]
-    outcome : str
-        That of the start, or ``not calculated``. [word]
-    words : str
-        The outcome with the speed where it ended. [words]
-    time : float or None
-        Simulated time, of an aborted start with the coast-down. [s]
-    end_speed : float or None
-        Of the reference shaft. [rad/s]
-    percent_speed : float or None
-        The same over synchronous speed. [1]
-    peak_torque : float or None
-        Largest torque of any element, referred to the reference shaft. [N m]
-    peak_over_rated : float or None
-        The same over RatedTorque; None where that is unknown. [1]
-    peak_element : str or None
-        Where it is. [name]
-    peak_to_peak_stress : float or None
-        Nominal, of the governing shaft. [Pa]
-    mesh_minimum_torque : float or None
-        Lowest torque of any gear mesh, on its From side. [N m]
-    mesh : str or None
-        Which one. [name]
-    impacts : int or None
-        Recontacts of all clearances; None where none was modelled. [count]
-    shafts : tuple of ConditionShaft
-        Every judged shaft. [rows]
-    governing : str or None
-        Judged shaft with the fewest starts, else with the largest stress. [name]
-    allowable_starts : float or None
-        Of this kind alone, of the governing shaft; None = unlimited or not judged. [1]
-    unlimited : bool
-        Shafts are judged and none is damaged. [flag]
-    judged : bool
-        Whether there is a number of allowable starts, or unlimited. [flag]
-    note : str
-        What a reader must know. [sentences]
-    """
-
-    condition: StartCondition
-    outcome: str
-    words: str
-    time: float | None = None
-    end_speed: float | None = None
-    percent_speed: float | None = None
+    condition: StartCondition  #: What was asked. [SI]
+    outcome: str  #: That of the start, or ``not calculated``.
+    words: str  #: The outcome with the speed where it ended.
+    time: float | None = None  #: Simulated time, of an aborted start with the coast-down. [s]
+    end_speed: float | None = None  #: Of the reference shaft. [rad/s]
+    percent_speed: float | None = None  #: The same over synchronous speed. [1]
+    #: Largest torque of any element, referred to the reference shaft. [N m]
     peak_torque: float | None = None
+    #: The same over RatedTorque; None where that is unknown. [1]
     peak_over_rated: float | None = None
-    peak_element: str | None = None
-    peak_to_peak_stress: float | None = None
+    peak_element: str | None = None  #: Where it is.
+    peak_to_peak_stress: float | None = None  #: Nominal, of the governing shaft. [Pa]
+    #: Lowest torque of any gear mesh, on its From side. [N m]
     mesh_minimum_torque: float | None = None
-    mesh: str | None = None
-    impacts: int | None = None
-    shafts: tuple[ConditionShaft, ...] = ()
+    mesh: str | None = None  #: Which one.
+    impacts: int | None = None  #: Recontacts of all clearances; None where none was modelled.
+    shafts: tuple[ConditionShaft, ...] = ()  #: Every judged shaft. [rows]
+    #: Judged shaft with the fewest starts, else with the largest stress.
     governing: str | None = None
+    #: Of this kind alone, of the governing shaft; None = unlimited or not judged. [1]
     allowable_starts: float | None = None
-    unlimited: bool = False
-    judged: bool = False
-    note: str = ""
+    unlimited: bool = False  #: Shafts are judged and none is damaged.
+    judged: bool = False  #: Whether there is a number of allowable starts, or unlimited.
+    note: str = ""  #: What a reader must know.
 
 
 @dataclass(frozen=True)
 class StartMatrix:
-    """The whole matrix.
+    """The whole matrix."""
 
-    Parameters
-    ----------
-    rows : tuple of ConditionResult
-        In the order of the plan. [rows]
-    judged_shafts : tuple of str
-        Shafts whose fatigue can be judged. [names]
-    starts_factor : float
-        Allowable starts are divided by it before they are judged. [1]
-    standard : bool
-        Whether the standard matrix is in it. [flag]
-    complete : bool
-        False where it was stopped before the last condition. [flag]
-    sentence : str
-        What it shows. [sentences]
-    notes : tuple of str
-        What was left out, and why. [sentences]
-    case_sha256, study_sha256 : str
-        Digests of the case and of the rows. [hex]
-    """
-
-    rows: tuple[ConditionResult, ...]
-    judged_shafts: tuple[str, ...]
-    starts_factor: float
-    standard: bool
-    complete: bool
-    sentence: str
-    notes: tuple[str, ...]
-    case_sha256: str
-    study_sha256: str
+    rows: tuple[ConditionResult, ...]  #: In the order of the plan. [rows]
+    judged_shafts: tuple[str, ...]  #: Shafts whose fatigue can be judged.
+    starts_factor: float  #: Allowable starts are divided by it before they are judged. [1]
+    standard: bool  #: Whether the standard matrix is in it.
+    complete: bool  #: False where it was stopped before the last condition.
+    sentence: str  #: What it shows.
+    notes: tuple[str, ...]  #: What was left out, and why.
+    case_sha256: str  #: Digests of the case and of the rows. [hex]
+    study_sha256: str  #: Likewise. [hex]
 
 
 # --- what was typed -------------------------------------------------------------------------------

@@ -69,55 +69,28 @@ UNIT_SIZE = 50
 
 @dataclass(frozen=True)
 class ToleranceSettings:
-    """How the sample is drawn.
+    """How the sample is drawn."""
 
-    Parameters
-    ----------
-    samples : int
-        Wanted number; a Sobol sequence takes the next power of two. [count]
-    seed : int
-        The same seed gives the same sample. [count]
-    method : str
-        ``lhs`` or ``sobol``. [word]
-    replan : bool
-        Whether a sample whose torque reverses where the plan has no gap gets a plan of its own. [flag]
-    """
-
-    samples: int = 1000
-    seed: int = 1
-    method: str = METHODS[0]
+    samples: int = 1000  #: Wanted number; a Sobol sequence takes the next power of two.
+    seed: int = 1  #: The same seed gives the same sample.
+    method: str = METHODS[0]  #: ``lhs`` or ``sobol``.
+    #: Whether a sample whose torque reverses where the plan has no gap gets a plan of its own.
     replan: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class TolerancePlan:
-    """Everything that is decided before the first sample.
+    """Everything that is decided before the first sample."""
 
-    Parameters
-    ----------
-    case : CaseData
-        The case as stated. [SI]
-    nominal : Results
-        Its plain run. [SI]
-    settings : ToleranceSettings
-        How the sample is drawn. [mixed]
-    factors : tuple of Factor
-        What scatters. [1]
-    values : ndarray, shape (n_samples + 2 n_factors, n_factors)
-        Factors of every sample, then of the runs with one factor at its P10 or P90. [1]
-    recipe : Recipe
-        How each is calculated. [mixed]
-    digest : str
-        Of the scatter and the settings. [hash]
-    """
-
-    case: CaseData
-    nominal: Results
-    settings: ToleranceSettings
-    factors: tuple[Factor, ...]
+    case: CaseData  #: The case as stated. [SI]
+    nominal: Results  #: Its plain run. [SI]
+    settings: ToleranceSettings  #: How the sample is drawn. [mixed]
+    factors: tuple[Factor, ...]  #: What scatters. [1]
+    #: Factors of every sample, then of the runs with one factor at its P10 or P90. [1] Shape
+    #: (n_samples + 2 n_factors, n_factors).
     values: Floats
-    recipe: Recipe
-    digest: str
+    recipe: Recipe  #: How each is calculated. [mixed]
+    digest: str  #: Of the scatter and the settings. [hash]
 
     @property
     def n_samples(self) -> int:
@@ -132,79 +105,37 @@ class TolerancePlan:
 
 @dataclass(frozen=True, eq=False)
 class Unit:
-    """One piece of work: some rows of the sample.
+    """One piece of work: some rows of the sample."""
 
-    Parameters
-    ----------
-    case : CaseData
-        The case as stated. [SI]
-    recipe : Recipe
-        How each sample is calculated. [mixed]
-    factors : tuple of Factor
-        What scatters. [1]
-    first : int
-        Row of the first. [index]
-    values : ndarray, shape (n, n_factors)
-        Factors. [1]
-    replan : bool
-        See `ToleranceSettings`. [flag]
-    """
-
-    case: CaseData
-    recipe: Recipe
-    factors: tuple[Factor, ...]
-    first: int
-    values: Floats
-    replan: bool
+    case: CaseData  #: The case as stated. [SI]
+    recipe: Recipe  #: How each sample is calculated. [mixed]
+    factors: tuple[Factor, ...]  #: What scatters. [1]
+    first: int  #: Row of the first.
+    values: Floats  #: Factors. [1] Shape (n, n_factors).
+    replan: bool  #: See `ToleranceSettings`.
 
 
 @dataclass(frozen=True, eq=False)
 class Evaluated:
-    """Answers of one unit. Rows that are not `known` hold zeros.
+    """Answers of one unit. Rows that are not `known` hold zeros."""
 
-    Parameters
-    ----------
-    first : int
-        Row of the first sample. [index]
-    known : ndarray of bool, shape (n,)
-        Whether the sample could be calculated. [mask]
-    counted : ndarray of bool, shape (n,)
-        Whether its start came to its end. [mask]
-    reversed : ndarray of bool, shape (n,)
-        Whether a torque reverses where no gap is simulated. [mask]
-    sensitive : ndarray of bool, shape (n,)
-        Whether a tiny change of its input would change its peaks. [mask]
-    frequency : ndarray, shape (n, n_modes)
-        Elastic frequencies. [Hz]
-    margin : ndarray, shape (n, n_margins)
-        Margins. [1]
-    torque : ndarray, shape (n, n_elements)
-        Largest torque of each element. [N m]
-    starts : ndarray, shape (n, n_judged)
-        Allowable starts of each judged shaft; infinite = unlimited. [1]
-    checked : ndarray of bool, shape (n,)
-        Whether its start was calculated at half the step, too. [mask]
-    by_step : ndarray, shape (n, 2)
-        What that changed, relatively: the most of any torque, and the starts of the train. [1]
-    outcomes : tuple of (str, int)
-        How many starts ended in each way. [count]
-    troubles : tuple of str
-        Why samples could not be calculated. [sentences]
-    """
-
-    first: int
-    known: Mask
-    counted: Mask
-    reversed: Mask
+    first: int  #: Row of the first sample.
+    known: Mask  #: Whether the sample could be calculated. [mask] Shape (n,).
+    counted: Mask  #: Whether its start came to its end. [mask] Shape (n,).
+    reversed: Mask  #: Whether a torque reverses where no gap is simulated. [mask] Shape (n,).
+    #: Whether a tiny change of its input would change its peaks. [mask] Shape (n,).
     sensitive: Mask
-    frequency: Floats
-    margin: Floats
-    torque: Floats
+    frequency: Floats  #: Elastic frequencies. [Hz] Shape (n, n_modes).
+    margin: Floats  #: Margins. [1] Shape (n, n_margins).
+    torque: Floats  #: Largest torque of each element. [N m] Shape (n, n_elements).
+    #: Allowable starts of each judged shaft; infinite = unlimited. [1] Shape (n, n_judged).
     starts: Floats
-    checked: Mask
+    checked: Mask  #: Whether its start was calculated at half the step, too. [mask] Shape (n,).
+    #: What that changed, relatively: the most of any torque, and the starts of the train. [1]
+    #: Shape (n, 2).
     by_step: Floats
-    outcomes: tuple[tuple[str, int], ...] = ()
-    troubles: tuple[str, ...] = ()
+    outcomes: tuple[tuple[str, int], ...] = ()  #: How many starts ended in each way.
+    troubles: tuple[str, ...] = ()  #: Why samples could not be calculated.
 
 
 def tolerance_problems(

@@ -63,147 +63,76 @@ STARTS, STRESS, MARGIN = "allowable starts", "peak stress", "least margin"
 
 @dataclass(frozen=True)
 class PercentileRow:
-    """How one answer scatters.
+    """How one answer scatters."""
 
-    Parameters
-    ----------
-    quantity : str
-        ``frequency`` [Hz], ``margin``, ``peak torque`` [N m], ``peak stress`` [Pa] (zero-to-peak,
-        nominal) or ``allowable starts``. [word]
-    of : str
-        Mode, mode and excitation, or element; ``train`` for the worst of all shafts. [name]
-    nominal : float or None
-        Answer of the plain run; infinite = unlimited, None = not judged. [as the quantity]
-    percentiles : tuple of Percentile
-        P10, P50, P90. [as the quantity]
-    unlimited : float
-        Share of the samples without any damage. [1]
-    samples : int
-        Samples it is taken from. [count]
-    """
-
+    #: ``frequency`` [Hz], ``margin``, ``peak torque`` [N m], ``peak stress`` [Pa] (zero-to-peak,
+    #: nominal) or ``allowable starts``.
     quantity: str
-    of: str
+    of: str  #: Mode, mode and excitation, or element; ``train`` for the worst of all shafts.
+    #: Answer of the plain run; infinite = unlimited, None = not judged. [as the quantity]
     nominal: float | None
-    percentiles: tuple[Percentile, ...]
-    unlimited: float
-    samples: int
+    percentiles: tuple[Percentile, ...]  #: P10, P50, P90. [as the quantity]
+    unlimited: float  #: Share of the samples without any damage. [1]
+    samples: int  #: Samples it is taken from.
 
 
 @dataclass(frozen=True)
 class ProbabilityRow:
-    """How probable it is that a demand is met.
+    """How probable it is that a demand is met."""
 
-    Parameters
-    ----------
-    check : str
-        ``margin``, ``all margins``, ``start completed`` or ``starts``. [word]
-    of : str
-        Mode and excitation, or shaft. [name]
-    required : float or None
-        Demand. [1]
-    nominal : float or None
-        What the plain run has. [1]
-    probability : float
-        Share of the samples that meet it. [1]
-    low, high : float
-        Its interval. [1]
-    samples : int
-        Samples it is taken from. [count]
-    """
-
-    check: str
-    of: str
-    required: float | None
-    nominal: float | None
-    probability: float
-    low: float
-    high: float
-    samples: int
+    check: str  #: ``margin``, ``all margins``, ``start completed`` or ``starts``.
+    of: str  #: Mode and excitation, or shaft.
+    required: float | None  #: Demand. [1]
+    nominal: float | None  #: What the plain run has. [1]
+    probability: float  #: Share of the samples that meet it. [1]
+    low: float  #: Its interval. [1]
+    high: float  #: Likewise. [1]
+    samples: int  #: Samples it is taken from.
 
 
 @dataclass(frozen=True)
 class DriverRow:
-    """What one factor does to the answer that is looked at.
+    """What one factor does to the answer that is looked at."""
 
-    Parameters
-    ----------
-    factor : str
-        What scatters. [words]
-    deviation : float
-        Its standard deviation. [1]
-    at_low, at_high : float or None
-        The answer of a run with this factor at its P10 and P90, all else as stated; infinite =
-        unlimited, None = not judged. [as the answer]
-    rank_coefficient : float or None
-        Standardized coefficient of the rank regression; None = not enough samples. [1]
-    partial : float or None
-        Partial rank correlation. [1]
-    share : float or None
-        Part of the scatter of the ranks it explains; the shares add up to R². [1]
-    """
-
-    factor: str
-    deviation: float
+    factor: str  #: What scatters.
+    deviation: float  #: Its standard deviation. [1]
+    #: The answer of a run with this factor at its P10 and P90, all else as stated; infinite =
+    #: unlimited, None = not judged. [as the answer]
     at_low: float | None
-    at_high: float | None
+    at_high: float | None  #: Likewise. [as the answer]
+    #: Standardized coefficient of the rank regression; None = not enough samples. [1]
     rank_coefficient: float | None
-    partial: float | None
+    partial: float | None  #: Partial rank correlation. [1]
+    #: Part of the scatter of the ranks it explains; the shares add up to R². [1]
     share: float | None
 
 
 @dataclass(frozen=True, eq=False)
 class Tolerances:
-    """What the scatter makes of the answers.
+    """What the scatter makes of the answers."""
 
-    Parameters
-    ----------
-    case_sha256, study_sha256 : str
-        Of the case, and of scatter and settings. [hash]
-    settings : ToleranceSettings
-        How the sample was drawn. [mixed]
-    wanted, samples : int
-        Samples planned and calculated. [count]
-    percentiles : tuple of PercentileRow
-        Frequencies, margins, torques, stresses, starts. [rows]
-    probabilities : tuple of ProbabilityRow
-        Of every demand. [rows]
-    drivers : tuple of DriverRow
-        The strongest first. [rows]
-    driven : str
-        What they drive: ``allowable starts``, or where these do not vary ``peak stress`` or ``least
-        margin``. [word]
-    explained : float or None
-        R² of the rank regression; the rest is interaction, bending and chance. [1]
-    converged : bool
-        Whether the sample was large enough. [flag]
-    sentences : tuple of str
-        What a reader must know, the judgement on convergence first. [sentences]
-    unfinished : int
-        Samples whose start did not come to its end: they are in no percentile of it. [count]
-    lost : int
-        Samples that could not be calculated: they are in no number. [count]
-    starts : ndarray, shape (n,)
-        Allowable starts of the train in every judged sample; infinite = unlimited. [1]
-    first_frequency : ndarray, shape (n,)
-        First elastic frequency of every sample. [Hz]
-    """
-
-    case_sha256: str
-    study_sha256: str
-    settings: ToleranceSettings
-    wanted: int
-    samples: int
+    case_sha256: str  #: Of the case, and of scatter and settings. [hash]
+    study_sha256: str  #: Likewise. [hash]
+    settings: ToleranceSettings  #: How the sample was drawn. [mixed]
+    wanted: int  #: Samples planned and calculated.
+    samples: int  #: Likewise.
+    #: Frequencies, margins, torques, stresses, starts. [rows]
     percentiles: tuple[PercentileRow, ...]
-    probabilities: tuple[ProbabilityRow, ...]
-    drivers: tuple[DriverRow, ...]
+    probabilities: tuple[ProbabilityRow, ...]  #: Of every demand. [rows]
+    drivers: tuple[DriverRow, ...]  #: The strongest first. [rows]
+    #: What they drive: ``allowable starts``, or where these do not vary ``peak stress`` or ``least
+    #: margin``.
     driven: str
+    #: R² of the rank regression; the rest is interaction, bending and chance. [1]
     explained: float | None
-    converged: bool
-    sentences: tuple[str, ...]
+    converged: bool  #: Whether the sample was large enough.
+    sentences: tuple[str, ...]  #: What a reader must know, the judgement on convergence first.
+    #: Samples whose start did not come to its end: they are in no percentile of it.
     unfinished: int
-    lost: int
+    lost: int  #: Samples that could not be calculated: they are in no number.
+    #: Allowable starts of the train in every judged sample; infinite = unlimited. [1] Shape (n,).
     starts: Floats = field(repr=False)
+    #: First elastic frequency of every sample. [Hz] Shape (n,).
     first_frequency: Floats = field(repr=False)
 
     def percentile(self, quantity: str, of: str) -> PercentileRow | None:

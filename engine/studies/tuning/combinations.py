@@ -20,21 +20,13 @@ __all__ = ["TuningPlan", "plan_tuning"]
 
 @dataclass(frozen=True)
 class TuningPlan:
-    """Everything that will be calculated.
+    """Everything that will be calculated."""
 
-    Parameters
-    ----------
-    variables : tuple of Variable
-        Rows of `Tuning`, then elements of `Catalogue`, each in the order of its table. [SI]
-    combinations : tuple of Combination
-        The case as it stands first, the others in the order of the options. [SI]
-    study_digest : str
-        Of the rows. [hex]
-    """
-
+    #: Rows of `Tuning`, then elements of `Catalogue`, each in the order of its table. [SI]
     variables: tuple[Variable, ...]
+    #: The case as it stands first, the others in the order of the options. [SI]
     combinations: tuple[Combination, ...]
-    study_digest: str
+    study_digest: str  #: Of the rows. [hex]
 
 
 def plan_tuning(case: CaseData, studies: StudyInputs) -> TuningPlan:

@@ -30,88 +30,40 @@ MODES = 10
 
 @dataclass(frozen=True)
 class Answers:
-    """What one run says of a design.
+    """What one run says of a design."""
 
-    Parameters
-    ----------
-    modes : tuple of float
-        Elastic modes, `MODES` at most. [Hz]
-    worst_margin : float or None
-        Least separation margin; None where none could be judged. [1]
-    margin_where : str
-        Its mode and excitation. [words]
-    margin_verdict : str
-        ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``. [word]
-    too_near : tuple of (int, str)
-        Modes inside the forbidden band of an excitation. [count, name]
-    outcome : str
-        How the start ended, or ``calculated`` without one. [word]
-    whole : bool
-        Whether the start came to an end that can be counted, or there is none. [flag]
-    sentence : str
-        How the start ended, with its numbers. [sentence]
-    crossings : tuple of Crossing
-        Where 2 × slip crosses the modes. [SI]
-    governing_mode : int or None
-        Mode whose crossing stresses the train most: by nominal stress, where none is known by torque
-        at motor speed; None where none is crossed. [count]
-    peak_stress : float or None
-        Nominal peak-to-peak stress of the shaft with the largest stress with SCF. [Pa]
-    peak_stress_scf : float or None
-        The same times SCF. [Pa]
-    peak_stress_where : str
-        Its element. [name]
-    peak_torque : float or None
-        Largest torque at motor speed, a magnitude. [N m]
-    peak_over_rated : float or None
-        The same over RatedTorque. [1]
-    peak_torque_where : str
-        Its element. [name]
-    mesh_minimum_torque : float or None
-        Lowest torque of a gear mesh, at its From side; of several the lowest at motor speed. [N m]
-    mesh_where : str
-        Its element. [name]
-    impacts : int or None
-        Recontacts of all teeth; None where no clearance was modelled. [count]
-    starts : float or None
-        Allowable starts of the governing shaft; None = unlimited or not judged. [1]
-    unlimited : bool
-        Shafts are judged and none is damaged. [flag]
-    starts_error : float or None
-        Estimated relative error of the starts. [1]
-    starts_where : str
-        Governing shaft. [name]
-    checks : tuple of Verdict
-        Every check but the overall one, and that of rated torques. [rows]
-    warnings : tuple of str
-        What a reader must know beside the numbers. [sentences]
-    """
-
-    modes: tuple[float, ...]
-    worst_margin: float | None
-    margin_where: str
-    margin_verdict: str
+    modes: tuple[float, ...]  #: Elastic modes, `MODES` at most. [Hz]
+    worst_margin: float | None  #: Least separation margin; None where none could be judged. [1]
+    margin_where: str  #: Its mode and excitation.
+    margin_verdict: str  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
+    #: Modes inside the forbidden band of an excitation. [count, name]
     too_near: tuple[tuple[int, str], ...]
-    outcome: str
-    whole: bool
-    sentence: str
-    crossings: tuple[Crossing, ...]
+    outcome: str  #: How the start ended, or ``calculated`` without one.
+    whole: bool  #: Whether the start came to an end that can be counted, or there is none.
+    sentence: str  #: How the start ended, with its numbers.
+    crossings: tuple[Crossing, ...]  #: Where 2 × slip crosses the modes. [SI]
+    #: Mode whose crossing stresses the train most: by nominal stress, where none is known by
+    #: torque at motor speed; None where none is crossed.
     governing_mode: int | None
+    #: Nominal peak-to-peak stress of the shaft with the largest stress with SCF. [Pa]
     peak_stress: float | None
-    peak_stress_scf: float | None
-    peak_stress_where: str
-    peak_torque: float | None
-    peak_over_rated: float | None
-    peak_torque_where: str
+    peak_stress_scf: float | None  #: The same times SCF. [Pa]
+    peak_stress_where: str  #: Its element.
+    peak_torque: float | None  #: Largest torque at motor speed, a magnitude. [N m]
+    peak_over_rated: float | None  #: The same over RatedTorque. [1]
+    peak_torque_where: str  #: Its element.
+    #: Lowest torque of a gear mesh, at its From side; of several the lowest at motor speed. [N m]
     mesh_minimum_torque: float | None
-    mesh_where: str
-    impacts: int | None
+    mesh_where: str  #: Its element.
+    impacts: int | None  #: Recontacts of all teeth; None where no clearance was modelled.
+    #: Allowable starts of the governing shaft; None = unlimited or not judged. [1]
     starts: float | None
-    unlimited: bool
-    starts_error: float | None
-    starts_where: str
+    unlimited: bool  #: Shafts are judged and none is damaged.
+    starts_error: float | None  #: Estimated relative error of the starts. [1]
+    starts_where: str  #: Governing shaft.
+    #: Every check but the overall one, and that of rated torques. [rows]
     checks: tuple[Verdict, ...]
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...]  #: What a reader must know beside the numbers.
 
     @property
     def broken(self) -> tuple[str, ...]:
@@ -132,21 +84,11 @@ class Answers:
 
 @dataclass(frozen=True)
 class Tried:
-    """A combination and what became of it.
+    """A combination and what became of it."""
 
-    Parameters
-    ----------
-    combination : Combination
-        What was chosen. [SI]
-    answers : Answers or None
-        What the run says; None where there is no such case. [SI]
-    problem : str
-        Why not; empty where it was calculated. [sentence]
-    """
-
-    combination: Combination
-    answers: Answers | None
-    problem: str = ""
+    combination: Combination  #: What was chosen. [SI]
+    answers: Answers | None  #: What the run says; None where there is no such case. [SI]
+    problem: str = ""  #: Why not; empty where it was calculated.
 
 
 def calculate_combination(case: CaseData, combination: Combination) -> Tried:

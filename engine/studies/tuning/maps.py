@@ -17,24 +17,13 @@ __all__ = ["TuningMap", "tuning_map"]
 
 @dataclass(frozen=True)
 class TuningMap:
-    """Combinations over one or two variables.
+    """Combinations over one or two variables."""
 
-    Parameters
-    ----------
-    across : Variable
-        The variable along the map. [SI]
-    up : Variable or None
-        The one across it; None = a single row. [SI]
-    cells : tuple of tuple of (Tried or None)
-        One row an option of `up`, one entry an option of `across`; None = not calculated. [SI]
-    best_over : tuple of str
-        Variables that are at their best in each cell. [words]
-    """
-
-    across: Variable
-    up: Variable | None
+    across: Variable  #: The variable along the map. [SI]
+    up: Variable | None  #: The one across it; None = a single row. [SI]
+    #: One row an option of `up`, one entry an option of `across`; None = not calculated. [SI]
     cells: tuple[tuple[Tried | None, ...], ...]
-    best_over: tuple[str, ...]
+    best_over: tuple[str, ...]  #: Variables that are at their best in each cell.
 
 
 def tuning_map(

@@ -56,62 +56,32 @@ _LIMITS = ("rated_torque", "peak_torque_limit", "vibratory_limit")
 
 @dataclass(frozen=True)
 class Offer:
-    """A coupling of the catalogue, in the place of the one of an element.
+    """A coupling of the catalogue, in the place of the one of an element."""
 
-    Parameters
-    ----------
-    row : CatalogueRow
-        What the maker states. [SI]
-    added_inertia : float
-        Its inertia less that of the fitted one; half of it goes to each end. [kg m²]
-    """
-
-    row: CatalogueRow
+    row: CatalogueRow  #: What the maker states. [SI]
+    #: Its inertia less that of the fitted one; half of it goes to each end. [kg m²]
     added_inertia: float
 
 
 @dataclass(frozen=True)
 class Option:
-    """One thing that a variable may be.
+    """One thing that a variable may be."""
 
-    Parameters
-    ----------
-    label : str
-        What it is called: a number with its unit, or the maker's designation. [words]
-    value : float
-        What the quantity becomes; of a coupling its stiffness. [SI]
-    change : Change or None
-        The change it makes; None for a coupling of the catalogue. [SI]
-    offer : Offer or None
-        The coupling of the catalogue; None for a number. [SI]
-    """
-
-    label: str
-    value: float
-    change: Change | None = None
-    offer: Offer | None = None
+    label: str  #: What it is called: a number with its unit, or the maker's designation.
+    value: float  #: What the quantity becomes; of a coupling its stiffness. [SI]
+    change: Change | None = None  #: The change it makes; None for a coupling of the catalogue. [SI]
+    offer: Offer | None = None  #: The coupling of the catalogue; None for a number. [SI]
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One thing that may be chosen.
+    """One thing that may be chosen."""
 
-    Parameters
-    ----------
-    name : str
-        Element; of an inertia the station. [name]
-    quantity : str
-        One of `engine.studies.variation.TUNED`, or `COUPLING`. [word]
-    present : float or None
-        What the case says; of a coupling its stiffness; None where it says nothing. [SI]
-    options : tuple of Option
-        In rising value. [SI]
-    """
-
-    name: str
-    quantity: str
+    name: str  #: Element; of an inertia the station.
+    quantity: str  #: One of `engine.studies.variation.TUNED`, or `COUPLING`.
+    #: What the case says; of a coupling its stiffness; None where it says nothing. [SI]
     present: float | None
-    options: tuple[Option, ...]
+    options: tuple[Option, ...]  #: In rising value. [SI]
 
     @property
     def title(self) -> str:
@@ -126,21 +96,12 @@ class Variable:
 
 @dataclass(frozen=True)
 class Combination:
-    """One option of each variable.
+    """One option of each variable."""
 
-    Parameters
-    ----------
-    picked : tuple of int
-        Option of each variable of the plan; empty where none of them is the case itself. [indices]
-    options : tuple of Option
-        The same, as they are. [SI]
-    as_is : bool
-        Whether it is the case as it stands. [flag]
-    """
-
+    #: Option of each variable of the plan; empty where none of them is the case itself. [indices]
     picked: tuple[int, ...]
-    options: tuple[Option, ...]
-    as_is: bool
+    options: tuple[Option, ...]  #: The same, as they are. [SI]
+    as_is: bool  #: Whether it is the case as it stands.
 
 
 def variables_of(case: CaseData, studies: StudyInputs) -> tuple[Variable, ...]:

@@ -48,70 +48,30 @@ NOT_CALCULATED = "not calculated"
 
 @dataclass(frozen=True)
 class Ranked:
-    """One combination in its place.
+    """One combination in its place."""
 
-    Parameters
-    ----------
-    rank : int
-        1 = the best. [count]
-    combination : str
-        What it is made of. [words]
-    tried : Tried
-        What became of it. [SI]
-    better : bool
-        Whether it is better than the case as it stands. [flag]
-    reason : str
-        Why it stands there. [sentences]
-    """
-
-    rank: int
-    combination: str
-    tried: Tried
-    better: bool
-    reason: str
+    rank: int  #: 1 = the best.
+    combination: str  #: What it is made of.
+    tried: Tried  #: What became of it. [SI]
+    better: bool  #: Whether it is better than the case as it stands.
+    reason: str  #: Why it stands there.
 
 
 @dataclass(frozen=True)
 class TuningResult:
-    """Everything a tuning study found.
+    """Everything a tuning study found."""
 
-    Parameters
-    ----------
-    case_sha256 : str
-        Digest of the case. [hex]
-    study_digest : str
-        Digest of the rows of `Tuning` and `Catalogue`. [hex]
-    variables : tuple of Variable
-        What was chosen from. [SI]
-    rows : tuple of Ranked
-        Every combination that was calculated, the best first. [SI]
-    as_is : Ranked or None
-        The case as it stands; None where the study was stopped before it. [SI]
-    required_margin : float
-        Required separation margin. [1]
-    bands : tuple of Band
-        Forbidden bands of every excitation. [Hz]
-    windows : tuple of Window
-        What they leave free. [Hz]
-    map : TuningMap
-        Over the first two variables, or the only one. [SI]
-    planned : int
-        Combinations there are, the case as it stands included. [count]
-    sentence : str
-        What was found, in short. [sentences]
-    """
-
-    case_sha256: str
-    study_digest: str
-    variables: tuple[Variable, ...]
-    rows: tuple[Ranked, ...]
-    as_is: Ranked | None
-    required_margin: float
-    bands: tuple[Band, ...]
-    windows: tuple[Window, ...]
-    map: TuningMap
-    planned: int
-    sentence: str
+    case_sha256: str  #: Digest of the case. [hex]
+    study_digest: str  #: Digest of the rows of `Tuning` and `Catalogue`. [hex]
+    variables: tuple[Variable, ...]  #: What was chosen from. [SI]
+    rows: tuple[Ranked, ...]  #: Every combination that was calculated, the best first. [SI]
+    as_is: Ranked | None  #: The case as it stands; None where the study was stopped before it. [SI]
+    required_margin: float  #: Required separation margin. [1]
+    bands: tuple[Band, ...]  #: Forbidden bands of every excitation. [Hz]
+    windows: tuple[Window, ...]  #: What they leave free. [Hz]
+    map: TuningMap  #: Over the first two variables, or the only one. [SI]
+    planned: int  #: Combinations there are, the case as it stands included.
+    sentence: str  #: What was found, in short.
 
     @property
     def complete(self) -> bool:
