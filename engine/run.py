@@ -429,7 +429,9 @@ def judged_starts(
         worst = max((e for _, e in errors if e is not None), default=0.0)
         if worst <= tolerance or start.runup is None or start.is_sensitive:
             break
-        tighter = replace(case, tolerance_peak=max(start.estimated_error / 16.0, 1e-9))
+        # Cycles may need a finer step than any peak: this is no tolerance that a user may type.
+        finest = max(start.estimated_error / 16.0, 1e-9)
+        tighter = replace(CaseData(**vars(case)), tolerance_peak=finest)
         linear = planned.linear if planned.plan.events else None
         finer = calculate_start(tighter, planned.model, planned.plan.effects, linear)
         if finer.step >= start.step:

@@ -372,6 +372,8 @@ def _choice(option: str, value: str, words: Sequence[str]) -> None:
 
 def _overrides(method: str | None, tolerance: str | None) -> dict[str, Any]:
     """Settings of the command line, under the names of the case."""
+    from engine.case.data import LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
+
     settings: dict[str, Any] = {}
     if method is not None:
         _choice("--method", method, ("exponential", "newmark"))
@@ -384,9 +386,10 @@ def _overrides(method: str | None, tolerance: str | None) -> dict[str, Any]:
             raise typer.BadParameter(
                 f"--tolerance is '{tolerance}'; write a number such as 0.001 or 0.1%."
             ) from None
-        if not 1e-9 <= value <= 0.5:
+        if not LEAST_TOLERANCE_PEAK <= value <= 0.5:
             raise typer.BadParameter(
-                f"--tolerance is {value:g}; it must lie between 1e-9 and 0.5 (50 %)."
+                f"--tolerance is {value:g}; it must lie between {LEAST_TOLERANCE_PEAK:g} and 0.5 "
+                f"(50 %). No peak torque is calculated to better than {LEAST_PEAK_ERROR:g}."
             )
         settings["tolerance_peak"] = value
     return settings

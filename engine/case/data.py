@@ -23,6 +23,8 @@ __all__ = [
     "ElementRow",
     "ExcitationRow",
     "GROUND",
+    "LEAST_PEAK_ERROR",
+    "LEAST_TOLERANCE_PEAK",
     "LoadTorqueRow",
     "MaterialRow",
     "MeshRow",
@@ -38,6 +40,12 @@ __all__ = [
 
 #: The word in From or To that means a fixed end or the ground.
 GROUND = "ground"
+#: No peak torque is taken to be more accurate than this share of it, however well two runs agree:
+#: what rounding and the reading of an extreme between two samples leave, with a margin. [1]
+LEAST_PEAK_ERROR = 1e-7
+#: Least `tolerance_peak` that can be met: room for that error and for the tenth of the tolerance that
+#: is left to modes not simulated. Asked for less, a start takes every step it may, for nothing. [1]
+LEAST_TOLERANCE_PEAK = 2.0 * LEAST_PEAK_ERROR
 
 
 @dataclass(frozen=True)
@@ -274,7 +282,8 @@ class CaseData:
     starts_required: float | None = None  #: Starts the shaft must survive. [1]
     #: Allowable starts are divided by it before they are judged; blank = 1. [1]
     starts_factor: float | None = None
-    tolerance_peak: float | None = None  #: Wanted accuracy of peak torques; blank = 0.001. [1]
+    #: Wanted accuracy of peak torques, at least `LEAST_TOLERANCE_PEAK`; blank = 0.001. [1]
+    tolerance_peak: float | None = None
     tolerance_starts: float | None = None  #: Wanted accuracy of allowable starts; blank = 0.02. [1]
     method: str | None = None  #: ``exponential`` (default) or ``newmark``.
     keep_history: str | None = None  #: ``no`` (default), ``parquet`` or ``npz``.

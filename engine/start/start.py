@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.checks.find_problems import DEFAULT_END_SPEED
-from engine.case.data import CaseData
+from engine.case.data import LEAST_PEAK_ERROR, CaseData
 from engine.case.effects import BearingForce, ContactRecord, PullIn, Sensitivity, StartEffects
 from engine.errors import InternalError, ModelError
 from engine.model.load import Load, loads_of
@@ -103,8 +103,8 @@ BREAKAWAY_POINTS, BREAKAWAY_LENGTH = 6.0, 3.0
 SHOCK_LENGTH = 12.0
 #: Maxima, and minima, of two runs that are compared to estimate the error of the largest.
 COMPARED_EXTREMES = 6
-#: No element is taken to be more accurate than this share of the worst, nor than `LEAST_ERROR`.
-SHARED_ERROR, LEAST_ERROR = 0.3, 1e-7
+#: No element is taken to be more accurate than this share of the worst, nor than `LEAST_PEAK_ERROR`.
+SHARED_ERROR = 0.3
 #: "Far above the pulsation": this many times its highest frequency.
 FAR_ABOVE = 10.0
 #: Most values (steps × outputs) of one simulation that is only meant to refine another.
@@ -1518,7 +1518,7 @@ def element_peaks(
     )
     floor = np.maximum(size, NEGLIGIBLE * np.max(size, initial=0.0))
     relative = change / np.where(floor > 0.0, floor, 1.0)
-    least = max(SHARED_ERROR * float(np.max(relative, initial=0.0)), LEAST_ERROR)
+    least = max(SHARED_ERROR * float(np.max(relative, initial=0.0)), LEAST_PEAK_ERROR)
     peaks = []
     for (element, i), own, scale in zip(judged, relative, floor, strict=True):
         when, value = turning[i]

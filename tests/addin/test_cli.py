@@ -184,6 +184,7 @@ def test_a_workbook_open_in_excel_is_refused_by_name(tmp_path):
         ("recalc", "x.xlsx", "--method", "euler"),
         ("recalc", "x.xlsx", "--tolerance", "tight"),
         ("recalc", "x.xlsx", "--tolerance", "200%"),
+        ("recalc", "x.xlsx", "--tolerance", "1e-8"),
         ("recalc", "x.xlsx", "--out", "a", "--in-place"),
         ("recalc", "a/x.xlsx", "b/x.xlsx", "--out", "c"),
         ("accuracy", "x.xlsx", "--out", "a", "--in-place"),

@@ -10,9 +10,19 @@ import numpy as np
 import pytest
 
 from engine.backlash.clearance_response import clearance_response
+from engine.backlash.event_simulation import EventRun, simulate_events
 from engine.backlash.event_start import clearances_of, run_event_start
-from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow
+from engine.case.data import (
+    LEAST_PEAK_ERROR,
+    LEAST_TOLERANCE_PEAK,
+    Case,
+    CaseData,
+    ElementRow,
+    MeshRow,
+    StationRow,
+)
 from engine.case.effects import CONTACT_LAWS, StartEffects
+from engine.errors import CaseError
 from engine.model.gears import transverse_pressure_angle
 from engine.model.modes import modes_of
 from engine.model.train import build_train
@@ -244,17 +254,52 @@ def test_a_graze_is_no_catastrophe() -> None:
 def test_all_simulations_of_a_start_share_one_number_of_steps(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A halving that would exceed it is not made; what stands is said to be less accurate."""
-    case = replace(with_teeth(backlash=2e-4), tolerance_peak=1e-7)
+    """A halving that would exceed it is not made; what stands is said to be less accurate.
+
+    The first step is taken too coarse on purpose, so that at least one halving is needed; the limit
+    then lies in the middle of the last one.
+    """
+    case = with_teeth(backlash=2e-4)
+    monkeypatch.setattr("engine.backlash.event_start.COARSEST_EVENT_ANGLE", 1.6)
+    steps: dict[float, int] = {}
+
+    def counted(model: Any, step: float, *rest: Any, **options: Any) -> EventRun:
+        run = simulate_events(model, step, *rest, **options)
+        steps.setdefault(step, run.trajectory.n_steps)
+        return run
+
+    monkeypatch.setattr("engine.backlash.event_start.simulate_events", counted)
     free = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
     assert free.halvings >= 1
-    first = free.trajectory.n_steps / 2.0 ** (free.halvings + 1)
-    monkeypatch.setattr("engine.backlash.event_start.MOST_STEPS_IN_ALL", int(6.0 * first))
+    assert free.met_tolerance
+    *before, last = steps.values()
+    monkeypatch.setattr("engine.backlash.event_start.MOST_STEPS_IN_ALL", sum(before) + last // 2)
     short = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
-    assert short.halvings < free.halvings
+    assert short.halvings == free.halvings - 1
     assert not short.met_tolerance
     assert short.estimated_error > case.tolerance_peak
     assert short.outcome.outcome == free.outcome.outcome
+
+
+@pytest.mark.parametrize("events", [False, True])
+def test_the_least_tolerance_that_may_be_typed_can_be_met(events: bool) -> None:
+    """Runs that agree to the last bit have `LEAST_PEAK_ERROR`: there must be room above it."""
+    calm = with_teeth(backlash=2e-4, mesh_damping=None)
+    calm = replace(
+        calm,
+        motor_torque=tuple(replace(r, pulsating=0.02 * r.pulsating) for r in calm.motor_torque),
+        tolerance_peak=LEAST_TOLERANCE_PEAK,
+    )
+    found = run_start(calm, *prepared(calm))
+    if events:
+        effects = StartEffects(clearances=("Mesh",))
+        found = run_event_start(calm, *prepared(calm), effects, found)
+    assert found.met_tolerance
+    assert LEAST_PEAK_ERROR * (1.0 - 1e-9) <= found.estimated_error <= LEAST_TOLERANCE_PEAK
+    with pytest.raises(CaseError, match="found 1e-07") as refused:
+        replace(calm, tolerance_peak=LEAST_PEAK_ERROR)
+    (problem,) = refused.value.problems
+    assert (problem.table, problem.column, problem.found) == ("Case", "TolerancePeak", 1e-7)
 
 
 def test_a_start_that_takes_too_many_steps_is_given_up_once(

@@ -58,9 +58,16 @@ def outside(*words: str) -> Iterator[Address]:
             process.communicate()
 
 
+#: Rows of the Case table that make a start slow.
+SLOW = (["TolerancePeak", 2e-7, "1"], ["Voltage", 0.65, "1"])
+
+
 def slow_case() -> list[list[list[object]]]:
-    """Arguments of TV_MODEL for a start of some twenty seconds: a tolerance nobody needs."""
+    """Arguments of TV_MODEL for a start that is calculated some twenty seconds long.
+
+    The finest tolerance that may be typed, and a voltage at which the start lasts long.
+    """
     from sheet_ranges import model_arguments
 
     stations, elements, case, *rest = model_arguments("example_backlash")
-    return [stations, elements, [*case, ["TolerancePeak", 1e-8, "1"]], *rest]
+    return [stations, elements, [*case, *SLOW], *rest]

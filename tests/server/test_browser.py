@@ -378,7 +378,9 @@ def test_a_calculation_shows_progress_and_stops_when_cancelled(tab, tmp_path):
     from addin.reading.workbook import read_workbook
 
     case = case_to_json(read_workbook(TEMPLATES / "example_backlash.xlsx").data)
-    (tmp_path / "slow.json").write_text(json.dumps({**case, "tolerance_peak": 1e-8}))
+    (tmp_path / "slow.json").write_text(
+        json.dumps({**case, "tolerance_peak": 2e-7, "voltage": 0.65})
+    )
     tab.goto("/")
     opened(tab, tmp_path / "slow.json")
     sync_api.expect(tab.locator("#progress")).to_contain_text("start")

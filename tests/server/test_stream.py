@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 
 import openpyxl
 import pytest
-from servers import ROOT, outside, slow_case
+from servers import ROOT, SLOW, outside, slow_case
 from sheet_ranges import TEMPLATES, model_arguments
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
@@ -194,9 +194,11 @@ def test_a_connection_that_is_closed_cancels_its_request(served, tmp_path, route
 def slow_workbook(folder):
     """A workbook with the start of `slow_case`."""
     book = openpyxl.load_workbook(TEMPLATES / "example_backlash.xlsx")
-    book[book.defined_names["TolerancePeak"].attr_text.split("!")[0].strip("'")][
-        book.defined_names["TolerancePeak"].attr_text.split("!")[1].replace("$", "")
-    ].value = 1e-6  # the template has it in %
+    for name, value, _ in SLOW:
+        sheet, cell = book.defined_names[name].attr_text.split("!")
+        book[sheet.strip("'")][cell.replace("$", "")].value = (
+            100.0 * value
+        )  # the template has it in %
     book.save(folder / "slow.xlsx")
     return folder / "slow.xlsx"
 

@@ -493,6 +493,13 @@ def test_life_from_the_damage_of_a_start(handle):
     assert years == pytest.approx(starts / 10.0)
 
 
+def test_a_tolerance_that_can_never_be_met_is_refused():
+    stations, elements, case, *rest = model_arguments()
+    told = refused("TV_MODEL", stations, elements, [*case, ["TolerancePeak", 1e-8, "1"]], *rest)
+    assert "TolerancePeak" in told.message
+    assert "found 1e-08; it must be between 2e-07 and 0.5" in told.message
+
+
 def test_calibration_explains_what_was_measured(handle):
     """All frequencies 1 % higher: stiffnesses rise, and none of those that say nothing of it moves."""
     f = [row[1] for row in call("TV_FREQUENCIES", [handle, None, False]) if row[0] > 0][:3]

@@ -13,7 +13,16 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
-from engine.case.data import GROUND, TABLES, CaseData, ElementRow, MeshRow, Ratings
+from engine.case.data import (
+    GROUND,
+    LEAST_PEAK_ERROR,
+    LEAST_TOLERANCE_PEAK,
+    TABLES,
+    CaseData,
+    ElementRow,
+    MeshRow,
+    Ratings,
+)
 from engine.case.effects import CHOICES as EFFECT_CHOICES
 from engine.case.effects import CONTACT_LAWS, EFFECTS
 from engine.errors import Problem, Quoted
@@ -215,15 +224,25 @@ def _scalars(case: CaseData) -> Iterator[Problem]:
     yield from _check(
         "Case", None, "FieldSlip", case.field_slip, lambda v: 0 < v < 1, "between 0 and 1 (100 %)"
     )
-    for key, name in (("tolerance_peak", "TolerancePeak"), ("tolerance_starts", "ToleranceStarts")):
-        yield from _check(
-            "Case",
-            None,
-            name,
-            getattr(case, key),
-            lambda v: 1e-9 <= v <= 0.5,
-            "between 1e-9 and 0.5 (50 %)",
-        )
+    yield from _check(
+        "Case",
+        None,
+        "TolerancePeak",
+        case.tolerance_peak,
+        lambda v: LEAST_TOLERANCE_PEAK <= v <= 0.5,
+        f"between {LEAST_TOLERANCE_PEAK:g} and 0.5 (50 %)",
+        "",
+        "Correct the cell or leave it blank for 0.1 %. No peak torque is calculated to better than "
+        f"{LEAST_PEAK_ERROR:g}, so that a smaller tolerance is never met.",
+    )
+    yield from _check(
+        "Case",
+        None,
+        "ToleranceStarts",
+        case.tolerance_starts,
+        lambda v: 1e-9 <= v <= 0.5,
+        "between 1e-9 and 0.5 (50 %)",
+    )
     if not _whole_poles(case):
         yield _wrong(
             "Case",
