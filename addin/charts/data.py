@@ -9,47 +9,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from addin.calculation.run_view import RunView
 from addin.charts.effects import (
-    EFFECT_LABELS,
-    FORCES,
     event_rows,
     pull_in_rows,
     reversal_blocks,
     waiting_labels,
 )
-from addin.charts.rows import HISTORY_POINTS, Cell, Floats, Rows, decimate, plain, side_by_side
+from addin.charts.rows import Cell, Floats, Rows, decimate, plain, side_by_side
+from addin.contract.chart_tables import (
+    CHART_TABLES,
+    CROSSINGS,
+    GROUPS,
+    HISTORIES,
+    LABELS,
+    LINES,
+    METHODS,
+    SHAPES,
+)
+from addin.contract.shown_units import ShownUnits
 from engine.case.data import CaseData, ElementRow
 
-__all__ = [
-    "CHART_TABLES",
-    "CROSSINGS",
-    "ChartTable",
-    "GROUPS",
-    "HISTORIES",
-    "HISTORY_POINTS",
-    "LABELS",
-    "LINES",
-    "METHODS",
-    "SHAPES",
-    "ShownUnits",
-    "accuracy_block",
-    "accuracy_title",
-    "chart_blocks",
-    "decimate",
-    "governing_shaft",
-    "stiffness_of",
-]
-
-#: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
-GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
-#: Methods whose error against time is drawn.
-METHODS = ("exponential", "newmark")
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 401
 _SN_POINTS = 200
@@ -63,120 +47,8 @@ _BLANK_LABEL = " "
 _SMALLEST_CYCLE = 0.03
 
 
-@dataclass(frozen=True)
-class ChartTable:
-    """One block of chart data."""
-
-    name: str  #: Name of the Excel table.
-    columns: tuple[str, ...]  #: Headers.
-    help: str  #: What it holds.
-
-
-def _numbered(words: Sequence[str], count: int) -> tuple[str, ...]:
-    return tuple(f"{word} {k}" for k in range(1, count + 1) for word in words)
-
-
-def _of_methods(words: Sequence[str]) -> tuple[str, ...]:
-    return tuple(f"{method} {word}" for method in METHODS for word in words)
-
-
-#: Rows of `ChartLabels`, in this order: words that charts show and only a calculation knows.
-LABELS: tuple[str, ...] = (
-    *_numbered(("Speed group",), GROUPS),
-    *_numbered(("Shape",), SHAPES),
-    *_numbered(("Line",), LINES),
-    *_numbered(("Crossing",), CROSSINGS),
-    *_numbered(("History title", "History axis"), HISTORIES),
-    "S-N title",
-    "S-N axis",
-    "Starts required",
-    *_numbered(("History caption",), HISTORIES),
-    "One start",
-    "S-N line",
-    *EFFECT_LABELS,
-    "Accuracy title",
-    "Accuracy axis",
-)
-
 #: Axis of the chart of sheet Accuracy.
 _ACCURACY_AXIS = "Error [%]"
-
-CHART_TABLES: tuple[ChartTable, ...] = (
-    ChartTable("ChartLabels", ("Key", "Text"), "Words shown by charts."),
-    ChartTable(
-        "ChartTrain",
-        (
-            "Item",
-            *_numbered(("Disc up", "Disc down", "Shaft up", "Shaft down"), GROUPS),
-            "Mesh up",
-            "Mesh down",
-        ),
-        "Drawing of the train: half heights of discs and shafts.",
-    ),
-    ChartTable(
-        "ChartTorque",
-        ("Speed", "Average", "Pulsating", "Load", "Accelerating"),
-        "Torques against speed, % of synchronous and pu of RatedTorque, referred to the motor.",
-    ),
-    ChartTable("ChartSpeedTime", ("Time", "Speed"), "Motor speed against time."),
-    ChartTable("ChartCrossings", ("Time", "Speed"), "Where 2 x slip crosses a mode."),
-    ChartTable(
-        "ChartInterference",
-        (
-            "Modes speed",
-            "Modes",
-            "Label speed",
-            "Label",
-            "Slip speed",
-            "2 x slip",
-            "Range speed",
-            "Range",
-            *_numbered(("Line speed", "Line"), LINES),
-        ),
-        "Interference diagram: motor speed in rpm, frequencies in Hz.",
-    ),
-    ChartTable("ChartNames", ("Speed", "Frequency"), "Where the name of each line stands."),
-    ChartTable(
-        "ChartSN",
-        ("Line cycles", "Line", "Start cycles", "One start", "Starts cycles", "Starts required"),
-        "S-N line and the cycles of one and of the required starts that exceed a stress.",
-    ),
-    ChartTable(
-        "ChartHistory",
-        _numbered(("Time", "Value"), HISTORIES),
-        "Histories of the start: least and largest value of equal intervals of time.",
-    ),
-    ChartTable("ChartReversal", ("Time", "Torque"), "Torque around the deepest reversal."),
-    ChartTable("ChartBlow", ("Time", "Torque"), "Torque at its deepest moment, closely."),
-    ChartTable("ChartForces", _numbered(("Time", "Force"), FORCES), "Forces at that moment."),
-    ChartTable(
-        "ChartPullIn",
-        ("Angle time", "Load angle", "Slip time", "Slip"),
-        "Load angle in degrees and slip in % from field application on.",
-    ),
-    ChartTable("ChartEvents", ("Time", "Speed"), "Field application and trip: motor speed in rpm."),
-    ChartTable(
-        "ChartAccuracy",
-        _of_methods(("peak name", "peak time", "peak", "starts name", "starts time", "starts")),
-        "Name, wall time in ms and error in % of each method.",
-    ),
-)
-
-
-@dataclass(frozen=True)
-class ShownUnits:
-    """The unit shown above each column, and its size in SI."""
-
-    names: Mapping[tuple[str, str], str]  #: Units as typed. [units]
-    factors: Mapping[tuple[str, str], float]  #: SI value of one shown unit. [SI]
-
-    def name(self, table: str, column: str) -> str:
-        """The unit of a column; empty where there is none."""
-        return self.names.get((table, column), "")
-
-    def factor(self, table: str, column: str) -> float:
-        """The SI value of one shown unit; 1 where there is no unit."""
-        return self.factors.get((table, column), 1.0)
 
 
 def chart_blocks(

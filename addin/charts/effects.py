@@ -7,44 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from addin.calculation.run_view import RunView
 from addin.charts.rows import Cell, Floats, Rows, decimate, plain, side_by_side
+from addin.contract.chart_tables import EVENTS, FORCES
+from addin.contract.shown_units import ShownUnits
 
-if TYPE_CHECKING:
-    from addin.charts.data import ShownUnits
-
-__all__ = [
-    "EFFECT_LABELS",
-    "EVENTS",
-    "FORCES",
-    "event_rows",
-    "force_rows",
-    "pull_in_rows",
-    "reversal_blocks",
-    "waiting_labels",
-]
-
-#: Field application and trip on the chart of speed against time.
-EVENTS = 2
-#: Forces drawn together: of the teeth, and of the bearings of two gears.
-FORCES = 3
-#: Rows of `ChartLabels` that the charts of this module need.
-EFFECT_LABELS: tuple[str, ...] = (
-    "Reversal title",
-    "Reversal axis",
-    "Blow title",
-    "Blow axis",
-    "Force title",
-    "Force axis",
-    *(f"Force {k + 1}" for k in range(FORCES)),
-    "Pull-in title",
-    "Pull-in axis",
-    *(f"Event {k + 1}" for k in range(EVENTS)),
-)
 #: Periods of the 2 × slip frequency drawn on each side of the deepest moment: all of the reversal,
 #: and a blow closely; the shortest and the longest time. [1, s]
 _REVERSAL_PERIODS, _BLOW_PERIODS, _TIMES = 8.0, 1.2, (0.05, 0.6)

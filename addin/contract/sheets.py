@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from addin.charts.data import HISTORIES
 from addin.contract.chart_rows import CROSSING_ROWS, ROOMS
+from addin.contract.chart_tables import HISTORIES
 
 __all__ = [
     "BLANK_TEXT",

@@ -3,12 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
-from addin.charts.data import ShownUnits
 from addin.contract import tables as fields
 from addin.contract.units import RATED_TORQUE, UnitError, parse_unit
 
-__all__ = ["shown_units"]
+
+@dataclass(frozen=True)
+class ShownUnits:
+    """The unit shown above each column, and its size in SI."""
+
+    names: Mapping[tuple[str, str], str]  #: Units as typed. [units]
+    factors: Mapping[tuple[str, str], float]  #: SI value of one shown unit. [SI]
+
+    def name(self, table: str, column: str) -> str:
+        """The unit of a column; empty where there is none."""
+        return self.names.get((table, column), "")
+
+    def factor(self, table: str, column: str) -> float:
+        """The SI value of one shown unit; 1 where there is no unit."""
+        return self.factors.get((table, column), 1.0)
 
 
 def shown_units(

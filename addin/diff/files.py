@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from addin.calculation.calculation import Calculation
-from addin.charts.data import ShownUnits
 from addin.contract.problems import CellProblem
+from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES, TableSpec
 from addin.contract.units import UnitError, parse_unit
 from addin.reading.typed_case import CaseInput, TypedCase

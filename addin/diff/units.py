@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from addin.charts.data import ShownUnits
+from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import DIMENSIONS, SCALAR_TABLE, Field
 from addin.contract.units import UnitError, parse_unit
 from addin.reading.typed_case import Typed, TypedCase

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from addin.charts.data import ShownUnits
+from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import SCALARS, json_key, result_table
 from addin.recorded.results import standing_rows
 from addin.xlsx import Workbook

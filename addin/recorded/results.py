@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from addin.charts.data import ShownUnits
 from addin.contract.chart_rows import workbook_columns
+from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec, result_table
 from addin.writing.workbook import NO_STUDY
 from addin.xlsx import ErrorValue, PackageError, Workbook

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from addin.charts.data import ShownUnits
+from addin.contract.shown_units import ShownUnits
 from addin.contract.studies.registry import STUDIES, StudyOnSheet
 from addin.contract.tables import STUDY_RESULT_TABLES
 from addin.recorded.results import recorded_fact, standing_rows

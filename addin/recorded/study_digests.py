@@ -12,8 +12,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from addin.charts.data import ShownUnits
 from addin.contract.chart_rows import workbook_columns
+from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec
 from addin.xlsx import ErrorValue, Workbook
 from addin.xlsx.references import cell_name

@@ -17,8 +17,17 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 
-from addin.charts.data import CHART_TABLES, CROSSINGS, GROUPS, HISTORIES, LINES, METHODS, SHAPES
-from addin.charts.effects import EVENTS, FORCES
+from addin.contract.chart_tables import (
+    CHART_TABLES,
+    CROSSINGS,
+    EVENTS,
+    FORCES,
+    GROUPS,
+    HISTORIES,
+    LINES,
+    METHODS,
+    SHAPES,
+)
 from addin.report.document import Figure
 from addin.report.numbers import clean, pretty_unit
 from addin.template.styles import PALETTE, SPEED_GROUPS

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from addin.charts.data import HISTORIES
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
+from addin.contract.chart_tables import HISTORIES
 from addin.report.document import Block, Column, Facts, Listing, Paragraph, Section, Table
 from addin.report.equations import by
 from addin.report.layout import folded

@@ -10,10 +10,9 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from addin.charts.data import ShownUnits
 from addin.contract import tables as fields
 from addin.contract.problems import shortened
-from addin.contract.shown_units import shown_units
+from addin.contract.shown_units import ShownUnits, shown_units
 from addin.contract.tables import Field
 from addin.contract.units import parse_unit
 from addin.reading.typed_case import CaseInput, Entry, Typed

@@ -11,7 +11,8 @@ from typing import Any
 
 from addin.calculation.calculation import Calculation
 from addin.calculation.run_view import RunView
-from addin.charts.data import CHART_TABLES, chart_blocks
+from addin.charts.data import chart_blocks
+from addin.contract.chart_tables import CHART_TABLES
 from addin.contract.tables import result_table
 from addin.worksheet.functions import table_cells, units_of
 from addin.worksheet.models import Model

@@ -19,7 +19,8 @@ from typing import Any
 import xlsxwriter
 from xlsxwriter.utility import xl_cell_to_rowcol, xl_col_to_name, xl_rowcol_to_cell
 
-from addin.charts.data import CHART_TABLES, GROUPS, LABELS, Rows, chart_blocks
+from addin.charts.data import chart_blocks
+from addin.charts.rows import Rows
 from addin.contract import tables as fields
 from addin.contract.chart_rows import (
     CHANGE_NAME,
@@ -32,6 +33,7 @@ from addin.contract.chart_rows import (
     text_height,
     workbook_columns,
 )
+from addin.contract.chart_tables import CHART_TABLES, GROUPS, LABELS
 from addin.contract.sheets import (
     BLANK_TEXT,
     CASE_HALVES,

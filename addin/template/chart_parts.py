@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from addin.charts.data import LABELS
+from addin.contract.chart_tables import LABELS
 from addin.template.styles import FONT, PALETTE
 
 __all__ = ["Place", "Places", "axis", "dot", "font", "legend", "line", "title", "xy"]

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from addin.charts.data import CROSSINGS, GROUPS, LINES, METHODS, SHAPES
-from addin.charts.effects import EVENTS, FORCES
+from addin.contract.chart_tables import CROSSINGS, EVENTS, FORCES, GROUPS, LINES, METHODS, SHAPES
 from addin.template.chart_parts import Place, Places
 from addin.template.chart_parts import axis as _axis
 from addin.template.chart_parts import dot as _dot

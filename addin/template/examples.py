@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from addin.charts.data import ShownUnits
 from addin.contract import tables as fields
+from addin.contract.shown_units import ShownUnits
 from addin.contract.units import parse_unit
 from engine.case.data import TABLES, CaseData
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import isclose
 from typing import Any
 
-from addin.charts.data import LABELS
+from addin.contract.chart_tables import LABELS
 from addin.contract.problems import shortened
 from addin.contract.sheets import SHEETS, Sheet
 from addin.contract.studies.registry import with_studies

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from addin.charts.data import CHART_TABLES, HISTORIES
+from addin.contract.chart_tables import CHART_TABLES, HISTORIES
 from addin.verify.compare import is_rounding
 from addin.verify.findings import Counts, Finding
 from addin.xlsx import Table, TableData, Workbook

@@ -12,9 +12,9 @@ from contextlib import suppress
 from functools import cache
 from typing import Any
 
-from addin.charts.data import ShownUnits
 from addin.contract import tables as fields
 from addin.contract.problems import nearest, shortened
+from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec, result_table
 from addin.contract.units import UnitError, UnitScale, parse_unit
 from addin.worksheet.blocks import case_of, problems_in_words

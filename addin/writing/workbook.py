@@ -15,17 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from addin.calculation.run_view import RunView
-from addin.charts.data import (
-    CHART_TABLES,
-    HISTORIES,
-    LABELS,
-    METHODS,
-    ShownUnits,
-    accuracy_block,
-    accuracy_title,
-    chart_blocks,
-)
-from addin.charts.effects import FORCES
+from addin.charts.data import accuracy_block, accuracy_title, chart_blocks
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract import tables as fields
 from addin.contract.chart_rows import (
@@ -38,7 +28,8 @@ from addin.contract.chart_rows import (
     text_height,
     workbook_columns,
 )
-from addin.contract.shown_units import shown_units
+from addin.contract.chart_tables import CHART_TABLES, FORCES, HISTORIES, LABELS, METHODS
+from addin.contract.shown_units import ShownUnits, shown_units
 from addin.contract.tables import Field, TableSpec
 from addin.recorded.study_digests import stated_digests, twelve_digits
 from addin.xlsx import (

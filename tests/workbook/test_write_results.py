@@ -17,7 +17,8 @@ from made_up_run import PSI, made_up_run
 from openpyxl.utils import range_boundaries
 from workbook_checks import assert_caches_agree, assert_pages_have_ink
 
-from addin.charts.data import CHART_TABLES, HISTORY_POINTS, decimate
+from addin.charts.rows import HISTORY_POINTS, decimate
+from addin.contract.chart_tables import CHART_TABLES
 from addin.contract.shipped import template_path
 from addin.writing.workbook import RunStamp, write_results
 from addin.xlsx import open_workbook

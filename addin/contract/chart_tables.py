@@ -1,0 +1,125 @@
+"""Tables of sheet `ChartData` and the words of charts that only a calculation knows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+#: How many speeds the train drawing tells apart, mode shapes and excitation lines are drawn.
+GROUPS, SHAPES, LINES, CROSSINGS, HISTORIES = 4, 5, 12, 6, 6
+#: Methods whose error against time is drawn.
+METHODS = ("exponential", "newmark")
+#: Field application and trip on the chart of speed against time.
+EVENTS = 2
+#: Forces drawn together: of the teeth, and of the bearings of two gears.
+FORCES = 3
+#: Rows of `ChartLabels` that the charts of this module need.
+EFFECT_LABELS: tuple[str, ...] = (
+    "Reversal title",
+    "Reversal axis",
+    "Blow title",
+    "Blow axis",
+    "Force title",
+    "Force axis",
+    *(f"Force {k + 1}" for k in range(FORCES)),
+    "Pull-in title",
+    "Pull-in axis",
+    *(f"Event {k + 1}" for k in range(EVENTS)),
+)
+
+
+@dataclass(frozen=True)
+class ChartTable:
+    """One block of chart data."""
+
+    name: str  #: Name of the Excel table.
+    columns: tuple[str, ...]  #: Headers.
+    help: str  #: What it holds.
+
+
+def _numbered(words: Sequence[str], count: int) -> tuple[str, ...]:
+    return tuple(f"{word} {k}" for k in range(1, count + 1) for word in words)
+
+
+def _of_methods(words: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f"{method} {word}" for method in METHODS for word in words)
+
+
+#: Rows of `ChartLabels`, in this order: words that charts show and only a calculation knows.
+LABELS: tuple[str, ...] = (
+    *_numbered(("Speed group",), GROUPS),
+    *_numbered(("Shape",), SHAPES),
+    *_numbered(("Line",), LINES),
+    *_numbered(("Crossing",), CROSSINGS),
+    *_numbered(("History title", "History axis"), HISTORIES),
+    "S-N title",
+    "S-N axis",
+    "Starts required",
+    *_numbered(("History caption",), HISTORIES),
+    "One start",
+    "S-N line",
+    *EFFECT_LABELS,
+    "Accuracy title",
+    "Accuracy axis",
+)
+
+CHART_TABLES: tuple[ChartTable, ...] = (
+    ChartTable("ChartLabels", ("Key", "Text"), "Words shown by charts."),
+    ChartTable(
+        "ChartTrain",
+        (
+            "Item",
+            *_numbered(("Disc up", "Disc down", "Shaft up", "Shaft down"), GROUPS),
+            "Mesh up",
+            "Mesh down",
+        ),
+        "Drawing of the train: half heights of discs and shafts.",
+    ),
+    ChartTable(
+        "ChartTorque",
+        ("Speed", "Average", "Pulsating", "Load", "Accelerating"),
+        "Torques against speed, % of synchronous and pu of RatedTorque, referred to the motor.",
+    ),
+    ChartTable("ChartSpeedTime", ("Time", "Speed"), "Motor speed against time."),
+    ChartTable("ChartCrossings", ("Time", "Speed"), "Where 2 x slip crosses a mode."),
+    ChartTable(
+        "ChartInterference",
+        (
+            "Modes speed",
+            "Modes",
+            "Label speed",
+            "Label",
+            "Slip speed",
+            "2 x slip",
+            "Range speed",
+            "Range",
+            *_numbered(("Line speed", "Line"), LINES),
+        ),
+        "Interference diagram: motor speed in rpm, frequencies in Hz.",
+    ),
+    ChartTable("ChartNames", ("Speed", "Frequency"), "Where the name of each line stands."),
+    ChartTable(
+        "ChartSN",
+        ("Line cycles", "Line", "Start cycles", "One start", "Starts cycles", "Starts required"),
+        "S-N line and the cycles of one and of the required starts that exceed a stress.",
+    ),
+    ChartTable(
+        "ChartHistory",
+        _numbered(("Time", "Value"), HISTORIES),
+        "Histories of the start: least and largest value of equal intervals of time.",
+    ),
+    ChartTable("ChartReversal", ("Time", "Torque"), "Torque around the deepest reversal."),
+    ChartTable("ChartBlow", ("Time", "Torque"), "Torque at its deepest moment, closely."),
+    ChartTable("ChartForces", _numbered(("Time", "Force"), FORCES), "Forces at that moment."),
+    ChartTable(
+        "ChartPullIn",
+        ("Angle time", "Load angle", "Slip time", "Slip"),
+        "Load angle in degrees and slip in % from field application on.",
+    ),
+    ChartTable("ChartEvents", ("Time", "Speed"), "Field application and trip: motor speed in rpm."),
+    ChartTable(
+        "ChartAccuracy",
+        _of_methods(("peak name", "peak time", "peak", "starts name", "starts time", "starts")),
+        "Name, wall time in ms and error in % of each method.",
+    ),
+)
