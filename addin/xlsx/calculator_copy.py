@@ -12,16 +12,13 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from html import unescape
-from typing import TYPE_CHECKING
 
 from addin.xlsx.formula_text import parse_formula
 from addin.xlsx.references import Rect, absolute_range, quoted_sheet
+from addin.xlsx.state import WorkbookState
 from addin.xlsx.tables import Table
 from addin.xlsx.workbook_part import SIGNATURES
 from addin.xlsx.xml_part import Element, main, parse_part, serialise
-
-if TYPE_CHECKING:
-    from addin.xlsx.workbook import Workbook
 
 # Attributes hold no bracket: a search that passed over one could be led on to the end of the part each time.
 _ROW = re.compile(rb'<((?:\w+:)?)row\b[^<>]*?\br="([0-9]{1,7})"')
@@ -51,7 +48,7 @@ _TOTALS_FUNCTION = re.compile(rb"""\stotalsRowFunction=(?:"[^"]*"|'[^']*')""")
 
 
 def calculator_copy(
-    workbook: Workbook,
+    workbook: WorkbookState,
     with_formulas: Collection[str],
     read: Collection[tuple[str, Rect]] | None,
     left_out: Collection[str] = (),
@@ -61,7 +58,7 @@ def calculator_copy(
 
     Parameters
     ----------
-    workbook : Workbook
+    workbook : WorkbookState
         The workbook, with the cells that were written.
     with_formulas : collection of str
         Sheets that hold formulas.
@@ -107,7 +104,7 @@ def calculator_copy(
     return {name: data for name, data in parts.items() if name not in dropped}, dropped
 
 
-def _with_plain_names(workbook: Workbook) -> dict[str, bytes]:
+def _with_plain_names(workbook: WorkbookState) -> dict[str, bytes]:
     """The workbook part with plain ranges for names of parts of tables; other names of that kind are left out."""
     structure = workbook.structure
     if not any(_STRUCTURED.search(name.text) for name in structure.names):
@@ -129,7 +126,7 @@ def _with_plain_names(workbook: Workbook) -> dict[str, bytes]:
     return {structure.part: serialise(root, data)}
 
 
-def _plain_range(workbook: Workbook, text: str) -> str | None:
+def _plain_range(workbook: WorkbookState, text: str) -> str | None:
     """``Table[Column]`` as cells; None for anything less plain."""
     match = _COLUMN_OF_TABLE.fullmatch(text.strip())
     tables = {name.casefold(): table for name, table in workbook.tables.items()}
@@ -143,7 +140,7 @@ def _plain_range(workbook: Workbook, text: str) -> str | None:
 
 
 def _unread_tables(
-    workbook: Workbook, read: Collection[tuple[str, Rect]], named: Collection[str] | None
+    workbook: WorkbookState, read: Collection[tuple[str, Rect]], named: Collection[str] | None
 ) -> list[Table]:
     """Tables that no formula needs, those of their own columns included, and no defined name mentions."""
     # Those of parts of tables become plain ranges, or are left out.
@@ -187,7 +184,7 @@ def _without_extensions(data: bytes) -> bytes:
     return data[:cells] + _EXTENSIONS.sub(b"", data[cells:]) if cells >= 0 else data
 
 
-def _without_rich_data(workbook: Workbook) -> tuple[set[str], dict[str, bytes]]:
+def _without_rich_data(workbook: WorkbookState) -> tuple[set[str], dict[str, bytes]]:
     """Parts left out that hold rich values, and what leads to them without that."""
     structure = workbook.structure
     left_out = {

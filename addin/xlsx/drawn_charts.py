@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from addin.xlsx.references import Rect, cell_name, whole_number
+from addin.xlsx.state import WorkbookState
 from addin.xlsx.xml_part import CHART, RELATIONSHIP_IDS, Element, parse_part
-
-if TYPE_CHECKING:
-    from addin.xlsx.workbook import Workbook
 
 __all__ = ["Drawn", "DrawnChart", "DrawnSeries", "drawn_charts"]
 
@@ -60,7 +57,7 @@ class DrawnChart:
             yield from (one.name, one.categories, one.values)
 
 
-def drawn_charts(workbook: Workbook) -> list[DrawnChart]:
+def drawn_charts(workbook: WorkbookState) -> list[DrawnChart]:
     """The charts on the worksheets of a workbook."""
     structure = workbook.structure
     found = []
@@ -83,7 +80,7 @@ def drawn_charts(workbook: Workbook) -> list[DrawnChart]:
     return found
 
 
-def _chart(workbook: Workbook, sheet: str, cell: str, part: str) -> DrawnChart:
+def _chart(workbook: WorkbookState, sheet: str, cell: str, part: str) -> DrawnChart:
     root = parse_part(workbook.container.charged(part), part)
     holder = root.find(_c("chart"))
     title = None if holder is None else holder.find(_c("title"))
@@ -99,7 +96,7 @@ def _chart(workbook: Workbook, sheet: str, cell: str, part: str) -> DrawnChart:
     )
 
 
-def _series(workbook: Workbook, series: Element) -> DrawnSeries:
+def _series(workbook: WorkbookState, series: Element) -> DrawnSeries:
     def of(*tags: str) -> Drawn:
         held = (series.find(_c(tag)) for tag in tags)
         return next((_drawn(workbook, one) for one in held if one is not None), Drawn())
@@ -107,7 +104,7 @@ def _series(workbook: Workbook, series: Element) -> DrawnSeries:
     return DrawnSeries(of("tx"), of("cat", "xVal"), of("val", "yVal"))
 
 
-def _drawn(workbook: Workbook, holder: Element) -> Drawn:
+def _drawn(workbook: WorkbookState, holder: Element) -> Drawn:
     """The reference in an element, and its copy."""
     for kind in ("num", "str", "multiLvlStr"):
         reference = holder.find(_c(f"{kind}Ref"))

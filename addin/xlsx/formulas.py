@@ -19,7 +19,7 @@ import zipfile
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.xlsx.calculator_copy import calculator_copy, reads_other_workbook
 from addin.xlsx.dependents import (
@@ -38,11 +38,9 @@ from addin.xlsx.formula_text import (
 )
 from addin.xlsx.references import Rect, cell_name
 from addin.xlsx.sheet_part import SheetPart
+from addin.xlsx.state import WorkbookState
 from addin.xlsx.values import MAX_FORMULA, Constant, ErrorValue
 from addin.xlsx.xml_part import Element, in_short, main
-
-if TYPE_CHECKING:
-    from addin.xlsx.workbook import Workbook
 
 _F = main("f")
 _HAS_FORMULA = re.compile(rb"<(?:\w+:)?f[\s/>]")
@@ -84,7 +82,7 @@ class CacheReport:
     reason: str = ""  #: Why values were removed, in words; empty otherwise.
 
 
-def refresh_formula_caches(workbook: Workbook) -> CacheReport:
+def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
     """Renew or remove the cached value of each formula that hangs on changed cells.
 
     Sheets without such a formula stay byte-identical.
@@ -113,7 +111,7 @@ def refresh_formula_caches(workbook: Workbook) -> CacheReport:
 
 
 def _over_shown_rows(
-    workbook: Workbook,
+    workbook: WorkbookState,
     cells: Sequence[FormulaCell],
     reads: Callable[[FormulaCell], list[tuple[str, Rect]] | None],
 ) -> list[int]:
@@ -127,7 +125,9 @@ def _over_shown_rows(
     ]
 
 
-def _looking_at_hidden_rows(workbook: Workbook, cells: Sequence[FormulaCell]) -> dict[int, bool]:
+def _looking_at_hidden_rows(
+    workbook: WorkbookState, cells: Sequence[FormulaCell]
+) -> dict[int, bool]:
     """Formulas that may pass over hidden rows, by their index, and whether they do through a name."""
     names = _names_looking_at_hidden_rows(workbook)
     found = {}
@@ -139,7 +139,7 @@ def _looking_at_hidden_rows(workbook: Workbook, cells: Sequence[FormulaCell]) ->
     return found
 
 
-def _names_looking_at_hidden_rows(workbook: Workbook) -> set[str]:
+def _names_looking_at_hidden_rows(workbook: WorkbookState) -> set[str]:
     """Names for formulas that may pass over hidden rows, also through other names."""
     parsed = [(one.name.casefold(), parse_formula(one.text)) for one in workbook.structure.names]
     found = {name for name, one in parsed if not LOOKS_AT_HIDDEN_ROWS.isdisjoint(one.functions)}
@@ -153,7 +153,7 @@ def _names_looking_at_hidden_rows(workbook: Workbook) -> set[str]:
 
 
 def _never_calculated(
-    workbook: Workbook, others: Sequence[FormulaCell], affected: Sequence[FormulaCell]
+    workbook: WorkbookState, others: Sequence[FormulaCell], affected: Sequence[FormulaCell]
 ) -> list[FormulaCell]:
     """Formulas that we wrote without a value, which nothing else makes us calculate."""
     known = set(map(id, affected))
@@ -164,7 +164,7 @@ def _never_calculated(
     ]
 
 
-def _formula_cells(workbook: Workbook) -> Iterator[FormulaCell]:
+def _formula_cells(workbook: WorkbookState) -> Iterator[FormulaCell]:
     for sheet in workbook.sheet_names:
         data = workbook.sheet_bytes(sheet)
         # The quick look spares parsing long sheets of numbers; a sheet already open may have gained formulas.
@@ -203,7 +203,7 @@ def _read_by_data_table(formula: Element, rect: Rect) -> str:
     return f"TABLE({','.join([str(around), *varied])})"
 
 
-def _rich_values(workbook: Workbook) -> ChangedCells:
+def _rich_values(workbook: WorkbookState) -> ChangedCells:
     """Cells that show rich values, in all sheets."""
     found = ChangedCells()
     for sheet in workbook.sheet_names:
@@ -221,7 +221,7 @@ def _home(cell: FormulaCell) -> Rect:
 
 
 def _naming(
-    workbook: Workbook, cells: Sequence[FormulaCell], left_out: Collection[str] = ()
+    workbook: WorkbookState, cells: Sequence[FormulaCell], left_out: Collection[str] = ()
 ) -> dict[str, list[FormulaCell]]:
     """Tables that formulas name, and the formulas; one without a name is the table around its formula."""
     tables = {table.name.casefold(): table for table in workbook.tables.values()}
@@ -247,7 +247,7 @@ def _naming(
 
 
 def _beyond_the_limit(
-    workbook: Workbook, naming: dict[str, list[FormulaCell]]
+    workbook: WorkbookState, naming: dict[str, list[FormulaCell]]
 ) -> dict[str, list[FormulaCell]]:
     """Tables that are too many for the calculator, those that the fewest formulas name; and these formulas."""
     left, beyond = MOST_COLUMNS, {}
@@ -265,7 +265,7 @@ class _Refresh:
 
     def __init__(
         self,
-        workbook: Workbook,
+        workbook: WorkbookState,
         everything: Sequence[FormulaCell],
         affected: Sequence[FormulaCell],
         count: int,
@@ -496,7 +496,7 @@ class _Recalculated:
 
     Parameters
     ----------
-    workbook : Workbook
+    workbook : WorkbookState
         The workbook.
     fed : dict of str to bytes
         Changed parts that went into the copy.
@@ -504,7 +504,9 @@ class _Recalculated:
         What formualizer returned.
     """
 
-    def __init__(self, workbook: Workbook, fed: dict[str, bytes], result: dict[str, Any]) -> None:
+    def __init__(
+        self, workbook: WorkbookState, fed: dict[str, bytes], result: dict[str, Any]
+    ) -> None:
         self._workbook = workbook
         self._fed = fed
         self._zip = zipfile.ZipFile(io.BytesIO(result["bytes"]))
@@ -556,7 +558,7 @@ def _is_beyond_programs(text: str) -> bool:
 
 
 def _recalculate(
-    workbook: Workbook,
+    workbook: WorkbookState,
     everything: Sequence[FormulaCell],
     with_formulas: Collection[str],
     read: Collection[tuple[str, Rect]] | None,

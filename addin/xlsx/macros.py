@@ -17,7 +17,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from addin.xlsx.errors import WorkbookRefused
 from addin.xlsx.formulas import CacheReport
-from addin.xlsx.save import SaveReport, save_package
+from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
 from addin.xlsx.workbook import Workbook
 from addin.xlsx.workbook_part import CONTENT_TYPES_PART, XLSM_TYPE, XLSX_TYPE, relationships_part
 from addin.xlsx.xml_part import MAIN, RELATIONSHIP_IDS
@@ -146,17 +146,16 @@ def save_with_macros(
         writer.put_button(edit.button)
     return save_package(
         workbook.container,
-        writer.replaced,
-        (),
-        destination=destination,
-        in_place=in_place,
-        read_only=False,
-        ignore_lock=ignore_lock,
+        PackageChange(writer.replaced, added=writer.added),
+        Destination(
+            destination,
+            in_place,
+            ignore_lock=ignore_lock,
+            suffix=".xlsm",
+            keep_backups=True,  # the first is the workbook as the user had it
+        ),
         check=lambda parts: [],
         caches=CacheReport("not needed"),
-        added=writer.added,
-        suffix=".xlsm",
-        keep_backups=True,  # the first is the workbook as the user had it
     )
 
 

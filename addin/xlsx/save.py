@@ -13,7 +13,7 @@ import stat
 import tempfile
 import zipfile
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from addin.xlsx.container import Container, stored_bytes
@@ -38,21 +38,35 @@ class SaveReport:
     notes: tuple[str, ...] = ()  #: What the user should know, in sentences.
 
 
+@dataclass(frozen=True)
+class PackageChange:
+    """How the parts of the new file differ from those of the original."""
+
+    replaced: Mapping[str, bytes]  #: Parts with other content.
+    dropped: Collection[str] = ()  #: Parts left out.
+    added: Mapping[str, bytes] = field(default_factory=dict)  #: New parts.
+
+
+@dataclass(frozen=True)
+class Destination:
+    """Where the new file goes, and what keeps it from being written."""
+
+    path: Path | None  #: The file; None with ``in_place``.
+    in_place: bool  #: Replace the original, of which a copy stays.
+    read_only: bool = False  #: Whether the original was opened for reading only.
+    ignore_lock: bool = False  #: Write although a lock file says that somebody has it open.
+    suffix: str = ""  #: Ending that the file must have; empty = that of the original.
+    keep_backups: bool = False  #: Keep earlier copies of the original, too.
+
+
 def save_package(
     container: Container,
-    replaced: Mapping[str, bytes],
-    dropped: Collection[str],
+    change: PackageChange,
+    destination: Destination,
     *,
-    destination: Path | None,
-    in_place: bool,
-    read_only: bool,
-    ignore_lock: bool,
     check: Check,
     caches: CacheReport,
     notes: tuple[str, ...] = (),
-    added: Mapping[str, bytes] | None = None,
-    suffix: str = "",
-    keep_backups: bool = False,
 ) -> SaveReport:
     """Write a changed package.
 
@@ -61,16 +75,14 @@ def save_package(
     SaveRefused
         When nothing was written, with the reason.
     """
-    added = added or {}
-    kind = suffix or container.path.suffix
-    target = _target(container.path, destination, in_place, read_only, kind)
-    if not ignore_lock:
+    target = _target(container.path, destination)
+    if not destination.ignore_lock:
         check_not_open(target)
     _check_source(container)
     payload = io.BytesIO()
-    container.write(payload, replaced, dropped, added=added)
+    container.write(payload, change.replaced, change.dropped, added=change.added)
     package = payload.getvalue()
-    _verify(container, package, replaced, dropped, added, check)
+    _verify(container, package, change, check)
     with _Temporary(target) as temporary:
         temporary.write(package, _mode(target, container.path))
         if temporary.path.read_bytes() != package:
@@ -78,23 +90,30 @@ def save_package(
                 f"{target.name} was not written: the disk returned other data than were stored on it."
             )
         _check_source(container)
-        backup = _keep_original(container, target, keep_backups) if in_place else None
+        backup = None
+        if destination.in_place:
+            backup = _keep_original(container, target, destination.keep_backups)
         temporary.put(target)
     return SaveReport(
-        target, backup, tuple(sorted([*replaced, *added])), tuple(sorted(dropped)), caches, notes
+        target,
+        backup,
+        tuple(sorted([*change.replaced, *change.added])),
+        tuple(sorted(change.dropped)),
+        caches,
+        notes,
     )
 
 
-def _target(
-    source: Path, destination: Path | None, in_place: bool, read_only: bool, suffix: str
-) -> Path:
-    if read_only:
+def _target(source: Path, destination: Destination) -> Path:
+    path, in_place = destination.path, destination.in_place
+    suffix = destination.suffix or source.suffix
+    if destination.read_only:
         raise SaveRefused(f"{source.name} was opened for reading only.")
-    if destination is None and not in_place:
+    if path is None and not in_place:
         raise SaveRefused("No file to write was named.")
     # A link is followed, so that the file behind it is replaced and the link stays.
     original = Path(os.path.realpath(source))
-    target = original if destination is None else Path(os.path.realpath(destination))
+    target = original if path is None else Path(os.path.realpath(path))
     if target == original and not in_place:
         raise SaveRefused(
             f"{source.name} is the file that was opened; it is replaced only on request."
@@ -116,30 +135,29 @@ def _target(
     return target
 
 
-def _verify(
-    container: Container,
-    package: bytes,
-    replaced: Mapping[str, bytes],
-    dropped: Collection[str],
-    added: Mapping[str, bytes],
-    check: Check,
-) -> None:
+def _verify(container: Container, package: bytes, change: PackageChange, check: Check) -> None:
     """Compare the new package with the old one, part by part, and read the written cells again."""
     archive = zipfile.ZipFile(io.BytesIO(package))
     entries = {entry.filename: entry for entry in archive.infolist()}
-    expected = [name for name in container.names if name not in dropped]
-    if list(entries) != [*expected, *added]:
+    expected = [name for name in container.names if name not in change.dropped]
+    if list(entries) != [*expected, *change.added]:
         raise SaveRefused("Nothing was written: the new workbook would lack parts of the original.")
     parts: dict[str, bytes] = {}
     for entry in container.entries:
         name = entry.filename
-        if name in replaced:
+        if name in change.replaced:
             parts[name] = archive.read(name)
         # Equal stored bytes, sizes and check sum: the part inflates to the same bytes as before.
-        elif name not in dropped and not _identical(container, entry, package, entries[name]):
+        elif name not in change.dropped and not _identical(
+            container, entry, package, entries[name]
+        ):
             raise SaveRefused(f"Nothing was written: the part {name} would have changed.")
-    parts |= {name: archive.read(name) for name in added}
-    wrong = [name for name, data in (*replaced.items(), *added.items()) if parts.get(name) != data]
+    parts |= {name: archive.read(name) for name in change.added}
+    wrong = [
+        name
+        for name, data in (*change.replaced.items(), *change.added.items())
+        if parts.get(name) != data
+    ]
     wrong += check(parts)
     if wrong:
         raise SaveRefused(

@@ -7,18 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.xlsx.errors import CellRefused, Obstacle, WorkbookMismatch
 from addin.xlsx.references import MAX_ROW, Rect, cell_name
 from addin.xlsx.sheet_part import read_range
+from addin.xlsx.state import WorkbookState
 from addin.xlsx.tables import Table
 from addin.xlsx.values import CellValue, Formula
 from addin.xlsx.written import cleaned_row
 from addin.xlsx.xml_part import main
-
-if TYPE_CHECKING:
-    from addin.xlsx.workbook import Workbook
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ class TablePlan:
                 start = index
 
 
-def plan_table(workbook: Workbook, data: TableData) -> TablePlan:
+def plan_table(workbook: WorkbookState, data: TableData) -> TablePlan:
     """What writing a table comes to.
 
     Raises
@@ -119,7 +117,7 @@ def _in_table_order(
     return cells
 
 
-def obstacles_of(workbook: Workbook, plan: TablePlan) -> Iterator[Obstacle]:
+def obstacles_of(workbook: WorkbookState, plan: TablePlan) -> Iterator[Obstacle]:
     """What is in the way of a table."""
     table, sheet = plan.old, workbook.sheet_part(plan.old.sheet)
     array = sheet.array_across(table.data)
@@ -150,7 +148,7 @@ def obstacles_of(workbook: Workbook, plan: TablePlan) -> Iterator[Obstacle]:
             yield Obstacle(table.sheet, cell_name(row, column), found, table.name)
 
 
-def _typed_where_totals_go(workbook: Workbook, plan: TablePlan) -> Iterator[Obstacle]:
+def _typed_where_totals_go(workbook: WorkbookState, plan: TablePlan) -> Iterator[Obstacle]:
     """What the user typed in columns of his own, in the row to which the totals row of a shrinking table moves."""
     old, new = plan.old, plan.new
     if not old.has_totals or new.ref.bottom >= old.ref.bottom:
@@ -164,7 +162,7 @@ def _typed_where_totals_go(workbook: Workbook, plan: TablePlan) -> Iterator[Obst
             yield Obstacle(old.sheet, cell_name(row, column), found, old.name)
 
 
-def _pivot_ranges(workbook: Workbook, sheet: str) -> Iterator[Rect]:
+def _pivot_ranges(workbook: WorkbookState, sheet: str) -> Iterator[Rect]:
     part = workbook.structure.worksheet_part(sheet)
     for related in workbook.structure.relationships(part) if part else ():
         if related.kind == "pivotTable":
@@ -173,7 +171,7 @@ def _pivot_ranges(workbook: Workbook, sheet: str) -> Iterator[Rect]:
                 yield read_range(location.get("ref", ""), f"A pivot table on sheet {sheet}")
 
 
-def carry_out(workbook: Workbook, plan: TablePlan) -> None:
+def carry_out(workbook: WorkbookState, plan: TablePlan) -> None:
     """Write the cells of a table and let everything that belongs to it follow."""
     old, new = plan.old, plan.new
     sheet = workbook.sheet_part(old.sheet)
@@ -199,7 +197,7 @@ def carry_out(workbook: Workbook, plan: TablePlan) -> None:
     workbook.note_changed(old.sheet, old.ref.join(new.ref)._replace(top=new.data.top))
 
 
-def _give_up_rows(workbook: Workbook, plan: TablePlan) -> None:
+def _give_up_rows(workbook: WorkbookState, plan: TablePlan) -> None:
     """Remove the cells of rows that the table no longer has, but not what the user typed in other columns."""
     old, new = plan.old, plan.new
     if new.ref.bottom >= old.ref.bottom:
@@ -229,7 +227,9 @@ def _give_up_rows(workbook: Workbook, plan: TablePlan) -> None:
         )
 
 
-def _fill_user_formulas(workbook: Workbook, plan: TablePlan, styles: Sequence[str | None]) -> None:
+def _fill_user_formulas(
+    workbook: WorkbookState, plan: TablePlan, styles: Sequence[str | None]
+) -> None:
     """Continue calculated columns that are not ours into the rows that the table gained."""
     growth_top, bottom = plan.old.data.bottom + 1, plan.new.data.bottom
     if growth_top > bottom:

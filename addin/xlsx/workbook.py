@@ -6,16 +6,12 @@ Nothing touches the file before `Workbook.save`; until then all changes live in 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from lxml import etree
-
 from addin.xlsx.chart_titles import TitleLink
-from addin.xlsx.charts import Area, ChartPart
-from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits, shown_name
-from addin.xlsx.dependents import ChangedCells
+from addin.xlsx.charts import Area
+from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits
 from addin.xlsx.errors import (
     CellRefused,
     Obstacle,
@@ -26,23 +22,18 @@ from addin.xlsx.errors import (
 from addin.xlsx.formulas import CacheReport, refresh_formula_caches
 from addin.xlsx.locks import check_not_open
 from addin.xlsx.references import (
-    MAX_COLUMN,
     Rect,
     cell_name,
     parse_cell,
     parse_range,
-    split_areas,
-    split_sheet,
-    whole_number,
 )
-from addin.xlsx.save import SaveReport, save_package
+from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
 from addin.xlsx.sheet_part import SheetPart
+from addin.xlsx.state import WorkbookState
 from addin.xlsx.table_writing import TableData, TablePlan, carry_out, obstacles_of, plan_table
-from addin.xlsx.tables import Table, apply_table, check_places, parse_table
-from addin.xlsx.values import FORMULA_MARK, CellValue, Constant, Formula, rich_text
-from addin.xlsx.workbook_part import DefinedName, WorkbookPart
-from addin.xlsx.written import Written, cleaned, cleaned_row, misread
-from addin.xlsx.xml_part import Element, main, serialise
+from addin.xlsx.values import CellValue, Constant
+from addin.xlsx.workbook_part import WorkbookPart
+from addin.xlsx.written import cleaned, cleaned_row, misread
 
 
 def open_workbook(
@@ -82,136 +73,24 @@ def open_workbook(
     return workbook
 
 
-class Workbook:
-    """An open workbook. Made by `open_workbook`.
+class Workbook(WorkbookState):
+    """An open workbook to read, write and save. Made by `open_workbook`; its attributes are those of `WorkbookState`."""
 
-    Attributes
-    ----------
-    path : Path
-        The file it was read from.
-    notes : list of str
-        What was done or left that the user should know, in sentences.
-    """
-
-    def __init__(
-        self,
-        container: Container,
-        structure: WorkbookPart,
-    ) -> None:
-        self.path = container.path
-        self.notes: list[str] = []
-        self._container = container
-        self._structure = structure
+    def __init__(self, container: Container, structure: WorkbookPart) -> None:
+        super().__init__(container, structure)
         self._read_only = True
         self._ignore_lock = False
-        self._sheets: dict[str, SheetPart] = {}
-        self._table_roots: dict[str, Element] = {}
-        self._changed_tables: dict[str, bytes] = {}
-        self._changed = ChangedCells()
-        self._shown_rows = ChangedCells()
-        self._written: dict[str, list[Written]] = {}
-        self._given_formulas: dict[str, set[tuple[int, int]]] = {}
         self._cache_report: CacheReport | None = None
-        self._charts_current = True
-
-    # ---- structure ---------------------------------------------------------------------------------------------
-
-    @property
-    def sheet_names(self) -> list[str]:
-        """Names of all sheets in order, chart sheets included."""
-        return self._structure.sheet_names
-
-    @property
-    def sha256(self) -> str:
-        """SHA-256 of the file as it was opened."""
-        return self._container.sha256
-
-    @property
-    def has_macros(self) -> bool:
-        """Whether it is of the macro-enabled kind (.xlsm)."""
-        return self._structure.has_macros
-
-    @property
-    def parts(self) -> list[str]:
-        """Names of all parts of the package."""
-        return self._container.names
-
-    @cached_property
-    def defined_names(self) -> dict[str, DefinedName]:
-        """Defined names that hold for the whole workbook."""
-        return {one.name: one for one in self._structure.names if not one.local_sheet}
-
-    @property
-    def local_names(self) -> dict[tuple[str, str], DefinedName]:
-        """Defined names confined to a sheet, by sheet and name."""
-        return {
-            (one.local_sheet, one.name): one for one in self._structure.names if one.local_sheet
-        }
-
-    @cached_property
-    def tables(self) -> dict[str, Table]:
-        """All tables by name, with the size that they have now."""
-        found: dict[str, Table] = {}
-        for sheet in self.sheet_names:
-            part = self._structure.worksheet_part(sheet)
-            for related in self._structure.relationships(part) if part else ():
-                if related.kind == "table":
-                    root = self._container.tree(related.part)
-                    table = parse_table(root, sheet, related.part)
-                    if table.name.casefold() in {name.casefold() for name in found}:
-                        raise WorkbookRefused(
-                            "damaged",
-                            f"{self.path.name} has two tables named {shown_name(table.name)}. Rename one of them.",
-                        )
-                    self._table_roots[related.part] = root
-                    found[table.name] = table
-        check_places(list(found.values()))
-        return found
-
-    def table(self, name: str) -> Table:
-        """A table by name; capitals or small letters do not matter.
-
-        Raises
-        ------
-        WorkbookMismatch
-            When there is none of that name.
-        """
-        if name in self.tables:
-            return self.tables[name]
-        for known, table in self.tables.items():
-            if known.casefold() == name.casefold():
-                return table
-        raise WorkbookMismatch(
-            f"{self.path.name} has no table {name!r}; it has {', '.join(sorted(self.tables)) or 'none'}. "
-            "Start from a new template or give the table its name back."
-        )
-
-    def name(self, name: str) -> DefinedName:
-        """A defined name of the whole workbook; capitals or small letters do not matter.
-
-        Raises
-        ------
-        WorkbookMismatch
-            When there is none, or when it stands for no cells.
-        """
-        by_folded = {known.casefold(): one for known, one in self.defined_names.items()}
-        found = by_folded.get(name.casefold())
-        if found is None or found.rect is None:
-            what = "has no defined name" if found is None else "has no cells behind the name"
-            raise WorkbookMismatch(
-                f"{self.path.name} {what} {name!r}. Start from a new template or define it again."
-            )
-        return found
 
     # ---- reading -----------------------------------------------------------------------------------------------
 
     def value(self, sheet: str, cell: str) -> CellValue:
         """What a cell holds now; a formula with its cached value."""
-        return self._sheet(sheet).value(*parse_cell(cell))
+        return self.sheet_part(sheet).value(*parse_cell(cell))
 
     def shown_value(self, sheet: str, cell: str) -> Constant:
         """The value that a cell shows now; of a formula its cached value."""
-        return self._sheet(sheet).constant(*parse_cell(cell))
+        return self.sheet_part(sheet).constant(*parse_cell(cell))
 
     # ---- writing -----------------------------------------------------------------------------------------------
 
@@ -245,7 +124,7 @@ class Workbook:
         CellRefused
             When the cell may not be written or cannot hold the value.
         """
-        part = self._sheet(sheet)
+        part = self.sheet_part(sheet)
         row, column = parse_cell(cell)
         style = str(style_id) if style_id is not None else None
         if style_from is not None:
@@ -283,7 +162,7 @@ class Workbook:
         CellRefused
             When the rows do not fit, or a merged range or an array formula reaches into the block.
         """
-        part = self._sheet(sheet)
+        part = self.sheet_part(sheet)
         rect = parse_range(ref)
         height, width = len(rows), max(map(len, rows), default=0)
         if rect.is_single:
@@ -361,7 +240,7 @@ class Workbook:
         height : float
             Height. [point]
         """
-        self._sheet(sheet).set_row_height(row, height)
+        self.sheet_part(sheet).set_row_height(row, height)
 
     def obstacles(self, rows: Mapping[str, int]) -> list[Obstacle]:
         """What would be in the way if tables had these numbers of rows."""
@@ -375,19 +254,6 @@ class Workbook:
 
     # ---- caches and saving -------------------------------------------------------------------------------------
 
-    def retarget_chart_range(self, sheet: str, old: str, new: str) -> int:
-        """Let ranges of charts and sparklines that covered exactly the rows of one block cover those of another.
-
-        Touches the chart parts concerned, and sheets with such sparklines, and nothing else in them than the range
-        texts; called by `write_tables`.
-        """
-        self._charts_current = False
-        before, after = parse_range(old), parse_range(new)
-        count = sum(chart.retarget(sheet, before, after) for chart in self._charts)
-        for name in self._sheets_with_sparklines:
-            count += self._sheet(name).retarget_sparklines(sheet, before, after)
-        return count
-
     def link_chart_titles(self, links: Sequence[TitleLink]) -> int:
         """Link titles of charts that became fixed words to their cells again, after the cells were written.
 
@@ -400,7 +266,7 @@ class Workbook:
         def text(sheet: str, cell: str) -> str:
             return str(self.shown_value(sheet, cell) or "")
 
-        return sum(chart.link_titles(links, self._areas, text) for chart in self._charts)
+        return sum(chart.link_titles(links, self.chart_areas, text) for chart in self.charts)
 
     def refresh_chart_caches(self) -> int:
         """Renew the values that charts carry of changed cells.
@@ -408,18 +274,20 @@ class Workbook:
         Touches only chart parts with a range that reaches a changed cell, and in them only the caches; all other charts
         stay byte-identical. Called by `save`.
         """
-        self._charts_current = True
-        if not self._changed:
+        self.charts_current = True
+        if not self.changed:
             return 0
         known: dict[tuple[str, str, tuple[Area, ...]], bytes] = {}
         return sum(
-            chart.refresh(self._areas, self._is_new, self._shown, known) for chart in self._charts
+            chart.refresh(self.chart_areas, self._is_new, self._shown, known)
+            for chart in self.charts
         )
 
     def refresh_formula_caches(self) -> CacheReport:
         """Renew or remove the cached value of every formula that hangs on changed cells. Called by `save`."""
-        if self._cache_report is None:
+        if self._cache_report is None or not self.formulas_current:
             self._cache_report = refresh_formula_caches(self)
+            self.formulas_current = True
         return self._cache_report
 
     def allow_saving(self, *, ignore_lock: bool = False) -> None:
@@ -434,7 +302,7 @@ class Workbook:
         """
         if not ignore_lock:
             check_not_open(self.path)
-        if self._structure.is_signed():
+        if self.structure.is_signed():
             raise WorkbookRefused(
                 "signed",
                 f"{self.path.name} carries a digital signature, which any change would make invalid. "
@@ -456,216 +324,49 @@ class Workbook:
             With the reason; nothing was written.
         """
         report = self.refresh_formula_caches()
-        if not self._charts_current:
+        if not self.charts_current:
             self.refresh_chart_caches()
         replaced, dropped = self._parts_to_write()
         notes = (*self.notes, *self._other_copies_of_values())
         return save_package(
-            self._container,
-            replaced,
-            dropped,
-            destination=Path(destination) if destination is not None else None,
-            in_place=in_place,
-            read_only=self._read_only,
-            ignore_lock=self._ignore_lock,
+            self.container,
+            PackageChange(replaced, dropped),
+            Destination(
+                Path(destination) if destination is not None else None,
+                in_place,
+                read_only=self._read_only,
+                ignore_lock=self._ignore_lock,
+            ),
             check=self._misread_cells,
             caches=report,
             notes=notes,
         )
 
-    def chart_areas(self, text: str) -> list[Area] | None:
-        """Sheets and cells of a chart's reference; None when it cannot be followed."""
-        return self._areas(text)
-
-    # ---- used by the modules of this package -------------------------------------------------------------------
-
-    @property
-    def structure(self) -> WorkbookPart:
-        """Structure of the package."""
-        return self._structure
-
-    @property
-    def container(self) -> Container:
-        """The package as opened."""
-        return self._container
-
-    @property
-    def changed(self) -> ChangedCells:
-        """Cells whose values changed."""
-        return self._changed
-
-    @property
-    def shown_rows(self) -> ChangedCells:
-        """Rows that were hidden, and are not any more."""
-        return self._shown_rows
-
-    @property
-    def written(self) -> Mapping[str, Sequence[Written]]:
-        """Rectangles written so far, by sheet, in the order they were written."""
-        return self._written
-
-    def sheet_part(self, sheet: str) -> SheetPart:
-        """Cells of a sheet."""
-        return self._sheet(sheet)
-
-    def is_loaded(self, sheet: str) -> bool:
-        """Whether the cells of a sheet are parsed already."""
-        return sheet in self._sheets
-
-    def sheet_bytes(self, sheet: str) -> bytes:
-        """Part of a sheet as opened; empty for chart sheets."""
-        part = self._structure.worksheet_part(sheet)
-        return self._container.read(part) if part else b""
-
-    def is_owned_formula(self, sheet: str, row: int, column: int) -> bool:
-        """Whether a formula was written here together with its value."""
-        return (row, column) in self._given_formulas.get(sheet, ())
-
-    def note_changed(self, sheet: str, rect: Rect) -> None:
-        """Note changed values, so that charts renew their caches."""
-        self._changed.add(sheet, rect)
-        self._charts_current = False
-        self._cache_report = None
-
-    def changed_parts(self) -> dict[str, bytes]:
-        """Sheet and table parts that differ from the file."""
-        parts = {sheet.part: sheet.to_bytes() for sheet in self._sheets.values() if sheet.changed}
-        return parts | self._changed_tables
-
-    def note_written(
-        self, sheet: str, rect: Rect, grid: Sequence[Sequence[CellValue]], texts: Sequence[str]
-    ) -> None:
-        """Note a rectangle that was written, to be found again when the file is checked."""
-        self._written.setdefault(sheet, []).append(Written(rect, grid, texts))
-        self._forget_formulas(sheet, rect)
-        given = self._given_formulas.setdefault(sheet, set())
-        for offset, row in enumerate(grid):
-            if FORMULA_MARK in texts[offset]:
-                for column, value in enumerate(row, rect.left):
-                    if isinstance(value, Formula) and value.cached is not None:
-                        given.add((rect.top + offset, column))
-        self.note_changed(sheet, rect)
-
-    def forget_written(self, sheet: str, rect: Rect) -> None:
-        """Expect no longer to find what was written into rows that are given up now."""
-        self._forget_formulas(sheet, rect)
-        written = self._written.get(sheet, [])
-        blank = [one for one in written if one.rect.meets(rect)]
-        for one in blank:
-            written.remove(one)
-
-    def update_table(self, table: Table, formulas: Mapping[str, str]) -> None:
-        """Put the size and the calculated columns of a table into its part."""
-        root = self._table_roots[table.part]
-        before = etree.tostring(root)
-        if apply_table(root, table, formulas):
-            for row in self._sheet(table.sheet).show_rows(table.data.top, table.data.bottom):
-                self._shown_rows.add(table.sheet, Rect(row, 1, row, MAX_COLUMN))
-            self.notes.append(
-                f"The filter of table {table.name} was cleared, as it was set for the old rows."
-            )
-        if etree.tostring(root) != before:
-            self._changed_tables[table.part] = serialise(root, self._container.read(table.part))
-            self.tables[table.name] = parse_table(root, table.sheet, table.part)
-
     # ---- internals ---------------------------------------------------------------------------------------------
-
-    def _sheet(self, name: str) -> SheetPart:
-        if name not in self._sheets:
-            known = {sheet.casefold(): sheet for sheet in self.sheet_names}
-            sheet = known.get(name.casefold())
-            if sheet is None:
-                raise WorkbookMismatch(
-                    f"{self.path.name} has no sheet {name!r}; it has {', '.join(self.sheet_names)}."
-                )
-            part = self._structure.worksheet_part(sheet)
-            if part is None:
-                raise WorkbookMismatch(
-                    f"Sheet {sheet!r} of {self.path.name} is a chart sheet and has no cells."
-                )
-            if sheet not in self._sheets:
-                self._sheets[sheet] = SheetPart(
-                    sheet, part, self._container.charged(part), self._shared_string
-                )
-            return self._sheets[sheet]
-        return self._sheets[name]
-
-    @cached_property
-    def _strings(self) -> list[str]:
-        part = self._structure.related("sharedStrings")
-        if part is None:
-            return []
-        root = self._container.tree(part)
-        return [rich_text(entry) for entry in root.iterchildren(main("si"))]
-
-    def _shared_string(self, index: str) -> str:
-        number = whole_number(index.strip(), len(self._strings) - 1)
-        if number is None:
-            raise WorkbookRefused(
-                "damaged",
-                f"A cell of {self.path.name} shows text number {shown_name(index)}, but the workbook has "
-                f"{len(self._strings)} texts. Open it in the spreadsheet program, let it repair the file, and save it "
-                "again.",
-            )
-        return self._strings[number]
-
-    @cached_property
-    def _charts(self) -> list[ChartPart]:
-        return [
-            ChartPart(part, self._container.charged(part)) for part in self._structure.chart_parts()
-        ]
-
-    @cached_property
-    def _sheets_with_sparklines(self) -> list[str]:
-        return [name for name in self.sheet_names if b"sparkline>" in self.sheet_bytes(name)]
-
-    def _areas(self, text: str) -> list[Area] | None:
-        """Areas of a chart's reference; names of the workbook are followed."""
-        areas: list[Area] = []
-        for one in split_areas(text):
-            sheet, rest = split_sheet(one)
-            try:
-                area = (sheet, parse_range(rest))
-            except ValueError:
-                named = self.local_names.get((sheet, rest)) or self.defined_names.get(rest)
-                if named is None or named.sheet is None or named.rect is None:
-                    return None
-                area = (named.sheet, named.rect)
-            if self._structure.sheet_names.count(area[0]) != 1:
-                return None
-            areas.append(area)
-        return areas or None
 
     def _is_new(self, sheet: str, rect: Rect) -> bool:
         """Whether a chart draws otherwise there: it leaves out hidden rows."""
-        return self._changed.touch(sheet, rect) or self._shown_rows.touch(sheet, rect)
+        return self.changed.touch(sheet, rect) or self.shown_rows.touch(sheet, rect)
 
     def _shown(self, sheet: str, rect: Rect) -> list[Constant]:
-        return self._sheet(sheet).constants(rect)
-
-    def _forget_formulas(self, sheet: str, rect: Rect) -> None:
-        given = self._given_formulas.get(sheet, set())
-        if rect.is_single:
-            given.discard((rect.top, rect.left))
-        else:
-            given -= {place for place in given if rect.has(*place)}
+        return self.sheet_part(sheet).constants(rect)
 
     def _parts_to_write(self) -> tuple[dict[str, bytes], set[str]]:
         replaced = self.changed_parts()
         dropped: set[str] = set()
-        if "_charts" in self.__dict__:
-            replaced |= {chart.part: chart.to_bytes() for chart in self._charts if chart.changed}
+        if "charts" in self.__dict__:
+            replaced |= {chart.part: chart.to_bytes() for chart in self.charts if chart.changed}
         if any(sheet.formula_set_changed() for sheet in self._sheets.values()):
-            chain, dropped = self._structure.without_calc_chain()
+            chain, dropped = self.structure.without_calc_chain()
             replaced |= chain
-        if self._changed:
-            replaced[self._structure.part] = self._structure.with_full_calculation()
-        same = [name for name, data in replaced.items() if data == self._container.read(name)]
+        if self.changed:
+            replaced[self.structure.part] = self.structure.with_full_calculation()
+        same = [name for name, data in replaced.items() if data == self.container.read(name)]
         return {name: data for name, data in replaced.items() if name not in same}, dropped
 
     def _other_copies_of_values(self) -> Iterator[str]:
         """Notes on copies of cell values that are not renewed here."""
-        if not self._changed:
+        if not self.changed:
             return
         if any(part.startswith("xl/pivotCache/") for part in self.parts):
             yield "Pivot tables show the values of the last time they were refreshed; refresh them in Excel."
@@ -675,22 +376,22 @@ class Workbook:
                 return
 
     def _has_stale_text(self, part: str) -> bool:
-        if b"textlink=" not in self._container.read(part):
+        if b"textlink=" not in self.container.read(part):
             return False
         links = (
             shape.get("textlink")
-            for shape in self._container.tree(part).iter()
+            for shape in self.container.tree(part).iter()
             if shape.get("textlink")
         )
-        areas = (self._areas(link) for link in links)
-        return any(self._changed.touch(*area) for found in areas for area in found or ())
+        areas = (self.chart_areas(link) for link in links)
+        return any(self.changed.touch(*area) for found in areas for area in found or ())
 
     def _misread_cells(self, parts: Mapping[str, bytes]) -> list[str]:
         """Cells that read back otherwise than written, from the parts as they stand in the new file."""
         wrong: list[str] = []
-        for name, written in self._written.items():
+        for name, written in self.written.items():
             part = self._sheets[name].part
-            data = parts.get(part) or self._container.read(part)
+            data = parts.get(part) or self.container.read(part)
             if not all(one.stands_in(data) for one in written):
                 # Prefixed names, cells written twice, renewed values: read these sheets cell by cell.
                 again = SheetPart(name, part, data, self._shared_string)

@@ -1,0 +1,308 @@
+"""An open workbook in memory: its parts, and what was changed and written of its cells so far.
+
+Formulas, table writing and the calculator's copy work on this; `workbook.Workbook` stands on top.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+from lxml import etree
+
+from addin.xlsx.charts import Area, ChartPart
+from addin.xlsx.container import Container, shown_name
+from addin.xlsx.dependents import ChangedCells
+from addin.xlsx.errors import WorkbookMismatch, WorkbookRefused
+from addin.xlsx.references import (
+    MAX_COLUMN,
+    Rect,
+    parse_range,
+    split_areas,
+    split_sheet,
+    whole_number,
+)
+from addin.xlsx.sheet_part import SheetPart
+from addin.xlsx.tables import Table, apply_table, check_places, parse_table
+from addin.xlsx.values import FORMULA_MARK, CellValue, Formula, rich_text
+from addin.xlsx.workbook_part import DefinedName, WorkbookPart
+from addin.xlsx.written import Written
+from addin.xlsx.xml_part import Element, main, serialise
+
+
+class WorkbookState:
+    """What is known of an open workbook.
+
+    Attributes
+    ----------
+    path : Path
+        The file it was read from.
+    notes : list of str
+        What was done or left that the user should know, in sentences.
+    container : Container
+        The package as opened.
+    structure : WorkbookPart
+        Structure of the package.
+    changed : ChangedCells
+        Cells whose values changed.
+    shown_rows : ChangedCells
+        Rows that were hidden, and are not any more.
+    written : dict of str to list of Written
+        Rectangles written so far, by sheet, in the order they were written.
+    formulas_current, charts_current : bool
+        Whether the cached values of formulas and of charts were renewed after the last change noted.
+    """
+
+    def __init__(self, container: Container, structure: WorkbookPart) -> None:
+        self.path = container.path
+        self.notes: list[str] = []
+        self.container = container
+        self.structure = structure
+        self.changed = ChangedCells()
+        self.shown_rows = ChangedCells()
+        self.written: dict[str, list[Written]] = {}
+        self._sheets: dict[str, SheetPart] = {}
+        self._table_roots: dict[str, Element] = {}
+        self._changed_tables: dict[str, bytes] = {}
+        self._given_formulas: dict[str, set[tuple[int, int]]] = {}
+        self.formulas_current = False
+        self.charts_current = True
+
+    # ---- structure ---------------------------------------------------------------------------------------------
+
+    @property
+    def sheet_names(self) -> list[str]:
+        """Names of all sheets in order, chart sheets included."""
+        return self.structure.sheet_names
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file as it was opened."""
+        return self.container.sha256
+
+    @property
+    def has_macros(self) -> bool:
+        """Whether it is of the macro-enabled kind (.xlsm)."""
+        return self.structure.has_macros
+
+    @property
+    def parts(self) -> list[str]:
+        """Names of all parts of the package."""
+        return self.container.names
+
+    @cached_property
+    def defined_names(self) -> dict[str, DefinedName]:
+        """Defined names that hold for the whole workbook."""
+        return {one.name: one for one in self.structure.names if not one.local_sheet}
+
+    @property
+    def local_names(self) -> dict[tuple[str, str], DefinedName]:
+        """Defined names confined to a sheet, by sheet and name."""
+        return {(one.local_sheet, one.name): one for one in self.structure.names if one.local_sheet}
+
+    @cached_property
+    def tables(self) -> dict[str, Table]:
+        """All tables by name, with the size that they have now."""
+        found: dict[str, Table] = {}
+        for sheet in self.sheet_names:
+            part = self.structure.worksheet_part(sheet)
+            for related in self.structure.relationships(part) if part else ():
+                if related.kind == "table":
+                    root = self.container.tree(related.part)
+                    table = parse_table(root, sheet, related.part)
+                    if table.name.casefold() in {name.casefold() for name in found}:
+                        raise WorkbookRefused(
+                            "damaged",
+                            f"{self.path.name} has two tables named {shown_name(table.name)}. Rename one of them.",
+                        )
+                    self._table_roots[related.part] = root
+                    found[table.name] = table
+        check_places(list(found.values()))
+        return found
+
+    def table(self, name: str) -> Table:
+        """A table by name; capitals or small letters do not matter.
+
+        Raises
+        ------
+        WorkbookMismatch
+            When there is none of that name.
+        """
+        if name in self.tables:
+            return self.tables[name]
+        for known, table in self.tables.items():
+            if known.casefold() == name.casefold():
+                return table
+        raise WorkbookMismatch(
+            f"{self.path.name} has no table {name!r}; it has {', '.join(sorted(self.tables)) or 'none'}. "
+            "Start from a new template or give the table its name back."
+        )
+
+    def name(self, name: str) -> DefinedName:
+        """A defined name of the whole workbook; capitals or small letters do not matter.
+
+        Raises
+        ------
+        WorkbookMismatch
+            When there is none, or when it stands for no cells.
+        """
+        by_folded = {known.casefold(): one for known, one in self.defined_names.items()}
+        found = by_folded.get(name.casefold())
+        if found is None or found.rect is None:
+            what = "has no defined name" if found is None else "has no cells behind the name"
+            raise WorkbookMismatch(
+                f"{self.path.name} {what} {name!r}. Start from a new template or define it again."
+            )
+        return found
+
+    # ---- parts -------------------------------------------------------------------------------------------------
+
+    def sheet_part(self, name: str) -> SheetPart:
+        """Cells of a sheet; capitals or small letters of its name do not matter."""
+        if name not in self._sheets:
+            known = {sheet.casefold(): sheet for sheet in self.sheet_names}
+            sheet = known.get(name.casefold())
+            if sheet is None:
+                raise WorkbookMismatch(
+                    f"{self.path.name} has no sheet {name!r}; it has {', '.join(self.sheet_names)}."
+                )
+            part = self.structure.worksheet_part(sheet)
+            if part is None:
+                raise WorkbookMismatch(
+                    f"Sheet {sheet!r} of {self.path.name} is a chart sheet and has no cells."
+                )
+            if sheet not in self._sheets:
+                self._sheets[sheet] = SheetPart(
+                    sheet, part, self.container.charged(part), self._shared_string
+                )
+            return self._sheets[sheet]
+        return self._sheets[name]
+
+    def is_loaded(self, sheet: str) -> bool:
+        """Whether the cells of a sheet are parsed already."""
+        return sheet in self._sheets
+
+    def sheet_bytes(self, sheet: str) -> bytes:
+        """Part of a sheet as opened; empty for chart sheets."""
+        part = self.structure.worksheet_part(sheet)
+        return self.container.read(part) if part else b""
+
+    @cached_property
+    def _strings(self) -> list[str]:
+        part = self.structure.related("sharedStrings")
+        if part is None:
+            return []
+        root = self.container.tree(part)
+        return [rich_text(entry) for entry in root.iterchildren(main("si"))]
+
+    def _shared_string(self, index: str) -> str:
+        number = whole_number(index.strip(), len(self._strings) - 1)
+        if number is None:
+            raise WorkbookRefused(
+                "damaged",
+                f"A cell of {self.path.name} shows text number {shown_name(index)}, but the workbook has "
+                f"{len(self._strings)} texts. Open it in the spreadsheet program, let it repair the file, and save it "
+                "again.",
+            )
+        return self._strings[number]
+
+    @cached_property
+    def charts(self) -> list[ChartPart]:
+        """The chart parts, parsed when first asked for."""
+        return [
+            ChartPart(part, self.container.charged(part)) for part in self.structure.chart_parts()
+        ]
+
+    @cached_property
+    def _sheets_with_sparklines(self) -> list[str]:
+        return [name for name in self.sheet_names if b"sparkline>" in self.sheet_bytes(name)]
+
+    def chart_areas(self, text: str) -> list[Area] | None:
+        """Sheets and cells of a chart's reference, names followed; None when it cannot be followed."""
+        areas: list[Area] = []
+        for one in split_areas(text):
+            sheet, rest = split_sheet(one)
+            try:
+                area = (sheet, parse_range(rest))
+            except ValueError:
+                named = self.local_names.get((sheet, rest)) or self.defined_names.get(rest)
+                if named is None or named.sheet is None or named.rect is None:
+                    return None
+                area = (named.sheet, named.rect)
+            if self.structure.sheet_names.count(area[0]) != 1:
+                return None
+            areas.append(area)
+        return areas or None
+
+    def changed_parts(self) -> dict[str, bytes]:
+        """Sheet and table parts that differ from the file."""
+        parts = {sheet.part: sheet.to_bytes() for sheet in self._sheets.values() if sheet.changed}
+        return parts | self._changed_tables
+
+    # ---- changes -----------------------------------------------------------------------------------------------
+
+    def is_owned_formula(self, sheet: str, row: int, column: int) -> bool:
+        """Whether a formula was written here together with its value."""
+        return (row, column) in self._given_formulas.get(sheet, ())
+
+    def note_changed(self, sheet: str, rect: Rect) -> None:
+        """Note changed values, so that charts renew their caches."""
+        self.changed.add(sheet, rect)
+        self.charts_current = False
+        self.formulas_current = False
+
+    def note_written(
+        self, sheet: str, rect: Rect, grid: Sequence[Sequence[CellValue]], texts: Sequence[str]
+    ) -> None:
+        """Note a rectangle that was written, to be found again when the file is checked."""
+        self.written.setdefault(sheet, []).append(Written(rect, grid, texts))
+        self._forget_formulas(sheet, rect)
+        given = self._given_formulas.setdefault(sheet, set())
+        for offset, row in enumerate(grid):
+            if FORMULA_MARK in texts[offset]:
+                for column, value in enumerate(row, rect.left):
+                    if isinstance(value, Formula) and value.cached is not None:
+                        given.add((rect.top + offset, column))
+        self.note_changed(sheet, rect)
+
+    def forget_written(self, sheet: str, rect: Rect) -> None:
+        """Expect no longer to find what was written into rows that are given up now."""
+        self._forget_formulas(sheet, rect)
+        written = self.written.get(sheet, [])
+        blank = [one for one in written if one.rect.meets(rect)]
+        for one in blank:
+            written.remove(one)
+
+    def _forget_formulas(self, sheet: str, rect: Rect) -> None:
+        given = self._given_formulas.get(sheet, set())
+        if rect.is_single:
+            given.discard((rect.top, rect.left))
+        else:
+            given -= {place for place in given if rect.has(*place)}
+
+    def update_table(self, table: Table, formulas: Mapping[str, str]) -> None:
+        """Put the size and the calculated columns of a table into its part."""
+        root = self._table_roots[table.part]
+        before = etree.tostring(root)
+        if apply_table(root, table, formulas):
+            for row in self.sheet_part(table.sheet).show_rows(table.data.top, table.data.bottom):
+                self.shown_rows.add(table.sheet, Rect(row, 1, row, MAX_COLUMN))
+            self.notes.append(
+                f"The filter of table {table.name} was cleared, as it was set for the old rows."
+            )
+        if etree.tostring(root) != before:
+            self._changed_tables[table.part] = serialise(root, self.container.read(table.part))
+            self.tables[table.name] = parse_table(root, table.sheet, table.part)
+
+    def retarget_chart_range(self, sheet: str, old: str, new: str) -> int:
+        """Let ranges of charts and sparklines that covered exactly the rows of one block cover those of another.
+
+        Touches the chart parts concerned, and sheets with such sparklines, and nothing else in them than the range
+        texts; called by `write_tables`.
+        """
+        self.charts_current = False
+        before, after = parse_range(old), parse_range(new)
+        count = sum(chart.retarget(sheet, before, after) for chart in self.charts)
+        for name in self._sheets_with_sparklines:
+            count += self.sheet_part(name).retarget_sparklines(sheet, before, after)
+        return count
