@@ -1,34 +1,39 @@
-"""Writing into somebody's workbook without damaging it.
+"""Edits an .xlsx file part by part and leaves everything else byte for byte as it is.
 
 A workbook is a zip file of XML parts. Only the parts that hold written cells are rewritten, all others are copied as they
 are stored; values that formulas and charts carry of changed cells are renewed or removed; the file is replaced in one
-step. This package knows nothing of torsional vibration; numbers are written as they are given.
+step. This room knows nothing of torsional vibration; numbers are written as they are given.
 
-======================  ====================================================================================
-module                  responsibility
-======================  ====================================================================================
-``workbook``            `open_workbook` and `Workbook`: what the rest of the add-in uses
-``container``           the zip file: guards before opening, raw copy of untouched parts
-``workbook_part``       sheets, defined names, relationships, content types, calculation settings
-``sheet_part``          rows, cells and styles of one sheet
-``tables``              Excel tables and their size
-``table_writing``       rows into tables, with all that follows them and all that may be in the way
-``written``             what was written, to be found again before the file is put in place
-``charts``              chart ranges and the values that charts carry
-``drawn_charts``        what charts draw and carry, for reading
-``chart_titles``        titles of charts that lost their cell
-``values``              what a cell may hold, and its XML
-``formula_text``        references inside a formula
-``dependents``          which formulas hang on changed cells
-``calculator_copy``     the copy that the calculator of formulas is given
-``formulas``            cached values of formulas: renewed or removed, never stale
-``macros``              a VBA project and a hidden sheet of settings: .xlsx → .xlsm
-``locks``               lock files of spreadsheet programs
-``save``                writing whole or not at all
-``references``          A1 arithmetic
-``xml_part``            parsing without trusting, writing with the original's declaration
-``errors``              the error tree
-======================  ====================================================================================
+=================  ===============================================================================
+module             responsibility
+=================  ===============================================================================
+`errors`           the error tree
+`locks`            lock files of spreadsheet programs
+`references`       A1 arithmetic
+`whole_files`      text files written whole or not at all
+`xml_part`         parsing without trust, writing with the original's declaration
+`chart_titles`     titles of charts that lost their cell
+`container`        the zip file: guards before opening, raw copy of untouched parts
+`sheet_ranges`     ranges stated beside the cells: formats, validations and sparklines that follow
+                   a table
+`sheet_row`        one row of a sheet: cells by column, and runs of cells that are still text
+`values`           what a cell may hold, and its XML
+`charts`           chart ranges and the values that charts carry
+`formula_text`     references inside a formula
+`sheet_part`       rows, cells and styles of one sheet
+`tables`           Excel tables and their size
+`workbook_part`    sheets, defined names, relationships, content types, calculation settings
+`dependents`       which formulas depend on changed cells
+`written`          what was written, to be checked before the file is put in place
+`state`            an open workbook in memory: its parts, the cells changed and written so far
+`calculator_copy`  the copy that the calculator of formulas is given
+`drawn_charts`     what charts draw and carry, for reading
+`formulas`         cached values of formulas: renewed or removed, never stale
+`save`             writing whole or not at all
+`table_writing`    rows into tables, with all that follows them and all that may be in the way
+`workbook`         `open_workbook` and `Workbook`: what the rest of the add-in uses
+`macros`           a VBA project and a hidden sheet of settings: .xlsx to .xlsm
+=================  ===============================================================================
 """
 
 from addin.xlsx.chart_titles import TitleLink

@@ -12,9 +12,8 @@ from copy import deepcopy
 from dataclasses import dataclass
 
 from addin.xlsx.references import Rect, absolute_range, parse_range, quoted_sheet
-from addin.xlsx.xml_part import CHART, Element
+from addin.xlsx.xml_part import Element, chart_tag, drawing_tag
 
-_DRAWING = "http://schemas.openxmlformats.org/drawingml/2006/main"
 _AFTER_TEXT_FORMAT = frozenset({"extLst"})
 
 
@@ -69,40 +68,40 @@ def link_titles(
 
 def _value_references(root: Element) -> Iterator[str]:
     for kind in ("val", "yVal"):
-        for values in root.iter(_c(kind)):
-            for formula in values.iter(_c("f")):
+        for values in root.iter(chart_tag(kind)):
+            for formula in values.iter(chart_tag("f")):
                 yield formula.text or ""
 
 
 def _chart_title(root: Element) -> Element | None:
-    chart = root.find(_c("chart"))
-    return None if chart is None else chart.find(_c("title"))
+    chart = root.find(chart_tag("chart"))
+    return None if chart is None else chart.find(chart_tag("title"))
 
 
 def _value_axis_title(root: Element) -> Element | None:
-    for axis in root.iter(_c("valAx")):
-        side = axis.find(_c("axPos"))
+    for axis in root.iter(chart_tag("valAx")):
+        side = axis.find(chart_tag("axPos"))
         if side is not None and side.get("val") in ("l", "r"):
-            found: Element | None = axis.find(_c("title"))
+            found: Element | None = axis.find(chart_tag("title"))
             return found
     return None
 
 
 def _has_words(title: Element, pattern: str) -> bool:
     """Whether a title shows fixed words that a cell may have given it; False when it shows a cell."""
-    words = title.find(_c("tx"))
-    if words is None or words.find(_c("strRef")) is not None:
+    words = title.find(chart_tag("tx"))
+    if words is None or words.find(chart_tag("strRef")) is not None:
         return False
-    text = "".join(run.text or "" for run in words.iter(_a("t"))).strip()
+    text = "".join(run.text or "" for run in words.iter(drawing_tag("t"))).strip()
     return not text or re.fullmatch(pattern, text) is not None
 
 
 def _link(title: Element, sheet: str, cell: str, text: str) -> int:
     """Replace the fixed words of a title by a reference."""
-    words = title.find(_c("tx"))
-    rich = words.find(_c("rich"))
+    words = title.find(chart_tag("tx"))
+    rich = words.find(chart_tag("rich"))
     if rich is not None:
-        if title.find(_c("txPr")) is None:
+        if title.find(chart_tag("txPr")) is None:
             _insert_text_format(title, rich)
         words.remove(rich)
     reference = _child(words, "strRef")
@@ -117,32 +116,26 @@ def _link(title: Element, sheet: str, cell: str, text: str) -> int:
 
 def _insert_text_format(title: Element, rich: Element) -> None:
     """The letters of the fixed words become those of the linked ones."""
-    properties = title.makeelement(_c("txPr"))
+    properties = title.makeelement(chart_tag("txPr"))
     for part in rich:
         properties.append(deepcopy(part))
-    paragraphs = properties.findall(_a("p"))
+    paragraphs = properties.findall(drawing_tag("p"))
     for extra in paragraphs[1:]:
         properties.remove(extra)
     for paragraph in paragraphs[:1]:
-        for run in paragraph.findall(_a("r")) + paragraph.findall(_a("br")):
+        for run in paragraph.findall(drawing_tag("r")) + paragraph.findall(drawing_tag("br")):
             paragraph.remove(run)
-        if paragraph.find(_a("endParaRPr")) is None:
-            end = paragraph.makeelement(_a("endParaRPr"))
+        if paragraph.find(drawing_tag("endParaRPr")) is None:
+            end = paragraph.makeelement(drawing_tag("endParaRPr"))
             end.set("lang", "en-US")
             paragraph.append(end)
-    last = [child for child in title if child.tag not in {_c(t) for t in _AFTER_TEXT_FORMAT}][-1]
+    last = [
+        child for child in title if child.tag not in {chart_tag(t) for t in _AFTER_TEXT_FORMAT}
+    ][-1]
     last.addnext(properties)
 
 
 def _child(parent: Element, tag: str) -> Element:
-    child = parent.makeelement(_c(tag))
+    child = parent.makeelement(chart_tag(tag))
     parent.append(child)
     return child
-
-
-def _c(tag: str) -> str:
-    return f"{{{CHART}}}{tag}"
-
-
-def _a(tag: str) -> str:
-    return f"{{{_DRAWING}}}{tag}"

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 
 from addin.xlsx.references import Rect, cell_name, whole_number
 from addin.xlsx.state import WorkbookState
-from addin.xlsx.xml_part import CHART, RELATIONSHIP_IDS, Element, parse_part
+from addin.xlsx.xml_part import RELATIONSHIP_IDS, Element, chart_tag, drawing_tag, parse_part
 
-__all__ = ["Drawn", "DrawnChart", "DrawnSeries", "drawn_charts"]
-
-_DRAWING = "http://schemas.openxmlformats.org/drawingml/2006/main"
 _ANCHORS = "http://schemas.openxmlformats.org/drawingml/2006/spreadsheetDrawing"
 #: Rows and columns of a sheet, of which a drawing may state any number.
 _MOST_ROWS, _MOST_COLUMNS = 1_048_575, 16_383
@@ -73,7 +70,7 @@ def drawn_charts(workbook: WorkbookState) -> list[DrawnChart]:
             }
             root = parse_part(workbook.container.charged(drawing.part), drawing.part)
             for anchor in root:
-                for frame in anchor.iter(_c("chart")):
+                for frame in anchor.iter(chart_tag("chart")):
                     chart = charts.get(frame.get(f"{{{RELATIONSHIP_IDS}}}id", ""))
                     if chart is not None:
                         found.append(_chart(workbook, sheet, _cell_of(anchor), chart))
@@ -82,23 +79,23 @@ def drawn_charts(workbook: WorkbookState) -> list[DrawnChart]:
 
 def _chart(workbook: WorkbookState, sheet: str, cell: str, part: str) -> DrawnChart:
     root = parse_part(workbook.container.charged(part), part)
-    holder = root.find(_c("chart"))
-    title = None if holder is None else holder.find(_c("title"))
-    words = None if title is None else title.find(_c("tx"))
+    holder = root.find(chart_tag("chart"))
+    title = None if holder is None else holder.find(chart_tag("title"))
+    words = None if title is None else title.find(chart_tag("tx"))
     title_cell = Drawn() if words is None else _drawn(workbook, words)
-    text = "" if words is None else "".join(run.text or "" for run in words.iter(_a("t")))
+    text = "" if words is None else "".join(run.text or "" for run in words.iter(drawing_tag("t")))
     return DrawnChart(
         sheet,
         cell,
         text or (title_cell.points or {}).get(0, ""),
         title_cell,
-        tuple(_series(workbook, one) for one in root.iter(_c("ser"))),
+        tuple(_series(workbook, one) for one in root.iter(chart_tag("ser"))),
     )
 
 
 def _series(workbook: WorkbookState, series: Element) -> DrawnSeries:
     def of(*tags: str) -> Drawn:
-        held = (series.find(_c(tag)) for tag in tags)
+        held = (series.find(chart_tag(tag)) for tag in tags)
         return next((_drawn(workbook, one) for one in held if one is not None), Drawn())
 
     return DrawnSeries(of("tx"), of("cat", "xVal"), of("val", "yVal"))
@@ -107,23 +104,23 @@ def _series(workbook: WorkbookState, series: Element) -> DrawnSeries:
 def _drawn(workbook: WorkbookState, holder: Element) -> Drawn:
     """The reference in an element, and its copy."""
     for kind in ("num", "str", "multiLvlStr"):
-        reference = holder.find(_c(f"{kind}Ref"))
+        reference = holder.find(chart_tag(f"{kind}Ref"))
         if reference is None:
             continue
-        text = reference.findtext(_c("f")) or ""
+        text = reference.findtext(chart_tag("f")) or ""
         areas = tuple(workbook.chart_areas(text) or ())
-        cache = reference.find(_c(f"{kind}Cache"))
+        cache = reference.find(chart_tag(f"{kind}Cache"))
         if cache is None or kind == "multiLvlStr":
             return Drawn(text, areas)
-        stated = cache.find(_c("ptCount"))
+        stated = cache.find(chart_tag("ptCount"))
         count = whole_number("" if stated is None else stated.get("val", ""), _MOST_ROWS + 1)
         points = {}
-        for point in cache.iter(_c("pt")):
+        for point in cache.iter(chart_tag("pt")):
             at = whole_number(point.get("idx", ""), _MOST_ROWS)
             if at is not None:
-                points[at] = point.findtext(_c("v")) or ""
+                points[at] = point.findtext(chart_tag("v")) or ""
         return Drawn(text, areas, kind == "num", -1 if count is None else count, points)
-    return Drawn(words=holder.findtext(_c("v")) or "")
+    return Drawn(words=holder.findtext(chart_tag("v")) or "")
 
 
 def _cell_of(anchor: Element) -> str:
@@ -134,11 +131,3 @@ def _cell_of(anchor: Element) -> str:
     row = whole_number(corner.findtext(f"{{{_ANCHORS}}}row") or "", _MOST_ROWS)
     column = whole_number(corner.findtext(f"{{{_ANCHORS}}}col") or "", _MOST_COLUMNS)
     return "" if row is None or column is None else cell_name(row + 1, column + 1)
-
-
-def _c(tag: str) -> str:
-    return f"{{{CHART}}}{tag}"
-
-
-def _a(tag: str) -> str:
-    return f"{{{_DRAWING}}}{tag}"

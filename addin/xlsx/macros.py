@@ -20,16 +20,13 @@ from addin.xlsx.formulas import CacheReport
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
 from addin.xlsx.workbook import Workbook
 from addin.xlsx.workbook_part import CONTENT_TYPES_PART, XLSM_TYPE, XLSX_TYPE, relationships_part
-from addin.xlsx.xml_part import MAIN, RELATIONSHIP_IDS
-
-__all__ = ["Button", "MacroEdit", "macro_project", "save_with_macros", "settings_of"]
+from addin.xlsx.xml_part import DRAWING, MAIN, RELATIONSHIP_IDS
 
 _PROJECT_KIND = "http://schemas.microsoft.com/office/2006/relationships/vbaProject"
 _SHEET_KIND = "http://schemas.openxmlformats.org/officeDocument/2006/relationships/worksheet"
 _PROJECT_TYPE = "application/vnd.ms-office.vbaProject"
 _SHEET_TYPE = "application/vnd.openxmlformats-officedocument.spreadsheetml.worksheet+xml"
 _DRAWING = "http://schemas.openxmlformats.org/drawingml/2006/spreadsheetDrawing"
-_SHAPES = "http://schemas.openxmlformats.org/drawingml/2006/main"
 #: Length units of drawings in a point; distance of a button from the edges of its cells.
 _EMU, _GAP = 12_700, 38_100
 #: Name of the workbook in its VBA project.
@@ -293,7 +290,7 @@ def _shape(button: Button, number: int) -> str:
     fill = '<a:solidFill><a:srgbClr val="{}"/></a:solidFill>'
     row, bottom = button.row - 1, _GAP + round(button.height * _EMU)
     return (
-        f'd:twoCellAnchor xmlns:d="{_DRAWING}" xmlns:a="{_SHAPES}" editAs="oneCell">'
+        f'd:twoCellAnchor xmlns:d="{_DRAWING}" xmlns:a="{DRAWING}" editAs="oneCell">'
         f"<d:from><d:col>{button.first - 1}</d:col><d:colOff>{_GAP}</d:colOff>"
         f"<d:row>{row}</d:row><d:rowOff>{_GAP}</d:rowOff></d:from>"
         f"<d:to><d:col>{button.last}</d:col><d:colOff>0</d:colOff>"

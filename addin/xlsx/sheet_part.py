@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple, cast
 
 from lxml import etree
@@ -21,12 +20,12 @@ from addin.xlsx.references import (
     Rect,
     cell_name,
     column_letters,
-    column_number,
     parse_cell,
     parse_range,
-    retargeted,
     whole_number,
 )
+from addin.xlsx.sheet_ranges import read_range, resize_ranges, retarget_sparklines
+from addin.xlsx.sheet_row import Row, index_row
 from addin.xlsx.values import (
     FORMULA_MARK,
     CellValue,
@@ -39,8 +38,6 @@ from addin.xlsx.values import (
     row_xml,
 )
 from addin.xlsx.xml_part import (
-    EXCEL_2010,
-    EXCEL_2010_FORMULA,
     MAIN,
     Element,
     main,
@@ -49,9 +46,6 @@ from addin.xlsx.xml_part import (
 )
 
 _C, _F, _V, _ROW = (main(tag) for tag in ("c", "f", "v", "row"))
-_SQREF = f"{{{EXCEL_2010_FORMULA}}}sqref"
-_SPARKLINE = f"{{{EXCEL_2010}}}sparkline"
-_SPARKLINE_RANGE = f"{{{EXCEL_2010_FORMULA}}}f"
 # Where cells go that are still text: a cell with a name that no cell has.
 _PLACE_NAME = "written-"
 _PLACE = re.compile(rb'<c r="written-([0-9]{1,9})"/>')
@@ -60,26 +54,6 @@ _LONG = 8
 _XML_SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
 SharedStrings = Callable[[str], str]
-
-
-@dataclass
-class Row:
-    """A ``<row>`` with its cells by column and the columns in order."""
-
-    element: Element
-    cells: dict[int, Element] = field(default_factory=dict)
-    columns: list[int] = field(default_factory=list)
-    # Runs of cells that are still text, by their first column: the last column of each and the number of its text. In
-    # `cells` a run is one element that keeps its place.
-    waiting: dict[int, tuple[int, int]] = field(default_factory=dict)
-    # No cell stands beyond this column.
-    right: int = 0
-
-    def waits_in(self, rect: Rect) -> bool:
-        """Whether some cell in the columns of the rectangle is still text."""
-        return any(
-            first <= rect.right and last >= rect.left for first, (last, _) in self.waiting.items()
-        )
 
 
 class _Block(NamedTuple):
@@ -326,7 +300,7 @@ class SheetPart:
         self._forget_formulas(rect)
         self._forget_blocks(rect)
         for number in self._rows_between(rect.top, rect.bottom):
-            self._take_out(self._row(number), rect)
+            self._row(number).take_out(rect)
         self._touch()
 
     def move_row_cells(self, source: Rect, row: int) -> None:
@@ -338,15 +312,15 @@ class SheetPart:
         number = source.top
         if number not in self._rows:
             return
-        cells = self._take_out(self._row(number), source)
+        cells = self._row(number).take_out(source)
         if row not in self._rows:
             self._insert_row(row, self._data.makeelement(_ROW, r=str(row)))
         target = self._row(row)
-        self._take_out(target, Rect(row, source.left, row, source.right))
+        target.take_out(Rect(row, source.left, row, source.right))
         for cell in cells:
             _, column = parse_cell(cell.get("r"))
             cell.set("r", cell_name(row, column))
-        self._put_in(target, cells)
+        target.put_in(cells)
         self._forget_blocks(source)
         self._forget_blocks(Rect(row, source.left, row, source.right))
         for column in range(source.left, source.right + 1):
@@ -401,36 +375,14 @@ class SheetPart:
             element.set("customHeight", "1")
             self._touch()
 
-    def resize_ranges(self, old: Rect, new: Rect) -> int:
-        """Let conditional formats and data validations follow a resized block.
-
-        Only ranges that reach exactly from its first to its last row, within its columns, are changed.
-        """
-        count = 0
-        for around in self._around_cells():
-            for element in around.iter(main("conditionalFormatting"), main("dataValidation")):
-                resized = _resized_ranges(element.get("sqref", ""), old, new)
-                if resized is not None:
-                    element.set("sqref", resized)
-                    count += 1
-            for element in around.iter(_SQREF):
-                resized = _resized_ranges(element.text or "", old, new)
-                if resized is not None:
-                    element.text = resized
-                    count += 1
-        if count:
+    def resize_ranges(self, old: Rect, new: Rect) -> None:
+        """Let conditional formats and data validations follow a resized block."""
+        if resize_ranges(self._around_cells(), old, new):
             self._touch()
-        return count
 
     def retarget_sparklines(self, sheet: str, old: Rect, new: Rect) -> int:
         """Let sparklines over a column of a resized block follow it."""
-        count = 0
-        for around in self._around_cells():
-            for formula in around.iterfind(f".//{_SPARKLINE}/{_SPARKLINE_RANGE}"):
-                moved = retargeted(formula.text or "", sheet, old, new)
-                if moved != formula.text:
-                    formula.text = moved
-                    count += 1
+        count = retarget_sparklines(self._around_cells(), sheet, old, new)
         if count:
             self._touch()
         return count
@@ -492,39 +444,14 @@ class SheetPart:
             built = etree.fromstring(f'<row xmlns="{MAIN}">{self._texts[number]}</row>')
             row.columns.remove(first)
             row.element.remove(row.cells.pop(first))
-            self._put_in(row, built[:])
+            row.put_in(built[:])
         row.waiting.clear()
         return row
 
     def _row_as_it_is(self, number: int) -> Row:
         """Row in which runs of cells may still be text; it must exist."""
         if number not in self._indexed:
-            row = Row(self._rows[number])
-            ending, last = str(number), 0
-            try:
-                for cell in row.element.iterchildren(_C):
-                    name = cell.get("r")
-                    if name:
-                        before, last = last, column_number(name.removesuffix(ending))
-                        if not before < last <= MAX_COLUMN:
-                            raise ValueError("out of order, or beyond the last column")
-                    else:
-                        # Cells without a name follow the one before them; that would go wrong once one is inserted.
-                        last += 1
-                        cell.set("r", cell_name(number, last))
-                    row.cells[last] = cell
-                    row.columns.append(last)
-            except ValueError as problem:
-                raise WorkbookRefused(
-                    "damaged",
-                    f"Sheet {self.name} has a cell named {str(name)[:40]!r} in row {number}, where none belongs. "
-                    "Open the workbook in the spreadsheet program and save it again.",
-                ) from problem
-            if len(row.columns) != len(row.element):
-                # Positions of cells are used below: comments between them would shift these.
-                etree.strip_tags(row.element, etree.Comment, etree.ProcessingInstruction)
-            row.right = last
-            self._indexed[number] = row
+            self._indexed[number] = index_row(self.name, number, self._rows[number])
         return self._indexed[number]
 
     def _cell(self, row: int, column: int) -> Element | None:
@@ -620,7 +547,7 @@ class SheetPart:
             if row.right >= rect.left:
                 if row.waits_in(rect):
                     self._with_cells(row)
-                self._take_out(row, rect)
+                row.take_out(rect)
         elif text:
             element = self._data.makeelement(_ROW, r=str(number))
             self._insert_row(number, element)
@@ -647,7 +574,7 @@ class SheetPart:
             row.columns.insert(position, rect.left)
             row.right = max(row.right, rect.right)
         row.cells[rect.left] = place
-        if not row.waiting:  # as in `_put_in`
+        if not row.waiting:  # as in `Row.put_in`
             row.element.attrib.pop("spans", None)
         row.waiting[rect.left] = rect.right, len(self._texts) - 1
 
@@ -661,8 +588,8 @@ class SheetPart:
             columns and not rect.left <= columns[0] <= columns[-1] <= rect.right
         ):
             row = self._row(number)
-            self._take_out(row, rect)
-            self._put_in(row, new_row[:])
+            row.take_out(rect)
+            row.put_in(new_row[:])
             return
         # No other cell in this row: exchange it whole, which spares touching each cell.
         for name, value in old.attrib.items():
@@ -675,31 +602,6 @@ class SheetPart:
     def _forget_blocks(self, rect: Rect) -> None:
         """Values of blocks that are changed in part are asked of the cells from now on."""
         self._blocks = [block for block in self._blocks if not block.rect.meets(rect)]
-
-    def _take_out(self, row: Row, rect: Rect) -> list[Element]:
-        """Remove the cells of a row that lie in the columns of the rectangle."""
-        start = bisect_left(row.columns, rect.left)
-        stop = bisect_left(row.columns, rect.right + 1)
-        taken: list[Element] = row.element[start:stop]
-        del row.element[start:stop]
-        for column in row.columns[start:stop]:
-            del row.cells[column]
-        del row.columns[start:stop]
-        return taken
-
-    def _put_in(self, row: Row, cells: list[Element]) -> None:
-        """Insert neighbouring cells into a row from which the old ones are gone."""
-        if not cells:
-            return
-        ending = row.element.get("r")
-        columns = [column_number(cell.get("r").removesuffix(ending)) for cell in cells]
-        position = bisect_left(row.columns, columns[0])
-        row.element[position:position] = cells
-        row.columns[position:position] = columns
-        row.cells.update(zip(columns, cells, strict=True))
-        row.right = max(row.right, columns[-1])
-        # The span is a hint for readers and wrong as soon as a cell lies outside it; without it nothing is lost.
-        row.element.attrib.pop("spans", None)
 
     # ---- formulas ----------------------------------------------------------------------------------------------
 
@@ -773,30 +675,3 @@ class SheetPart:
             return
         if not old.covers(self._extent):
             dimension.set("ref", str(old.join(self._extent)))
-
-
-def read_range(text: str, what: str) -> Rect:
-    """A range as it stands in the file; one that is none is refused, naming whose it is."""
-    try:
-        return parse_range(text)
-    except ValueError as problem:
-        raise WorkbookRefused(
-            "damaged",
-            f"{what} says that it covers {text[:40]!r}, which is no range of a sheet. "
-            "Open the workbook in the spreadsheet program and save it again.",
-        ) from problem
-
-
-def _resized_ranges(sqref: str, old: Rect, new: Rect) -> str | None:
-    """A list of ranges with those that follow the block changed; None when there is none."""
-    resized = [_follow(area, old, new) for area in sqref.split()]
-    return " ".join(resized) if resized != sqref.split() else None
-
-
-def _follow(area: str, old: Rect, new: Rect) -> str:
-    try:
-        rect = parse_range(area)
-    except ValueError:
-        return area
-    spans = (rect.top, rect.bottom) == (old.top, old.bottom) and old.covers(rect)
-    return str(rect.with_bottom(new.bottom)) if spans else area

@@ -11,7 +11,7 @@ from typing import Any
 
 from addin.xlsx.errors import CellRefused, Obstacle, WorkbookMismatch
 from addin.xlsx.references import MAX_ROW, Rect, cell_name
-from addin.xlsx.sheet_part import read_range
+from addin.xlsx.sheet_ranges import read_range
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.tables import Table
 from addin.xlsx.values import CellValue, Formula

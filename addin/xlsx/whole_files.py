@@ -7,8 +7,6 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-__all__ = ["write_whole"]
-
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Make a file beside its place, and put it there in one step.

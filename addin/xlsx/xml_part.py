@@ -17,6 +17,7 @@ MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 RELATIONSHIP_IDS = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
 RELATIONSHIPS = "http://schemas.openxmlformats.org/package/2006/relationships"
 CONTENT_TYPES = "http://schemas.openxmlformats.org/package/2006/content-types"
+DRAWING = "http://schemas.openxmlformats.org/drawingml/2006/main"
 CHART = "http://schemas.openxmlformats.org/drawingml/2006/chart"
 EXCEL_2010 = "http://schemas.microsoft.com/office/spreadsheetml/2009/9/main"
 EXCEL_2010_FORMULA = "http://schemas.microsoft.com/office/excel/2006/main"
@@ -38,6 +39,16 @@ Element = Any
 def main(tag: str) -> str:
     """Full name of a tag of the spreadsheet namespace."""
     return f"{{{MAIN}}}{tag}"
+
+
+def chart_tag(tag: str) -> str:
+    """Full name of a tag of the chart namespace."""
+    return f"{{{CHART}}}{tag}"
+
+
+def drawing_tag(tag: str) -> str:
+    """Full name of a tag of the drawing namespace, which text inside charts uses."""
+    return f"{{{DRAWING}}}{tag}"
 
 
 class _Own(threading.local):
