@@ -20,20 +20,21 @@ MINUTES := 10
 LOCK :=
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test explore check format bench templates wheel smoke lock clean distclean moved
+.PHONY: help demo test test-machines explore check format bench templates wheel smoke lock clean distclean moved
 
 help:
-	@echo "make demo       recalculate two example workbooks into build/demo"
-	@echo "make test       run the tests"
-	@echo "make explore    run the properties with fresh examples (MINUTES=30)"
-	@echo "make check      style, formatting and types"
-	@echo "make format     put the formatting right"
-	@echo "make bench      time and accuracy, side by side with other programs"
-	@echo "make templates  rebuild the workbooks in templates/"
-	@echo "make wheel      build the wheel into build/dist"
-	@echo "make smoke      install that wheel outside the checkout and use it"
-	@echo "make lock       lock the dependencies anew (LOCK=--upgrade for newer versions)"
-	@echo "make clean      remove what was built; make distclean removes .venv as well"
+	@echo "make demo           recalculate two example workbooks into build/demo"
+	@echo "make test           run the tests"
+	@echo "make test-machines  repeat the numerical tests as other processors would calculate"
+	@echo "make explore        run the properties with fresh examples (MINUTES=30)"
+	@echo "make check          style, formatting and types"
+	@echo "make format         put the formatting right"
+	@echo "make bench          time and accuracy, side by side with other programs"
+	@echo "make templates      rebuild the workbooks in templates/"
+	@echo "make wheel          build the wheel into build/dist"
+	@echo "make smoke          install that wheel outside the checkout and use it"
+	@echo "make lock           lock the dependencies anew (LOCK=--upgrade for newer versions)"
+	@echo "make clean          remove what was built; make distclean removes .venv as well"
 
 demo: $(RUN_READY)
 	@mkdir -p build/demo
@@ -45,6 +46,9 @@ demo: $(RUN_READY)
 
 test: $(DEV_READY)
 	$(PY) -m pytest -n $(JOBS) --maxprocesses 4 $(ARGS)
+
+test-machines: $(DEV_READY)
+	$(PY) scripts/other_machines.py -n $(JOBS) --maxprocesses 4 $(ARGS)
 
 explore: $(DEV_READY)
 	$(PY) scripts/explore.py $(MINUTES) -n $(JOBS) --maxprocesses 4 $(ARGS)
