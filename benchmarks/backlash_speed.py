@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from benchmarks.measure import Point, Timing, interleave, local, timing_of
 from benchmarks.peers import PeerFailed, Worker
 from benchmarks.problems import long_start
-from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow, TorqueTimeRow
+from engine.case.case import Case
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow, TorqueTimeRow
 from engine.case.effects import StartEffects
 from engine.run import analyse, calculate_start
 from engine.start.start import Start

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problems import Chain, Sweep
-from engine.case.data import Case
+from engine.case.case import Case
 from engine.model.load import loads_of
 from engine.model.modes import ModalDamping, Modes, modal_damping, modes_of, natural_modes
 from engine.model.motor import motors_of

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from addin.contract.shipped import template_path
 from addin.writing.recalculate import read_checked
-from engine.case.data import Case, CaseData, ElementRow, StationRow
+from engine.case.case import Case
+from engine.case.data import CaseData, ElementRow, StationRow
 
 __all__ = [
     "MOTOR", "RESPONSE", "RIGID", "Chain", "Sweep", "long_start", "random_chain", "start_of_size",

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engine.case.data import Case, EffectChoiceRow, ElementRow
+from engine.case.case import Case
+from engine.case.data import EffectChoiceRow, ElementRow
 from tests.random_effects import (
     with_bearings,
     with_clearances,

@@ -29,7 +29,7 @@ os.environ.update(single_threaded())  # one thread a process: there is a process
 import numpy as np  # noqa: E402
 
 from benchmarks.study_trains import StudyTrain, gaps_of, study_train  # noqa: E402
-from engine.case.data import Case  # noqa: E402
+from engine.case.case import Case
 from engine.errors import TorsionError  # noqa: E402
 from engine.results.results import Results  # noqa: E402
 from engine.run import run  # noqa: E402

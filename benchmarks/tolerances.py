@@ -23,7 +23,7 @@ os.environ.update(single_threaded())
 
 from benchmarks import report  # noqa: E402
 from benchmarks.report import Section, Table  # noqa: E402
-from engine.case.data import Case  # noqa: E402
+from engine.case.case import Case
 from engine.case.study_inputs import ScatterRow  # noqa: E402
 from engine.run import run  # noqa: E402
 from engine.studies.tolerances.sample import (  # noqa: E402

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.choices import ElementKind
 from engine.case.data import CaseData, case_digest
 from engine.case.effects import Sensitivity, StartEffects
 from engine.case.plausibility import implausible
@@ -506,7 +506,7 @@ def _crossings(case: CaseData, model: Model, start: Start) -> tuple[Crossing, ..
         else None
         for e in case.elements
     ]
-    meshes = [i for i, e in enumerate(case.elements) if e.kind == GEAR_MESH]
+    meshes = [i for i, e in enumerate(case.elements) if e.kind == ElementKind.GEAR_MESH]
     return start_crossings(
         model.train,
         model.modes,
@@ -625,7 +625,7 @@ def _accuracy_of_starts(
 
 def _pulling_teeth(case: CaseData, plan: Plan, reversals: tuple[Reversal, ...]) -> Iterator[str]:
     """Teeth without a gap on bearings: a negative torque pulls them along the drive flank."""
-    meshes = {e.element for e in case.elements if e.kind == GEAR_MESH}
+    meshes = {e.element for e in case.elements if e.kind == ElementKind.GEAR_MESH}
     gaps = {m.element for m in case.meshes if m.backlash}
     for r in reversals:
         if plan.lateral and r.reversals and r.element in meshes - gaps:

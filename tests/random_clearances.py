@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow
+from engine.case.case import Case
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 from engine.case.effects import StartEffects
 from tests.random_effects import elastic_meshes, with_bearings
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from engine.case.data import Case, ElementRow, MaterialRow, MeshRow, SNPointRow, StationRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, MaterialRow, MeshRow, SNPointRow, StationRow
 from engine.model.modes import modes_of
 from engine.model.train import build_train
 from tests.random_starts import random_start

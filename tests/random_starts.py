@@ -6,13 +6,8 @@ import math
 
 import numpy as np
 
-from engine.case.data import (
-    Case,
-    ElementRow,
-    LoadTorqueRow,
-    MotorTorqueRow,
-    StationRow,
-)
+from engine.case.case import Case
+from engine.case.data import ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow
 from engine.model.modes import modes_of
 from engine.model.train import build_train
 

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from engine.case.case import Case
 from engine.case.data import (
-    Case,
     ElementRow,
     LoadTorqueRow,
     MaterialRow,

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from engine.case.data import GROUND, Case, ElementRow, StationRow
+from engine.case.case import Case
+from engine.case.data import GROUND, ElementRow, StationRow
 
 #: Stiffness of random elements reaches this many decades below 1e14 N m/rad.
 DECADES = 12

@@ -6,13 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from engine.case.data import (
-    Case,
-    ElementRow,
-    LoadTorqueRow,
-    MotorTorqueRow,
-    StationRow,
-)
+from engine.case.case import Case
+from engine.case.data import ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow
 from engine.model.modes import ModalDamping, Modes, modal_damping, natural_modes
 from engine.model.train import Train
 from engine.start.start import Start, run_start

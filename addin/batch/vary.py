@@ -404,7 +404,8 @@ def _calculated(
 ) -> dict[str, Any]:
     """One row; `known` holds the cases of this chunk."""
     from addin.reading.typed_case import all_problems
-    from engine.case.data import Case, case_digest
+    from engine.case.case import Case
+    from engine.case.data import case_digest
     from engine.errors import CaseError, ModelError
 
     columns = task.columns

@@ -11,7 +11,7 @@ from typing import Any
 
 from addin.calculation.audit import Stamp, audit_rows
 from addin.calculation.run_view import RunView, view_of
-from engine.case.data import Case
+from engine.case.case import Case
 from engine.results.results import Results
 from engine.results.tables import modal_details, plan_details
 from engine.run import run

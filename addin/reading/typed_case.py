@@ -21,8 +21,9 @@ from addin.contract.units import (
     TRANSMITTED_TORQUE,
     UnitScale,
 )
+from engine.case.case import Case
 from engine.case.checks.find_problems import find_problems
-from engine.case.data import GROUND, TABLES, Case, CaseData, Ratings
+from engine.case.data import GROUND, TABLES, CaseData, Ratings
 from engine.errors import Problem, Quoted
 
 if TYPE_CHECKING:

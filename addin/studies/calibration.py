@@ -9,7 +9,8 @@ from addin.studies.study import Found, Study
 
 if TYPE_CHECKING:
     from addin.workers.parallel_map import Spread
-    from engine.case.data import Case, CaseData
+    from engine.case.case import Case
+    from engine.case.data import CaseData
     from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
 

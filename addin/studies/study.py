@@ -25,7 +25,7 @@ from addin.writing.recalculate import (
 if TYPE_CHECKING:
     from addin.reading.typed_case import CaseInput
     from addin.workers.parallel_map import Spread
-    from engine.case.data import Case
+    from engine.case.case import Case
     from engine.case.study_inputs import StudyInputs, WordUnit
     from engine.errors import Problem
 

@@ -9,7 +9,7 @@ from addin.studies.study import CUT_SHORT, CutShort, Found, Study
 
 if TYPE_CHECKING:
     from addin.workers.parallel_map import Spread
-    from engine.case.data import Case
+    from engine.case.case import Case
     from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
     from engine.studies.tolerances.tolerances import Tolerances

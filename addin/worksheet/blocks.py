@@ -37,7 +37,7 @@ from addin.reading.typed_case import (
     word_entry,
 )
 from addin.worksheet.registry import Block, Cell, FunctionError
-from engine.case.data import Case
+from engine.case.case import Case
 from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem
 

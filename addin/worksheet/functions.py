@@ -20,7 +20,7 @@ from addin.contract.units import UnitError, UnitScale, parse_unit
 from addin.worksheet.blocks import case_of, problems_in_words
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
-from engine.case.data import Case
+from engine.case.case import Case
 
 __all__: list[str] = []
 

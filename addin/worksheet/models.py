@@ -26,7 +26,8 @@ import numpy as np
 
 from addin.reading.typed_case import CaseInput, Typed
 from addin.worksheet.registry import FunctionError
-from engine.case.data import ADMINISTRATIVE, Case, case_digest
+from engine.case.case import Case
+from engine.case.data import ADMINISTRATIVE, case_digest
 from engine.errors import InternalError, ModelError
 
 __all__ = ["AT_SPEED", "MODELS", "Model", "Models", "OWNER", "RUN", "handed", "system_of"]

@@ -2,7 +2,7 @@
 
 Frozen, in SI and radians; a field that is None was left blank. The field names are the JSON keys
 of the contract, and one row class stands for one input table. `CaseData` is what was typed,
-`Case` is the same after every check of `engine.case.checks.find_problems` has passed.
+`engine.case.case.Case` is the same after every check has passed.
 """
 
 from __future__ import annotations
@@ -13,36 +13,15 @@ import math
 from dataclasses import dataclass, fields
 from typing import Any
 
-from engine.errors import CaseError
-
-__all__ = [
-    "ADMINISTRATIVE",
-    "Case",
-    "CaseData",
-    "EffectChoiceRow",
-    "ElementRow",
-    "ExcitationRow",
-    "GROUND",
-    "LEAST_PEAK_ERROR",
-    "LEAST_TOLERANCE_PEAK",
-    "LoadTorqueRow",
-    "MaterialRow",
-    "MeshRow",
-    "ModeDampingRow",
-    "MotorTorqueRow",
-    "Ratings",
-    "SNPointRow",
-    "StationRow",
-    "TABLES",
-    "TorqueTimeRow",
-    "case_digest",
-]
-
 #: The word in From or To that means a fixed end or the ground.
 GROUND = "ground"
+#: End of a start without field, over synchronous speed (contract).
+DEFAULT_END_SPEED = 0.97
+
 #: No peak torque is taken to be more accurate than this share of it, however well two runs agree:
 #: what rounding and the reading of an extreme between two samples leave, with a margin. [1]
 LEAST_PEAK_ERROR = 1e-7
+
 #: Least `tolerance_peak` that can be met: room for that error and for the tenth of the tolerance that
 #: is left to modes not simulated. Asked for less, a start takes every step it may, for nothing. [1]
 LEAST_TOLERANCE_PEAK = 2.0 * LEAST_PEAK_ERROR
@@ -330,26 +309,6 @@ class CaseData:
         if power is None and torque and speed:
             power = torque * speed
         return Ratings(frequency, speed, pairs, power, torque)
-
-
-@dataclass(frozen=True)
-class Case(CaseData):
-    """A case that has passed every check; see `CaseData` for the fields and their units.
-
-    Raises
-    ------
-    CaseError
-        With every problem found, not only the first.
-    """
-
-    def __post_init__(self) -> None:
-        from engine.case.checks.find_problems import (
-            find_problems,  # the checks know the data, not the reverse
-        )
-
-        problems = find_problems(self)
-        if problems:
-            raise CaseError(problems)
 
 
 def _canonical(value: Any) -> Any:

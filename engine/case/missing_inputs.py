@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 
 __all__ = ["unanswered"]
@@ -96,7 +96,7 @@ def _start(case: CaseData) -> Iterator[str]:
             "no allowable starts."
         )
         return
-    meshes = [row for row in case.elements if row.kind == GEAR_MESH]
+    meshes = [row for row in case.elements if row.kind == ElementKind.GEAR_MESH]
     if meshes and not any(row.reversal_limit for row in case.elements):
         yield "No verdict on torque reversals: no element has a Reversal limit."
     if missing := _missing_for_stress(case, "S-N"):

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.choices import ElementKind
 from engine.case.data import GROUND, CaseData
 from engine.errors import ModelError
 from engine.model.train import Train
@@ -143,7 +143,9 @@ def excitations_of(case: CaseData, train: Train) -> tuple[Excitation, ...]:
 
 def _shaft_speeds(case: CaseData, train: Train) -> tuple[Excitation, ...]:
     """1× and 2× of every distinct shaft speed; a shaft is called after its first gear."""
-    gears = {name for e in case.elements if e.kind == GEAR_MESH for name in (e.from_, e.to)}
+    gears = {
+        name for e in case.elements if e.kind == ElementKind.GEAR_MESH for name in (e.from_, e.to)
+    }
     shafts: list[tuple[float, str]] = []
     for name, ratio in zip(train.stations, train.speed_ratio.tolist(), strict=False):
         same = [i for i, (r, _) in enumerate(shafts) if abs(r / ratio - 1.0) <= SAME_RATIO]
@@ -368,7 +370,7 @@ def _default_places(
     for i in np.flatnonzero((transmitted.rated != 0.0) | (transmitted.motor != 0.0)).tolist():
         there[i] = float(transmitted.rated[i] or transmitted.motor[i])
     for e, torque in zip(case.elements, transmitted.element.tolist(), strict=True):
-        if e.kind == GEAR_MESH:
+        if e.kind == ElementKind.GEAR_MESH:
             a, b = train.station_index(str(e.from_)), train.station_index(str(e.to))
             back = float(train.speed_ratio[a] / train.speed_ratio[b])
             there[a] = max(there.get(a, 0.0), abs(torque))
@@ -385,6 +387,6 @@ def _adjoining(case: CaseData, train: Train, transmitted: TransmittedTorque, sta
     torques = [
         abs(torque)
         for e, torque in zip(case.elements, transmitted.element.tolist(), strict=True)
-        if name in (e.from_, e.to) and e.kind != GEAR_MESH
+        if name in (e.from_, e.to) and e.kind != ElementKind.GEAR_MESH
     ]
     return max(torques, default=0.0)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow
 from engine.model.train import (
     Train,
@@ -301,7 +301,7 @@ def natural_modes(
 
 def _carries_waves(e: ElementRow) -> bool:
     """True if inertia is distributed along an element."""
-    return bool(e.density) and e.kind != GEAR_MESH and e.stiffness != 0.0
+    return bool(e.density) and e.kind != ElementKind.GEAR_MESH and e.stiffness != 0.0
 
 
 def _travel_time(e: ElementRow) -> float:

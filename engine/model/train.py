@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.choices import ElementKind
 from engine.case.data import GROUND, CaseData, ElementRow, MeshRow
 from engine.errors import ModelError
 from engine.model.gears import FlankNormals, flank_normals, line_of_action
@@ -305,7 +305,7 @@ def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
         If neither stiffness nor geometry is given.
     """
     stiffness, viscous = e.stiffness, e.damping
-    shaft = e.kind != GEAR_MESH
+    shaft = e.kind != ElementKind.GEAR_MESH
     if shaft and stiffness is None and e.od and e.length and e.shear_modulus:
         stiffness = shaft_stiffness(e.od, e.id or 0.0, e.length, e.shear_modulus)
     if not shaft and mesh is not None and mesh.pitch_radius_drive:
@@ -347,7 +347,7 @@ class _Assembly:
         if link.stiffness is None:
             self.rigid.append((element, ends[0], ends[1]))
             return
-        if e.kind == GEAR_MESH:
+        if e.kind == ElementKind.GEAR_MESH:
             back = self.ratio[ends[0]] / self.ratio[ends[1]]
             self._row(element, link, 1, {ends[0]: 1.0, ends[1]: -back})
             return
@@ -429,7 +429,8 @@ def build_train(
     orientation, sides, reference = _drive_ends(case, a)
     internal = {m.element for m in case.meshes if m.gear_type == "internal"}
     flips = {
-        i: e.kind == GEAR_MESH and e.element not in internal for i, e in enumerate(case.elements)
+        i: e.kind == ElementKind.GEAR_MESH and e.element not in internal
+        for i, e in enumerate(case.elements)
     }
     sense = _senses(a, len(case.stations), reference, flips)
     bodies: tuple[GearBody, ...] = ()
@@ -529,7 +530,7 @@ class _BodyData:
 
 def _body_data(case: CaseData, a: _Assembly) -> dict[int, _BodyData]:
     """Gears with mass and bearing stiffness, by station."""
-    ends = {e.element: (e.from_, e.to) for e in case.elements if e.kind == GEAR_MESH}
+    ends = {e.element: (e.from_, e.to) for e in case.elements if e.kind == ElementKind.GEAR_MESH}
     typed: dict[str, dict[str, float]] = {}
     for m in case.meshes:
         for side, name in zip(("drive", "driven"), ends.get(m.element, ()), strict=False):
@@ -567,7 +568,7 @@ def _teeth(
     found = []
     for i, start, end in a.edges:
         e = case.elements[i]
-        if e.kind != GEAR_MESH or not {start, end} & data.keys():
+        if e.kind != ElementKind.GEAR_MESH or not {start, end} & data.keys():
             continue
         mesh = meshes.get(e.element)
         if i not in row_of or mesh is None or not mesh.pitch_radius_drive:
@@ -650,7 +651,7 @@ def _flanks(
             continue
         e = case.elements[i]
         mesh = meshes.get(e.element)
-        if e.kind != GEAR_MESH and not has_clearance(mesh):
+        if e.kind != ElementKind.GEAR_MESH and not has_clearance(mesh):
             continue
         drive = orientation[i] * node_incidence[row]
         back = -drive
@@ -658,7 +659,7 @@ def _flanks(
             back = np.zeros(len(drive))
             back[list(backs[row])] = list(backs[row].values())
         gap, radius, normal_factor = None, None, 1.0
-        if e.kind != GEAR_MESH:
+        if e.kind != ElementKind.GEAR_MESH:
             gap = mesh.angular_backlash if mesh is not None else None
         elif mesh is not None and mesh.pitch_radius_drive:
             cos_t, share = line_of_action(mesh)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow
 from engine.case.effects import ContactRecord
 from engine.model.excitation import transmitted_torque
@@ -60,7 +60,7 @@ class PracticeLimit:
 #: none of it judges a start: that limit is the maker's, column `Reversal limit` of Elements.
 PRACTICE_LIMITS = (
     PracticeLimit(
-        GEAR_MESH,
+        ElementKind.GEAR_MESH,
         "start",
         None,
         "To be avoided if at all possible; tolerated to a minimal degree where tooth accuracy and "
@@ -77,7 +77,7 @@ PRACTICE_LIMITS = (
         "Szenasi and von Nimitz (1978), section Torque reversals",
     ),
     PracticeLimit(
-        GEAR_MESH,
+        ElementKind.GEAR_MESH,
         "continuous",
         0.0,
         "Vibratory torque at most 75 % of the driving torque at that speed and 25 % of the "
@@ -144,7 +144,7 @@ def reversing_elements(case: CaseData) -> tuple[int, ...]:
     return tuple(
         i
         for i, e in enumerate(case.elements)
-        if e.kind == GEAR_MESH or e.element in toothed or e.reversal_limit is not None
+        if e.kind == ElementKind.GEAR_MESH or e.element in toothed or e.reversal_limit is not None
     )
 
 
@@ -253,7 +253,7 @@ def _numbers(count: int, first: float, longest: float, slip: float | None) -> st
 
 def _practice(element: ElementRow) -> str:
     """What the literature says of such an element in a start."""
-    kind = GEAR_MESH if element.kind == GEAR_MESH else "coupling"
+    kind = ElementKind.GEAR_MESH if element.kind == ElementKind.GEAR_MESH else "coupling"
     return next(p.says for p in PRACTICE_LIMITS if p.applies_to == kind and p.service == "start")
 
 

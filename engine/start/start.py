@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.checks.find_problems import DEFAULT_END_SPEED
-from engine.case.data import LEAST_PEAK_ERROR, CaseData
+from engine.case.data import DEFAULT_END_SPEED, LEAST_PEAK_ERROR, CaseData
 from engine.case.effects import BearingForce, ContactRecord, PullIn, Sensitivity, StartEffects
 from engine.errors import InternalError, ModelError
 from engine.model.load import Load, loads_of
@@ -41,7 +40,6 @@ from engine.stepping.exponential import exponential_step
 from engine.stepping.newmark import newmark_step
 
 __all__ = [
-    "DEFAULT_END_SPEED",
     "DEFAULT_TOLERANCE_PEAK",
     "ElementPeak",
     "ForceHistories",

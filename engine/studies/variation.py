@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow, MeshRow
 from engine.case.study_inputs import (
     AVERAGE_TORQUE,
@@ -268,7 +268,7 @@ def _elastic(case: CaseData, change: Change, own: str, along: str) -> CaseData:
     typed = None if element is None else getattr(element, own)
     along_the_teeth = (
         element is not None
-        and element.kind == GEAR_MESH
+        and element.kind == ElementKind.GEAR_MESH
         and typed is None
         and mesh is not None
         and getattr(mesh, along) is not None

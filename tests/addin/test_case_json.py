@@ -15,7 +15,8 @@ from small_workbook import SmallWorkbook
 from addin.contract.tables import INPUT_TABLES, SCALARS, Field
 from addin.reading.case_json import case_to_json, read_case_json
 from addin.reading.workbook import read_workbook
-from engine.case.data import TABLES, Case, CaseData, case_digest
+from engine.case.case import Case
+from engine.case.data import TABLES, CaseData, case_digest
 
 CASE = {
     "format": 1,

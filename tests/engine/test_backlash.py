@@ -12,10 +12,10 @@ import pytest
 from engine.backlash.clearance_response import clearance_response
 from engine.backlash.event_simulation import EventRun, simulate_events
 from engine.backlash.event_start import clearances_of, run_event_start
+from engine.case.case import Case
 from engine.case.data import (
     LEAST_PEAK_ERROR,
     LEAST_TOLERANCE_PEAK,
-    Case,
     CaseData,
     ElementRow,
     MeshRow,

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.case.data import Case, CaseData
+from engine.case.case import Case
+from engine.case.data import CaseData
 from engine.model.excitation import excitations_of
 from engine.operation.bands import Band, forbidden_bands, free_windows
 from engine.operation.margins import separation_margins

@@ -11,7 +11,8 @@ import pytest
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
-from engine.case.data import Case, CaseData, ElementRow, StationRow
+from engine.case.case import Case
+from engine.case.data import CaseData, ElementRow, StationRow
 from engine.case.study_inputs import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
 from engine.run import at_speed
 from engine.studies.calibration.calibration import (

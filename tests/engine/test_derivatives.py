@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow
+from engine.case.case import Case
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 from engine.model.frequency_derivatives import clusters, frequency_derivatives
 from engine.model.modes import modes_of
 from engine.model.train import build_train

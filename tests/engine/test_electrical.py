@@ -16,7 +16,8 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from engine.case.data import Case, ElementRow, MotorTorqueRow, StationRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, MotorTorqueRow, StationRow
 from engine.case.effects import StartEffects
 from engine.model.load import loads_of
 from engine.model.motor import electrical_arrays, has_electrical, motors_of, through_synchronism

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from engine.case.data import Case
+from engine.case.case import Case
 from engine.case.study_inputs import StartConditionRow, StudyInputs
 from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
 from engine.studies.starts.matrix import (

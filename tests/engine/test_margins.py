@@ -7,14 +7,8 @@ import numpy as np
 import pytest
 from sample_case import sample_case
 
-from engine.case.data import (
-    Case,
-    ElementRow,
-    ExcitationRow,
-    LoadTorqueRow,
-    MotorTorqueRow,
-    StationRow,
-)
+from engine.case.case import Case
+from engine.case.data import ElementRow, ExcitationRow, LoadTorqueRow, MotorTorqueRow, StationRow
 from engine.model.excitation import (
     Excitation,
     excitation_places,

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import engine.run as conductor
-from engine.case.data import Case, EffectChoiceRow, MeshRow, TorqueTimeRow
+from engine.case.case import Case
+from engine.case.data import EffectChoiceRow, MeshRow, TorqueTimeRow
 from engine.case.effects import EFFECTS, StartEffects
 from engine.plan.evidence import ElementMinimum, Evidence, StartEvidence, gather
 from engine.plan.plan import BACKLASH_GAIN, first_plan, revised_plan, with_times

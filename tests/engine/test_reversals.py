@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from engine.case.data import Case, ElementRow, MeshRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, MeshRow
 from engine.case.effects import ContactRecord
 from engine.start.reversals import PRACTICE_LIMITS, Reversal, reversing_elements, torque_reversals
 from engine.start.start import NOTABLE_REVERSAL, Start, turning_of

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
-from engine.case.data import Case, CaseData, EffectChoiceRow, ModeDampingRow
+from engine.case.case import Case
+from engine.case.data import CaseData, EffectChoiceRow, ModeDampingRow
 from engine.case.study_inputs import StartConditionRow, StudyInputs
 from engine.run import run
 from engine.studies.starts.matrix import (

@@ -8,14 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case.data import (
-    Case,
-    ElementRow,
-    LoadTorqueRow,
-    MotorTorqueRow,
-    StationRow,
-    TorqueTimeRow,
-)
+from engine.case.case import Case
+from engine.case.data import ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow, TorqueTimeRow
 from engine.errors import TorsionError
 from engine.model.load import loads_of
 from engine.model.motor import motors_of

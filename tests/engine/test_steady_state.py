@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from sample_case import PSI, sample_case
 
+from engine.case.case import Case
 from engine.case.data import (
     GROUND,
-    Case,
     ElementRow,
     ExcitationRow,
     MaterialRow,

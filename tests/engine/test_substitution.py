@@ -6,7 +6,8 @@ from dataclasses import fields, replace
 
 import pytest
 
-from engine.case.data import Case, CaseData
+from engine.case.case import Case
+from engine.case.data import CaseData
 from engine.model.train import build_train
 from engine.studies.variation import SCATTERED, TUNED, Change, changed, names_with, present, why_not
 from tests.sample_case import sample_case

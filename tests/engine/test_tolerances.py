@@ -10,7 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case.data import Case, CaseData, MeshRow
+from engine.case.case import Case
+from engine.case.data import CaseData, MeshRow
 from engine.case.study_inputs import ScatterRow
 from engine.errors import CaseError
 from engine.numerics.sample_statistics import percentile_interval

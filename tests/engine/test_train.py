@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from engine.case.data import Case, CaseData, ElementRow, MeshRow, MotorTorqueRow, StationRow
+from engine.case.case import Case
+from engine.case.data import CaseData, ElementRow, MeshRow, MotorTorqueRow, StationRow
 from engine.errors import ModelError
 from engine.model.modes import modal_damping, modes_of, natural_modes, nodes_of, state_matrix
 from engine.model.train import build_train, line_of_action

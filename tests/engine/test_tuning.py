@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from engine.case.data import Case, MaterialRow, MeshRow, SNPointRow
+from engine.case.case import Case
+from engine.case.data import MaterialRow, MeshRow, SNPointRow
 from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
 from engine.results.tables import result_tables
 from engine.run import run

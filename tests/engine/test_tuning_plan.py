@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from engine.case.data import Case, CaseData, MeshRow
+from engine.case.case import Case
+from engine.case.data import CaseData, MeshRow
 from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
 from engine.errors import CaseError
 from engine.studies.tuning.checks import MAX_COMBINATIONS, tuning_problems

@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 from sample_case import sample_case
 
-from engine.case.data import Case, ElementRow, ExcitationRow, LoadTorqueRow, StationRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, ExcitationRow, LoadTorqueRow, StationRow
 from engine.case.missing_inputs import unanswered
 from engine.results.tables import result_tables
 from engine.run import run

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 from sample_case import sample_case
 
+from engine.case.case import Case
 from engine.case.checks.find_problems import find_problems
 from engine.case.data import (
-    Case,
     CaseData,
     EffectChoiceRow,
     ElementRow,

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow
+from engine.case.case import Case
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 from tests.hard_cases.reference import Clearance, RigidLink
 from tests.trains import LOAD, MOTOR, RATED, load, motor
 

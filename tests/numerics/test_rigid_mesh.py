@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case.data import Case, ElementRow, StationRow, TorqueTimeRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, StationRow, TorqueTimeRow
 from engine.model.load import loads_of
 from engine.model.motor import motors_of
 from engine.start.start import Trajectory, simulate, start_model

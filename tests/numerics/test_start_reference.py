@@ -17,7 +17,8 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 from scipy.linalg import eigh
 
-from engine.case.data import Case, ElementRow, StationRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, StationRow
 from engine.model.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, loads_of
 from engine.model.motor import motors_of
 from engine.start.start import (

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from engine.case.data import Case
+from engine.case.case import Case
 from engine.case.study_inputs import MeasuredFrequencyRow, ScatterRow, StudyInputs
 from engine.run import at_speed
 from engine.studies.calibration.calibration import Calibration, calibrate

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import assume, example, given, settings
 from strategies import cases
 
-from engine.case.data import Case, ElementRow, StationRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, StationRow
 from engine.model.frequency_derivatives import frequency_derivatives
 from engine.model.modes import modes_of
 from engine.model.train import build_train

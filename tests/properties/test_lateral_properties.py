@@ -10,7 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from strategies import cases
 
-from engine.case.data import Case, MeshRow
+from engine.case.case import Case
+from engine.case.data import MeshRow
 from engine.model.modes import modal_damping_matrix, modes_of
 from engine.model.train import build_train
 

@@ -16,7 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from engine.case.data import Case, EffectChoiceRow
+from engine.case.case import Case
+from engine.case.data import EffectChoiceRow
 from engine.run import Planned, analyse, judged_starts, planned_start
 from tests.random_effects import (
     elastic_meshes,

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import cases
 
-from engine.case.data import GROUND, Case
+from engine.case.case import Case
+from engine.case.data import GROUND
 from engine.model.excitation import transmitted_torque
 from engine.model.modes import modes_of, stated_damping
 from engine.model.train import build_train

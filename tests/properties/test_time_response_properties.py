@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.case.data import Case
+from engine.case.case import Case
 from engine.start.time_response import TimeResponse, held, linear, of_time, time_response
 from tests.strategies import cases
 from tests.trains import prepared

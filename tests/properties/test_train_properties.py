@@ -10,7 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from strategies import cases
 
-from engine.case.data import Case, CaseData, ElementRow, MeshRow, StationRow, case_digest
+from engine.case.case import Case
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow, case_digest
 from engine.model.modes import damped_eigenvalues, modal_damping_matrix, modes_of, state_matrix
 from engine.model.train import build_train
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.case.data import Case
+from engine.case.case import Case
 from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
 from engine.run import run
 from engine.studies.tuning.combinations import plan_tuning

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from engine.case.data import Case, ElementRow, MeshRow, StationRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, MeshRow, StationRow
 
 
 def speed_ratios(model: Mapping[str, Any]) -> dict[str, float]:

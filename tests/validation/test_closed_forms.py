@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from cases import load_case
 
-from engine.case.data import Case, ElementRow, StationRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, StationRow
 from engine.model.modes import modes_of, natural_modes, nodes_of
 from engine.model.train import build_train, shaft_inertia, shaft_stiffness
 from engine.operation.margins import percent_speed

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 from cases import load_case
 
-from engine.case.data import GROUND, Case, ElementRow, StationRow
+from engine.case.case import Case
+from engine.case.data import GROUND, ElementRow, StationRow
 from engine.model.modes import modes_of
 from engine.model.train import build_train
 from engine.operation.steady_state import harmonic_response

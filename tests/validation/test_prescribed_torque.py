@@ -16,7 +16,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from engine.case.data import GROUND, Case, ElementRow, StationRow, TorqueTimeRow
+from engine.case.case import Case
+from engine.case.data import GROUND, ElementRow, StationRow, TorqueTimeRow
 from engine.model.modes import modal_damping
 from engine.start.prescribed import run_prescribed
 from engine.start.time_response import held, linear, of_time, time_response

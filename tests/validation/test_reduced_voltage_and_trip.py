@@ -16,7 +16,8 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 
 from engine.backlash.event_start import run_event_start
-from engine.case.data import Case, ElementRow, MeshRow, MotorTorqueRow, StationRow, TorqueTimeRow
+from engine.case.case import Case
+from engine.case.data import ElementRow, MeshRow, MotorTorqueRow, StationRow, TorqueTimeRow
 from engine.case.effects import StartEffects
 from engine.start.prescribed import run_prescribed
 from engine.start.pull_in import swing_frequency_linear

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from engine.case.data import Case
+from engine.case.case import Case
 from engine.fatigue.allowable_starts import shear_stress
 from engine.start.crossings import start_crossings
 from engine.start.start import Start

@@ -19,7 +19,7 @@ from addin.reading.workbook import read_workbook
 from addin.template import build as template
 from addin.writing.workbook import RunStamp, write_results
 from addin.xlsx import open_workbook
-from engine.case.data import Case
+from engine.case.case import Case
 from engine.run import at_speed
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)

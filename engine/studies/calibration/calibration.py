@@ -31,7 +31,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.data import Case, CaseData, case_digest
+from engine.case.case import Case
+from engine.case.data import CaseData, case_digest
 from engine.case.study_inputs import (
     StudyInputs,
     study_digest,

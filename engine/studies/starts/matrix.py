@@ -27,8 +27,10 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from engine.case.checks.find_problems import GEAR_MESH, find_problems
-from engine.case.data import GROUND, Case, CaseData, ElementRow, case_digest
+from engine.case.case import Case
+from engine.case.checks.find_problems import find_problems
+from engine.case.choices import ElementKind
+from engine.case.data import GROUND, CaseData, ElementRow, case_digest
 from engine.case.study_inputs import StartConditionRow, StudyInputs, study_digest
 from engine.errors import Problem, TorsionError
 from engine.fatigue.allowable_starts import ShaftFatigue, shear_stress
@@ -516,7 +518,7 @@ def _row(case: CaseData, condition: StartCondition, results: Results) -> Conditi
     share = outcome.end_speed / synchronous if synchronous else None
     peak, where = _largest_torque(results)
     rated = case.ratings.rated_torque
-    meshes = {e.element for e in case.elements if e.kind == GEAR_MESH}
+    meshes = {e.element for e in case.elements if e.kind == ElementKind.GEAR_MESH}
     lowest = min(((p.minimum, p.element) for p in start.peaks if p.element in meshes), default=None)
     impacts = [r.impacts for r in results.reversals if r.impacts is not None]
     shafts = _shafts(case, results)

@@ -6,7 +6,7 @@ import difflib
 import math
 from collections.abc import Iterator, Sequence
 
-from engine.case.checks.find_problems import GEAR_MESH
+from engine.case.choices import ElementKind
 from engine.case.data import GROUND, CaseData
 from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
 from engine.errors import Problem
@@ -188,7 +188,7 @@ def _offer_row(case: CaseData, number: int, row: CatalogueRow) -> Iterator[Probl
     if row.element not in kinds:
         action = "Name it." if row.element is None else _nearest(row.element, list(kinds))
         yield _wrong(where("Element"), row.element, "an element of table Elements", action)
-    elif kinds[row.element] == GEAR_MESH:
+    elif kinds[row.element] == ElementKind.GEAR_MESH:
         yield _wrong(
             where("Element"), row.element, "a coupling or shaft, not a gear mesh",
             "Try the stiffness of a mesh in table Tuning.",

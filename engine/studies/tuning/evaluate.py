@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from engine.case.checks.find_problems import GEAR_MESH
-from engine.case.data import Case, CaseData
+from engine.case.case import Case
+from engine.case.choices import ElementKind
+from engine.case.data import CaseData
 from engine.errors import CaseError, TorsionError
 from engine.fatigue.allowable_starts import shear_stress
 from engine.model.excitation import transmitted_torque
@@ -138,7 +139,7 @@ def answers_of(results: Results) -> Answers:
     stress, stress_scf, stressed = _stress(results)
     torque, torqued = _peak(results, ratio)
     rated = case.ratings.rated_torque
-    meshes = {e.element for e in case.elements if e.kind == GEAR_MESH}
+    meshes = {e.element for e in case.elements if e.kind == ElementKind.GEAR_MESH}
     lowest = min(
         (r for r in results.reversals if r.element in meshes),
         key=lambda r: r.minimum_torque * ratio[r.element],

@@ -1,0 +1,130 @@
+"""Words that inputs are chosen from.
+
+Each list is a `StrEnum`: a member is written, compared, sorted and pickled as the word itself, so a
+row that was read from a file may hold the plain word. Where a cell may be blank the first is meant.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class ElementKind(StrEnum):
+    """What stands under Kind in `Elements`."""
+
+    SHAFT = "shaft"
+    COUPLING = "coupling"
+    GEAR_MESH = "gear mesh"
+    SPRING_TO_GROUND = "spring to ground"
+
+
+class EffectChoice(StrEnum):
+    """What a user may choose for an effect; blank = auto."""
+
+    AUTO = "auto"
+    ON = "on"
+    OFF = "off"
+
+
+class EffectName(StrEnum):
+    """Effects in the order of the sheet, each with what it means."""
+
+    meaning: str
+
+    def __new__(cls, word: str, meaning: str) -> EffectName:
+        """A member with its meaning."""
+        member = str.__new__(cls, word)
+        member._value_ = word
+        member.meaning = meaning
+        return member
+
+    BEARINGS = (
+        "bearings",
+        "gears move sideways on their bearings (lateral-torsional coupling at the mesh)",
+    )
+    COUPLED_DAMPING = (
+        "coupled damping",
+        "dampers couple the modes in the start (non-proportional damping)",
+    )
+    FAST_MODES = "fast modes", "modes above those that the tolerance asks for are integrated"
+    BREAKER_CLOSING = "breaker closing", "electrical transient at breaker closing"
+    PULL_IN = "pull-in", "field application, synchronising torque, pull-in and swing"
+    ABORTED_START = "aborted start", "trip at a speed, and coast-down"
+    BACKLASH = "backlash", "teeth that part, cross their clearance and meet again"
+    RESONANCE_SWEEP = "resonance sweep", "the falling 2 × slip frequency crosses modes"
+    CYCLE_COUNTING = "cycle counting", "rainflow counting of stress cycles and damage"
+    RUN_LENGTH = (
+        "run length",
+        "the run goes on to its longest time even when the train has settled",
+    )
+
+
+class ContactLaw(StrEnum):
+    """Contact damping of teeth.
+
+    `LIMITED` never pulls and never exceeds the spring force, so the force begins at zero (Modelica
+    Standard Library 4.0, Rotational.Components.ElastoBacklash; Hunt and Crossley, J. Applied
+    Mechanics 42 (1975) 440, for why it should). `NO_ADHESION` never pulls (ElastoBacklash2 of the
+    same library).
+    """
+
+    LIMITED = "limited"
+    NO_ADHESION = "no adhesion"
+
+
+class MarginBasis(StrEnum):
+    """How the natural frequencies are known, which decides the separation margin they need."""
+
+    CALCULATED = "calculated"
+    MEASURED = "measured"
+
+
+class StressBasis(StrEnum):
+    """What is compared with UTS/25."""
+
+    PEAK_TO_PEAK = "peak-to-peak"
+    ZERO_TO_PEAK = "zero-to-peak"
+
+
+class Method(StrEnum):
+    """How a start is integrated."""
+
+    EXPONENTIAL = "exponential"
+    NEWMARK = "newmark"
+
+
+class HistoryFile(StrEnum):
+    """What every sample of a start is kept in."""
+
+    NO = "no"
+    PARQUET = "parquet"
+    NPZ = "npz"
+
+
+class RainflowResidue(StrEnum):
+    """What is done with the residue of the rainflow count."""
+
+    HALF_CYCLES = "half cycles"
+    REPEATED = "repeated"
+
+
+class SNBasis(StrEnum):
+    """What S-N data were measured in."""
+
+    TORSION = "torsion"
+    BENDING = "bending"
+
+
+class BelowEndurance(StrEnum):
+    """Damage of cycles below the endurance limit."""
+
+    NONE = "none"
+    SAME_SLOPE = "same slope"
+    HAIBACH = "2k-1"
+
+
+class GearType(StrEnum):
+    """Whether the teeth of a mesh point outwards on both gears."""
+
+    EXTERNAL = "external"
+    INTERNAL = "internal"
