@@ -36,6 +36,7 @@ EFFECT_DATA: tuple[tuple[str, Callable[[CaseData], bool], str], ...] = (
 
 
 def check_effect_choices(case: CaseData) -> Iterator[Problem]:
+    """Known effects and choices; the data of effects that are forced on."""
     table = "EffectChoices"
     yield from check_names(table, "Effect", [e.effect for e in case.effect_choices], "an effect")
     for row, e in enumerate(case.effect_choices, start=1):

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from engine.case.checks.problem import (
+    POSITIVE,
     blank_cell,
     check_names,
     check_number,
-    positive,
     suggestion,
     wrong_value,
 )
@@ -18,11 +18,12 @@ from engine.errors import Problem
 
 
 def check_materials(case: CaseData) -> Iterator[Problem]:
+    """Strengths and words of each material."""
     table = "Materials"
     yield from check_names(table, "Material", [m.material for m in case.materials], "a material")
     for row, m in enumerate(case.materials, start=1):
         for column, value in (("UTS", m.uts), ("Yield", m.yield_), ("Endurance", m.endurance)):
-            yield from check_number(table, row, column, value, positive, "positive", "Pa")
+            yield from check_number(table, row, column, value, POSITIVE, "Pa")
         if m.uts and m.yield_ and m.yield_ > m.uts > 0:
             yield wrong_value(
                 table, row, "Yield", m.yield_, "at most UTS", "Correct one of them.", "Pa"
@@ -43,6 +44,7 @@ def check_materials(case: CaseData) -> Iterator[Problem]:
 
 
 def check_sn_points(case: CaseData) -> Iterator[Problem]:
+    """S-N points: known materials, lines that fall, endurance at or below the lowest stress."""
     table = "SNPoints"
     known = {m.material for m in case.materials if m.material}
     curves: dict[str, list[tuple[int, float, float]]] = {}
@@ -61,7 +63,7 @@ def check_sn_points(case: CaseData) -> Iterator[Problem]:
         for column, value, unit in (("Cycles", p.cycles, ""), ("Stress", p.stress, "Pa")):
             if value is None:
                 yield blank_cell(table, row, column, "positive", "Fill it or clear the whole row.")
-            yield from check_number(table, row, column, value, positive, "positive", unit)
+            yield from check_number(table, row, column, value, POSITIVE, unit)
         if p.material and p.cycles and p.stress and p.cycles > 0 and p.stress > 0:
             curves.setdefault(p.material, []).append((row, p.cycles, p.stress))
     for material, points in curves.items():

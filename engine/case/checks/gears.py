@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterator
 
 from engine.case.checks.problem import (
-    any_number,
+    ANY_NUMBER,
+    NOT_NEGATIVE,
+    POSITIVE,
+    Allowed,
     blank_or_positive,
     check_names,
     check_number,
-    not_negative,
     number_text,
-    positive,
     quote_quantity,
     suggestion,
     wrong_value,
@@ -26,28 +27,28 @@ from engine.errors import Problem, Quoted
 RADIUS_TOLERANCE = 1e-3
 
 MESH_LENGTHS = (
-    ("Pitch radius drive", "pitch_radius_drive", positive, "positive", "m"),
-    ("Pitch radius driven", "pitch_radius_driven", positive, "positive", "m"),
-    ("Mesh stiffness", "mesh_stiffness", positive, "positive", "N/m"),
-    ("Mesh damping", "mesh_damping", not_negative, "zero or positive", "N s/m"),
-    ("Backlash", "backlash", not_negative, "zero or positive", "m"),
-    ("Angular backlash", "angular_backlash", not_negative, "zero or positive", "rad"),
-    ("Mass drive", "mass_drive", positive, "positive", "kg"),
-    ("Mass driven", "mass_driven", positive, "positive", "kg"),
-    ("Bearing stiffness drive", "bearing_stiffness_drive", positive, "positive", "N/m"),
-    ("Bearing stiffness driven", "bearing_stiffness_driven", positive, "positive", "N/m"),
-    ("Bearing damping drive", "bearing_damping_drive", not_negative, "zero or positive", "N s/m"),
+    ("Pitch radius drive", "pitch_radius_drive", POSITIVE, "m"),
+    ("Pitch radius driven", "pitch_radius_driven", POSITIVE, "m"),
+    ("Mesh stiffness", "mesh_stiffness", POSITIVE, "N/m"),
+    ("Mesh damping", "mesh_damping", NOT_NEGATIVE, "N s/m"),
+    ("Backlash", "backlash", NOT_NEGATIVE, "m"),
+    ("Angular backlash", "angular_backlash", NOT_NEGATIVE, "rad"),
+    ("Mass drive", "mass_drive", POSITIVE, "kg"),
+    ("Mass driven", "mass_driven", POSITIVE, "kg"),
+    ("Bearing stiffness drive", "bearing_stiffness_drive", POSITIVE, "N/m"),
+    ("Bearing stiffness driven", "bearing_stiffness_driven", POSITIVE, "N/m"),
+    ("Bearing damping drive", "bearing_damping_drive", NOT_NEGATIVE, "N s/m"),
     (
         "Bearing damping driven",
         "bearing_damping_driven",
-        not_negative,
-        "zero or positive",
+        NOT_NEGATIVE,
         "N s/m",
     ),
 )
 
 
 def check_meshes(case: CaseData) -> Iterator[Problem]:
+    """Each row of `Meshes`, then what the rows of one gear say together."""
     table = "Meshes"
     elements = {e.element: (row, e) for row, e in enumerate(case.elements, start=1) if e.element}
     yield from check_names(table, "Element", [m.element for m in case.meshes], "a mesh")
@@ -87,27 +88,23 @@ def check_meshes(case: CaseData) -> Iterator[Problem]:
 def _mesh_numbers(row: int, m: MeshRow) -> Iterator[Problem]:
     """Each number of a mesh by itself."""
     table = "Meshes"
-    for column, key, holds, allowed, unit in MESH_LENGTHS:
-        yield from check_number(table, row, column, getattr(m, key), holds, allowed, unit)
-    for column, value, holds, allowed in (
+    for column, key, allowed, unit in MESH_LENGTHS:
+        yield from check_number(table, row, column, getattr(m, key), allowed, unit)
+    for column, value, allowed in (
         (
             "Pressure angle",
             m.pressure_angle,
-            lambda v: 0 <= v < math.pi / 2,
-            "from 0 to 90 degrees",
+            Allowed(lambda v: 0 <= v < math.pi / 2, "from 0 to 90 degrees"),
         ),
         (
             "Helix angle",
             m.helix_angle,
-            lambda v: abs(v) < math.pi / 2,
-            "between -90 and 90 degrees",
+            Allowed(lambda v: abs(v) < math.pi / 2, "between -90 and 90 degrees"),
         ),
     ):
         action = "Write degrees with the unit deg above the column."
-        yield from check_number(table, row, column, value, holds, allowed, "rad", action)
-    yield from check_number(
-        table, row, "Orientation", m.orientation, any_number, "a finite number", "rad"
-    )
+        yield from check_number(table, row, column, value, allowed, "rad", action)
+    yield from check_number(table, row, "Orientation", m.orientation, ANY_NUMBER, "rad")
     if m.gear_type not in (None, "external", "internal"):
         yield wrong_value(
             table, row, "Gear type", m.gear_type, "external or internal", "Choose from the list."
@@ -244,7 +241,7 @@ def _mesh_line_of_action(
 
 def _angular_clearance(row: int, m: MeshRow, element_row: int, e: ElementRow) -> Iterator[Problem]:
     """A geared coupling or a stop has an angular clearance and nothing else of table Meshes."""
-    for column, key, _, _, unit in MESH_LENGTHS:
+    for column, key, _, unit in MESH_LENGTHS:
         value = getattr(m, key)
         if value is not None and column != "Angular backlash":
             yield wrong_value(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 from engine.case.data import CaseData, Ratings
 from engine.errors import Problem, Quoted
@@ -41,7 +42,17 @@ def wrong_value(
 def quote_quantity(
     value: float, unit: str, place: tuple[str, int | None, str] | None = None
 ) -> tuple[Quoted, ...]:
-    """A quantity named in a sentence as `number_text` writes it."""
+    """A quantity named in a sentence as `number_text` writes it.
+
+    Parameters
+    ----------
+    value : float
+        The quantity. [SI]
+    unit : str
+        Its unit as the sentence writes it. [unit]
+    place : (table, row, column), optional
+        The cell it was typed in. [names]
+    """
     return (Quoted(number_text(value, unit), value, place),)
 
 
@@ -52,37 +63,58 @@ def blank_cell(table: str, row: int | None, column: str, allowed: str, action: s
     )
 
 
+@dataclass(frozen=True)
+class Allowed:
+    """Numbers that a cell may hold, and how a sentence names them."""
+
+    holds: Callable[[float], bool]  #: Whether a finite number is one of them. [SI]
+    words: str  #: Behind "it must be".
+
+
+POSITIVE = Allowed(lambda v: v > 0.0, "positive")
+NOT_NEGATIVE = Allowed(lambda v: v >= 0.0, "zero or positive")
+ANY_NUMBER = Allowed(lambda v: True, "a finite number")
+BELOW_ONE = Allowed(lambda v: 0 <= v < 1, "at least 0 and below 1 (100 %)")
+
+
 def check_number(
     table: str,
     row: int | None,
     column: str,
     value: float | None,
-    holds: Callable[[float], bool],
-    allowed: str,
+    allowed: Allowed,
     unit: str = "",
     action: str = "Correct the cell.",
 ) -> Iterator[Problem]:
-    """A problem if a number is given and is not finite or does not hold."""
+    """A problem if a number is given and is not finite or does not hold.
+
+    Parameters
+    ----------
+    table, row, column
+        The cell; row is None for a scalar. [names]
+    value : float or None
+        What was typed. [SI]
+    allowed : Allowed
+        What it may be.
+    unit : str, optional
+        Unit of `value`. [unit]
+    action : str, optional
+        What to do about it.
+    """
     if value is not None and not math.isfinite(value):
         yield wrong_value(table, row, column, value, "a finite number", "Correct the cell.", unit)
-    elif value is not None and not holds(value):
-        yield wrong_value(table, row, column, value, allowed, action, unit)
-
-
-def positive(value: float) -> bool:
-    return value > 0.0
-
-
-def not_negative(value: float) -> bool:
-    return value >= 0.0
-
-
-def any_number(value: float) -> bool:
-    return True
+    elif value is not None and not allowed.holds(value):
+        yield wrong_value(table, row, column, value, allowed.words, action, unit)
 
 
 def blank_or_positive(value: float | None) -> bool:
-    """Blank, or a finite positive number."""
+    """Blank, or a finite positive number.
+
+    Parameters
+    ----------
+    value : float or None
+        What was typed. [SI]
+    """
     return value is None or (math.isfinite(value) and value > 0.0)
 
 
@@ -95,6 +127,7 @@ def possible_ratings(case: CaseData) -> Ratings:
 
 
 def possible_poles(case: CaseData) -> bool:
+    """Whether the number of poles is blank, or even and 2 or more."""
     return case.poles is None or (case.poles >= 2 and case.poles % 2 == 0)
 
 
@@ -136,6 +169,7 @@ def suggestion(name: str, known: set[str]) -> str:
 def check_station(
     case: CaseData, table: str, row: int, station: str | None, column: str = "Station"
 ) -> Iterator[Problem]:
+    """A station that is named and known."""
     known = {s.station for s in case.stations if s.station}
     if station is None:
         yield blank_cell(table, row, column, "a station of table Stations", "Choose it.")

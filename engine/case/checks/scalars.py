@@ -6,10 +6,12 @@ import math
 from collections.abc import Iterator
 
 from engine.case.checks.problem import (
-    any_number,
+    ANY_NUMBER,
+    BELOW_ONE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    Allowed,
     check_number,
-    not_negative,
-    positive,
     possible_poles,
     possible_ratings,
     quote_quantity,
@@ -66,20 +68,20 @@ FINITE_SCALARS = {
 
 
 def check_scalars(case: CaseData) -> Iterator[Problem]:
+    """Each scalar by itself, then those that depend on each other."""
     for key, (name, unit) in POSITIVE_SCALARS.items():
         action = POSITIVE_ACTIONS.get(key, "Correct the cell.")
         value = getattr(case, key)
-        yield from check_number("Case", None, name, value, positive, "positive", unit, action)
+        yield from check_number("Case", None, name, value, POSITIVE, unit, action)
     for key, (name, unit) in FINITE_SCALARS.items():
         value = getattr(case, key)
-        yield from check_number("Case", None, name, value, any_number, "a finite number", unit)
+        yield from check_number("Case", None, name, value, ANY_NUMBER, unit)
     yield from check_number(
         "Case",
         None,
         "PullInDamping",
         case.pull_in_damping,
-        not_negative,
-        "zero or positive",
+        NOT_NEGATIVE,
         "N m s/rad",
     )
     for key, (name, words) in CHOICES.items():
@@ -92,8 +94,7 @@ def check_scalars(case: CaseData) -> Iterator[Problem]:
         None,
         "DampingRatio",
         case.damping_ratio,
-        lambda v: 0 <= v < 1,
-        "at least 0 and below 1 (100 %)",
+        BELOW_ONE,
         "",
         "1 % to 3 % is usual for a geared train.",
     )
@@ -102,29 +103,36 @@ def check_scalars(case: CaseData) -> Iterator[Problem]:
         None,
         "MarginRequired",
         case.margin_required,
-        lambda v: 0 <= v < 1,
-        "at least 0 and below 1 (100 %)",
+        BELOW_ONE,
     )
     yield from check_number(
         "Case",
         None,
         "Voltage",
         case.voltage,
-        lambda v: 0 < v <= LARGEST_VOLTAGE,
-        "positive and at most 2 (200 % of the voltage of the curves)",
+        Allowed(
+            lambda v: 0 < v <= LARGEST_VOLTAGE,
+            "positive and at most 2 (200 % of the voltage of the curves)",
+        ),
         "",
         "Write 80 % or 0.8.",
     )
     yield from check_number(
-        "Case", None, "FieldSlip", case.field_slip, lambda v: 0 < v < 1, "between 0 and 1 (100 %)"
+        "Case",
+        None,
+        "FieldSlip",
+        case.field_slip,
+        Allowed(lambda v: 0 < v < 1, "between 0 and 1 (100 %)"),
     )
     yield from check_number(
         "Case",
         None,
         "TolerancePeak",
         case.tolerance_peak,
-        lambda v: LEAST_TOLERANCE_PEAK <= v <= 0.5,
-        f"between {LEAST_TOLERANCE_PEAK:g} and 0.5 (50 %)",
+        Allowed(
+            lambda v: LEAST_TOLERANCE_PEAK <= v <= 0.5,
+            f"between {LEAST_TOLERANCE_PEAK:g} and 0.5 (50 %)",
+        ),
         "",
         "Correct the cell or leave it blank for 0.1 %. No peak torque is calculated to better than "
         f"{LEAST_PEAK_ERROR:g}, so that a smaller tolerance is never met.",
@@ -134,8 +142,7 @@ def check_scalars(case: CaseData) -> Iterator[Problem]:
         None,
         "ToleranceStarts",
         case.tolerance_starts,
-        lambda v: 1e-9 <= v <= 0.5,
-        "between 1e-9 and 0.5 (50 %)",
+        Allowed(lambda v: 1e-9 <= v <= 0.5, "between 1e-9 and 0.5 (50 %)"),
     )
     if not possible_poles(case):
         yield wrong_value(

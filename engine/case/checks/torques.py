@@ -7,14 +7,15 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from engine.case.checks.problem import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Allowed,
     blank_cell,
     blank_or_positive,
     check_names,
     check_number,
     check_station,
-    not_negative,
     number_text,
-    positive,
     possible_poles,
     wrong_value,
 )
@@ -81,6 +82,7 @@ def _single_points(table: str, rows: Sequence[Any], header: str) -> Iterator[Pro
 
 
 def check_torques(case: CaseData) -> Iterator[Problem]:
+    """Torque curves of motors and loads, torques against time, and what a motor needs."""
     yield from _curve(
         case,
         "MotorTorque",
@@ -104,8 +106,10 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
                 row,
                 "Speed",
                 speed,
-                lambda v: v <= TOP_SPEED,
-                f"at most {TOP_SPEED:g} ({100 * TOP_SPEED:g} %) of synchronous speed",
+                Allowed(
+                    lambda v: v <= TOP_SPEED,
+                    f"at most {TOP_SPEED:g} ({100 * TOP_SPEED:g} %) of synchronous speed",
+                ),
                 "",
                 "Write 50 % or 900 rpm; a plain number in JSON is a fraction of synchronous speed.",
             )
@@ -115,8 +119,7 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
             row,
             "Pulsating",
             motor.pulsating,
-            not_negative,
-            "zero or positive",
+            NOT_NEGATIVE,
             "N m",
         )
     for row, load in enumerate(case.load_torque, start=1):
@@ -125,8 +128,7 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
             row,
             "Torque",
             load.torque,
-            not_negative,
-            "zero or positive",
+            NOT_NEGATIVE,
             "N m",
             "A load opposes the motion: type its size.",
         )
@@ -190,6 +192,7 @@ def _motor_place(case: CaseData) -> Iterator[Problem]:
 
 
 def check_excitations(case: CaseData) -> Iterator[Problem]:
+    """What shakes the train in continuous operation."""
     table = "Excitations"
     yield from check_names(table, "Name", [x.name for x in case.excitations], "an excitation")
     for row, x in enumerate(case.excitations, start=1):
@@ -205,10 +208,10 @@ def check_excitations(case: CaseData) -> Iterator[Problem]:
                 "not both and not "
                 "neither. Fill one of the two.",
             )
-        yield from check_number(table, row, "Order", x.order, positive, "positive")
-        yield from check_number(table, row, "Frequency", x.frequency, positive, "positive", "Hz")
-        yield from check_number(table, row, "Torque", x.torque, positive, "positive", "N m")
-        yield from check_number(table, row, "Torque", x.torque_share, positive, "positive")
+        yield from check_number(table, row, "Order", x.order, POSITIVE)
+        yield from check_number(table, row, "Frequency", x.frequency, POSITIVE, "Hz")
+        yield from check_number(table, row, "Torque", x.torque, POSITIVE, "N m")
+        yield from check_number(table, row, "Torque", x.torque_share, POSITIVE)
         if x.torque is not None and x.torque_share is not None:
             yield Problem(
                 table,

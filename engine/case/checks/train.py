@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from engine.case.checks.problem import (
-    any_number,
+    ANY_NUMBER,
+    BELOW_ONE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    Allowed,
     blank_cell,
     check_names,
     check_number,
-    not_negative,
-    positive,
     quote_quantity,
     suggestion,
     wrong_value,
@@ -23,6 +25,7 @@ KINDS = tuple(ElementKind)
 
 
 def check_stations(case: CaseData) -> Iterator[Problem]:
+    """Names, inertias and speed ratios of the stations."""
     table = "Stations"
     if not case.stations:
         yield Problem(
@@ -60,20 +63,19 @@ def check_stations(case: CaseData) -> Iterator[Problem]:
             row,
             "Inertia",
             s.inertia,
-            not_negative if zero_allowed else positive,
-            "positive" if not zero_allowed else "zero or positive",
+            NOT_NEGATIVE if zero_allowed else POSITIVE,
             "kg m²",
             "Every station needs inertia; join two shafts of a massless point into one stiffness.",
         )
+        yield from check_number(table, row, "Running load", s.running_load, ANY_NUMBER, "N m")
         yield from check_number(
-            table, row, "Running load", s.running_load, any_number, "a finite number", "N m"
+            table,
+            row,
+            "Speed ratio",
+            s.speed_ratio,
+            Allowed(POSITIVE.holds, "positive (blank = 1)"),
         )
-        yield from check_number(
-            table, row, "Speed ratio", s.speed_ratio, positive, "positive (blank = 1)"
-        )
-        yield from check_number(
-            table, row, "Damping", s.damping, not_negative, "zero or positive", "N m s/rad"
-        )
+        yield from check_number(table, row, "Damping", s.damping, NOT_NEGATIVE, "N m s/rad")
 
 
 def _ends(case: CaseData, row: int, e: ElementRow) -> Iterator[Problem]:
@@ -131,7 +133,7 @@ def _geometry(row: int, e: ElementRow) -> Iterator[Problem]:
         ("Peak torque limit", e.peak_torque_limit, "N m"),
         ("Vibratory limit", e.vibratory_limit, "N m"),
     ):
-        yield from check_number(table, row, column, value, positive, "positive", unit)
+        yield from check_number(table, row, column, value, POSITIVE, unit)
     for column, value, unit in (
         ("ID", e.id, "m"),
         ("Stress bore", e.stress_bore, "m"),
@@ -139,7 +141,7 @@ def _geometry(row: int, e: ElementRow) -> Iterator[Problem]:
         ("Loss factor", e.loss_factor, ""),
         ("Reversal limit", e.reversal_limit, "N m"),
     ):
-        yield from check_number(table, row, column, value, not_negative, "zero or positive", unit)
+        yield from check_number(table, row, column, value, NOT_NEGATIVE, unit)
     if e.scf is not None and 0 < e.scf < 1:
         yield wrong_value(table, row, "SCF", e.scf, "1 or more", "A notch never lowers the stress.")
     for outer, inner, column, outside in (
@@ -169,8 +171,10 @@ def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
             row,
             "Stiffness",
             e.stiffness,
-            not_negative if damped else positive,
-            "positive (0 only where Damping is given)",
+            Allowed(
+                (NOT_NEGATIVE if damped else POSITIVE).holds,
+                "positive (0 only where Damping is given)",
+            ),
             "N m/rad",
             "Correct it, or leave it blank: a shaft is computed from OD, ID and Length, a gear "
             "mesh is rigid.",
@@ -211,6 +215,7 @@ def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
 
 
 def check_elements(case: CaseData) -> Iterator[Problem]:
+    """Kinds, ends, stiffnesses and materials of the elements."""
     table = "Elements"
     yield from check_names(table, "Element", [e.element for e in case.elements], "an element")
     ratios = {s.station: (1.0 if s.speed_ratio is None else s.speed_ratio) for s in case.stations}
@@ -339,6 +344,7 @@ def check_connected(case: CaseData) -> Iterator[Problem]:
 
 
 def check_mode_damping(case: CaseData) -> Iterator[Problem]:
+    """Modes that are counted from 1, each once, with a damping ratio."""
     seen: dict[int, int] = {}
     for row, m in enumerate(case.mode_damping, start=1):
         if m.mode is None:
@@ -374,6 +380,5 @@ def check_mode_damping(case: CaseData) -> Iterator[Problem]:
             row,
             "Damping ratio",
             m.damping_ratio,
-            lambda v: 0 <= v < 1,
-            "at least 0 and below 1 (100 %)",
+            BELOW_ONE,
         )
