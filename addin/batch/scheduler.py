@@ -35,9 +35,9 @@ from addin.batch.records import (
     outcome_of,
 )
 from addin.batch.work import Calculated, Examine, Work, calculate, examine
+from addin.calculation.stages import COMPILING
 from addin.contract.problems import CellProblem
 from addin.workers.pool import Crashed, Task, Workers
-from addin.writing.recalculate import COMPILING
 
 __all__ = ["Abandoned", "Batch", "Listener", "Stop", "Stopped", "cores"]
 

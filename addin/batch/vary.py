@@ -47,12 +47,12 @@ from addin.batch.records import (
 )
 from addin.batch.scheduler import Listener, Stop, Stopped
 from addin.batch.work import compiles
+from addin.calculation.stages import COMPILING
 from addin.contract.problems import nearest, shortened
 from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
 from addin.contract.units import UnitError, UnitScale, parse_unit
 from addin.reading.typed_case import Findings, Place, Typed, TypedCase, to_case_data
 from addin.workers.pool import Crashed, Task, Workers
-from addin.writing.recalculate import COMPILING
 
 if TYPE_CHECKING:
     import pyarrow as pa

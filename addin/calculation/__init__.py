@@ -3,6 +3,7 @@
 =============  ===================================================================================
 module         responsibility
 =============  ===================================================================================
+`stages`       words on what is being done that several rooms need
 `audit`        the audit trail: which inputs, which program, which method, how accurate, by which
                equations
 `key_figures`  the few numbers of a calculation that a summary over many cases shows

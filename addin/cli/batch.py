@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-if TYPE_CHECKING:
-    from addin.batch.inputs import Input
-    from addin.batch.records import Record
-    from addin.batch.scheduler import Batch, Listener, Stop
-    from addin.workers.pool import Workers
+from addin.batch.folder import FolderRefused, OutFolder
+from addin.batch.inputs import SUMMARY, Input, InputsRefused, check_places, find_inputs
+from addin.batch.own_files import in_the_way
+from addin.batch.records import DONE, Record, counted
+from addin.batch.scheduler import Abandoned, Batch, Listener, Stop, Stopped, cores
+from addin.batch.summary import NOT_BEGUN, write_summary
+from addin.batch.summary_file import is_summary, is_summary_csv
+from addin.batch.vary import TableRefused, run_programme
+from addin.batch.watch import Watch
+from addin.cli import status
+from addin.cli.overrides import case_overrides
+from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed
+from addin.contract.version import product_version
+from addin.workers.cluster import Cluster, ClusterRefused
+from addin.workers.pool import Pool, Workers
+from addin.writing.recalculate import of_file
 
-__all__ = ["INTERRUPTED", "batch"]
-
-_DONE, _WRONG_INPUT = 0, 1
-#: Exit status after Ctrl-C, as shells have it; what was done is kept and summarised.
-INTERRUPTED = 130
 _AGAIN = "Run again with --resume to go on."
 _SEND = ("auto", "files", "bytes")
 #: Errors that are listed in the terminal; the summary has all. [count]
@@ -111,15 +118,10 @@ def batch(
 
     Example: `torsionbook batch trains --out results`
     """
-    from addin.batch.folder import FolderRefused
-    from addin.batch.inputs import InputsRefused, check_places, find_inputs
-    from addin.batch.scheduler import Stop, Stopped
-
     if send not in _SEND:
         raise typer.BadParameter(f"--send is '{send}'; it must be {', '.join(_SEND)}.")
-    from addin.cli.app import _overrides
 
-    overrides = _overrides(method, tolerance)
+    overrides = case_overrides(method, tolerance)
     book = _summary_file(summary, out, written=vary is None)
 
     def find() -> list[Input]:
@@ -128,7 +130,7 @@ def batch(
         except InputsRefused as wrong:
             if watch:
                 return []
-            raise _told(str(wrong)) from wrong
+            raise failed(str(wrong)) from wrong
 
     def find_later() -> list[Input]:
         """What is there while it is watched; nothing while a new file is in the way of results."""
@@ -183,37 +185,30 @@ def batch(
             if watch and not ended:
                 _say(work, records, ended, began, written)
                 _watched(work, find_later, inputs, book, stop)
-                raise typer.Exit(_DONE)
+                raise typer.Exit(status.DONE)
     except (FolderRefused, Stopped) as wrong:
-        raise _told(str(wrong)) from wrong
+        raise failed(str(wrong)) from wrong
     _say(work, records, ended, began, written)
     raise typer.Exit(_status(records, ended, stop, strict, bool(written)))
 
 
 def _workers(jobs: int | None, scheduler: str | None) -> Workers:
     """Processes of this machine, or a cluster."""
-    from addin.batch.scheduler import cores
-    from addin.workers.pool import Pool
-
     if scheduler is None:
         return Pool(jobs or cores())
     if jobs is not None:
         raise typer.BadParameter("--jobs is of this machine; a cluster has the workers it has.")
-    from addin.workers.cluster import Cluster, ClusterRefused
 
     try:
         return Cluster(scheduler)
     except ClusterRefused as wrong:
-        raise _told(str(wrong)) from wrong
+        raise failed(str(wrong)) from wrong
 
 
 def _way(work: Batch, first: Input, send: str) -> str:
     """How files reach the workers: as files or as bytes."""
-    from addin.workers.pool import Pool
-
     if isinstance(work.workers, Pool):
         return "files"
-    from addin.workers.cluster import Cluster
 
     assert isinstance(work.workers, Cluster)
     shared = send == "files" or (
@@ -238,16 +233,10 @@ def _varied(
     as_csv: bool,
 ) -> int:
     """A programme of cases; its exit status."""
-    from addin.batch.folder import FolderRefused, OutFolder
-    from addin.batch.own_files import in_the_way
-    from addin.batch.records import DONE
-    from addin.batch.scheduler import Abandoned, Stopped
-    from addin.batch.vary import TableRefused, run_programme
-
     try:
         import pyarrow  # noqa: F401  (said in time)
     except ImportError:
-        raise _told("Results of --vary are Parquet: pip install 'torsionbook[parquet]'") from None
+        raise failed("Results of --vary are Parquet: pip install 'torsionbook[parquet]'") from None
     if table.resolve() == (out / "results.parquet").resolve():
         raise typer.BadParameter(
             f"Results would be written to {table}, which is the table itself. Name another folder with "
@@ -279,9 +268,9 @@ def _varied(
     except TableRefused as wrong:
         for sentence in wrong.sentences:
             typer.echo(f"{table}: {sentence}", err=True)
-        return _WRONG_INPUT
+        return WRONG_INPUT
     except (FolderRefused, Stopped) as wrong:
-        raise _told(str(wrong)) from wrong
+        raise failed(str(wrong)) from wrong
     except Abandoned:
         typer.echo(f"Interrupted. {_AGAIN}", err=True)
         return INTERRUPTED
@@ -301,7 +290,7 @@ def _varied(
     if stop.asked and reached < done.rows:
         typer.echo(f"Interrupted. {_AGAIN}", err=True)
         return INTERRUPTED
-    return _DONE if done.outcomes.get(DONE, 0) == done.rows else _WRONG_INPUT
+    return status.DONE if done.outcomes.get(DONE, 0) == done.rows else WRONG_INPUT
 
 
 def _named(inputs: Sequence[Input]) -> str:
@@ -314,8 +303,6 @@ def _named(inputs: Sequence[Input]) -> str:
 
 def _check_json_folder(json: Path, vary: Path | None) -> None:
     """What would keep JSON from being written, said before anything is calculated."""
-    import os
-
     if vary is not None:
         raise typer.BadParameter("--json is of a batch of files; results of --vary are Parquet.")
     if json.suffix.lower() == ".json" and not json.is_dir():
@@ -324,21 +311,18 @@ def _check_json_folder(json: Path, vary: Path | None) -> None:
         json.mkdir(parents=True, exist_ok=True)
     except OSError as wrong:
         why = wrong.strerror or wrong
-        raise _told(
+        raise failed(
             f"The folder {json} cannot be made ({why}). Name another with --json."
         ) from wrong
     if not os.access(json, os.W_OK):
-        raise _told(f"{json} may not be written. Name another folder with --json.")
+        raise failed(f"{json} may not be written. Name another folder with --json.")
 
 
 def _summary_file(summary: Path | None, out: Path, *, written: bool) -> Path:
     """Where the summary belongs; what is there already and is none is not replaced."""
-    from addin.batch.inputs import SUMMARY
-
     book = summary or out / SUMMARY
     if book.suffix.lower() != ".xlsx":
         raise typer.BadParameter(f"--summary is '{book}'; it must end in .xlsx.")
-    from addin.batch.summary_file import is_summary, is_summary_csv
 
     for place, is_ours in ((book, is_summary), (book.with_suffix(".csv"), is_summary_csv)):
         if written and place.exists() and not is_ours(place):
@@ -352,9 +336,6 @@ def _summary_file(summary: Path | None, out: Path, *, written: bool) -> Path:
 @contextmanager
 def _opened(out: Path, workers: Any, stop: Stop, **settings: Any) -> Iterator[Batch]:
     """A batch that listens to Ctrl-C and shows how far it is."""
-    from addin.batch.folder import OutFolder
-    from addin.batch.scheduler import Batch
-
     with (
         _progress() as listener,
         OutFolder(out, settings.get("json")) as folder,
@@ -368,8 +349,6 @@ def _opened(out: Path, workers: Any, stop: Stop, **settings: Any) -> Iterator[Ba
 
 def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
     """Do it; why it ended early, or nothing."""
-    from addin.batch.scheduler import Abandoned, Stopped
-
     try:
         work.process(inputs)
     except Abandoned:
@@ -391,9 +370,6 @@ def _watched(
     stop: Stop,
 ) -> None:
     """Calculate what is saved until Ctrl-C."""
-    from addin.batch.scheduler import Abandoned, Listener
-    from addin.batch.watch import Watch
-
     everything = {one.name: one for one in inputs}
     work.listener = Listener()
 
@@ -416,9 +392,6 @@ def _watched(
 
 def _rows(work: Batch, inputs: Sequence[Input]) -> list[Record]:
     """A record for each file, also for those that were not reached."""
-    from addin.batch.records import Record
-    from addin.batch.summary import NOT_BEGUN
-
     sentence = "The batch ended before this file was calculated. Run again with --resume."
     return [
         work.records.get(one.name) or Record(one.name, str(one.path), NOT_BEGUN, sentence)
@@ -431,11 +404,6 @@ def _summarised(
 ) -> tuple[Path, ...]:
     """Write the summary; nothing if that is impossible, which is said."""
     import datetime as dt
-
-    from addin.batch.records import counted
-    from addin.batch.summary import write_summary
-    from addin.contract.version import product_version
-    from addin.writing.recalculate import of_file
 
     counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
     heading = (
@@ -457,8 +425,6 @@ def _say(
     work: Batch, records: Sequence[Record], ended: str, began: float, written: Sequence[Path]
 ) -> None:
     """The end of a batch, in words."""
-    from addin.batch.records import counted
-
     failed = [one for one in records if not one.done and one.version]
     for one in failed[:_LISTED]:
         typer.echo(f"{one.name}: {one.outcome}: {one.sentence}", err=True)
@@ -493,17 +459,15 @@ def _status(
     if stop.asked and ended:
         return INTERRUPTED
     if stop.reason or not summarised or any(not one.done for one in records):
-        return _WRONG_INPUT
+        return WRONG_INPUT
     if strict and any(one.results.get("verdict") == "fail" for one in records):
-        return _WRONG_INPUT
-    return _DONE
+        return WRONG_INPUT
+    return status.DONE
 
 
 @contextmanager
 def _progress() -> Iterator[Listener]:
     """A bar with rate and time left where somebody watches, else a line now and then."""
-    from addin.batch.scheduler import Listener
-
     if not sys.stderr.isatty():
         yield _lines()
         return
@@ -547,7 +511,6 @@ def _progress() -> Iterator[Listener]:
 
 def _lines() -> Listener:
     """How far a batch is, as lines for a log."""
-    from addin.batch.scheduler import Listener
 
     class Lines(Listener):
         def begin(self, stage: str, total: int) -> None:
@@ -574,9 +537,3 @@ def _lines() -> Listener:
             )
 
     return Lines()
-
-
-def _told(sentence: str) -> typer.Exit:
-    """A sentence for the user; to be raised."""
-    typer.echo(sentence, err=True)
-    return typer.Exit(_WRONG_INPUT)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from addin.cli.study import (
+from addin.cli.options import (
     FileArgument,
     IgnoreLockOption,
     InPlaceOption,
@@ -15,15 +15,15 @@ from addin.cli.study import (
     JsonOption,
     OutOption,
     SchedulerOption,
-    run_study,
 )
-from addin.cli.terminal import Refused, refuse_no_place
-
-if TYPE_CHECKING:
-    from addin.studies.study import Found
-    from engine.case.study_inputs import WordUnit
-
-__all__ = ["calibrate"]
+from addin.cli.status import Refused
+from addin.cli.study import run_study
+from addin.cli.terminal import refuse_no_place
+from addin.reading.case_json import case_to_json
+from addin.studies.calibration import CALIBRATION
+from addin.studies.study import Found
+from addin.writing.recalculate import of_file, write_json
+from engine.case.study_inputs import MEASURED_FREQUENCY, MEASURED_TORQUE, WordUnit
 
 #: The table on the terminal is at least so wide. [characters]
 _WIDTH = 110
@@ -55,8 +55,6 @@ def calibrate(
 
     Example: `torsionbook calibrate train.xlsx --case calibrated.json`
     """
-    from addin.studies.calibration import CALIBRATION
-
     if case is not None and case.resolve() == file.resolve():
         raise typer.BadParameter("--case would write over the input.")
     refuse_no_place(case)
@@ -81,9 +79,6 @@ def calibrate(
 
 
 def _write_case(path: Path, found: Found) -> None:
-    from addin.reading.case_json import case_to_json
-    from addin.writing.recalculate import of_file, write_json
-
     try:
         write_json(path, case_to_json(found.result.calibrated))
     except OSError as wrong:
@@ -91,7 +86,7 @@ def _write_case(path: Path, found: Found) -> None:
     typer.echo(f"written: {path}")
 
 
-def _told(value: float | None, unit: WordUnit) -> str:
+def _in_unit(value: float | None, unit: WordUnit) -> str:
     """A measured or calculated number in the unit that was typed."""
     return "–" if value is None else unit.told(value, 4)
 
@@ -99,8 +94,6 @@ def _told(value: float | None, unit: WordUnit) -> str:
 def _show(found: Found) -> None:
     from rich.console import Console
     from rich.table import Table
-
-    from engine.case.study_inputs import MEASURED_FREQUENCY, MEASURED_TORQUE, WordUnit
 
     units = {
         "frequency": found.units.get(("", MEASURED_FREQUENCY), WordUnit("Hz", 1.0)),
@@ -115,7 +108,7 @@ def _show(found: Found) -> None:
         table.add_row(
             m.of or "–",
             str(m.row),
-            *(_told(v, units[m.kind]) for v in (m.measured, m.before, m.after)),
+            *(_in_unit(v, units[m.kind]) for v in (m.measured, m.before, m.after)),
             "–" if m.residual is None else f"{m.residual:+.2f}",
             m.note,
         )

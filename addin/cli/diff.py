@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from addin.diff.changes import Differences
-
-__all__ = ["diff"]
-
-_WRONG_INPUT = 1
+from addin.cli.diff_view import show
+from addin.cli.status import WRONG_INPUT
+from addin.diff.changes import Differences
+from addin.diff.compare import compare_files
+from addin.diff.files import CannotBeCompared
+from addin.diff.wording import as_json
+from addin.diff.workbook import write_book
+from addin.writing.recalculate import of_file, write_json
 
 
 def diff(
@@ -38,12 +40,6 @@ def diff(
 
     Example: `torsionbook diff proposed.out.xlsx modified.out.xlsx --xlsx diff.xlsx`
     """
-    from addin.cli.diff_view import show
-    from addin.diff.compare import compare_files
-    from addin.diff.files import CannotBeCompared
-    from addin.diff.workbook import write_book
-    from addin.writing.recalculate import of_file
-
     if xlsx is not None and xlsx.suffix.lower() != ".xlsx":
         raise typer.BadParameter(f"--xlsx is '{xlsx}'; it must end in .xlsx.")
     sources = {a.resolve(), b.resolve()}
@@ -56,7 +52,7 @@ def diff(
         typer.echo(f"{wrong.source}: cannot be compared:", err=True)
         for problem in wrong.problems:
             typer.echo(f"  {problem.message}", err=True)
-        raise typer.Exit(_WRONG_INPUT) from wrong
+        raise typer.Exit(WRONG_INPUT) from wrong
     written: list[Path] = []
     try:
         for target, write in ((xlsx, write_book), (json, _write_json)):
@@ -65,16 +61,13 @@ def diff(
                 write(found, target)
     except OSError as wrong:
         typer.echo(of_file(written[-1], wrong).message, err=True)
-        raise typer.Exit(_WRONG_INPUT) from wrong
+        raise typer.Exit(WRONG_INPUT) from wrong
     show(found, everything)
     for path in written:
         typer.echo(f"written: {path}")
     if strict and found.anything:
-        raise typer.Exit(_WRONG_INPUT)
+        raise typer.Exit(WRONG_INPUT)
 
 
 def _write_json(found: Differences, target: Path) -> None:
-    from addin.diff.wording import as_json
-    from addin.writing.recalculate import write_json
-
     write_json(target, as_json(found))

@@ -14,8 +14,6 @@ from addin.diff.changes import Change, Differences, VerdictChange
 from addin.diff.files import Side
 from addin.diff.wording import change_in_words, in_words, telling
 
-__all__ = ["show"]
-
 #: Width below which tables are not squeezed. [characters]
 _WIDTH = 120
 

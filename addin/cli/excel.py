@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from addin.xlsx import SaveReport
-
-__all__ = ["excel"]
-
-_WRONG_INPUT = 1
+from addin.cli.status import WRONG_INPUT, failed
+from addin.excel.doctor import WRONG, examine
+from addin.excel.errors import ExcelError
+from addin.excel.workbook import install as put
+from addin.xlsx import PackageError, SaveReport
 
 excel = typer.Typer(
     name="excel",
@@ -63,7 +62,7 @@ def install(
             f"torsionbook excel upgrade {file}"
         )
     if target.exists() and not force:
-        raise _told(f"{target} is there already. Name another with --out, or say --force.")
+        raise failed(f"{target} is there already. Name another with --out, or say --force.")
     report = _written(file, target, interpreter, ignore_lock)
     typer.echo(f"written: {report.path}")
     typer.echo("On the computer with Excel: torsionbook excel doctor " + str(report.path))
@@ -90,30 +89,18 @@ def doctor(file: File) -> None:
 
     Example: `torsionbook excel doctor train.xlsm`
     """
-    from addin.excel.doctor import WRONG, examine
-
     found = examine(file)
     for check in found:
         typer.echo(f"[{check.state}] {check.what}: {check.found}")
         if check.advice:
             typer.echo(f"    {check.advice}")
     if any(check.state == WRONG for check in found):
-        raise typer.Exit(_WRONG_INPUT)
+        raise typer.Exit(WRONG_INPUT)
 
 
 def _written(file: Path, target: Path | None, interpreter: str, ignore_lock: bool) -> SaveReport:
     """Write the workbook, or say why not."""
-    from addin.excel.errors import ExcelError
-    from addin.excel.workbook import install as put
-    from addin.xlsx import PackageError
-
     try:
         return put(file, target, interpreter=interpreter, ignore_lock=ignore_lock)
     except (ExcelError, PackageError, OSError) as wrong:
-        raise _told(f"{file}: {wrong}") from wrong
-
-
-def _told(sentence: str) -> typer.Exit:
-    """A sentence for the user; to be raised."""
-    typer.echo(sentence, err=True)
-    return typer.Exit(_WRONG_INPUT)
+        raise failed(f"{file}: {wrong}") from wrong

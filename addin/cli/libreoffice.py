@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["calc"]
-
-_WRONG_INPUT = 1
+from addin.cli.status import failed
+from addin.libreoffice.oxt import extension, worker_command
 
 calc = typer.Typer(
     name="calc",
@@ -41,21 +40,14 @@ def install(
     if to.suffix.lower() != ".oxt":
         raise typer.BadParameter(f"'{to}' must end in .oxt.")
     if to.exists() and not force:
-        raise _told(f"{to} is there already. Name another with --to, or say --force.")
-    from addin.libreoffice.oxt import extension, worker_command
+        raise failed(f"{to} is there already. Name another with --to, or say --force.")
 
     try:
         to.write_bytes(extension(worker_command()))
     except OSError as wrong:
-        raise _told(f"{to}: {wrong.strerror or wrong}. Nothing was written.") from wrong
+        raise failed(f"{to}: {wrong.strerror or wrong}. Nothing was written.") from wrong
     typer.echo(f"written: {to}")
     typer.echo(
         "In LibreOffice: Tools, Extensions (Extension Manager), Add, choose this file; restart."
     )
     typer.echo(f"Or, with LibreOffice closed: unopkg add --force {to}")
-
-
-def _told(sentence: str) -> typer.Exit:
-    """A sentence for the user; to be raised."""
-    typer.echo(sentence, err=True)
-    return typer.Exit(_WRONG_INPUT)

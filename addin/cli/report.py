@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import importlib.util
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated
 
 import typer
 
-__all__ = ["report"]
+from addin.cli.status import WRONG_INPUT, failed
+from addin.cli.terminal import list_problems, progress
+from addin.report.make import report as make
+from addin.writing.recalculate import of_file
 
-WRONG_INPUT = 1
 #: What each form of the report is made with; matplotlib draws the figures of both.
 PACKAGES = {"pdf": ("typst", "matplotlib"), "docx": ("docx", "matplotlib")}
 
@@ -52,10 +54,6 @@ def report(
     for name, path in wanted.items():
         _refuse(name, path, force)
 
-    from addin.cli.terminal import list_problems, progress
-    from addin.report.make import report as make
-    from addin.writing.recalculate import of_file
-
     try:
         with progress() as tell:
             done = make(
@@ -66,7 +64,7 @@ def report(
                 on_stage=lambda stage: tell(f"{file.name}: {stage}"),
             )
     except OSError as wrong:
-        _sorry(of_file(next(iter(wanted.values())), wrong).message)
+        raise failed(of_file(next(iter(wanted.values())), wrong).message) from wrong
     for sentence in done.notes:
         typer.echo(f"{file}: note: {sentence}", err=True)
     if done.problems:
@@ -80,18 +78,13 @@ def _refuse(name: str, path: Path, force: bool) -> None:
     """What would keep the report from being written, said before anything is calculated."""
     missing = [one for one in PACKAGES[name] if importlib.util.find_spec(one) is None]
     if missing:
-        _sorry(
+        raise failed(
             "The packages that make a report are not installed. Install them: "
             "pip install torsionbook[report]"
         )
     if path.is_dir():
-        _sorry(f"{path} is a folder; name the file to write.")
+        raise failed(f"{path} is a folder; name the file to write.")
     if not path.parent.is_dir():
-        _sorry(f"The folder {path.parent} does not exist. Make it first.")
+        raise failed(f"The folder {path.parent} does not exist. Make it first.")
     if path.exists() and not force:
-        _sorry(f"{path} is there already. Choose another name, or say --force to replace it.")
-
-
-def _sorry(sentence: str) -> NoReturn:
-    typer.echo(sentence, err=True)
-    raise typer.Exit(WRONG_INPUT)
+        raise failed(f"{path} is there already. Choose another name, or say --force to replace it.")

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+import importlib.util
+import threading
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any
 
 import typer
 
-__all__ = ["serve"]
+from addin.cli.status import INTERNAL, failed
+from addin.server.settings import Settings, SettingsError, check_certificate, read_keys
+
+#: Whether the optional packages of the server are there.
+INSTALLED = all(map(importlib.util.find_spec, ("starlette", "uvicorn", "websockets")))
+if INSTALLED:
+    import uvicorn
+
+    from addin.server.app import create_app
 
 #: How long calculations may go on once the server is told to end. [s]
 GRACE = 3
@@ -34,14 +44,10 @@ def serve(
 
     Example: `torsionbook serve`, then open http://127.0.0.1:8765/ in a browser.
     """
-    try:
-        import uvicorn  # noqa: F401  (said in time)
-    except ImportError:
-        _sorry(
+    if not INSTALLED:
+        raise failed(
             "The server's packages are not installed. Install them: pip install torsionbook[server]"
         )
-    from addin.server.settings import Settings, SettingsError, check_certificate, read_keys
-
     asked: dict[str, Any] = {} if workers is None else {"workers": workers}
     try:
         settings = Settings(
@@ -55,18 +61,12 @@ def serve(
         )
         check_certificate(settings)
     except SettingsError as wrong:
-        _sorry(str(wrong))
+        raise failed(str(wrong)) from wrong
     run(settings)
 
 
 def run(settings: Any) -> None:
     """Serve until Ctrl+C."""
-    import threading
-
-    import uvicorn
-
-    from addin.server.app import create_app
-
     app = create_app(settings)
 
     def give_up() -> None:
@@ -101,11 +101,6 @@ def run(settings: Any) -> None:
     except KeyboardInterrupt:
         pass
     except OSError as wrong:  # the password of the key, for one
-        _sorry(f"The server cannot be started: {wrong}.")
+        raise failed(f"The server cannot be started: {wrong}.") from wrong
     if not server.started:
-        raise typer.Exit(3)
-
-
-def _sorry(sentence: str) -> NoReturn:
-    typer.echo(sentence, err=True)
-    raise typer.Exit(1)
+        raise typer.Exit(INTERNAL)

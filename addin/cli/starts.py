@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from addin.cli.study import (
+from addin.cli.options import (
     FileArgument,
     IgnoreLockOption,
     InPlaceOption,
@@ -15,13 +15,10 @@ from addin.cli.study import (
     JsonOption,
     OutOption,
     SchedulerOption,
-    run_study,
 )
-
-if TYPE_CHECKING:
-    from addin.studies.study import Found
-
-__all__ = ["starts"]
+from addin.cli.study import run_study
+from addin.studies.starts import STARTS
+from addin.studies.study import Found
 
 #: The table on the terminal is at least so wide. [characters]
 _WIDTH = 110
@@ -52,8 +49,6 @@ def starts(
 
     Example: `torsionbook starts train.xlsx` writes train.starts.xlsx.
     """
-    from addin.studies.starts import STARTS
-
     run_study(
         STARTS,
         file,

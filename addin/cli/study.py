@@ -4,56 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Any
 
 import typer
 
-from addin.cli.terminal import Refused, list_problems, progress, study_targets
-
-if TYPE_CHECKING:
-    from addin.batch.scheduler import Stop
-    from addin.studies.study import Found, Study
-
-__all__ = [
-    "FileArgument",
-    "IgnoreLockOption",
-    "InPlaceOption",
-    "JobsOption",
-    "JsonOption",
-    "OutOption",
-    "SchedulerOption",
-    "run_study",
-]
-
-_WRONG_INPUT, _INTERRUPTED = 1, 130
-
-FileArgument = Annotated[
-    Path, typer.Argument(help="Workbook or case JSON.", show_default=False, metavar="FILE")
-]
-OutOption = Annotated[
-    Path | None, typer.Option("--out", help="Folder for the result; default beside the input.")
-]
-InPlaceOption = Annotated[
-    bool, typer.Option("--in-place", help="Write into the workbook itself; keeps a .bak copy.")
-]
-JsonOption = Annotated[
-    Path | None, typer.Option("--json", help="Also write the study as JSON: a file or a folder.")
-]
-JobsOption = Annotated[
-    int | None,
-    typer.Option("--jobs", min=1, help="Processes; default one a core.", show_default=False),
-]
-SchedulerOption = Annotated[
-    str | None,
-    typer.Option(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="Give the work to the Dask cluster with this scheduler, such as tcp://host:8786.",
-    ),
-]
-IgnoreLockOption = Annotated[
-    bool, typer.Option("--ignore-lock", help="Go on although a lock file is there.")
-]
+from addin.batch.scheduler import Abandoned, Stop, Stopped
+from addin.cli.status import INTERRUPTED, WRONG_INPUT, Refused
+from addin.cli.terminal import list_problems, progress, study_targets
+from addin.contract.problems import printable
+from addin.studies.study import Found, Study, study_one
+from addin.workers.cluster import ClusterRefused
+from addin.workers.parallel_map import Cancelled, UnitLost, spread_over
 
 
 def run_study(
@@ -78,12 +39,6 @@ def run_study(
         With 1 for wrong input, 130 after Ctrl-C, whether or not the part that was calculated could be
         written; everything has been told.
     """
-    from addin.batch.scheduler import Abandoned, Stop, Stopped
-    from addin.contract.problems import printable
-    from addin.studies.study import study_one
-    from addin.workers.cluster import ClusterRefused
-    from addin.workers.parallel_map import Cancelled, UnitLost, spread_over
-
     destination, json = study_targets(file, study.command, out, json, in_place)
     stop = Stop()
 
@@ -111,21 +66,21 @@ def run_study(
     except (Abandoned, Cancelled, KeyboardInterrupt) as ended:
         why = f" {ended.why}" if isinstance(ended, Cancelled) and ended.why else ""
         typer.echo(f"{file}: ended by Ctrl-C.{why} Nothing was written.", err=True)
-        raise typer.Exit(_INTERRUPTED) from None
+        raise typer.Exit(INTERRUPTED) from None
     except (ClusterRefused, Stopped, UnitLost) as wrong:
         raise Refused(f"{file}: {wrong}") from wrong
     for sentence in done.warnings:
         typer.echo(f"{file}: note: {printable(sentence)}", err=True)
     if done.found is None:
         list_problems(file, done.problems, bool(done.written))
-        raise typer.Exit(_WRONG_INPUT)
+        raise typer.Exit(WRONG_INPUT)
     show(done.found)
     typer.echo(printable(done.found.sentence))
     for path in done.written:
         typer.echo(f"written: {path}")
     then(done.found)
     if done.found.cut_short is not None:
-        raise typer.Exit(_INTERRUPTED)
+        raise typer.Exit(INTERRUPTED)
 
 
 def _progress(file: Path, stage: str, stop: Stop) -> str:

@@ -10,24 +10,12 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from addin.calculation.stages import is_compiling
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from addin.contract.problems import CellProblem
-
-__all__ = [
-    "Refused",
-    "list_problems",
-    "progress",
-    "refuse_clashes",
-    "refuse_no_folder",
-    "refuse_no_place",
-    "study_targets",
-]
-
-
-class Refused(Exception):
-    """An input or a file that cannot be used; the sentence is all there is to say."""
 
 
 def refuse_clashes(
@@ -126,8 +114,6 @@ def study_targets(
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
     """A line that says what is being done, where somebody watches; a rare long wait is always told."""
-    from addin.writing.recalculate import is_compiling
-
     told: set[str] = set()
 
     def rare(text: str) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from addin.cli.study import (
+from addin.cli.options import (
     FileArgument,
     IgnoreLockOption,
     InPlaceOption,
@@ -14,10 +14,10 @@ from addin.cli.study import (
     JsonOption,
     OutOption,
     SchedulerOption,
-    run_study,
 )
-
-__all__ = ["sensitivities", "tolerances"]
+from addin.cli.study import run_study
+from addin.studies.sensitivities import SENSITIVITIES
+from addin.studies.tolerances import TOLERANCES
 
 _METHODS = ("lhs", "sobol")
 
@@ -53,8 +53,6 @@ def tolerances(
 
     Example: `torsionbook tolerances train.xlsx --samples 10000`
     """
-    from addin.studies.tolerances import TOLERANCES
-
     if method not in _METHODS:
         raise typer.BadParameter(f"--method is '{method}'; allowed is lhs or sobol.")
     run_study(
@@ -86,8 +84,6 @@ def sensitivities(
 
     Example: `torsionbook sensitivities train.xlsx`
     """
-    from addin.studies.sensitivities import SENSITIVITIES
-
     run_study(
         SENSITIVITIES,
         file,

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from addin.cli.study import (
+from addin.cli.options import (
     FileArgument,
     IgnoreLockOption,
     InPlaceOption,
@@ -15,14 +16,15 @@ from addin.cli.study import (
     JsonOption,
     OutOption,
     SchedulerOption,
-    run_study,
 )
+from addin.cli.study import run_study
 from addin.cli.terminal import refuse_no_folder
-
-if TYPE_CHECKING:
-    from addin.studies.study import Found
-
-__all__ = ["tune"]
+from addin.contract.problems import printable
+from addin.reading.case_json import case_to_json
+from addin.studies.study import Found
+from addin.studies.tuning import TUNING
+from addin.writing.recalculate import write_json
+from engine.studies.tuning.tuning import best_cases
 
 
 def tune(
@@ -52,8 +54,6 @@ def tune(
     tables tuning and catalogue of a case JSON. Each combination is a full start; results go to a new
     workbook, train.tune.xlsx.
     """
-    from addin.studies.tuning import TUNING
-
     refuse_no_folder(cases)
 
     def save(found: Found) -> None:
@@ -77,8 +77,6 @@ def tune(
 
 def _show(found: Found, top: int) -> None:
     """The best combinations and the case as it stands, each with its reason."""
-    from addin.contract.problems import printable
-
     for row in found.tables["TuningResults"]:
         if "rank" not in row or (row["rank"] > top and not row["as_is"]):
             continue
@@ -89,12 +87,6 @@ def _show(found: Found, top: int) -> None:
 
 def _save(result: tuple[Any, Any], top: int, folder: Path, stem: str) -> None:
     """The best combinations as case JSON files."""
-    from dataclasses import replace
-
-    from addin.reading.case_json import case_to_json
-    from addin.writing.recalculate import write_json
-    from engine.studies.tuning.tuning import best_cases
-
     case, study = result
     folder.mkdir(parents=True, exist_ok=True)
     for ranked, data in best_cases(case, study, top):

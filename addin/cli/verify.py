@@ -7,9 +7,13 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["verify"]
+from addin.cli.status import WRONG_INPUT
+from addin.verify.file import verify_file
+from addin.verify.findings import Agreement
+from addin.verify.trace import traced
+from addin.verify.wording import as_json, lines
+from addin.writing.recalculate import of_file, write_json
 
-_WRONG_INPUT = 1
 _WITHIN = {"bits": 0, "digits": 1, "error": 2}
 
 
@@ -57,10 +61,6 @@ def verify(
     if trace is not None:
         _trace(files, trace)
         return
-    from addin.verify.file import verify_file
-    from addin.verify.findings import Agreement
-    from addin.verify.wording import as_json, lines
-    from addin.writing.recalculate import write_json
 
     passed = True
     folder = json is not None and (len(files) > 1 or json.is_dir())
@@ -76,12 +76,10 @@ def verify(
             try:
                 write_json(target, as_json(found))
             except OSError as wrong:
-                from addin.writing.recalculate import of_file
-
                 typer.echo(of_file(target, wrong).message, err=True)
                 passed = False
     if not passed:
-        raise typer.Exit(_WRONG_INPUT)
+        raise typer.Exit(WRONG_INPUT)
 
 
 def _refuse_clashes(files: list[Path], case: Path | None, json: Path, folder: bool) -> None:
@@ -103,12 +101,10 @@ def _refuse_clashes(files: list[Path], case: Path | None, json: Path, folder: bo
 
 
 def _trace(files: list[Path], wanted: str) -> None:
-    from addin.verify.trace import traced
-
     for file in files:
         try:
             for line in traced(file, wanted):
                 typer.echo(line)
         except ValueError as wrong:
             typer.echo(str(wrong), err=True)
-            raise typer.Exit(_WRONG_INPUT) from wrong
+            raise typer.Exit(WRONG_INPUT) from wrong

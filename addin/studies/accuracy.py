@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from addin.calculation.stages import COMPILING
 from addin.studies.study import Found, Study
-from addin.writing.recalculate import COMPILING
 
 if TYPE_CHECKING:
     from addin.reading.typed_case import CaseInput

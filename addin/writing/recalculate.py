@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from addin.calculation.stages import COMPILING
 from addin.contract.problems import CellProblem, printable
 from addin.xlsx.whole_files import write_whole
 
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Recalculated",
     "Unreadable",
-    "COMPILING",
-    "is_compiling",
     "WORKBOOK_ENDINGS",
     "beside",
     "calculate_read",
@@ -40,8 +39,6 @@ __all__ = [
 ]
 
 WORKBOOK_ENDINGS = (".xlsx", ".xlsm")
-#: The stage told when the compiled loops are not on this machine yet.
-COMPILING = "compiling the numerical routines, once on this machine (some ten seconds)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,11 +277,6 @@ def calculate_read(
     except (CaseError, ModelError) as wrong:
         return None, of_case(wrong)
     return done, ()
-
-
-def is_compiling(stage: str) -> bool:
-    """Whether a stage is one of the long waits that come once on a machine."""
-    return stage.startswith("compiling the ")
 
 
 def of_case(wrong: CaseError | ModelError) -> tuple[CellProblem, ...]:

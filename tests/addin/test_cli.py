@@ -13,11 +13,11 @@ import openpyxl
 import pandas as pd
 import pytest
 
+from addin.calculation.stages import COMPILING, is_compiling
 from addin.cli.terminal import progress
 from addin.contract.shipped import template_path
 from addin.reference.json_schemas import results_schema
 from addin.writing import recalculate as recalc
-from addin.writing.recalculate import COMPILING
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
 from engine.case.effects import EFFECTS
@@ -326,7 +326,7 @@ def test_both_compilations_are_told_of(monkeypatch):
     recalc.calculate_read(
         recalc.read_checked(template_path("example_backlash.xlsx")), {}, said.append
     )
-    assert [stage for stage in said if recalc.is_compiling(stage)] == [COMPILING, COMPILING_EVENTS]
+    assert [stage for stage in said if is_compiling(stage)] == [COMPILING, COMPILING_EVENTS]
     assert said[0] == COMPILING
 
 

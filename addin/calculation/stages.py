@@ -1,0 +1,9 @@
+"""Words on what is being done that several rooms need."""
+
+#: The stage told when the compiled loops are not on this machine yet.
+COMPILING = "compiling the numerical routines, once on this machine (some ten seconds)"
+
+
+def is_compiling(stage: str) -> bool:
+    """Whether a stage is one of the long waits that come once on a machine."""
+    return stage.startswith("compiling the ")

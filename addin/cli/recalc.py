@@ -1,0 +1,185 @@
+"""`torsionbook recalc`: inputs calculated, results written, and a summary of them."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from addin.calculation.key_figures import headline
+from addin.cli.options import Files
+from addin.cli.overrides import case_overrides
+from addin.cli.status import WRONG_INPUT
+from addin.cli.terminal import list_problems, progress, refuse_clashes
+from addin.contract.problems import printable
+from addin.writing.history_file import history_stems
+from addin.writing.recalculate import Recalculated, beside, recalculate
+
+
+def recalc(
+    files: Files,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the results; default beside each input.")
+    ] = None,
+    in_place: Annotated[
+        bool, typer.Option("--in-place", help="Write into the workbook itself; keeps a .bak copy.")
+    ] = False,
+    json: Annotated[
+        Path | None,
+        typer.Option(help="Also write results as JSON: a file, or a folder for several inputs."),
+    ] = None,
+    method: Annotated[
+        str | None, typer.Option(help="exponential (default) or newmark, the paper's method.")
+    ] = None,
+    tolerance: Annotated[
+        str | None, typer.Option(help="Wanted error of peak torques, such as 0.001 or 0.1%.")
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
+    ] = False,
+    ignore_lock: Annotated[
+        bool, typer.Option("--ignore-lock", help="Go on although a lock file is there.")
+    ] = False,
+) -> None:
+    """Calculate workbooks or case JSON files and write their results.
+
+    Examples: `torsionbook recalc train.xlsx` writes train.out.xlsx;
+    `torsionbook recalc *.xlsx --out results --json results` calculates a folder.
+    """
+    if out is not None and in_place:
+        raise typer.BadParameter("--out and --in-place exclude each other.")
+    overrides = case_overrides(method, tolerance)
+    targets = [_targets(file, out, json, len(files) > 1) for file in files]
+    refuse_clashes(files, targets, in_place)
+    histories = _histories(files, targets, in_place)
+    done: list[Recalculated] = []
+    with progress() as tell:
+        for file, (target, json_file), history in zip(files, targets, histories, strict=True):
+            done.append(
+                _recalculate(
+                    file, target, json_file, in_place, overrides, ignore_lock, tell, history
+                )
+            )
+    for one in done:
+        list_problems(one.source, one.problems, bool(one.written))
+        for sentence in one.warnings:
+            typer.echo(f"{one.source}: note: {printable(sentence)}", err=True)
+    _summary(done)
+    if any(one.problems for one in done):
+        raise typer.Exit(WRONG_INPUT)
+    if strict and any(_overall(one) == "fail" for one in done):
+        raise typer.Exit(WRONG_INPUT)
+
+
+def _targets(
+    file: Path, out: Path | None, json: Path | None, several: bool
+) -> tuple[Path | None, Path | None]:
+    """Result workbook and JSON of one input; None = the default."""
+    ending = ".results.json" if file.suffix.lower() == ".json" else file.suffix
+    destination = out / f"{file.stem}{ending}" if out is not None else None
+    if destination is None and ending == ".results.json" and json is None:
+        destination = file.with_name(f"{file.stem}.results.json")
+    folder = json is not None and (several or json.is_dir() or json == out)
+    json_file = json / f"{file.stem}.results.json" if json is not None and folder else json
+    return destination, json_file
+
+
+def _recalculate(
+    file: Path,
+    destination: Path | None,
+    json_file: Path | None,
+    in_place: bool,
+    overrides: dict[str, Any],
+    ignore_lock: bool,
+    tell: Callable[[str], None],
+    history: str,
+) -> Recalculated:
+
+    return recalculate(
+        file,
+        destination=destination,
+        in_place=in_place,
+        json_file=json_file,
+        overrides=overrides,
+        ignore_lock=ignore_lock,
+        on_stage=lambda stage: tell(f"{file.name}: {stage}"),
+        history=history,
+    )
+
+
+def _histories(
+    files: Sequence[Path], targets: Sequence[tuple[Path | None, Path | None]], in_place: bool
+) -> list[str]:
+    """Names of histories before ``.history``; empty for the usual one, which no other result has."""
+    results = [
+        str(file if in_place else target or beside(file))
+        for file, (target, _) in zip(files, targets, strict=True)
+    ]
+    stems = history_stems(results)
+    return [Path(one).name if stems[one] == one else "" for one in results]
+
+
+def _overall(one: Recalculated) -> str:
+    if one.calculation is None:
+        return "not calculated"
+    return next(v.verdict for v in one.calculation.results.verdicts)
+
+
+#: A terminal narrower than this gets the summary as lines instead of a table.
+TABLE_WIDTH = 110
+
+
+def _summary(done: Sequence[Recalculated]) -> None:
+    """The end of a run: file, first modes, worst margin, peak, start, starts, verdict."""
+    shown = [one for one in done if one.calculation is not None]
+    if not shown:
+        return
+
+    headers = ("First modes [Hz]", "Worst margin", "Largest peak", "Start", "Starts", "Verdict")
+    rows = [
+        (one.source.name, [printable(cell) for cell in (*_summary_cells(one), _overall(one))])
+        for one in shown
+    ]
+    if shutil.get_terminal_size().columns >= TABLE_WIDTH:
+        from rich.console import Console
+        from rich.table import Table
+
+        table = Table("File", *headers, show_edge=False, pad_edge=False)
+        for name, cells in rows:
+            table.add_row(name, *cells)
+        Console(width=max(Console().width, TABLE_WIDTH)).print(table)
+    else:
+        for name, cells in rows:
+            typer.echo(name)
+            for header, cell in zip(headers, cells, strict=True):
+                typer.echo(f"  {header:<17} {cell}")
+    for one in shown:
+        for path in one.written:
+            typer.echo(f"written: {path}")
+
+
+def _summary_cells(one: Recalculated) -> list[str]:
+    assert one.calculation is not None
+
+    calculation = one.calculation
+    shown = headline(calculation.results, calculation.tables.get("StartupPeaks", ()))
+    modes = ", ".join(f"{f:.4g}" for f in shown.frequencies)
+    margin, peak, starts = "–", "–", "–"
+    if shown.margin is not None:
+        margin = f"{100 * shown.margin:.1f} % (mode {shown.margin_mode})"
+    if shown.peak_over_rated is not None:
+        peak = f"{shown.peak_over_rated:.2f} × rated, {shown.peak_where}"
+    elif shown.peak_torque is not None:
+        peak = f"{shown.peak_torque:.4g} N m {shown.peak_where}"
+    if shown.starts_not_judged:
+        starts = "not judged"
+    elif shown.starts_unlimited:
+        starts = "unlimited"
+    elif shown.starts is not None:
+        starts = f"{math.floor(shown.starts):,}"
+    outcome = "–" if one.calculation.results.start is None else shown.outcome
+    return [modes, margin, peak, outcome, starts]

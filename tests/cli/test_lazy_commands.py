@@ -1,0 +1,48 @@
+"""Commands are found in a table, and their modules are imported when they are called."""
+
+import importlib
+import subprocess
+import sys
+
+import click
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from addin.cli.app import COMMANDS, app
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_table_says_what_the_command_says_of_itself(name):
+    command = typer.main.get_command(app).get_command(click.Context(click.Command("x")), name)
+    assert command.name == name
+    own_help = " ".join((command.help or "").split("\n\n")[0].split())
+    assert COMMANDS[name].help == own_help
+
+
+def test_every_module_of_a_command_is_in_the_table():
+    """A command that nobody can call is no command."""
+    modules = {command.module for command in COMMANDS.values()}
+    for module in modules:
+        importlib.import_module(module)
+    assert set(COMMANDS) >= {"new", "check", "recalc", "export", "version", "excel", "calc"}
+
+
+@pytest.mark.parametrize("words", [["--help"], ["--version"], []])
+def test_help_imports_no_command(words):
+    script = (
+        "import sys\nfrom addin.cli.app import COMMANDS, app\n"
+        "try:\n    app(sys.argv[1:])\nexcept SystemExit:\n    pass\n"
+        "modules = {command.module for command in COMMANDS.values()}\n"
+        "print('imported:', sorted(modules & set(sys.modules)))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, *words], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.endswith("imported: []\n"), done.stdout
+
+
+def test_a_mistyped_command_is_answered_with_the_nearest():
+    done = CliRunner().invoke(app, ["recalk", "train.xlsx"])
+    assert done.exit_code == 2
+    assert "No such command 'recalk'. Did you mean 'recalc'" in done.output
