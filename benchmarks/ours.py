@@ -13,8 +13,11 @@ from engine.model.load import loads_of
 from engine.model.modes import ModalDamping, Modes, modal_damping, modes_of, natural_modes
 from engine.model.motor import motors_of
 from engine.model.train import Train, build_train
-from engine.start.start import StartModel, Trajectory, settings_of, simulate, start_model
+from engine.start.settings import settings_of
+from engine.start.simulation import simulate
+from engine.start.start_model import StartModel, start_model
 from engine.start.time_response import TimeResponse, linear, of_time, time_response
+from engine.start.trajectory import Trajectory
 
 __all__ = ["PreparedStart", "build_and_solve", "prepare_start", "response", "run_steps"]
 

@@ -33,7 +33,7 @@ from engine.case.case import Case
 from engine.errors import TorsionError  # noqa: E402
 from engine.results.results import Results  # noqa: E402
 from engine.run import run  # noqa: E402
-from engine.start.start import Start  # noqa: E402
+from engine.start.start import Start
 
 __all__ = [
     "FULL", "MOST_NUDGES", "QUICK", "Answer", "ClassSummary", "Study", "classes_of", "record_of", "study",

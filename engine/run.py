@@ -13,6 +13,7 @@ import numpy as np
 
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, case_digest
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effects import Sensitivity, StartEffects
 from engine.case.plausibility import implausible
 from engine.fatigue.allowable_starts import AllowableStarts, shear_stress
@@ -41,10 +42,12 @@ from engine.plan.plan import Plan, first_plan, revised_plan, with_times
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.results.verdicts import verdicts_of
 from engine.start.crossings import Crossing, start_crossings
+from engine.start.outcome import Outcome
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
-from engine.start.start import DEFAULT_TOLERANCE_PEAK, Start, has_start, run_start
-from engine.start.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, starts_of
+from engine.start.settings import has_start
+from engine.start.start import Start, run_start
+from engine.start.start_fatigue import judged_shafts, starts_of
 from engine.start.warm_up import load_routines
 
 __all__ = [
@@ -562,7 +565,7 @@ def _warnings(
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
-    tripped = start.outcome.outcome == "tripped"  # its time is that of the coast-down
+    tripped = start.outcome.outcome == Outcome.TRIPPED  # its time is that of the coast-down
     if start.outcome.time > LONG_START and start.runup is not None and not tripped:
         yield (
             f"The start takes {start.outcome.time:.0f} s; most take less than {LONG_START:.0f} s. "

@@ -7,7 +7,7 @@ from typing import Any
 import typer
 
 from addin.cli.options import check_choice
-from engine.case.data import LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
+from engine.case.defaults import LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
 
 
 def case_overrides(method: str | None, tolerance: str | None) -> dict[str, Any]:

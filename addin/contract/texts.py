@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from engine.case.defaults import NOTABLE_REVERSAL
 from engine.start.reversals import PRACTICE_LIMITS
-from engine.start.start import NOTABLE_REVERSAL
 
 __all__ = [
     "CAPTIONS",

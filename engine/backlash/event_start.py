@@ -26,6 +26,7 @@ from engine.backlash.event_simulation import (
     torque_tables,
 )
 from engine.case.data import CaseData
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START
 from engine.case.effects import (
     CONTACT_LAWS,
     PullIn,
@@ -38,29 +39,13 @@ from engine.model.modes import ModalDamping, Modes, stated_damping
 from engine.model.motor import electrical_arrays, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
+from engine.start.outcome import Outcome, StartOutcome, outcome_of, run_length
+from engine.start.peaks import element_peaks, relative_errors, worst_outputs
 from engine.start.prescribed import prescribed_torques, run_prescribed
 from engine.start.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
-from engine.start.start import (
-    COARSEST_FIRST,
-    DEFAULT_TOLERANCE_PEAK,
-    LONGEST_START,
-    MAX_VALUES,
-    NEGLIGIBLE,
-    Start,
-    StartModel,
-    StartOutcome,
-    StartSettings,
-    element_peaks,
-    has_start,
-    keeps_history,
-    outcome_of,
-    relative_errors,
-    run_length,
-    run_start,
-    settings_of,
-    start_model,
-    worst_outputs,
-)
+from engine.start.settings import NEGLIGIBLE, StartSettings, has_start, keeps_history, settings_of
+from engine.start.start import Start, run_start
+from engine.start.start_model import COARSEST_FIRST, MAX_VALUES, StartModel, start_model
 from engine.start.trajectory import Trajectory, read_turning
 
 __all__ = ["clearances_of", "pull_in_outcome", "run_event_start"]
@@ -408,7 +393,7 @@ def _script(
             end_speed = None
     if effects.full_length or effects.pull_in or effects.aborted_start:
         maximum = longest
-    elif linear.outcome.outcome in ("reached", "time out"):
+    elif linear.outcome.outcome in (Outcome.REACHED, Outcome.TIME_OUT):
         maximum = min(1.2 * linear.outcome.time + 1.0, longest)
     else:  # where the plain start settled below its end speed, so does this one
         maximum = linear.outcome.time
@@ -567,7 +552,7 @@ def _outcome(
         outcome = replace(linear.outcome, end_speed=speed)
         if run.gave_up:
             text = f"Given up after {run.trajectory.n_steps} steps at {end:.4g} s."
-            outcome = replace(outcome, outcome="time out", time=end, sentence=text)
+            outcome = replace(outcome, outcome=Outcome.TIME_OUT, time=end, sentence=text)
         return outcome
     share, rpm = speed / synchronous, speed * 30.0 / math.pi
     if run.gave_up:
@@ -576,21 +561,25 @@ def _outcome(
             f"speed), {len(run.log)} changes of contact so far. Check stiffness and damping of the "
             "elements with a clearance."
         )
-        return StartOutcome("time out", end, speed, text)
+        return StartOutcome(Outcome.TIME_OUT, end, speed, text)
     if run.trip_time is not None:
         at = float(np.interp(run.trip_time, run.trajectory.time, run.trajectory.mean_speed))
-        text = (
-            f"Tripped at {at / synchronous:.1%} speed after {run.trip_time:.3f} s; coasted down to "
-            f"{share:.1%} speed ({rpm:.1f} rpm) until {end:.3f} s."
+        return StartOutcome.with_numbers(
+            Outcome.TRIPPED,
+            end,
+            speed,
+            trip_share=at / synchronous,
+            trip_time=run.trip_time,
+            share=share,
+            rpm=rpm,
         )
-        return StartOutcome("tripped", end, speed, text)
     if pull_in is not None and not (pull_in.synchronised or run.settled):
         text = (
             f"Time out: field applied after {pull_in.field_time:.3f} s at a slip of "
             f"{pull_in.field_slip:.2%}; neither in step nor surely out of it after {end:.3f} s, at "
             f"{share:.2%} speed. Raise MaximumTime."
         )
-        return StartOutcome("time out", end, speed, text)
+        return StartOutcome(Outcome.TIME_OUT, end, speed, text)
     if pull_in is not None:
         return pull_in_outcome(pull_in, end, speed, synchronous)
     if run.waits_for_angle:
@@ -600,7 +589,7 @@ def _outcome(
             f"angle did not come to FieldAngle ({angle:.4g} degrees) until {end:.3f} s, at "
             f"{share:.2%} speed."
         )
-        return StartOutcome("not synchronised", end, speed, text)
+        return StartOutcome(Outcome.NOT_SYNCHRONISED, end, speed, text)
     return outcome_of(linear.runup, settings_of(case), run.trajectory, end, synchronous)
 
 
@@ -625,20 +614,27 @@ def pull_in_outcome(pull_in: PullIn, end: float, speed: float, synchronous: floa
         f"field applied after {pull_in.field_time:.3f} s at a slip of {pull_in.field_slip:.2%}"
     )
     if not pull_in.synchronised:
-        text = (
-            f"Not synchronised: {applied}; {pull_in.pole_slips} pole slips until {end:.3f} s, when "
-            f"the train turned at {speed / synchronous:.2%} speed."
+        return StartOutcome.with_numbers(
+            Outcome.NOT_SYNCHRONISED,
+            end,
+            speed,
+            applied=applied,
+            pole_slips=pull_in.pole_slips,
+            share=speed / synchronous,
         )
-        return StartOutcome("not synchronised", end, speed, text)
     assert pull_in.load_angle is not None
     assert pull_in.pull_in_time is not None
-    slips = f"{pull_in.pole_slips} pole slip{'' if pull_in.pole_slips == 1 else 's'}"
     swing = "" if pull_in.swing_frequency is None else f", swing {pull_in.swing_frequency:.3g} Hz"
-    text = (
-        f"Synchronised: {applied}; in step from {pull_in.pull_in_time:.3f} s after {slips}, load "
-        f"angle {math.degrees(pull_in.load_angle):.1f} degrees{swing}."
+    return StartOutcome.with_numbers(
+        Outcome.SYNCHRONISED,
+        end,
+        speed,
+        applied=applied,
+        pull_in_time=pull_in.pull_in_time,
+        slips=f"{pull_in.pole_slips} pole slip{'' if pull_in.pole_slips == 1 else 's'}",
+        load_angle=math.degrees(pull_in.load_angle),
+        swing=swing,
     )
-    return StartOutcome("synchronised", end, speed, text)
 
 
 def _settled_judge(

@@ -15,16 +15,6 @@ from typing import Any
 
 #: The word in From or To that means a fixed end or the ground.
 GROUND = "ground"
-#: End of a start without field, over synchronous speed (contract).
-DEFAULT_END_SPEED = 0.97
-
-#: No peak torque is taken to be more accurate than this share of it, however well two runs agree:
-#: what rounding and the reading of an extreme between two samples leave, with a margin. [1]
-LEAST_PEAK_ERROR = 1e-7
-
-#: Least `tolerance_peak` that can be met: room for that error and for the tenth of the tolerance that
-#: is left to modes not simulated. Asked for less, a start takes every step it may, for nothing. [1]
-LEAST_TOLERANCE_PEAK = 2.0 * LEAST_PEAK_ERROR
 
 
 @dataclass(frozen=True)

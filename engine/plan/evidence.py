@@ -10,25 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS, LONGEST_START
 from engine.model.load import loads_of
 from engine.model.modes import ModalDamping, Modes
 from engine.model.motor import Motor, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
-from engine.start.start import (
-    DEFAULT_TOLERANCE_PEAK,
-    LONGEST_START,
-    NEGLIGIBLE,
-    Start,
-    has_start,
-    settings_of,
-)
-from engine.start.start_fatigue import (
-    DEFAULT_TOLERANCE_STARTS,
-    judged_shafts,
-    sn_slope,
-    stress_over_endurance,
-)
+from engine.start.settings import NEGLIGIBLE, has_start, settings_of
+from engine.start.start import Start
+from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
 from engine.start.torque_outputs import force_reach, torque_outputs
 
 __all__ = [

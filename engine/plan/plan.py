@@ -28,6 +28,7 @@ from engine.case.data import CaseData
 from engine.case.effects import CONTACT_LAWS, EFFECTS, EffectDecision, StartEffects
 from engine.plan.evidence import NEARLY_REACHED, ElementMinimum, Evidence
 from engine.start.crossings import INITIAL_SHOCK_ZONE
+from engine.start.outcome import Outcome
 
 __all__ = ["Plan", "first_plan", "revised_plan", "with_times"]
 
@@ -505,7 +506,7 @@ def _run_length(e: Evidence) -> _Finding:
     finite = number if math.isfinite(number) else None
     taken = f"needs {number:.3g} s" if finite is not None else "never reaches the end speed"
     why = f"The rigid train {taken}; the run ends when it is there or has settled"
-    settled = e.linear is not None and e.linear.outcome != "reached"
+    settled = e.linear is not None and e.linear.outcome != Outcome.REACHED
     why += "." if not settled else ", and cycles counted are those until then."
     if not settled:
         why += " Forced on it changes nothing in a start that reaches its end speed."

@@ -13,6 +13,7 @@ from engine.case.data import CaseData
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.operation.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
 from engine.operation.steady_state import SteadyState
+from engine.start.outcome import Outcome
 from engine.start.reversals import Reversal
 from engine.start.start import Start
 from engine.start.start_fatigue import WHOLE_STARTS
@@ -112,22 +113,22 @@ def _steady(steady: SteadyState) -> Iterator[Verdict]:
 #: Verdict on each outcome of a start, any other is a fail; an asynchronous end is a matter of
 #: pull-in, a trip was asked for: neither is judged here.
 OUTCOME_VERDICTS = {
-    "reached": PASS,
-    "synchronised": PASS,
-    "not synchronised": FAIL,
-    "tripped": NOT_JUDGED,
-    "asynchronous": NOT_JUDGED,
-    "completed": NOT_JUDGED,
+    Outcome.REACHED: PASS,
+    Outcome.SYNCHRONISED: PASS,
+    Outcome.NOT_SYNCHRONISED: FAIL,
+    Outcome.TRIPPED: NOT_JUDGED,
+    Outcome.ASYNCHRONOUS: NOT_JUDGED,
+    Outcome.COMPLETED: NOT_JUDGED,
 }
 
 
 def _outcome(case: CaseData, start: Start) -> Verdict:
     o = start.outcome
-    verdict, wanted = OUTCOME_VERDICTS.get(o.outcome, FAIL), "reached"
+    verdict, wanted = OUTCOME_VERDICTS.get(o.outcome, FAIL), Outcome.REACHED
     off = any(c.effect == "pull-in" and c.choice == "off" for c in case.effect_choices)
     if case.field_slip is not None and not off:
-        wanted = "synchronised"
-        if o.outcome in ("reached", "asynchronous"):
+        wanted = Outcome.SYNCHRONISED
+        if o.outcome in (Outcome.REACHED, Outcome.ASYNCHRONOUS):
             where = f"{o.sentence} The slip at which the field is applied was not reached."
             return Verdict("Start", o.outcome, wanted, "text", FAIL, where)
     return Verdict("Start", o.outcome, wanted, "text", verdict, o.sentence)

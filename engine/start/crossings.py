@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.defaults import NOTABLE_REVERSAL
 from engine.model.modes import ModalDamping, Modes
 from engine.model.train import Train
 from engine.operation.margins import percent_speed
-from engine.start.start import NOTABLE_REVERSAL, Start
+from engine.start.start import Start
 
 __all__ = ["Crossing", "start_crossings"]
 

@@ -10,21 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
 from engine.errors import ModelError
 from engine.model.modes import ModalDamping, Modes
 from engine.model.train import Train
-from engine.start.start import (
-    DEFAULT_TOLERANCE_PEAK,
-    Start,
-    StartOutcome,
-    Trajectory,
-    element_peaks,
-    relative_errors,
-    turning_of,
-    worst_outputs,
-)
+from engine.start.outcome import Outcome, StartOutcome
+from engine.start.peaks import element_peaks, relative_errors, worst_outputs
+from engine.start.start import Start
 from engine.start.time_response import PrescribedTorque, linear, time_response
 from engine.start.torque_outputs import force_reach, torque_outputs
+from engine.start.trajectory import Trajectory, turning_of
 
 __all__ = ["prescribed_torques", "run_prescribed"]
 
@@ -101,9 +96,8 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
         halvings, step = halvings + 1, 0.5 * step
         coarse, fine = fine, at(0.5 * step)
     speed = float(fine[0].mean_speed[-1])
-    sentence = f"Prescribed torques followed to {end:.4g} s."
     return Start(
-        outcome=StartOutcome("completed", end, speed, sentence),
+        outcome=StartOutcome.with_numbers(Outcome.COMPLETED, end, speed),
         peaks=peaks,
         trajectory=fine[0],
         turning_points=tuple(fine[2][i] for i in output if i >= 0),

@@ -22,11 +22,12 @@ from numpy.typing import NDArray
 
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow
+from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.effects import ContactRecord
 from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
 from engine.operation.margins import FAIL, NOT_JUDGED, PASS
-from engine.start.start import NOTABLE_REVERSAL, Start
+from engine.start.start import Start
 
 __all__ = [
     "PRACTICE_LIMITS",

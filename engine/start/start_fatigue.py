@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from engine.case.data import CaseData, ElementRow
+from engine.case.defaults import DEFAULT_TOLERANCE_STARTS
 from engine.fatigue.allowable_starts import (
     RESIDUES,
     AllowableStarts,
@@ -20,6 +21,7 @@ from engine.fatigue.allowable_starts import (
     shear_stress,
     sn_curve_for,
 )
+from engine.start.outcome import Outcome
 from engine.start.start import Start
 
 __all__ = [
@@ -34,13 +36,13 @@ __all__ = [
     "stress_over_endurance",
 ]
 
-#: Accuracy of allowable starts where the case leaves it blank. [1]
-DEFAULT_TOLERANCE_STARTS = 0.02
 #: Outcomes after which the cycles are those of a whole start.
-WHOLE_STARTS = frozenset({"reached", "synchronised", "asynchronous", "completed"})
+WHOLE_STARTS = frozenset(
+    {Outcome.REACHED, Outcome.SYNCHRONISED, Outcome.ASYNCHRONOUS, Outcome.COMPLETED}
+)
 #: Outcomes whose damage says how many such starts are allowed; a trip was asked for. After any
 #: other the shaft has not seen what is still to come, and "unlimited" would be a lie.
-COUNTED_STARTS = WHOLE_STARTS | {"tripped"}
+COUNTED_STARTS = WHOLE_STARTS | {Outcome.TRIPPED}
 #: Largest cycles compared between two steps to estimate the error of turning points.
 COMPARED_CYCLES = 50
 

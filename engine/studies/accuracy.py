@@ -28,22 +28,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.fatigue.allowable_starts import RESIDUES, shaft_fatigue
 from engine.model.load import loads_of
 from engine.model.motor import motors_of
 from engine.results.results import AccuracyRow
 from engine.run import NEWMARK, Planned, analyse, calculate_start, planned_start
-from engine.start.start import (
-    DEFAULT_TOLERANCE_PEAK,
-    MAX_VALUES,
-    Start,
-    StartModel,
-    has_start,
-    simulate,
-    start_model,
-    turning_of,
-)
-from engine.start.start_fatigue import DEFAULT_TOLERANCE_STARTS, judged_shafts, sn_curve_of
+from engine.start.settings import has_start
+from engine.start.simulation import simulate
+from engine.start.start import Start
+from engine.start.start_fatigue import judged_shafts, sn_curve_of
+from engine.start.start_model import MAX_VALUES, StartModel, start_model
+from engine.start.trajectory import turning_of
 
 __all__ = ["AccuracyRow", "AccuracyStudy", "accuracy_study"]
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
+from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.effects import StartEffects
 from engine.errors import InternalError, ModelError
 from engine.fatigue.allowable_starts import (
@@ -32,16 +33,11 @@ from engine.model.train import build_train, has_clearance
 from engine.operation.margins import nearest_frequency
 from engine.results.results import Results
 from engine.run import Model, analyse, calculate_start, planned_start
-from engine.start.start import (
-    NOTABLE_REVERSAL,
-    PreparedStart,
-    SingleRun,
-    Start,
-    StartOutcome,
-    has_start,
-    prepared_start,
-    worst_outputs,
-)
+from engine.start.outcome import StartOutcome
+from engine.start.peaks import worst_outputs
+from engine.start.settings import has_start
+from engine.start.simulation import SingleRun
+from engine.start.start import PreparedStart, Start, prepared_start
 from engine.start.start_fatigue import COUNTED_STARTS, judged_shafts, sn_curve_of
 
 __all__ = [

@@ -13,14 +13,8 @@ from engine.backlash.clearance_response import clearance_response
 from engine.backlash.event_simulation import EventRun, simulate_events
 from engine.backlash.event_start import clearances_of, run_event_start
 from engine.case.case import Case
-from engine.case.data import (
-    LEAST_PEAK_ERROR,
-    LEAST_TOLERANCE_PEAK,
-    CaseData,
-    ElementRow,
-    MeshRow,
-    StationRow,
-)
+from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.case.defaults import LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
 from engine.case.effects import CONTACT_LAWS, StartEffects
 from engine.errors import CaseError
 from engine.model.gears import transverse_pressure_angle

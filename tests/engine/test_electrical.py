@@ -23,7 +23,8 @@ from engine.model.load import loads_of
 from engine.model.motor import electrical_arrays, has_electrical, motors_of, through_synchronism
 from engine.model.rigid_runup import rigid_runup
 from engine.numerics.torque_curve import torque_curve
-from engine.start.start import run_start, start_model
+from engine.start.start import run_start
+from engine.start.start_model import start_model
 from engine.stepping import linear_loop as kernels
 from engine.stepping.exponential import exponential_step
 from tests.numerics.test_start_reference import Reference

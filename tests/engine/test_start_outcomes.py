@@ -15,7 +15,9 @@ from engine.model.load import loads_of
 from engine.model.motor import motors_of
 from engine.start.crossings import start_crossings
 from engine.start.prescribed import run_prescribed
-from engine.start.start import run_start, simulate, start_model
+from engine.start.simulation import simulate
+from engine.start.start import run_start
+from engine.start.start_model import start_model
 from tests.trains import LOAD, MOTOR, RATED, geared, load, motor, peaks, prepared, started
 
 SYNCHRONOUS = 60.0 * math.pi

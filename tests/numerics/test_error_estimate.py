@@ -17,14 +17,12 @@ import pytest
 from engine.backlash.event_start import _beyond, _may_be_overtaken, _together_until, run_event_start
 from engine.model.load import loads_of
 from engine.model.motor import motors_of
-from engine.start.start import (
-    _difference,
-    run_start,
-    settings_of,
-    simulate,
-    start_model,
-    turning_of,
-)
+from engine.start.peaks import _difference
+from engine.start.settings import settings_of
+from engine.start.simulation import simulate
+from engine.start.start import run_start
+from engine.start.start_model import start_model
+from engine.start.trajectory import turning_of
 from tests.random_clearances import start_with_clearances
 from tests.random_starts import random_start
 from tests.trains import prepared

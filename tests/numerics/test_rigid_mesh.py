@@ -11,8 +11,10 @@ from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow, TorqueTimeRow
 from engine.model.load import loads_of
 from engine.model.motor import motors_of
-from engine.start.start import Trajectory, simulate, start_model
+from engine.start.simulation import simulate
+from engine.start.start_model import start_model
 from engine.start.time_response import TimeResponse, held, of_time, time_response
+from engine.start.trajectory import Trajectory
 from tests.trains import RATED, geared, load, prepared
 
 END = 0.5

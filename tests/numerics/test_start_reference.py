@@ -21,13 +21,10 @@ from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow
 from engine.model.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, loads_of
 from engine.model.motor import motors_of
-from engine.start.start import (
-    Trajectory,
-    run_start,
-    simulate,
-    start_model,
-    turning_of,
-)
+from engine.start.simulation import simulate
+from engine.start.start import run_start
+from engine.start.start_model import start_model
+from engine.start.trajectory import Trajectory, turning_of
 from tests.sample_case import sample_case
 from tests.trains import geared, load, motor, peaks, prepared, started
 

@@ -20,8 +20,8 @@ from engine.backlash.event_start import clearances_of
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 from engine.model.modes import modes_of
 from engine.model.train import build_train
-from engine.start.start import turning_of
 from engine.start.time_response import linear
+from engine.start.trajectory import turning_of
 from engine.stepping.contact_loop import BACK, DRIVE, FREE
 
 

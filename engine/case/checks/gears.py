@@ -25,7 +25,6 @@ from engine.errors import Problem, Quoted
 
 #: Pitch radii must agree with the speed ratios to this share (contract).
 RADIUS_TOLERANCE = 1e-3
-
 MESH_LENGTHS = (
     ("Pitch radius drive", "pitch_radius_drive", POSITIVE, "m"),
     ("Pitch radius driven", "pitch_radius_driven", POSITIVE, "m"),

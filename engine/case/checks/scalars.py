@@ -17,13 +17,13 @@ from engine.case.checks.problem import (
     quote_quantity,
     wrong_value,
 )
-from engine.case.data import DEFAULT_END_SPEED, LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK, CaseData
+from engine.case.data import CaseData
+from engine.case.defaults import DEFAULT_END_SPEED, LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
 from engine.case.effects import CONTACT_LAWS
 from engine.errors import Problem
 
 #: Line frequency, speed and poles, or power, speed and torque, must agree to this share.
 RATING_TOLERANCE = 5e-3
-
 #: Voltage over that of the torque curves; more is a percent sign forgotten.
 LARGEST_VOLTAGE = 2.0
 

@@ -10,7 +10,7 @@ from engine.case.data import CaseData
 from engine.case.study_inputs import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
 from engine.errors import Problem
 from engine.model.modes import natural_modes
-from engine.start.start import has_start
+from engine.start.settings import has_start
 from engine.studies.calibration.least_squares import PeakReading, Reading
 from engine.studies.scatter import FROM_TO, NORMAL, Factor, factors_of, scatter_problems
 from engine.studies.variation import DAMPING, DAMPING_RATIO, INERTIA, STIFFNESS, names_with

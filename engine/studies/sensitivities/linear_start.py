@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from engine.model.modes import Modes
 from engine.model.train import Train
-from engine.start.start import StartModel
+from engine.start.start_model import StartModel
 from engine.start.torque_outputs import TorqueOutputs
 from engine.stepping.exponential import polynomial_step
 

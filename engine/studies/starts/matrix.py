@@ -40,7 +40,8 @@ from engine.model.rigid_runup import rigid_runup
 from engine.operation.margins import percent_speed
 from engine.results.results import Results
 from engine.run import analyse, run
-from engine.start.start import has_start, settings_of
+from engine.start.outcome import Outcome
+from engine.start.settings import has_start, settings_of
 from engine.start.start_fatigue import WHOLE_STARTS, is_counted, judged_shafts
 from engine.studies.variation import DAMPING_RATIO, LOAD_TORQUE, Change, changed
 
@@ -552,9 +553,9 @@ def _outcome_words(
 ) -> str:
     assert results.start is not None
     word = results.start.outcome.outcome
-    if word == "tripped" and condition.trip_speed and synchronous:
+    if word == Outcome.TRIPPED and condition.trip_speed and synchronous:
         return f"tripped at {100.0 * condition.trip_speed / synchronous:.1f} % speed"
-    if share is None or word in ("no breakaway", "synchronised"):
+    if share is None or word in (Outcome.NO_BREAKAWAY, Outcome.SYNCHRONISED):
         return word
     return f"{word} at {100.0 * share:.1f} % speed"
 
@@ -629,13 +630,13 @@ def _notes(
             )
         elif shafts:
             yield "How many are allowed is not judged."
-    elif name == "tripped":
+    elif name == Outcome.TRIPPED:
         yield f"{outcome.sentence} The coast-down is counted."
         if condition.row is not None:
             yield "One instant of the trip: another within the same period may do more or less."
     elif condition.trip_speed is not None:
         yield f"It does not come to its trip speed. {outcome.sentence}"
-    elif name == "asynchronous":
+    elif name == Outcome.ASYNCHRONOUS:
         yield outcome.sentence
     if results.starts is None and shafts:
         yield "Starts are not judged: cycle counting is forced off in EffectChoices."

@@ -1,0 +1,249 @@
+"""How a start ended: the word, and the sentence with its numbers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from engine.case.defaults import LONGEST_START
+from engine.model.rigid_runup import RigidRunup
+from engine.start.settings import StartSettings
+from engine.start.trajectory import Trajectory
+
+#: An equilibrium at or above this share of synchronous speed is `asynchronous`, below `stalled`.
+ASYNCHRONOUS_ABOVE = 0.95
+#: Time simulated where the motor cannot break the train away. [s]
+STANDSTILL_TIME = 2.0
+#: Speed this close to the equilibrium of the rigid train has settled.
+SETTLED = 0.01
+
+
+class Outcome(StrEnum):
+    """The word for how a start ended, with the sentence that its numbers are filled into."""
+
+    sentence: str
+
+    def __new__(cls, word: str, sentence: str) -> Outcome:
+        """A member with its sentence."""
+        member = str.__new__(cls, word)
+        member._value_ = word
+        member.sentence = sentence
+        return member
+
+    #: It came to its end speed.
+    REACHED = "reached", "{share:.1%} speed ({rpm:.1f} rpm) reached after {end:.3f} s."
+    #: With the field applied it came into step.
+    SYNCHRONISED = (
+        "synchronised",
+        "Synchronised: {applied}; in step from {pull_in_time:.3f} s after {slips}, load angle "
+        "{load_angle:.1f} degrees{swing}.",
+    )
+    #: With the field applied it went on slipping poles, or the run ended first.
+    NOT_SYNCHRONISED = (
+        "not synchronised",
+        "Not synchronised: {applied}; {pole_slips} pole slips until {end:.3f} s, when the train "
+        "turned at {share:.2%} speed.",
+    )
+    #: An aborted start came to its trip speed and coasted down.
+    TRIPPED = (
+        "tripped",
+        "Tripped at {trip_share:.1%} speed after {trip_time:.3f} s; coasted down to {share:.1%} "
+        "speed ({rpm:.1f} rpm) until {end:.3f} s.",
+    )
+    #: Torque and load balance close below synchronous speed.
+    ASYNCHRONOUS = (
+        "asynchronous",
+        "Asynchronous: torque and load balance at {rpm:.1f} rpm ({share:.1%} speed), below the end "
+        "speed of {end_share:.1%}.",
+    )
+    #: They balance at a lower speed.
+    STALLED = (
+        "stalled",
+        "Stalled: torque and load balance at {rpm:.1f} rpm ({share:.1%} speed), below the end speed "
+        "of {end_share:.1%}.",
+    )
+    #: The motor cannot turn the train at all.
+    NO_BREAKAWAY = (
+        "no breakaway",
+        "No breakaway: at standstill the loads take {load:.4g} N m, the motor gives {average:.4g} "
+        "N m (referred to the motor).",
+    )
+    #: The run ended before the start did.
+    TIME_OUT = "time out", "Time out: {rpm:.1f} rpm ({share:.1%} speed) after {end:.3f} s."
+    #: Prescribed torques were followed to their end; there is no start.
+    COMPLETED = "completed", "Prescribed torques followed to {end:.4g} s."
+
+
+@dataclass(frozen=True)
+class StartOutcome:
+    """How the start ended."""
+
+    outcome: Outcome  #: The word.
+    time: float  #: Simulated time. [s]
+    end_speed: float  #: Mean speed of the reference shaft at that time. [rad/s]
+    sentence: str  #: The outcome with its numbers.
+
+    @classmethod
+    def with_numbers(
+        cls, outcome: Outcome, time: float, end_speed: float, **numbers: object
+    ) -> StartOutcome:
+        """An outcome whose sentence names its numbers.
+
+        Parameters
+        ----------
+        outcome : Outcome
+            The word.
+        time : float
+            Simulated time; `end` in the sentence. [s]
+        end_speed : float
+            Mean speed of the reference shaft then. [rad/s]
+        **numbers
+            What else its sentence names.
+
+        Returns
+        -------
+        StartOutcome
+            Word, numbers and sentence. [mixed]
+        """
+        return cls(outcome, time, end_speed, outcome.sentence.format(end=time, **numbers))
+
+
+def end_of(trajectory: Trajectory, target_speed: float) -> float:
+    """Time at which the target speed was crossed, or the last sample.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        A simulated start. [SI]
+    target_speed : float
+        Mean speed of the reference shaft. [rad/s]
+
+    Returns
+    -------
+    float
+        Time. [s]
+    """
+    t, w = trajectory.time, trajectory.mean_speed
+    if not trajectory.reached or len(t) < 2:
+        return float(t[-1])
+    share = (target_speed - w[-2]) / (w[-1] - w[-2])
+    return float(t[-2] + min(max(share, 0.0), 1.0) * (t[-1] - t[-2]))
+
+
+def run_length(runup: RigidRunup) -> float:
+    """Time to simulate: that of the rigid train with a reserve.
+
+    Parameters
+    ----------
+    runup : RigidRunup
+        The rigid train. [SI]
+
+    Returns
+    -------
+    float
+        Time. [s]
+    """
+    if runup.equilibrium is None:
+        return 1.5 * float(runup.time[-1]) + 1.0
+    if runup.equilibrium <= 0.0:
+        return STANDSTILL_TIME
+    # up to a speed where the net torque is still clearly positive, then the exponential approach
+    i = int(np.flatnonzero(runup.speed <= 0.98 * runup.equilibrium)[-1])
+    gap = runup.equilibrium - float(runup.speed[i])
+    approach = runup.inertia * gap / float(runup.net[i])
+    left = max(math.log(gap / (0.002 * runup.equilibrium)), 0.0)
+    return 1.1 * (float(runup.time[i]) + approach * left) + 2.0
+
+
+def start_settled(
+    runup: RigidRunup, trajectory: Trajectory, end: float, synchronous: float
+) -> bool:
+    """Whether a start that did not reach its end speed has come to rest at some speed.
+
+    Parameters
+    ----------
+    runup : RigidRunup
+        The rigid train. [SI]
+    trajectory : Trajectory
+        The start. [SI]
+    end : float
+        When it ended. [s]
+    synchronous : float
+        Synchronous speed of the reference shaft. [rad/s]
+    """
+    speed = _late_speed(trajectory, end)
+    if runup.equilibrium is not None:
+        if runup.equilibrium <= 0.0:
+            if speed < 0.01 * synchronous:
+                return True
+        elif abs(speed - runup.equilibrium) <= SETTLED * runup.equilibrium:
+            return True
+    before = _late_speed(trajectory, 0.8 * end)
+    gained = (speed - before) / (0.2 * end)
+    return gained * 10.0 * end < synchronous - speed and end > STANDSTILL_TIME
+
+
+def _cut_by_itself(settings: StartSettings, end: float) -> bool:
+    """Whether a run ended before MaximumTime (or the longest start simulated) ended it."""
+    return end < 0.999 * (settings.maximum_time or LONGEST_START)
+
+
+def _late_speed(trajectory: Trajectory, end: float) -> float:
+    """Mean speed over the last tenth of a run, half a second at most."""
+    t, w = trajectory.time, trajectory.mean_speed
+    inside = (t >= end - min(0.5, 0.1 * end)) & (t <= end)
+    return float(np.mean(w[inside])) if np.any(inside) else float(w[-1])
+
+
+def outcome_of(
+    runup: RigidRunup,
+    settings: StartSettings,
+    trajectory: Trajectory,
+    end: float,
+    synchronous: float,
+) -> StartOutcome:
+    """Name the way a start without field or trip ended, with its numbers.
+
+    Parameters
+    ----------
+    runup : RigidRunup
+        The rigid train. [SI]
+    settings : StartSettings
+        How it was calculated. [SI]
+    trajectory : Trajectory
+        The start. [SI]
+    end : float
+        When it ended. [s]
+    synchronous : float
+        Synchronous speed of the reference shaft. [rad/s]
+
+    Returns
+    -------
+    StartOutcome
+        Word, numbers and sentence. [mixed]
+    """
+    speed = settings.end_speed if trajectory.reached else _late_speed(trajectory, end)
+    share, rpm = speed / synchronous, speed * 30.0 / math.pi
+    numbers: dict[str, object] = {"share": share, "rpm": rpm}
+    if trajectory.reached:
+        return StartOutcome.with_numbers(Outcome.REACHED, end, speed, **numbers)
+    if runup.equilibrium is not None and runup.equilibrium <= 0.0 and share < 0.01:
+        numbers = {"load": runup.load[0], "average": runup.average[0]}
+        return StartOutcome.with_numbers(Outcome.NO_BREAKAWAY, end, speed, **numbers)
+    near = runup.equilibrium and abs(speed - runup.equilibrium) <= SETTLED * runup.equilibrium
+    if near or (
+        _cut_by_itself(settings, end) and start_settled(runup, trajectory, end, synchronous)
+    ):
+        # judged by where the speed tends to, quoted as simulated
+        tends_to = runup.equilibrium / synchronous if near and runup.equilibrium else share
+        word = Outcome.ASYNCHRONOUS if tends_to >= ASYNCHRONOUS_ABOVE else Outcome.STALLED
+        numbers["end_share"] = settings.end_speed / synchronous
+        return StartOutcome.with_numbers(word, end, speed, **numbers)
+    outcome = StartOutcome.with_numbers(Outcome.TIME_OUT, end, speed, **numbers)
+    if not math.isfinite(float(runup.time[-1])):
+        return outcome
+    needed = f" As a rigid body the train would need {float(runup.time[-1]):.4g} s."
+    return replace(outcome, sentence=outcome.sentence + needed)

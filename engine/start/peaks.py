@@ -1,0 +1,211 @@
+"""Extremes of the torque of each element, and how sure they are."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.defaults import LEAST_PEAK_ERROR
+from engine.model.train import Train
+from engine.start.settings import NEGLIGIBLE
+from engine.start.trajectory import Trajectory
+
+Floats = NDArray[np.float64]
+
+#: Maxima, and minima, of two runs that are compared to estimate the error of the largest.
+COMPARED_EXTREMES = 6
+#: No element is taken to be more accurate than this share of the worst, nor than `LEAST_PEAK_ERROR`.
+SHARED_ERROR = 0.3
+
+
+@dataclass(frozen=True)
+class ElementPeak:
+    """Extremes of the torque of one element over the whole start."""
+
+    element: str  #: Element.
+    maximum: float  #: Largest and smallest torque, at the element's own speed. [N m]
+    minimum: float  #: Likewise. [N m]
+    time: float  #: When the larger of the two magnitudes occurs. [s]
+    speed: float  #: Mean speed of the reference shaft then. [rad/s]
+    error: float  #: Estimated absolute error of the extremes. [N m]
+
+    @property
+    def peak_to_peak(self) -> float:
+        """Maximum minus minimum. [N m]"""
+        return self.maximum - self.minimum
+
+    @property
+    def relative_error(self) -> float:
+        """Error over the larger magnitude of the extremes. [1]"""
+        size = max(abs(self.maximum), abs(self.minimum))
+        return self.error / size if size > 0.0 else 0.0
+
+
+def worst_outputs(
+    train: Train, trajectory: Trajectory, turning: list[tuple[Floats, Floats]]
+) -> NDArray[np.int64]:
+    """For each element the output (segment) with the largest peak-to-peak torque.
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    trajectory : Trajectory
+        A simulated start. [SI]
+    turning : list of (ndarray, ndarray)
+        Turning points of every output. [s, N m]
+
+    Returns
+    -------
+    ndarray of int, shape (n_elements,)
+        Output; −1 where an element has none. [index]
+    """
+    span = np.array([float(np.ptp(value)) for _, value in turning])
+    chosen = np.full(len(train.elements), -1, dtype=np.int64)
+    for output, element in enumerate(trajectory.output_element):
+        if element < 0:  # a bearing of a gear, not an element of the train
+            continue
+        if chosen[element] < 0 or span[output] > span[chosen[element]]:
+            chosen[element] = output
+    return chosen
+
+
+def _difference(
+    a: tuple[Floats, Floats],
+    b: tuple[Floats, Floats],
+    until_largest: bool = False,
+    guard_share: float = 1.0,
+    same_until: float = math.inf,
+) -> float:
+    """Largest difference of the extremes of two runs, a share of that of the next smaller ones included.
+
+    Two curves that differ may by chance share their largest value; they hardly share six. Those
+    after the largest are compared with the nearest of the other run, not rank by rank: where one
+    run has a ripple the other has not, all ranks below it would be compared with their neighbours.
+    After many impacts two runs go their own ways; with `until_largest` what comes after the largest
+    value says nothing about it. The share is all of it where the largest value comes after
+    `same_until`.
+    """
+    worst = 0.0
+    for sign in (1.0, -1.0):
+        x, y = (_highest(sign * value, until_largest) for _, value in (a, b))
+        latest = max(float(when[int(np.argmax(sign * value))]) for when, value in (a, b))
+        share = guard_share if latest < same_until else 1.0
+        worst = max(
+            worst,
+            abs(float(x[0] - y[0])),
+            share * _distance(x[:COMPARED_EXTREMES], y[: 2 * COMPARED_EXTREMES]),
+            share * _distance(y[:COMPARED_EXTREMES], x[: 2 * COMPARED_EXTREMES]),
+        )
+    return worst
+
+
+def _highest(value: Floats, until_largest: bool) -> Floats:
+    """Values in falling order; on request those up to the largest in time."""
+    seen = value[: int(np.argmax(value)) + 1] if until_largest else value
+    return np.sort(seen)[::-1]
+
+
+def _distance(values: Floats, others: Floats) -> float:
+    """Largest distance of any of the values from the nearest of the others."""
+    return float(np.max(np.min(np.abs(values[:, None] - others[None, :]), axis=1)))
+
+
+def relative_errors(peaks: tuple[ElementPeak, ...], truncation: Floats) -> tuple[float, float]:
+    """Largest relative error of the peaks, and the part of it that modes left out may cause.
+
+    Parameters
+    ----------
+    peaks : tuple of ElementPeak
+        Peaks. [N m]
+    truncation : ndarray, shape (n_peaks,)
+        Bound on what modes left out may add to each. [N m]
+
+    Returns
+    -------
+    error : float
+        Largest relative error. [1]
+    truncation : float
+        Largest relative truncation. [1]
+    """
+    sizes = np.array([max(abs(p.maximum), abs(p.minimum)) for p in peaks])
+    floor = np.maximum(sizes, NEGLIGIBLE * np.max(sizes, initial=0.0))
+    floor = np.where(floor > 0.0, floor, np.inf)
+    errors = np.array([p.error for p in peaks])
+    return (
+        float(np.max(errors / floor, initial=0.0)),
+        float(np.max(truncation / floor, initial=0.0)),
+    )
+
+
+def element_peaks(
+    train: Train,
+    truncation: Floats,
+    fine: tuple[Trajectory, float, list[tuple[Floats, Floats]]],
+    coarse: tuple[Trajectory, float, list[tuple[Floats, Floats]]],
+    output: NDArray[np.int64],
+    *,
+    until_largest: bool = False,
+    guard_share: float = 1.0,
+    same_until: float = math.inf,
+) -> tuple[ElementPeak, ...]:
+    """Extremes of every element; the error is the change from h to h/2 plus the truncation.
+
+    That change is about fifteen times the error of the finer run at fourth order, three times at
+    second. It is taken over several extremes, and not below a share of the worst element's, so
+    that an accidental agreement is not taken for accuracy (tests/numerics/test_error_estimate.py).
+
+    Parameters
+    ----------
+    train : Train
+        The train. [SI]
+    truncation : ndarray, shape (n_outputs,)
+        Bound on what modes left out may add to each output. [N m]
+    fine, coarse : tuple
+        Trajectory, end time and turning points at h/2 and at h. [SI]
+    output : ndarray of int, shape (n_elements,)
+        Output that stands for each element; −1 where there is none. [index]
+    until_largest : bool, optional
+        True: extremes after the largest do not count for the error (runs with impacts). [flag]
+    guard_share : float, optional
+        How much of the change of the next smaller extremes is taken for the error of the finer run;
+        default all of it, as always of the change of the extremes themselves. [1]
+    same_until : float, optional
+        Time from which the two runs went different ways: where the largest extreme comes later, all of
+        that change is taken. [s]
+
+    Returns
+    -------
+    tuple of ElementPeak
+        One an element. [N m]
+    """
+    trajectory, _, turning = fine
+    judged = [(element, int(i)) for element, i in enumerate(output) if i >= 0]
+    size = np.array([float(np.max(np.abs(turning[i][1]))) for _, i in judged])
+    change = np.array(
+        [
+            _difference(turning[i], coarse[2][i], until_largest, guard_share, same_until)
+            for _, i in judged
+        ]
+    )
+    floor = np.maximum(size, NEGLIGIBLE * np.max(size, initial=0.0))
+    relative = change / np.where(floor > 0.0, floor, 1.0)
+    least = max(SHARED_ERROR * float(np.max(relative, initial=0.0)), LEAST_PEAK_ERROR)
+    peaks = []
+    for (element, i), own, scale in zip(judged, relative, floor, strict=True):
+        when, value = turning[i]
+        time = float(when[int(np.argmax(np.abs(value)))])
+        peaks.append(
+            ElementPeak(
+                train.elements[element],
+                float(value.max()),
+                float(value.min()),
+                time,
+                float(np.interp(time, trajectory.time, trajectory.mean_speed)),
+                float(max(own, least) * scale + truncation[i]),
+            )
+        )
+    return tuple(peaks)

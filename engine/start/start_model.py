@@ -1,0 +1,631 @@
+"""A start in arrays: as few modes as the tolerance allows, forces, dampers and curves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import CaseData
+from engine.case.effects import StartEffects
+from engine.errors import ModelError
+from engine.model.load import Load
+from engine.model.modes import ModalDamping, Modes
+from engine.model.motor import Motor, electrical_arrays, through_synchronism, voltage_factor
+from engine.model.train import Train
+from engine.numerics.torque_curve import TorqueCurve
+from engine.start.settings import NEGLIGIBLE, PLAIN_START
+from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
+
+Floats = NDArray[np.float64]
+
+#: Largest and smallest phase of the pulsation per step tried first. [rad]
+COARSEST_FIRST, FINEST_FIRST = 2.0, 0.02
+#: A ringing mode is followed by steps of at most this phase. [rad]
+COARSEST_ANGLE = 1.2
+#: Peak error of the exponential start at 1 rad of pulsation phase per step: measured 1e-5 × (phase
+#: per step)⁴ (docs/benchmarks.md, the start), taken four times as large. [1]
+ERROR_AT_ONE_RADIAN = 4e-5
+#: Modes whose ringing decays below this share of the tolerance need no fine steps any more.
+FADED = 0.05
+#: A mode far above the pulsation that would need more steps than this is not integrated; it
+#: follows statically, and its ringing after breaker closing is reported as an error.
+MAX_RINGING_STEPS = 500_000
+#: Steps in the time a load's station takes through the standstill zone, and how many such times.
+BREAKAWAY_POINTS, BREAKAWAY_LENGTH = 6.0, 3.0
+#: A transient that dies out faster than the pulsation varies is followed so many time constants.
+SHOCK_LENGTH = 12.0
+#: "Far above the pulsation": this many times its highest frequency.
+FAR_ABOVE = 10.0
+#: Most values (steps × outputs) of one simulation that is only meant to refine another.
+MAX_VALUES = 10_000_000
+#: Share of its peak torque that a motor is at least taken to switch on when modes are judged.
+SWITCHED_SHARE = 0.25
+#: The step is at most this over the rate of the fastest damper that acts as a force.
+DAMPER_STEP = 0.5
+#: Dampers that would need a step below this share of the usual one stay on each mode for itself.
+FINEST_DAMPER_STEP = 0.05
+#: A damper beside a spring is idle where its torque stays below this share of the tolerance.
+IDLE_DAMPER = 0.1
+#: Largest amplification of a mode when the force of a damper across it is estimated: what sweeping
+#: through a resonance leaves of it in practice.
+LARGEST_AMPLIFICATION = 20.0
+#: A mode sampled once in this phase shows this share of its ringing as error of the dense output.
+SAMPLED_ANGLE = 7.0
+
+
+@dataclass(frozen=True, eq=False)
+class StartModel:
+    """A start in arrays: kept modes, force stations, curves."""
+
+    #: ω² and damping coefficient of the kept modes. [1/s², 1/s] Shape (n_modes,).
+    stiffness: Floats
+    rate: Floats  #: Likewise. [1/s², 1/s] Shape (n_modes,).
+    reach: Floats  #: Forces to modes. [rad/√(kg m²)] Shape (n_modes, n_forces).
+    #: Rigid-body speed of the reference shaft from modal velocities. [√(1/(kg m²))] Shape
+    #: (n_modes,).
+    mean_speed: Floats
+    outputs: TorqueOutputs  #: Element torques. [SI]
+    curves: tuple[Any, ...]  #: Arguments of the compiled loop. [SI]
+    motors: tuple[Any, ...]  #: Likewise. [SI]
+    loads: tuple[Any, ...]  #: Likewise. [SI]
+    timed: tuple[Any, ...]  #: Likewise. [SI]
+    dampers: tuple[Any, ...]  #: Likewise. [SI]
+    phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+    pulsation_omega: float  #: Highest pulsation frequency, twice line. [rad/s]
+    #: (end time, largest angular frequency to be resolved until then). [s, rad/s]
+    windows: tuple[tuple[float, float], ...]
+    #: Bound on what the modes left out may add to each output. [N m] Shape (n_outputs,).
+    truncation: Floats
+    largest_step: float  #: Longest step at which dampers that act as forces are followed. [s]
+    #: Transient, field and connection of each motor, for the compiled loop. [SI]
+    electrical: tuple[Any, ...]
+    keep: NDArray[np.bool_]  #: Modes that are integrated. [mask] Shape (n_modes,).
+    #: Nodes of the first forces: stations, then dampers to ground. [indices]
+    force_nodes: NDArray[np.int64]
+    #: Rows of the remaining forces, dampers across elements. [indices]
+    damper_rows: NDArray[np.int64]
+    #: Dampers so strong for their inertias that following them as forces would need absurdly short
+    #: steps: they damp each mode for itself although coupling was asked for.
+    uncoupled_dampers: tuple[str, ...] = ()
+
+
+def start_model(
+    case: CaseData,
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    motors: tuple[Motor, ...],
+    loads: tuple[Load, ...],
+    tolerance: float,
+    maximum_time: float = 60.0,
+    effects: StartEffects = PLAIN_START,
+    *,
+    implicit_dampers: bool = False,
+) -> StartModel:
+    """Arrays of a start, with as few modes as the tolerance allows.
+
+    A damper without a spring beside it (a fluid coupling) carries the torque of everything beyond
+    it, so it is not spread over the modes but acts as a torque between its two ends. With
+    `effects.coupled_damping` all dampers do, those to ground too, which is exact for damping of any
+    distribution.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case (for prescribed torques). [SI]
+    train : Train
+        Its train. [SI]
+    modes : Modes
+        All its modes. [SI]
+    damping : ModalDamping
+        Damping of each mode. [SI]
+    motors, loads : tuple
+        Motors and driven machines. [SI]
+    tolerance : float
+        Wanted relative error of peak torques; a tenth of it may go to modes left out. [1]
+    maximum_time : float, optional
+        Longest simulated time: what following a ringing mode costs. [s]
+    effects : StartEffects, optional
+        Which electrical transients, dampers and modes count. Field, trip and clearances are events
+        of the run; here only the sizes of their torques are taken into account. [flags]
+    implicit_dampers : bool, optional
+        True: the loop solves for the forces of dampers, so none is too strong for it. [flag]
+
+    Returns
+    -------
+    StartModel
+        Arguments of the compiled loop. [SI]
+    """
+    timed_names = list(dict.fromkeys(p.station for p in case.torque_time))
+    timed_stations = [train.station_index(str(n)) for n in timed_names]
+    stations = sorted(
+        {m.station for m in motors} | {d.station for d in loads} | set(timed_stations)
+    )
+    column = {s: i for i, s in enumerate(stations)}
+    index = np.array(stations, dtype=np.int64)
+    line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
+    fastest = 2.0 * line_omega
+    shock = _shock(case, effects)
+    dampers = _candidate_dampers(train, effects, tolerance, fastest)
+    uncoupled: list[str] = []
+    while True:
+        forces = np.concatenate([index, dampers.nodes])  # stations first, then dampers to ground
+        all_reach = np.concatenate(
+            [force_reach(train, modes, forces), modes.row_twist[dampers.rows].T], axis=1
+        )
+        of_stations = _force_sizes(case, train, motors, loads, column, effects)
+        sizes = _with_dampers(of_stations, train, modes, damping, dampers, all_reach, fastest)
+        outputs = _outputs(train, modes, forces, dampers, uncoupled)
+        ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
+        keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest, effects)
+        windows = _windows(
+            modes, damping, ringing, scale, keep, tolerance, fastest, maximum_time, effects
+        )
+        gains = dampers.viscous * np.sum(all_reach[keep][:, len(index) :] ** 2, axis=0)
+        held = _too_strong(dampers, gains, all_reach[keep][:, len(index) :], tolerance, fastest)
+        if implicit_dampers or not np.any(held):
+            break
+        uncoupled += [dampers.names[i] for i in np.flatnonzero(held)]
+        dampers = dampers.without(held)
+    jump = _last_jump(case)
+    own = all_reach[:, len(index) :]
+    rate = damping.rate - own**2 @ dampers.viscous  # those act as forces
+    left_out = ~keep
+    truncation = (ringing + slow)[:, left_out].sum(axis=1)
+    reference = modes.shape[train.node_dof[motors[0].station]]
+    reference = reference * train.node_scale[motors[0].station]
+    mean = np.where(modes.omega == 0.0, reference, 0.0) / train.speed_ratio[motors[0].station]
+    if not np.any(mean):
+        raise ModelError(
+            f"Station '{train.stations[motors[0].station]}' is held to ground by a spring; its "
+            "motor cannot start."
+        )
+    curves: list[TorqueCurve] = []
+    return StartModel(
+        np.ascontiguousarray(modes.omega[keep] ** 2),
+        np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
+        np.ascontiguousarray(all_reach[keep]),
+        np.ascontiguousarray(mean[keep]),
+        _outputs(train, modes, forces, dampers, uncoupled, keep),
+        motors=_motor_arrays(motors, column, curves, line_omega, effects),
+        loads=_load_arrays(loads, column, curves),
+        timed=_timed_arrays(case, timed_names, timed_stations, column),
+        curves=_curve_arrays(curves),
+        dampers=(np.arange(len(index), all_reach.shape[1]), dampers.viscous),
+        phase=np.array([m.phase for m in motors]),
+        pulsation_omega=fastest,
+        windows=_with_breakaway(windows, train, motors, loads, jump, shock, fastest),
+        truncation=truncation,
+        largest_step=_damper_step(dampers, own, keep),
+        electrical=electrical_arrays(motors, case, effects),
+        keep=keep,
+        force_nodes=forces,
+        damper_rows=dampers.rows,
+        uncoupled_dampers=tuple(uncoupled),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Dampers:
+    """Dampers that act as forces: those at nodes, to ground, then those of rows."""
+
+    nodes: NDArray[np.int64]
+    rows: NDArray[np.int64]
+    viscous: Floats  # of both [N m s/rad]
+    needed: NDArray[np.bool_]  # not to be given back to the modes: there is no spring beside it
+    names: tuple[str, ...]
+
+    def without(self, held: NDArray[np.bool_]) -> _Dampers:
+        """All but those held."""
+        n = len(self.nodes)
+        return _Dampers(
+            self.nodes[~held[:n]],
+            self.rows[~held[n:]],
+            self.viscous[~held],
+            self.needed[~held],
+            tuple(name for name, out in zip(self.names, held, strict=True) if not out),
+        )
+
+
+def _candidate_dampers(
+    train: Train, effects: StartEffects, tolerance: float, fastest: float
+) -> _Dampers:
+    """Dampers without a spring; where coupling is asked for all dampers."""
+    loose = (train.stiffness == 0.0) & (train.viscous > 0.0)
+    rows, nodes = np.flatnonzero(loose), np.zeros(0, dtype=np.int64)
+    if effects.coupled_damping:
+        # a damper beside a spring so stiff that it takes no share of the torque couples nothing
+        idle = FAR_ABOVE * fastest * train.viscous < IDLE_DAMPER * tolerance * train.stiffness
+        rows = np.flatnonzero((train.viscous > 0.0) & ~idle)
+        nodes = np.flatnonzero(train.node_damping > 0.0)
+    names = [
+        f"{train.stations[i]} (to ground)" if i < train.n_stations else f"node {i} (to ground)"
+        for i in nodes
+    ]
+    for row in rows:
+        element = int(train.row_element[row])
+        names.append(train.elements[element] if element >= 0 else f"bearing (row {row})")
+    return _Dampers(
+        nodes,
+        rows,
+        np.concatenate([train.node_damping[nodes], train.viscous[rows]]),
+        np.concatenate([np.zeros(len(nodes), dtype=np.bool_), loose[rows]]),
+        tuple(names),
+    )
+
+
+def _too_strong(
+    dampers: _Dampers, gains: Floats, reach: Floats, tolerance: float, fastest: float
+) -> NDArray[np.bool_]:
+    """Dampers that would need absurdly short steps: as few as possible, the strongest first."""
+    held = np.zeros(len(gains), dtype=np.bool_)
+    most = DAMPER_STEP / (FINEST_DAMPER_STEP * usual_step(tolerance, fastest))
+    for i in np.argsort(-gains, kind="stable"):
+        if dampers.needed[i]:
+            continue
+        # the sum bounds the rate of all together; where it is not good enough, the exact norm
+        left = ~held & ~dampers.needed
+        if gains[left].sum() <= most or _joint_rate(reach[:, left], dampers.viscous[left]) <= most:
+            break
+        held[i] = True
+    return held
+
+
+def _joint_rate(reach: Floats, viscous: Floats) -> float:
+    """Largest rate at which dampers together slow any motion: the norm of R diag(c) Rᵀ. [1/s]"""
+    if not len(viscous):
+        return 0.0
+    return float(np.linalg.norm(reach * np.sqrt(viscous), 2) ** 2)
+
+
+def _damper_step(dampers: _Dampers, reach: Floats, keep: NDArray[np.bool_]) -> float:
+    """Longest step at which the dampers are followed. [s]"""
+    loose = dampers.viscous * np.sum(reach**2, axis=0) * dampers.needed
+    rate = float(np.max(loose, initial=0.0))
+    if not np.all(dampers.needed):
+        rate = max(rate, _joint_rate(reach[keep], dampers.viscous))
+    return DAMPER_STEP / max(rate, 1e-300)
+
+
+def _outputs(
+    train: Train,
+    modes: Modes,
+    forces: NDArray[np.int64],
+    dampers: _Dampers,
+    uncoupled: Sequence[str],
+    keep: NDArray[np.bool_] | None = None,
+) -> TorqueOutputs:
+    """Element torques; a rigid mesh also feels the dampers that act as forces on its To side.
+
+    Those without a spring are in the torque of their row already. A damper too strong to be coupled
+    acts on every mode for itself; its torque between its own ends is then not c times their speed.
+    """
+    outputs = torque_outputs(train, modes, forces, keep, dampers=dampers.rows)
+    if uncoupled:
+        modal = np.isin(
+            outputs.element, [train.elements.index(n) for n in uncoupled if n in train.elements]
+        )
+        outputs = replace(outputs, velocity=np.where(modal[:, None], 0.0, outputs.velocity))
+    if not train.rigid_meshes or np.all(dampers.needed):
+        return outputs
+    force = outputs.force.copy()
+    first = len(forces)
+    for mesh in train.rigid_meshes:
+        output = int(np.flatnonzero(outputs.element == mesh.element)[0])
+        nodes = np.array(mesh.to_side)
+        ratio = train.speed_ratio[nodes] / mesh.from_ratio
+        drawn = train.node_incidence[dampers.rows][:, nodes] @ ratio
+        sprung = ~dampers.needed[len(dampers.nodes) :]
+        force[output, first:] -= train.orientation[mesh.element] * np.where(sprung, drawn, 0.0)
+    return replace(outputs, force=force)
+
+
+def usual_step(tolerance: float, fastest: float) -> float:
+    """Step that the pulsation asks for.
+
+    Parameters
+    ----------
+    tolerance : float
+        Wanted relative error of peak torques. [1]
+    fastest : float
+        Highest pulsation frequency. [rad/s]
+
+    Returns
+    -------
+    float
+        Step. [s]
+    """
+    angle = float((0.5 * tolerance / ERROR_AT_ONE_RADIAN) ** 0.25)
+    return min(max(angle, FINEST_FIRST), COARSEST_FIRST) / fastest
+
+
+@dataclass(frozen=True)
+class _Shock:
+    """The transient at breaker closing."""
+
+    amplitude: float
+    rate: float
+
+
+def _shock(case: CaseData, effects: StartEffects) -> _Shock | None:
+    """Transient at breaker closing, if it is simulated and stated."""
+    if not (effects.breaker_closing and case.shock_amplitude and case.shock_time_constant):
+        return None
+    return _Shock(voltage_factor(case) * abs(case.shock_amplitude), 1.0 / case.shock_time_constant)
+
+
+@dataclass(frozen=True, eq=False)
+class _ForceSizes:
+    """How large each force is: what modes are judged by."""
+
+    step: Floats  # switched on at once
+    ramp: Floats  # sum of all changes of slope [N m/s]
+    smooth: Floats  # largest value of what varies no faster than the pulsation
+    carried: Floats  # what the scale of the outputs is judged by
+
+
+def _force_sizes(
+    case: CaseData,
+    train: Train,
+    motors: tuple[Motor, ...],
+    loads: tuple[Load, ...],
+    column: dict[int, int],
+    effects: StartEffects,
+) -> tuple[_ForceSizes, float]:
+    """Sizes of the forces at stations, and the sum of the driving ones at the reference shaft."""
+    n = len(column)
+    step, ramp, smooth = (np.zeros(n) for _ in range(3))
+    reference_torque = 0.0
+    shock = _shock(case, effects)
+    line_omega = motors[0].pole_pairs * motors[0].synchronous_speed
+    pull_out = voltage_factor(case) * (case.pull_out_torque or 0.0) if effects.pull_in else 0.0
+    for m in motors:
+        i = column[m.station]
+        largest = float(np.max(np.abs(m.average.cubic[:, 0])))
+        pulsating = float(np.max(np.abs(m.pulsating.cubic[:, 0])))
+        initial = abs(float(m.average(0.0)) + float(m.pulsating(0.0)) * math.sin(m.phase))
+        switched_off = largest + pulsating + pull_out if effects.aborted_start else 0.0
+        step[i] += max(initial, SWITCHED_SHARE * largest, switched_off)
+        smooth[i] += pulsating
+        if shock is not None:  # begins with the slope of A sin ωt, then varies no faster than that
+            ramp[i] += shock.amplitude * line_omega
+            smooth[i] += shock.amplitude
+        if pull_out:
+            if case.field_time_constant:
+                ramp[i] += pull_out / case.field_time_constant
+            else:
+                step[i] += pull_out
+            smooth[i] += pull_out
+        reference_torque += (largest + pulsating) * float(train.speed_ratio[m.station])
+    for d in loads:
+        step[column[d.station]] += float(d.torque(0.0))
+    for name in dict.fromkeys(p.station for p in case.torque_time):
+        rows = [p for p in case.torque_time if p.station == name]
+        times = np.array([p.time for p in rows], dtype=float)
+        torques = np.array([p.torque for p in rows], dtype=float)
+        i = column[train.station_index(str(name))]
+        slope = np.diff(torques) / np.diff(times)
+        step[i] += abs(float(torques[0]))
+        ramp[i] += float(np.sum(np.abs(np.diff(slope, prepend=0.0, append=0.0))))
+        smooth[i] += float(np.max(np.abs(torques)))
+        reference_torque += smooth[i] * float(train.speed_ratio[train.station_index(str(name))])
+    carried = np.maximum(step, SWITCHED_SHARE * smooth)
+    return _ForceSizes(step, ramp, smooth, carried), reference_torque
+
+
+def _with_dampers(
+    of_stations: tuple[_ForceSizes, float],
+    train: Train,
+    modes: Modes,
+    damping: ModalDamping,
+    dampers: _Dampers,
+    reach: Floats,
+    fastest: float,
+) -> _ForceSizes:
+    """Sizes of all forces, those of the dampers last.
+
+    A damper without a spring carries the whole torque. Any other has its coefficient times the
+    speed across it: of the vibration its modes may reach, and to ground that of the shaft itself.
+    It loads no element by more than those forces do, so it has no part in the scale.
+    """
+    sizes, reference_torque = of_stations
+    n = len(sizes.step)
+    drive = np.abs(reach[:, :n]) @ (sizes.step + sizes.smooth)
+    safe = np.where(modes.omega > 0.0, modes.omega, np.inf)
+    excess = 1.0 / np.maximum(2.0 * damping.ratio, 1.0 / LARGEST_AMPLIFICATION)
+    vibration = np.where(safe <= fastest, np.maximum(excess, 1.0), fastest / safe) * drive / safe
+    smooth = dampers.viscous * (np.abs(reach[:, n:]).T @ vibration)
+    ramp = dampers.viscous * np.abs(reach[:, n:].T @ (reach[:, :n] @ sizes.step))
+    carried = np.zeros(len(smooth))
+    grounded = len(dampers.nodes)
+    ratio = train.speed_ratio[dampers.nodes]
+    smooth[:grounded] += dampers.viscous[:grounded] * 0.5 * fastest * ratio
+    for k, row in enumerate(dampers.rows, start=grounded):
+        end = float(train.speed_ratio[int(np.argmax(np.abs(train.node_incidence[row])))])
+        if dampers.needed[k] and end > 0.0:
+            smooth[k], ramp[k] = reference_torque / end, 0.0
+            carried[k] = SWITCHED_SHARE * smooth[k]
+    return _ForceSizes(
+        np.concatenate([sizes.step, np.zeros(len(smooth))]),
+        np.concatenate([sizes.ramp, ramp]),
+        np.concatenate([sizes.smooth, smooth]),
+        np.concatenate([sizes.carried, carried]),
+    )
+
+
+def _last_jump(case: CaseData) -> float:
+    """Latest time at which a table of torque against time begins with a jump; else zero."""
+    first = {p.station: p for p in reversed(case.torque_time)}
+    return max((float(p.time or 0.0) for p in first.values() if p.torque), default=0.0)
+
+
+def _mode_amplitudes(
+    modes: Modes, outputs: TorqueOutputs, reach: Floats, sizes: _ForceSizes, fastest: float
+) -> tuple[Floats, Floats, Floats]:
+    """Bounds per output and mode on ringing and on slow dynamics, and the torque scale of outputs.
+
+    A step rings with its own static deflection, a change of slope with that of slope/ω; a smooth
+    force at ω ≤ `fastest` exceeds its static deflection by (ω/ω_r)² / (1 − (ω/ω_r)²) in a mode
+    well above it.
+    """
+    safe = np.where(modes.omega > 0.0, modes.omega, np.inf)
+    flexible = np.abs(outputs.position) / safe**2
+    ringing = flexible * (np.abs(reach) @ sizes.step + np.abs(reach) @ sizes.ramp / safe)
+    share = (fastest / safe) ** 2
+    dynamic = np.where(share < 0.9, share / np.where(share < 0.9, 1.0 - share, 1.0), 1.0)
+    slow = flexible * (np.abs(reach) @ sizes.smooth) * dynamic
+    torque = sizes.carried
+    signed = outputs.position / safe**2 @ (reach * torque)
+    scale = np.max(np.abs(signed + outputs.force * torque), axis=1, initial=0.0)
+    return ringing, slow, np.maximum(scale, NEGLIGIBLE * np.max(scale, initial=0.0))
+
+
+def _kept_modes(
+    modes: Modes, ringing: Floats, slow: Floats, scale: Floats, tolerance: float, fastest: float,
+    effects: StartEffects,
+) -> NDArray[np.bool_]:  # fmt: skip
+    """Drop modes from the top while their bound stays below a tenth of the tolerance."""
+    keep = np.ones(modes.n_modes, dtype=np.bool_)
+    if effects.fast_modes:
+        return keep
+    budget = 0.1 * tolerance * scale
+    used = np.zeros(len(scale))
+    for r in range(modes.n_modes - 1, -1, -1):
+        used = used + ringing[:, r] + slow[:, r]
+        if modes.omega[r] < 1.5 * fastest or np.any(used > budget):
+            break
+        keep[r] = False
+    return keep
+
+
+def _windows(
+    modes: Modes, damping: ModalDamping, ringing: Floats, scale: Floats,
+    keep: NDArray[np.bool_], tolerance: float, fastest: float, maximum_time: float,
+    effects: StartEffects,
+) -> tuple[tuple[float, float], ...]:  # fmt: skip
+    """Until when each kept fast mode rings visibly after breaker closing.
+
+    Modes that would take an absurd number of steps (a link of 1e16 N m/rad without damping) are
+    taken out of `keep`, whatever was chosen. Where all modes were asked for there are some that
+    ring by next to nothing but so fast that the cubic between two samples would exaggerate it.
+    """
+    windows: list[tuple[float, float]] = []
+    usual = usual_step(tolerance, fastest)
+    budget = min(MAX_RINGING_STEPS, MAX_VALUES // max(len(scale), 1))
+    for r in np.flatnonzero(keep & (modes.omega > fastest))[::-1]:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            size = np.where(scale > 0.0, ringing[:, r] / scale, 0.0).max(initial=0.0)
+        if effects.fast_modes:
+            size *= max(1.0, modes.omega[r] * usual / SAMPLED_ANGLE)
+        if size <= FADED * tolerance:
+            continue
+        decay = 0.5 * damping.rate[r]
+        until = math.log(size / (FADED * tolerance)) / decay if decay > 0.0 else math.inf
+        steps = min(until, maximum_time) * modes.omega[r] / COARSEST_ANGLE
+        if steps > budget and modes.omega[r] > FAR_ABOVE * fastest:
+            keep[r] = False
+        elif not windows or until > windows[-1][0]:
+            windows.append((until, float(modes.omega[r])))
+    return tuple(windows)
+
+
+def _with_breakaway(
+    windows: tuple[tuple[float, float], ...],
+    train: Train,
+    motors: tuple[Motor, ...],
+    loads: tuple[Load, ...],
+    jump: float,
+    shock: _Shock | None,
+    fastest: float,
+) -> tuple[tuple[float, float], ...]:
+    """The windows, with those of the loads as their stations begin to turn and of a short shock."""
+    inertia = float(train.inertia @ train.dof_ratio**2)
+    torque = sum(float(m.average(0.0)) * float(train.speed_ratio[m.station]) for m in motors)
+    shifted = [(until + jump, omega) for until, omega in windows]
+    if shock is not None and shock.rate > fastest:
+        shifted.append((SHOCK_LENGTH / shock.rate, shock.rate))
+    for d in loads:
+        if torque <= 0.0 or float(d.torque(0.0)) == 0.0:
+            continue
+        passing = d.soft_speed / float(train.speed_ratio[d.station]) * inertia / torque
+        shifted.append((BREAKAWAY_LENGTH * passing, BREAKAWAY_POINTS * COARSEST_ANGLE / passing))
+    return _merged(shifted)
+
+
+def _merged(windows: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """In falling frequency and rising time, without those that others cover."""
+    kept: list[tuple[float, float]] = []
+    for until, omega in sorted(windows, key=lambda w: -w[1]):
+        if not kept or until > kept[-1][0]:
+            kept.append((until, omega))
+    return tuple(kept)
+
+
+def _curve_arrays(curves: list[TorqueCurve]) -> tuple[Any, ...]:
+    longest = max((len(c.knots) for c in curves), default=1)
+    knots = np.zeros((len(curves), longest))
+    cubics = np.zeros((len(curves), longest, 4))
+    for i, c in enumerate(curves):
+        knots[i, : len(c.knots)] = c.knots
+        cubics[i, : len(c.knots)] = c.cubic
+    return knots, cubics, np.array([len(c.knots) for c in curves], dtype=np.int64)
+
+
+def _motor_arrays(
+    motors: tuple[Motor, ...],
+    column: dict[int, int],
+    curves: list[TorqueCurve],
+    line_omega: float,
+    effects: StartEffects,
+) -> tuple[Any, ...]:
+    first, n = len(curves), len(motors)
+    for m in motors:
+        curves += [m.average, m.pulsating]
+    with_field = np.arange(first, first + 2 * n, 2)
+    if effects.pull_in:
+        with_field = np.arange(len(curves), len(curves) + n)
+        curves += [through_synchronism(m.average) for m in motors]
+    return (
+        np.array([column[m.station] for m in motors], dtype=np.int64),
+        np.arange(first, first + 2 * n, 2),
+        np.arange(first + 1, first + 2 * n, 2),
+        np.array([m.synchronous_speed for m in motors]),
+        np.array([m.pole_pairs for m in motors]),
+        line_omega,
+        with_field,
+    )
+
+
+def _load_arrays(
+    loads: tuple[Load, ...], column: dict[int, int], curves: list[TorqueCurve]
+) -> tuple[Any, ...]:
+    first = len(curves)
+    curves += [d.torque for d in loads]
+    return (
+        np.array([column[d.station] for d in loads], dtype=np.int64),
+        np.arange(first, first + len(loads)),
+        np.array([d.synchronous_speed for d in loads]),
+        np.array([d.soft_speed for d in loads]),
+    )
+
+
+def _timed_arrays(
+    case: CaseData, names: list[str | None], stations: list[int], column: dict[int, int]
+) -> tuple[Any, ...]:
+    rows = [[p for p in case.torque_time if p.station == n] for n in names]
+    longest = max((len(r) for r in rows), default=1)
+    times, torques = np.zeros((len(rows), longest)), np.zeros((len(rows), longest))
+    for i, points in enumerate(rows):
+        times[i, : len(points)] = [p.time for p in points]
+        torques[i, : len(points)] = [p.torque for p in points]
+    return (
+        np.array([column[s] for s in stations], dtype=np.int64),
+        times,
+        torques,
+        np.array([len(r) for r in rows], dtype=np.int64),
+    )
