@@ -28,9 +28,9 @@ from addin.contract.chart_tables import (
     METHODS,
     SHAPES,
 )
+from addin.contract.palette import PALETTE, SPEED_GROUPS
 from addin.report.document import Figure
 from addin.report.numbers import clean, pretty_unit
-from addin.template.styles import PALETTE, SPEED_GROUPS
 
 __all__ = ["Charts", "Pictures"]
 

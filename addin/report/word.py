@@ -20,6 +20,7 @@ from docx.oxml import OxmlElement
 from docx.oxml.ns import qn
 from docx.shared import Mm, Pt, RGBColor
 
+from addin.contract.palette import PALETTE
 from addin.report.document import (
     Block,
     Cover,
@@ -36,7 +37,6 @@ from addin.report.document import (
 )
 from addin.report.formula import Node
 from addin.report.layout import TEXT_WIDTH, column_widths, held_paragraphs, stays_together
-from addin.template.styles import PALETTE
 
 __all__ = ["docx_of"]
 

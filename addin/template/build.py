@@ -34,6 +34,8 @@ from addin.contract.chart_rows import (
     workbook_columns,
 )
 from addin.contract.chart_tables import CHART_TABLES, GROUPS, LABELS
+from addin.contract.charts import CHARTS
+from addin.contract.palette import SPEED_GROUPS
 from addin.contract.sheets import (
     BLANK_TEXT,
     CASE_HALVES,
@@ -57,6 +59,7 @@ from addin.contract.studies.registry import (
     COLOUR_SCALE,
     STUDIES,
     STUDY_CAPTIONS,
+    STUDY_CHARTS,
     STUDY_FACTS,
     STUDY_INTROS,
     STUDY_SCALES,
@@ -77,12 +80,11 @@ from addin.contract.texts import (
     SHORT_CAPTIONS,
 )
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
-from addin.template.charts import CHARTS, Place, Places, make_chart
+from addin.template.charts import Place, Places, make_chart
 from addin.template.examples import EXAMPLES, Example, example_case, example_torque, provenance_of
 from addin.template.live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
-from addin.template.study_charts import STUDY_CHARTS
 from addin.template.study_examples import study_rows
-from addin.template.styles import SPEED_GROUPS, Styles, number_format
+from addin.template.styles import Styles, number_format
 from addin.template.variants import FLAVOURS, Flavour
 from engine.case.effects import EFFECTS
 
@@ -272,7 +274,7 @@ class _Builder:
         places = Places(self.places)
         for sheet in layout:
             for at in sheet.charts:
-                chart = make_chart(self.workbook, places, at.name, (at.width, at.height), _CHARTS)
+                chart = make_chart(self.workbook, places, _CHARTS[at.name], (at.width, at.height))
                 options = {"object_position": 2, "description": at.name}
                 self.sheets[sheet.name].insert_chart(at.cell, chart, options)
         self.sheets["Summary"].activate()

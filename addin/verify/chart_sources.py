@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isclose
 from typing import Any
 
 from addin.contract.chart_tables import LABELS
+from addin.contract.charts import CHARTS, FirstCell, Label, Words
 from addin.contract.problems import shortened
 from addin.contract.sheets import SHEETS, Sheet
-from addin.contract.studies.registry import with_studies
+from addin.contract.studies.registry import STUDY_CHARTS, with_studies
 from addin.contract.tables import INPUT_TABLES
-from addin.template.chart_parts import Place, Places
-from addin.template.charts import CHARTS, make_chart
-from addin.template.study_charts import STUDY_CHARTS
 from addin.verify.compare import ROUNDING
 from addin.verify.findings import Finding
 from addin.verify.structure import plain
 from addin.xlsx import Drawn, DrawnChart, Workbook
-from addin.xlsx.references import Rect, absolute_range, cell_name, quoted_sheet
+from addin.xlsx.references import Rect, cell_name, quoted_sheet
 
-__all__ = ["compare_copies", "compare_drawings"]
-
-_KINDS: Mapping[str, Callable[[Any, Places, int], Any]] = {**CHARTS, **STUDY_CHARTS}
 #: Charts of words above them alone may be anybody's; from so many series on they are known by these.
 _TELLING = 2
 
@@ -172,72 +167,46 @@ def _is_ours(one: _Expected, chart: DrawnChart, series: Sequence[Series]) -> boo
 # --- what would be drawn --------------------------------------------------------------------------
 
 
-class _Standing(Places):
-    """Tables where they stand in a workbook."""
-
-    def __init__(self, workbook: Workbook) -> None:
-        super().__init__(
-            {
-                table.name: Place(
-                    table.sheet,
-                    table.data.top - 1,
-                    table.data.bottom - 1,
-                    {name: table.ref.left - 1 + k for k, name in enumerate(table.columns)},
-                )
-                for table in workbook.tables.values()
-            }
-        )
-
-    def label(self, key: str) -> str:
-        sheet, row, column, *_ = self.cell("ChartLabels", "Text", LABELS.index(key))
-        cell = absolute_range(Rect(row + 1, column + 1, row + 1, column + 1))
-        return f"={quoted_sheet(sheet)}!{cell}"
-
-
-class _Recorder:
-    """Takes the place of XlsxWriter's workbook and chart, and keeps what a chart is told to draw."""
-
-    def __init__(self) -> None:
-        self.series: list[Mapping[str, Any]] = []
-        self.title = ""
-
-    def add_chart(self, options: object) -> _Recorder:
-        return self
-
-    def add_series(self, options: Mapping[str, Any]) -> None:
-        self.series.append(options)
-
-    def set_title(self, options: Mapping[str, Any]) -> None:
-        self.title = str(options.get("name", ""))
-
-    def __getattr__(self, name: str) -> Callable[..., None]:
-        return lambda *words, **more: None
-
-
 def _expected(workbook: Workbook) -> Iterator[_Expected]:
-    """Charts of ours whose tables stand in the workbook."""
-    places = _Standing(workbook)
+    """Charts of ours whose tables the workbook has."""
+    specs = {**CHARTS, **STUDY_CHARTS}
     for sheet in with_studies(SHEETS):
         for at in sheet.charts:
-            recorder = _Recorder()
+            spec = specs[at.name]
             try:
-                make_chart(recorder, places, at.name, (at.width, at.height), _KINDS)
-            except KeyError:  # a table or column that is not there, which is told by itself
-                continue
-            title_cell = _area(workbook, recorder.title)
-            yield _Expected(
-                _present(workbook, sheet),
-                recorder.title if title_cell is None else _words_in(workbook, title_cell),
-                title_cell,
-                tuple(
+                title = _words(workbook, spec.title)
+                series = tuple(
                     (
-                        _first_cell(_area(workbook, one.get("name"))) or plain(one.get("name")),
-                        _area(workbook, one.get("categories")),
-                        _area(workbook, one.get("values")),
+                        _words(workbook, one.name),
+                        _cells(workbook, one.table, one.x, one.row),
+                        _cells(workbook, one.table, one.y, one.row),
                     )
-                    for one in recorder.series
-                ),
-            )
+                    for one in spec.series
+                )
+            except KeyError:  # a table or column that is missing, which is a finding by itself
+                continue
+            in_cell = None if isinstance(title, str) else title
+            words = title if isinstance(title, str) else _words_in(workbook, title)
+            yield _Expected(_present(workbook, sheet), words, in_cell, series)
+
+
+def _cells(workbook: Workbook, table: str, column: str, row: int | None = None) -> Area:
+    """Data cells of a column of a table where it stands in the workbook, or one row of them."""
+    place = workbook.tables[table]
+    at = place.ref.left + {name: k for k, name in enumerate(place.columns)}[column]
+    top, bottom = place.data.top, place.data.bottom
+    if row is not None:
+        top = bottom = top + row
+    return place.sheet, Rect(top, at, bottom, at)
+
+
+def _words(workbook: Workbook, words: Words) -> Area | str:
+    """Fixed words, or the cell that holds them."""
+    if isinstance(words, Label):
+        return _cells(workbook, "ChartLabels", "Text", LABELS.index(words.key))
+    if isinstance(words, FirstCell):
+        return _cells(workbook, words.table, words.column, 0)
+    return plain(words)
 
 
 def _words_in(workbook: Workbook, area: Area) -> str:
@@ -252,18 +221,6 @@ def _present(workbook: Workbook, sheet: Sheet) -> str | None:
         return sheet.name
     tables = (workbook.tables.get(name) for name in sheet.tables)
     return next((table.sheet for table in tables if table is not None), None)
-
-
-def _area(workbook: Workbook, told: Any) -> Area | None:
-    """Cells as XlsxWriter is told them; None for words."""
-    if isinstance(told, str):
-        found = workbook.chart_areas(told[1:]) if told.startswith("=") else None
-        return found[0] if found else None
-    if not told:
-        return None
-    sheet, top, left, *rest = told
-    bottom, right = rest or (top, left)
-    return sheet, Rect(top + 1, left + 1, bottom + 1, right + 1)
 
 
 # --- what is carried ------------------------------------------------------------------------------

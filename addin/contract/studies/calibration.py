@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from addin.contract.charts import Axis, ChartSpec, Series
 from addin.contract.field import Field, TableSpec, integer, number, table, text
 from addin.contract.result_tables import Trace
 
@@ -255,3 +256,34 @@ CALIBRATION_TRACES: Mapping[tuple[str, str], Trace] = {
     **_of_margins(),
     **_of_parameters(),
 }
+
+
+CHARTS = (
+    # how far calculated frequencies are from measured ones, before and after
+    ChartSpec(
+        "fit", "columns", "Calculated less measured frequency, in standard deviations",
+        Axis(low=True, grid=False), Axis("Standard deviations of the measurement", number="0.0"),
+        tuple(
+            Series("FrequencyFit", "Mode", column, name, colour)
+            for column, name, colour in (
+                ("Residual before", "before", "silver"),
+                ("Residual", "after calibration", "navy"),
+            )
+        ),
+        legend=True, gap=80,
+    ),
+    # change of each uncertain quantity with its 95 % interval
+    ChartSpec(
+        "change", "lines", "Change of what is uncertain, and what is still unknown of it",
+        Axis(low=True, grid=False, names=(8, -45)), Axis("Change [%]", number="0"),
+        tuple(
+            Series("CalibratedParameters", "Name", column, name, colour, marker=marker, size=size)
+            for column, name, colour, marker, size in (
+                ("Change high", "95 % interval, upper end", "steel", "square", 4),
+                ("Change", "least change", "rust", "diamond", 8),
+                ("Change low", "95 % interval, lower end", "steel", "square", 4),
+            )
+        ),
+        legend=True, high_low=True,
+    ),
+)  # fmt: skip

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from addin.contract.charts import ChartSpec
 from addin.contract.sheets import Sheet
+from addin.contract.studies import calibration, start_matrix, tolerances, tuning
 from addin.contract.studies.starts_sheets import (
     STARTS_CAPTIONS,
     STARTS_INTROS,
@@ -221,3 +223,11 @@ def with_studies(sheets: Sequence[Sheet]) -> list[Sheet]:
         *(sheet for sheet in _RESULT_SHEETS if sheet.name not in beside),
         *sheets[results:],
     ]
+
+
+#: Every chart of a study by name.
+STUDY_CHARTS: Mapping[str, ChartSpec] = {
+    spec.name: spec
+    for study in (tuning, tolerances, start_matrix, calibration)
+    for spec in study.CHARTS
+}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from addin.contract.charts import Axis, ChartSpec, Series
 from addin.contract.field import TableSpec, integer, number, table, text
 from addin.contract.result_tables import Trace
 
@@ -198,3 +199,28 @@ STARTS_TRACES: Mapping[tuple[str, str], Trace] = {
     ),
     ("RemainingStarts", "Reason"): Trace("Why there is no number", _METHOD, _ROW),
 }  # fmt: skip
+
+
+_VOLTAGE = Axis("Voltage [% of that of the curves]", number="0", crossing="min")
+
+
+def _by_voltage(quantity: str) -> tuple[Series, ...]:
+    """Loaded and unloaded starts against voltage."""
+    return tuple(
+        Series("StartsByVoltage", "Voltage", f"{load} {quantity}", load, colour, 2.0, marker="circle", size=7)
+        for load, colour in (("Loaded", "navy"), ("Unloaded", "teal"))
+    )  # fmt: skip
+
+
+CHARTS = (
+    ChartSpec(
+        "starts-voltage", "marked curves", "Allowable starts of each kind alone",
+        _VOLTAGE, Axis("Allowable starts", log=True, number="#,##0", crossing="min"),
+        _by_voltage("starts"), legend=True,
+    ),
+    ChartSpec(
+        "stress-voltage", "marked curves", "Peak-to-peak stress of the governing shaft (nominal)",
+        _VOLTAGE, Axis("Stress, in the unit of table By voltage", least=0, number="#,##0"),
+        _by_voltage("stress"), legend=True,
+    ),
+)  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from addin.contract.charts import Axis, ChartSpec, Series
 from addin.contract.field import Field, TableSpec, integer, mixed, number, table, text
 from addin.contract.result_tables import Trace
 
@@ -330,3 +331,30 @@ TOLERANCE_TRACES: Mapping[tuple[str, str], Trace] = {
     **_tolerance_traces(),
     **_sensitivity_traces(),
 }
+
+
+CHARTS = (
+    # the strongest factors, each at its P10 and P90: what they make of the answer
+    ChartSpec(
+        "tornado", "bars", "What drives it: one factor at a time, at its P10 and P90",
+        Axis("Change of the answer, %", number="+0;-0;0"),
+        Axis(reverse=True, crossing="max", low=True, grid=False, ticks=False),
+        tuple(
+            Series("ToleranceTornado", "Factor", column, f"factor {point}", colour, edge="none")
+            for column, point, colour in (("At P10", "at P10", "rust"), ("At P90", "at P90", "navy"))
+        ),
+        legend=True, gap=45, overlap=100,
+    ),
+    ChartSpec(
+        "starts_histogram", "columns", "Allowable starts of the samples",
+        Axis(grid=False, names=(7, -45)), Axis("Share of samples, %", least=0, number="0"),
+        (Series("ToleranceHistogram", "Starts", "Share", "share of the samples", "steel", edge="white"),),
+        gap=8,
+    ),
+    ChartSpec(
+        "starts_distribution", "curves", "Probability that the train allows fewer starts",
+        Axis("Allowable starts", log=True, number="#,##0"),
+        Axis("Probability of fewer, %", least=0, largest=100, number="0"),
+        (Series("ToleranceDistribution", "Starts", "Probability", "samples", "navy", 1.75),),
+    ),
+)  # fmt: skip

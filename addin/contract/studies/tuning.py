@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from addin.contract.charts import Axis, ChartSpec, FirstCell, Series
 from addin.contract.field import Field, TableSpec, integer, number, table, text
 from addin.contract.result_tables import Trace
 
@@ -279,3 +280,57 @@ TUNING_TRACES: Mapping[tuple[str, str], Trace] = {
     **{("ForbiddenBands", name): trace for name, trace in _BANDS.items()},
     ("TuningHatch", "Frequency"): Trace("Lines between From and To of each band", _CELL, of_row=("ForbiddenBands.From", "ForbiddenBands.To")),
 }  # fmt: skip
+
+
+_COLOURS = ("navy", "teal", "gold", "rust", "plum", "grey")
+
+
+def _options(table: str) -> tuple[Series, ...]:
+    """A line each option of the second variable, over those of the first."""
+    return tuple(
+        Series(
+            table, "Of as is", f"Line {k}", FirstCell("TuningAxes", f"Line {k}"),
+            _COLOURS[(k - 1) % len(_COLOURS)], 1.75, marker="circle",
+        )
+        for k in range(1, LINES + 1)
+    )  # fmt: skip
+
+
+def _modes() -> tuple[Series, ...]:
+    """Modes, and the bands that no mode may lie in."""
+    hatch = Series("TuningHatch", "Of as is", "Frequency", "Forbidden", "#EFB9AE", 0.5)
+    return (
+        hatch,
+        *(
+            Series(
+                "TuningModes", "Of as is", f"Mode {k}", f"Mode {k}",
+                _COLOURS[(k - 1) % len(_COLOURS)], 2.0, marker="circle",
+            )
+            for k in range(1, MAP_MODES + 1)
+        ),
+    )  # fmt: skip
+
+
+_FIRST_VARIABLE = Axis(FirstCell("TuningAxes", "First variable"), number="General")
+_REQUIRED = Series("TuningMargins", "Of as is", "Required", "Required", "rust", 1.5, "dash")
+
+CHARTS = (
+    ChartSpec(
+        "tuning-starts", "curves",
+        "Allowable starts, a line each option of the second variable (unlimited left out)",
+        _FIRST_VARIABLE, Axis("Allowable starts", log=True, number="#,##0", crossing="min"),
+        _options("TuningLines"), legend=True,
+    ),
+    ChartSpec(
+        "tuning-margins", "curves",
+        "Worst separation margin, a line each option of the second variable",
+        _FIRST_VARIABLE, Axis("Margin, as in the table", least=0, number="General"),
+        (*_options("TuningMargins"), _REQUIRED), legend=True,
+    ),
+    ChartSpec(
+        "tuning-modes", "curves",
+        "Modes of the best combination with each option, and the forbidden bands",
+        _FIRST_VARIABLE, Axis("Frequency, as in the table", least=0, number="General"),
+        _modes(), legend=True,
+    ),
+)  # fmt: skip

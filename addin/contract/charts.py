@@ -1,0 +1,313 @@
+"""Charts as data: what is drawn, from which columns, with which axes and words.
+
+Spreadsheet (`template/charts.py`), report (`report/figures.py`) and page (`server/static/charts.js`) draw the
+same records.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from addin.contract.chart_tables import (
+    CROSSINGS,
+    EVENTS,
+    FORCES,
+    GROUPS,
+    HISTORIES,
+    LINES,
+    METHODS,
+    SHAPES,
+)
+
+
+@dataclass(frozen=True)
+class Label:
+    """Words that only a calculation knows: a row of table `ChartLabels`."""
+
+    key: str  #: Its key there.
+
+
+@dataclass(frozen=True)
+class FirstCell:
+    """Words in the first data row of a column."""
+
+    table: str  #: Name of the table.
+    column: str  #: Its header.
+
+
+Words = str | Label | FirstCell
+
+
+@dataclass(frozen=True)
+class Series:
+    """One curve, one row of columns, or one named point."""
+
+    table: str  #: Table of the data.
+    x: str  #: Header of the column across: numbers, or names of a chart of columns.
+    y: str  #: Header of the column up.
+    name: Words = ""
+    colour: str = "navy"  #: Word of `PALETTE`, or ``#RRGGBB``.
+    width: float = 0.0  #: Of the line; 0 = no line. [pt]
+    dash: str = "solid"  #: ``solid`` or ``dash``.
+    marker: str = ""  #: ``circle``, ``diamond`` or ``square``; empty = none.
+    size: int = 5  #: Of the marker. [pt]
+    row: int | None = None  #: The only data row that is drawn, counted from 0; None = all.
+    name_beside: str = ""  #: Side of the point on which its name stands: right, below, above.
+    name_size: float = 8.0  #: Height of that name. [pt]
+    values_beside: str = ""  #: Number format of the values written beside the points.
+    second_axis: bool = False
+    in_legend: bool = True
+    edge: str = ""  #: Colour of the edge of a column; empty = as the program does.
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis; its end is chosen from the data where it is None."""
+
+    title: Words = ""
+    least: float | None = None  #: [shown unit]
+    largest: float | None = None  #: [shown unit]
+    step: float | None = None  #: Between two numbers. [shown unit]
+    log: bool = False
+    number: str = ""  #: Number format of a spreadsheet; empty = as the program does.
+    crossing: float | str | None = None  #: Where the other axis crosses: a number, min or max.
+    low: bool = False  #: Its numbers stand below the chart also where values are negative.
+    grid: bool = True
+    ticks: bool = True
+    reverse: bool = False
+    names: tuple[float, int] | None = None  #: Height and rotation of names. [pt, degrees]
+
+
+@dataclass(frozen=True)
+class ChartSpec:
+    """One chart, for every program that draws it."""
+
+    name: str
+    #: ``curves``, ``marked curves``, ``points``, ``columns``, ``lines`` (over names), ``bars`` or ``train``.
+    kind: str
+    title: Words
+    x: Axis
+    y: Axis
+    series: tuple[Series, ...]
+    legend: bool = False
+    second: Axis | None = None  #: Axis on the right of the series that name it.
+    gap: int | None = None  #: Between columns. [% of their width]
+    overlap: int | None = None  #: Of columns at one place. [% of their width]
+    high_low: bool = False  #: A line from the highest to the lowest series at each name.
+    caption: Words = ""  #: Below the picture of a report; empty = the title.
+    height: float = 66.0  #: Of that picture. [mm]
+
+
+def _curve(table: str, x: str, y: str, name: Words, colour: str, width: float) -> Series:
+    return Series(table, x, y, name, colour, width)
+
+
+def _named_point(kind: str, k: int, colour: str, side: str) -> Series:
+    """A point of `ChartCrossings` or `ChartEvents` with its name beside it."""
+    return Series(
+        f"Chart{kind}s", "Time", "Speed", Label(f"{kind} {k + 1}"), colour,
+        marker="diamond", size=8, row=k, name_beside=side,
+    )  # fmt: skip
+
+
+def _train() -> ChartSpec:
+    """Discs and shafts as columns up and down from the centre line, a colour a speed."""
+    columns = [
+        (f"{word} {direction} {k}", f"{word.lower()} {k}")
+        for k in range(1, GROUPS + 1)
+        for word in ("Disc", "Shaft")
+        for direction in ("up", "down")
+    ] + [("Mesh up", "gold"), ("Mesh down", "gold")]
+    return ChartSpec(
+        "train", "train", "", Axis(low=True, names=(8, -90)), Axis(least=-1.05, largest=1.05),
+        tuple(Series("ChartTrain", "Item", column, column, colour, edge="white")
+              for column, colour in columns),
+        gap=0, overlap=100,
+        caption="discs with heights as the fourth root of inertia, shafts as that of stiffness; "
+        "a colour for each shaft speed, gear meshes in gold",
+    )  # fmt: skip
+
+
+def _typed(
+    name: str, table: str, title: str, axis: str, *series: tuple[str, str, str]
+) -> ChartSpec:
+    """Points of an input table as they are typed; the chart follows the cells."""
+    return ChartSpec(
+        name, "points", title,
+        Axis("Speed, as typed", least=0, number="General"), Axis(axis, least=0, number="General"),
+        tuple(Series(table, "Speed", y, words, colour, marker="circle", size=6)
+              for y, words, colour in series),
+        legend=len(series) > 1,
+    )  # fmt: skip
+
+
+def _interference() -> ChartSpec:
+    """Interference (Campbell) diagram with the falling 2 × slip line of the start."""
+    table = "ChartInterference"
+    lines = [
+        Series(table, f"Line speed {k}", f"Line {k}", "", "grey", 0.75, in_legend=False)
+        for k in range(1, LINES + 1)
+    ]
+    names = [
+        Series(
+            "ChartNames", "Speed", "Frequency", Label(f"Line {k}"), "grey", row=k - 1,
+            name_beside="above", name_size=7.5, in_legend=False,
+        )
+        for k in range(1, LINES + 1)
+    ]  # fmt: skip
+    return ChartSpec(
+        "interference", "curves", "Interference diagram",
+        Axis("Motor speed [rpm]", least=0, number="#,##0"),
+        Axis("Frequency [Hz]", least=0, number="0"),
+        (
+            _curve(table, "Modes speed", "Modes", "Natural frequencies", "navy", 1.75),
+            _curve(table, "Slip speed", "2 x slip", "2 × slip frequency of the start", "rust", 2.0),
+            Series(table, "Range speed", "Range", "Continuous operation", "gold", 1.5, "dash"),
+            *(one for pair in zip(lines, names, strict=True) for one in pair),
+            Series(table, "Label speed", "Label", "Labels", values_beside='0.0" Hz"', in_legend=False),
+        ),
+        legend=True,
+        caption="Interference diagram: natural frequencies, continuous excitations, and the "
+        "pulsation of the start falling from 2 × line frequency to zero",
+        height=118.0,
+    )  # fmt: skip
+
+
+def _history(k: int) -> ChartSpec:
+    """The paper's Figures 1, 7 and 8: torque, tooth load or stress against time."""
+    title = Label(f"History title {k}")
+    return ChartSpec(
+        f"history {k}", "curves", title,
+        Axis("Time [s]", least=0, number="General", low=True),
+        Axis(Label(f"History axis {k}"), number="#,##0"),
+        (_curve("ChartHistory", f"Time {k}", f"Value {k}", title, "navy", 0.75),),
+        height=45.0,
+    )  # fmt: skip
+
+
+def _closely(name: str, table: str, key: str, number: str) -> ChartSpec:
+    """Torque of the worst mesh around its deepest moment: teeth separate where it stays at zero."""
+    title = Label(f"{key} title")
+    return ChartSpec(
+        name, "curves", title,
+        Axis("Time [s]", number=number, low=True), Axis(Label(f"{key} axis"), number="#,##0"),
+        (_curve(table, "Time", "Torque", title, "navy", 1.25),),
+        height=52.0,
+    )  # fmt: skip
+
+
+def _accuracy() -> ChartSpec:
+    """Error against wall time on logarithmic axes: what ten times better costs."""
+    table = "ChartAccuracy"
+    return ChartSpec(
+        "accuracy", "marked curves", Label("Accuracy title"),
+        Axis("Wall time [ms]", log=True, number="General", crossing="min"),
+        Axis(Label("Accuracy axis"), log=True, number="General", crossing="min", low=True),
+        tuple(
+            Series(
+                table, f"{method} {error} time", f"{method} {error}",
+                FirstCell(table, f"{method} {error} name"), colour, 1.5, dash, marker, 6,
+            )
+            for method, colour in zip(METHODS, ("navy", "rust"), strict=True)
+            for error, dash, marker in (("peak", "solid", "circle"), ("starts", "dash", "diamond"))
+        ),
+        legend=True,
+        caption="Error of the answers against wall time, as studied",
+        height=92.0,
+    )  # fmt: skip
+
+
+_SHAPE_COLOURS = ("navy", "rust", "teal", "gold", "plum")
+
+_SPECS = (
+    _train(),
+    # the paper's Figure 6, with the speeds at which 2 × slip crosses the modes
+    ChartSpec(
+        "speed-time", "curves", "Start: motor speed against time, and where 2 × slip crosses a mode",
+        Axis("Time [s]", least=0, number="General"),
+        Axis("Motor speed [rpm]", least=0, number="#,##0"),
+        (
+            _curve("ChartSpeedTime", "Time", "Speed", "Motor speed", "navy", 2.0),
+            *(_named_point("Crossing", k, "rust", "right") for k in range(CROSSINGS)),
+            *(_named_point("Event", k, "teal", "below") for k in range(EVENTS)),
+        ),
+        height=74.0,
+    ),
+    # the paper's Figure 2 with the load: what accelerates the train at each speed
+    ChartSpec(
+        "torque", "curves", "Torques referred to the motor",
+        Axis("Speed [% of synchronous]", least=0, largest=100, number="0", low=True),
+        Axis("Torque [pu of rated torque]", number="0.0"),
+        (
+            _curve("ChartTorque", "Speed", "Average", "Motor, average", "navy", 2.0),
+            _curve("ChartTorque", "Speed", "Pulsating", "Motor, pulsating (zero-to-peak)", "rust", 1.75),
+            _curve("ChartTorque", "Speed", "Load", "Load, all machines", "teal", 1.75),
+            Series("ChartTorque", "Speed", "Accelerating", "Accelerating (average − load)", "grey", 1.25, "dash"),
+        ),
+        legend=True,
+        caption="Torques against speed, referred to the motor",
+    ),
+    _typed(
+        "motor-typed", "MotorTorque", "Motor torque as typed (live)", "In the units above the columns",
+        ("Average", "Average", "navy"), ("Pulsating", "Pulsating (zero-to-peak)", "rust"),
+    ),
+    _typed(
+        "load-typed", "LoadTorque", "Load torque as typed (live), each at its own speed",
+        "In the unit above the column", ("Torque", "Load", "teal"),
+    ),
+    # stress against life, and how often a start (and all starts) reaches a stress
+    ChartSpec(
+        "sn", "curves", Label("S-N title"),
+        Axis("Cycles", 0.1, 1e9, log=True, number="0E+0", crossing=0.1),
+        Axis(Label("S-N axis"), log=True, number="#,##0", crossing="min"),
+        (
+            _curve("ChartSN", "Line cycles", "Line", Label("S-N line"), "navy", 2.25),
+            _curve("ChartSN", "Start cycles", "One start", Label("One start"), "teal", 1.75),
+            _curve("ChartSN", "Starts cycles", "Starts required", Label("Starts required"), "rust", 1.75),
+        ),
+        legend=True,
+        height=84.0,
+    ),
+    # twist of each station in the first elastic modes, largest = 1
+    ChartSpec(
+        "shapes", "lines", "Mode shapes: physical twist of each station, largest = 1",
+        Axis(low=True), Axis("Relative twist", -1, 1, 0.5, number="0.0"),
+        tuple(
+            Series("ModeShapes", "Station", f"Mode {k}", Label(f"Shape {k}"), colour, 1.75, marker="circle", size=6)
+            for k, colour in zip(range(1, SHAPES + 1), _SHAPE_COLOURS, strict=True)
+        ),
+        legend=True,
+        height=92.0,
+    ),
+    _interference(),
+    *(_history(k) for k in range(1, HISTORIES + 1)),
+    _closely("reversal", "ChartReversal", "Reversal", "0.00"),
+    _closely("blow", "ChartBlow", "Blow", "0.000"),
+    # the impact in forces: of the teeth, and of the bearings that give way under it
+    ChartSpec(
+        "forces", "curves", Label("Force title"),
+        Axis("Time [s]", number="0.000", low=True), Axis(Label("Force axis"), number="#,##0"),
+        tuple(
+            _curve("ChartForces", f"Time {k}", f"Force {k}", Label(f"Force {k}"), colour, 1.25)
+            for k, colour in zip(range(1, FORCES + 1), ("navy", "rust", "teal"), strict=True)
+        ),
+        legend=True,
+        height=52.0,
+    ),
+    # load angle and slip while the motor pulls into step and swings, or slips poles
+    ChartSpec(
+        "pull-in", "curves", Label("Pull-in title"),
+        Axis("Time [s]", number="0.0", low=True), Axis(Label("Pull-in axis"), number="0"),
+        (
+            _curve("ChartPullIn", "Angle time", "Load angle", "Load angle", "navy", 1.5),
+            Series("ChartPullIn", "Slip time", "Slip", "Slip", "rust", 1.5, second_axis=True),
+        ),
+        legend=True,
+        second=Axis("Slip [%]", number="0.0", grid=False),
+    ),
+    _accuracy(),
+)  # fmt: skip
+
+#: Every chart of the ordinary workbook by name.
+CHARTS: Mapping[str, ChartSpec] = {spec.name: spec for spec in _SPECS}
