@@ -133,7 +133,7 @@ def _study(subject: Subject) -> Section:
         if not subject.shown.is_workbook:
             how = "torsionbook accuracy makes one of a case file too; a report shows it where the input is a workbook."  # fmt: skip
         return Section(title, (Paragraph(f"{stands} {how}"),))
-    picture = subject.pictures.accuracy()
+    picture = subject.pictures.chart("accuracy")
     blocks: list[Block] = [Paragraph(clean(study.sentence), "lead")]
     if picture is not None:
         blocks.append(picture)

@@ -17,22 +17,11 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 
-from addin.contract.chart_tables import (
-    CHART_TABLES,
-    CROSSINGS,
-    EVENTS,
-    FORCES,
-    GROUPS,
-    HISTORIES,
-    LINES,
-    METHODS,
-    SHAPES,
-)
+from addin.contract.chart_tables import CHART_TABLES, GROUPS, HISTORIES
+from addin.contract.charts import CHARTS, ChartSpec, FirstCell, Label, Series, Words
 from addin.contract.palette import PALETTE, SPEED_GROUPS
 from addin.report.document import Figure
 from addin.report.numbers import clean, pretty_unit
-
-__all__ = ["Charts", "Pictures"]
 
 #: Width of the text, and of every picture. [mm]
 WIDTH = 170.0
@@ -50,6 +39,8 @@ _UPRIGHT = 7
 _LEGEND = 110
 #: Stations whose names stand below a picture of mode shapes.
 _NAMED_STATIONS = 40
+#: Width of a line in a picture over that in the workbook, whose charts are larger. [1]
+_LINE = 0.7
 _COLOURS = tuple(PALETTE[c] for c in ("navy", "rust", "teal", "gold", "plum"))
 _STYLE: Mapping[str, Any] = {
     "font.family": ["DejaVu Sans"],
@@ -162,8 +153,7 @@ class Pictures:
                 found.append(
                     self._picture(
                         drawing,
-                        f"Train{which}: discs with heights as the fourth root of inertia, shafts as "
-                        "that of stiffness; a colour for each shaft speed, gear meshes in gold",
+                        f"Train{which}: {CHARTS['train'].caption}",
                     )
                 )
         return found
@@ -199,138 +189,154 @@ class Pictures:
         if groups:
             drawing.legend(handles=groups, loc="outside upper left", ncols=len(groups))
 
-    # ---- curves --------------------------------------------------------------------------------
+    # ---- charts of the workbook ----------------------------------------------------------------
 
-    def torque_speed(self) -> Figure | None:
-        """Torque curves of all machines, referred to the motor."""
-        series = (
-            ("Average", "Motor, average", "navy", "-", 1.4),
-            ("Pulsating", "Motor, pulsating (zero-to-peak)", "rust", "-", 1.2),
-            ("Load", "Load, all machines", "teal", "-", 1.2),
-            ("Accelerating", "Accelerating (average − load)", "grey", "--", 0.9),
-        )
-        if not self.charts.numbers("ChartTorque", "Speed").size:
-            return None
-        with _style():
-            drawing, (ax,) = _new(1, 66.0)
-            for column, label, colour, dash, width in series:
-                x, y = self.charts.pair("ChartTorque", "Speed", column)
-                ax.plot(x, y, dash, color=PALETTE[colour], label=label, linewidth=width)
-            ax.set(xlabel="Speed [% of synchronous]", ylabel="Torque [pu of rated]")
-            ax.set_xlim(left=0.0)
-            _legend_below(drawing, ax, 4)
-            return self._picture(drawing, "Torques against speed, referred to the motor")
+    def chart(self, name: str) -> Figure | None:
+        """A chart of the workbook by its name; None where it has nothing to show."""
+        return self.panels((name,), self._words(CHARTS[name].caption or CHARTS[name].title))
 
     def speed_time(self) -> Figure | None:
         """Motor speed in the start with the crossings and events."""
-        time, speed = self.charts.pair("ChartSpeedTime", "Time", "Speed")
-        if not time.size:
+        crossed = any(v is not None for v in self.charts.columns["ChartCrossings"]["Time"])
+        where = ", and where 2 × slip frequency crosses a mode" if crossed else ""
+        return self.panels(("speed-time",), f"Motor speed against time{where}")
+
+    def panels(
+        self, names: Sequence[str], caption: str, *, titled: bool = False, same_x: bool = False
+    ) -> Figure | None:
+        """Charts below each other in one picture; None where none has anything to show."""
+        specs = [CHARTS[name] for name in names if self.has_curve(name)]
+        if not specs:
             return None
         with _style():
-            drawing, (ax,) = _new(1, 74.0)
-            ax.plot(time, speed, color=PALETTE["navy"], linewidth=1.4)
-            for kind, count, colour, side in (
-                ("Crossing", CROSSINGS, "rust", 1.0), ("Event", EVENTS, "teal", -1.0),
-            ):  # fmt: skip
-                table = self.charts.columns[f"Chart{kind}s"]
-                for k in range(min(count, len(table["Time"]))):
-                    if table["Time"][k] is None:
-                        continue
-                    at = (table["Time"][k], table["Speed"][k])
-                    ax.plot(
-                        *at, "D", color=PALETTE[colour], markersize=4.5, markeredgecolor="white"
-                    )
-                    self._point_name(ax, f"{kind} {k + 1}", at, time[-1], colour, side)
-            ax.set(xlabel="Time [s]", ylabel="Motor speed [rpm]")
-            ax.set_xlim(0.0, time[-1] * 1.02)
-            if np.nanmin(speed) > -0.01 * np.nanmax(speed):
-                ax.set_ylim(bottom=0.0)
-            crossed = any(v is not None for v in self.charts.columns["ChartCrossings"]["Time"])
-            where = ", and where 2 × slip frequency crosses a mode" if crossed else ""
-            return self._picture(drawing, f"Motor speed against time{where}")
+            height = sum(spec.height for spec in specs)
+            drawing, axes = _new(len(specs), height, sharex=same_x)
+            for ax, spec in zip(axes, specs, strict=True):
+                self._draw(drawing, ax, spec)
+                ax.set_ylabel(_axis(self._words(spec.y.title)))
+                if titled:
+                    ax.set_title(_short(self._words(spec.title), 110))
+                    ax.axhline(0.0, color="#808080", linewidth=0.6)
+            axes[-1].set_xlabel(self._words(specs[-1].x.title))
+            return self._picture(drawing, caption)
 
-    def _point_name(
-        self, ax: Any, key: str, at: tuple[float, float], end: float, colour: str, side: float
-    ) -> None:
-        """The name of a point on the side of the curve where there is room."""
+    def has_curve(self, name: str) -> bool:
+        """Whether the first series of a chart has points, or any other."""
+        return any(self._points(series)[0].size for series in CHARTS[name].series)
+
+    def _points(self, series: Series) -> tuple[Any, Any]:
+        """The points of a series."""
+        if series.row is None:
+            return self.charts.pair(series.table, series.x, series.y)
+        columns = self.charts.columns[series.table]
+        x, y = (columns[name][series.row : series.row + 1] for name in (series.x, series.y))
+        there = bool(x) and x[0] is not None and y[0] is not None
+        return (np.array(x), np.array(y)) if there else (np.empty(0), np.empty(0))
+
+    def _words(self, words: Words) -> str:
+        """Fixed words, or those that a calculation gave."""
+        if isinstance(words, Label):
+            return self.charts.labels[words.key]
+        if isinstance(words, FirstCell):
+            return clean(str(self.charts.columns[words.table][words.column][0] or ""))
+        return words
+
+    def _draw(self, drawing: Drawing, ax: Any, spec: ChartSpec) -> None:
+        """The curves of a chart, its axes and its legend."""
+        second: Any = None
+        if spec.second is not None:
+            second = ax.twinx()
+            second.set_ylabel(self._words(spec.second.title))
+            second.grid(False)
+        end = max((float(np.nanmax(x)) for x, _ in map(self._points, spec.series) if x.size))
+        for series in spec.series:
+            x, y = self._points(series)
+            if not x.size:
+                continue
+            if series.name_beside:
+                if spec.name != "interference":
+                    self._named_point(ax, series, (float(x[0]), float(y[0])), end)
+                continue
+            if series.values_beside:
+                continue
+            style = {
+                "color": PALETTE.get(series.colour, series.colour),
+                "linewidth": _LINE * series.width,
+                "linestyle": {"solid": "-", "dash": "--"}[series.dash],
+                "marker": {"circle": "o", "diamond": "D"}.get(series.marker, ""),
+                "markersize": 4.0,
+            }
+            label = self._words(series.name) if series.in_legend else ""
+            ax.plot([], [], **style, label=label or None)
+            (second if series.second_axis else ax).plot(x, y, **style)
+        for axis, scale, wanted in (("x", ax.set_xscale, spec.x), ("y", ax.set_yscale, spec.y)):
+            if wanted.log:
+                scale("log")
+                _log_numbers(getattr(ax, f"{axis}axis"), wanted.number)
+        ax.tick_params(which="minor", labelsize=6)
+        ax.margins(x=0.0 if not spec.x.log else None)
+        if spec.name == "interference":
+            self._interference_names(ax, spec)
+        elif not spec.y.log and spec.y.least is not None:
+            low = min(float(np.nanmin(y)) for _, y in map(self._points, spec.series) if y.size)
+            if low > -0.01 * ax.get_ylim()[1]:
+                ax.set_ylim(bottom=spec.y.least)
+        if spec.legend:
+            _legend_below(drawing, ax, 4 if len(spec.series) > 3 else 3)
+
+    def _named_point(self, ax: Any, series: Series, at: tuple[float, float], end: float) -> None:
+        """A point with its name on the side of the curve where there is room."""
+        colour = PALETTE[series.colour]
+        ax.plot(*at, "D", color=colour, markersize=4.5, markeredgecolor="white")
         left = at[0] > 0.6 * end
         shift = (-7.0 if left else 7.0, 0.0)
-        if side < 0.0:  # below the curve, which rises
-            left, shift = at[0] > 0.8 * end, (-3.0 if at[0] > 0.8 * end else 6.0, -9.0)
+        if series.name_beside == "below":  # below the curve, which rises
+            left = at[0] > 0.8 * end
+            shift = (-3.0 if left else 6.0, -9.0)
         ax.annotate(
-            self.charts.labels[key], at, xytext=shift, textcoords="offset points",
-            ha="right" if left else "left", va="center", color=PALETTE[colour], fontsize=6.5,
+            self._words(series.name), at, xytext=shift, textcoords="offset points",
+            ha="right" if left else "left", va="center", color=colour, fontsize=6.5,
         )  # fmt: skip
 
     # ---- modes ---------------------------------------------------------------------------------
 
     def shapes(self, rows: Sequence[Mapping[str, Any]]) -> Figure | None:
         """Twist of the stations in the first modes; `rows` of table ModeShapes."""
-        count = min(
-            SHAPES, sum(1 for k in range(1, SHAPES + 1) if f"mode_{k}" in (rows or [{}])[0])
-        )
-        if not count:
+        spec = CHARTS["shapes"]
+        modes = [
+            (series, f"mode_{k}")
+            for k, series in enumerate(spec.series, start=1)
+            if f"mode_{k}" in (rows or [{}])[0]
+        ]
+        if not modes:
             return None
         names = [clean(str(row["station"])) for row in rows]
         with _style():
-            drawing, (ax,) = _new(1, 92.0)
+            drawing, (ax,) = _new(1, spec.height)
             ax.axhline(0.0, color="#808080", linewidth=0.6)
             dots = len(names) <= _NAMED_STATIONS
-            for k in range(count):
-                twist = [row[f"mode_{k + 1}"] for row in rows]
+            for series, key in modes:
                 ax.plot(
-                    range(len(names)), twist, "o-" if dots else "-", color=_COLOURS[k % 5],
-                    markersize=3, label=self.charts.labels[f"Shape {k + 1}"],
+                    range(len(names)), [row[key] for row in rows], "o-" if dots else "-",
+                    color=PALETTE[series.colour], markersize=3, label=self._words(series.name),
                 )  # fmt: skip
             step = math.ceil(len(names) / _NAMED_STATIONS)
             _name_ticks(ax, range(0, len(names), step), names)
-            ax.set_ylabel("Twist, largest = 1")
+            ax.set_ylabel(self._words(spec.y.title))
             ax.set_ylim(-1.08, 1.08)
             drawing.legend(*ax.get_legend_handles_labels(), loc="outside upper left", ncols=3)
             which = "" if step == 1 else f" (every {step}. station is named)"
-            return self._picture(
-                drawing, f"Mode shapes: physical twist of each station, largest = 1{which}"
-            )
+            return self._picture(drawing, f"{self._words(spec.title)}{which}")
 
-    def interference(self) -> Figure | None:
-        """Modes, excitations, the falling 2 × slip line and the operating speeds."""
-        table = "ChartInterference"
-        slip = self.charts.pair(table, "Slip speed", "2 x slip")
-        if not slip[0].size:
-            return None
-        with _style():
-            drawing, (ax,) = _new(1, 118.0)
-            ax.plot(*self.charts.pair(table, "Modes speed", "Modes"), color=PALETTE["navy"],
-                    linewidth=1.1, label="Natural frequencies")  # fmt: skip
-            ax.plot(*slip, color=PALETTE["rust"], linewidth=1.6, label="2 × slip frequency (start)")
-            ax.plot(*self.charts.pair(table, "Range speed", "Range"), "--", color=PALETTE["teal"],
-                    linewidth=1.0, label="Speeds of continuous operation")  # fmt: skip
-            tops = [float(np.nanmax(slip[1]))]
-            for k in range(1, LINES + 1):
-                x, y = self.charts.pair(table, f"Line speed {k}", f"Line {k}")
-                if x.size:
-                    label = "Excitations" if k == 1 else None
-                    ax.plot(x, y, color="#7A7A7A", linewidth=0.7, label=label)
-                    tops.append(float(np.nanmax(y)))
-            top = max(tops)
-            self._line_names(ax, top)
-            self._mode_names(ax, top)
-            ax.set(xlabel="Motor speed [rpm]", ylabel="Frequency [Hz]")
-            ax.set_xlim(0.0, self._end_of(table))
-            ax.set_ylim(0.0, 1.03 * top)
-            ax.margins(x=0.0)
-            _legend_below(drawing, ax, 4)
-            return self._picture(
-                drawing,
-                "Interference diagram: natural frequencies, continuous excitations, and the "
-                "pulsation of the start falling from 2 × line frequency to zero",
-            )
-
-    def _end_of(self, table: str) -> float:
-        """Where the lines of the diagram end: the names of the modes stand beyond."""
-        ends = [self.charts.numbers(table, name) for name in ("Modes speed", "Slip speed")]
-        ends += [self.charts.numbers(table, f"Line speed {k}") for k in range(1, LINES + 1)]
-        return max(float(np.nanmax(end)) for end in ends if end.size)
+    def _interference_names(self, ax: Any, spec: ChartSpec) -> None:
+        """The interference diagram: names of lines and modes, and the range they need."""
+        curves = [self._points(one) for one in spec.series if one.width and one.dash == "solid"]
+        modes, *others = [pair for pair in curves if pair[0].size]
+        top = max(float(np.nanmax(y)) for _, y in others)
+        self._line_names(ax, top)
+        self._mode_names(ax, top)
+        ax.set_xlim(0.0, max(float(np.nanmax(x)) for x, _ in (modes, *others)))
+        ax.set_ylim(0.0, 1.03 * top)
 
     def _line_names(self, ax: Any, top: float) -> None:
         """Names of the excitations; what would cover another name goes up along its line."""
@@ -372,134 +378,23 @@ class Pictures:
 
     def histories(self, together: int = 2) -> list[Figure]:
         """Torque, stress or tooth load of the drawn elements, several below each other."""
-        drawn = [k for k in range(1, HISTORIES + 1)
-                 if self.charts.numbers("ChartHistory", f"Time {k}").size]  # fmt: skip
-        found = []
+        drawn = [f"history {k}" for k in range(1, HISTORIES + 1) if self.has_curve(f"history {k}")]
+        pictures = []
         for start in range(0, len(drawn), together):
             some = drawn[start : start + together]
-            with _style():
-                drawing, axes = _new(len(some), 45.0 * len(some), sharex=True)
-                for ax, k in zip(axes, some, strict=True):
-                    time, value = self.charts.pair("ChartHistory", f"Time {k}", f"Value {k}")
-                    ax.plot(time, value, color=PALETTE["navy"], linewidth=0.5)
-                    ax.axhline(0.0, color="#808080", linewidth=0.5)
-                    ax.set_title(_short(self.charts.labels[f"History title {k}"], 90))
-                    ax.set_ylabel(_axis(self.charts.labels[f"History axis {k}"]))
-                    ax.set_xlim(0.0, float(np.nanmax(time)))
-                axes[-1].set_xlabel("Time [s]")
-                names = "; ".join(self.charts.labels[f"History title {k}"] for k in some)
-                found.append(self._picture(drawing, f"Start against time: {names}"))
-        return found
+            titles = "; ".join(self._words(CHARTS[name].title) for name in some)
+            caption = f"Start against time: {titles}"
+            picture = self.panels(some, caption, titled=True, same_x=True)
+            pictures += [picture] if picture else []
+        return pictures
 
     def reversal(self) -> Figure | None:
         """Torque around the deepest reversal: all of it, closely, and the forces then."""
-        panels = []
-        for table, key in (("ChartReversal", "Reversal"), ("ChartBlow", "Blow")):
-            time, torque = self.charts.pair(table, "Time", "Torque")
-            if time.size:
-                panels.append((key, [(time, torque, "navy", "")]))
-        forces = []
-        for k, colour in zip(range(1, FORCES + 1), ("navy", "rust", "teal"), strict=True):
-            time, force = self.charts.pair("ChartForces", f"Time {k}", f"Force {k}")
-            if time.size:
-                forces.append((time, force, colour, self.charts.labels[f"Force {k}"]))
-        if forces:
-            panels.append(("Force", forces))
-        if not panels:
-            return None
-        with _style():
-            drawing, axes = _new(len(panels), 52.0 * len(panels))
-            for ax, (key, curves) in zip(axes, panels, strict=True):
-                for time, value, colour, label in curves:
-                    ax.plot(time, value, color=PALETTE[colour], linewidth=0.9, label=label or None)
-                ax.axhline(0.0, color="#808080", linewidth=0.6)
-                ax.set_title(_short(self.charts.labels[f"{key} title"], 110))
-                ax.set_ylabel(_axis(self.charts.labels[f"{key} axis"]))
-                ax.margins(x=0.0)
-                if any(label for *_, label in curves):
-                    _legend_below(drawing, ax, 3)
-            axes[-1].set_xlabel("Time [s]")
-            return self._picture(drawing, "Torque of the teeth around its least value in the start")
-
-    def pull_in(self) -> Figure | None:
-        """Load angle and slip from field application on."""
-        time, angle = self.charts.pair("ChartPullIn", "Angle time", "Load angle")
-        if not time.size:
-            return None
-        with _style():
-            drawing, (ax,) = _new(1, 66.0)
-            ax.plot(time, angle, color=PALETTE["navy"], label="Load angle")
-            ax.set(xlabel="Time [s]", ylabel=self.charts.labels["Pull-in axis"])
-            ax.margins(x=0.0)
-            other = ax.twinx()
-            slip = self.charts.pair("ChartPullIn", "Slip time", "Slip")
-            other.plot(*slip, color=PALETTE["rust"], linewidth=0.9)
-            ax.plot([], [], color=PALETTE["rust"], label="Slip")
-            other.set_ylabel("Slip [%]")
-            other.grid(False)
-            _legend_below(drawing, ax, 2)
-            return self._picture(drawing, self.charts.labels["Pull-in title"])
-
-    # ---- fatigue -------------------------------------------------------------------------------
-
-    def sn(self) -> Figure | None:
-        """S-N line, and how often one start and all starts reach a stress."""
-        if not self.charts.numbers("ChartSN", "Line cycles").size:
-            return None
-        with _style():
-            drawing, (ax,) = _new(1, 84.0)
-            for x, y, key, colour in (
-                ("Line cycles", "Line", "S-N line", "navy"),
-                ("Start cycles", "One start", "One start", "teal"),
-                ("Starts cycles", "Starts required", "Starts required", "rust"),
-            ):
-                pair = self.charts.pair("ChartSN", x, y)
-                if pair[0].size:
-                    label = self.charts.labels[key]
-                    ax.plot(*pair, color=PALETTE[colour], label=label, linewidth=1.4)
-            ax.set_xscale("log")
-            ax.set_yscale("log")
-            ax.xaxis.set_major_formatter(_power_of_ten)
-            ax.yaxis.set_major_formatter(_plain_number)
-            low, high = ax.get_ylim()
-            ax.yaxis.set_minor_formatter(
-                _some_plain_numbers if high > 12.0 * low else _plain_number
-            )
-            ax.tick_params(axis="y", which="minor", labelsize=6)
-            ax.set(xlabel="Cycles", ylabel=_axis(self.charts.labels["S-N axis"]))
-            _legend_below(drawing, ax, 3)
-            return self._picture(drawing, self.charts.labels["S-N title"])
-
-    # ---- accuracy ------------------------------------------------------------------------------
-
-    def accuracy(self) -> Figure | None:
-        """Error against wall time on logarithmic axes: what ten times better costs."""
-        table = "ChartAccuracy"
-        curves = []
-        for method, colour in zip(METHODS, ("navy", "rust"), strict=True):
-            for error, dash, marker in (("peak", "-", "o"), ("starts", "--", "D")):
-                name = f"{method} {error}"
-                time, value = self.charts.pair(table, f"{name} time", name)
-                if time.size:
-                    label = clean(str(self.charts.columns[table][f"{name} name"][0] or name))
-                    curves.append((time, value, PALETTE[colour], dash, marker, label))
-        if not curves:
-            return None
-        with _style():
-            drawing, (ax,) = _new(1, 92.0)
-            for time, value, colour, dash, marker, label in curves:
-                ax.plot(time, value, dash, color=colour, marker=marker, markersize=4, label=label)
-            ax.set_xscale("log")
-            ax.set_yscale("log")
-            for axis, size in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
-                axis.set_major_formatter(_decimal)
-                axis.set_minor_formatter(
-                    _some_decimals if size[1] < 300.0 * size[0] else _no_number
-                )
-            ax.tick_params(which="minor", labelsize=6)
-            ax.set(xlabel="Wall time [ms]", ylabel=_axis(self.charts.labels["Accuracy axis"]))
-            _legend_below(drawing, ax, 2)
-            return self._picture(drawing, "Error of the answers against wall time, as studied")
+        return self.panels(
+            ("reversal", "blow", "forces"),
+            "Torque of the teeth around its least value in the start",
+            titled=True,
+        )
 
     # ---- studies -------------------------------------------------------------------------------
 
@@ -647,6 +542,19 @@ def _decimal(value: float, _: Any = None) -> str:
 
 def _some_decimals(value: float, _: Any = None) -> str:
     return _decimal(value) if _some_plain_numbers(value) else ""
+
+
+def _log_numbers(axis: Any, number: str) -> None:
+    """Numbers of a logarithmic axis: powers of ten, whole numbers or decimals as on the sheet."""
+    low, high = axis.get_view_interval()
+    if number == "0E+0":
+        axis.set_major_formatter(_power_of_ten)
+    elif number == "#,##0":
+        axis.set_major_formatter(_plain_number)
+        axis.set_minor_formatter(_some_plain_numbers if high > 12.0 * low else _plain_number)
+    else:
+        axis.set_major_formatter(_decimal)
+        axis.set_minor_formatter(_some_decimals if high < 300.0 * low else _no_number)
 
 
 def _no_number(value: float, _: Any = None) -> str:

@@ -233,7 +233,7 @@ def _least_diameter(subject: Subject, element: ElementRow) -> str:
 
 def _torques(subject: Subject) -> Section:
     blocks: list[Block] = []
-    picture = subject.pictures.torque_speed()
+    picture = subject.pictures.chart("torque")
     if picture is not None:
         blocks.append(picture)
     absent = []

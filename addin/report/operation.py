@@ -24,7 +24,7 @@ def margins(subject: Subject) -> Section:
                        (Paragraph(f"No separation margin was calculated: {why}. See the warnings in "
                                   "section 1."),))  # fmt: skip
     blocks: list[Block] = []
-    picture = subject.pictures.interference()
+    picture = subject.pictures.chart("interference")
     if picture is not None:
         blocks.append(picture)
     else:

@@ -179,7 +179,7 @@ def _pull_in(subject: Subject, field: Mapping[str, Any]) -> Iterator[Block]:
     if field.get("swing_frequency") is not None:
         facts.append(("Swing frequency", f"{fixed(field['swing_frequency'], 2)} Hz"))
     yield Facts(tuple(facts))
-    picture = subject.pictures.pull_in()
+    picture = subject.pictures.chart("pull-in")
     if picture is not None:
         yield picture
 
@@ -256,7 +256,7 @@ def _governing(subject: Subject) -> Iterator[Block]:
     """S-N picture and cycles of the shaft that allows the fewest starts."""
     view, shown = subject.calculation.view, subject.shown
     governing = start_cycle_facts(view)
-    picture = subject.pictures.sn()
+    picture = subject.pictures.chart("sn")
     if picture is not None:
         yield picture
     if governing["shaft"] is None:
