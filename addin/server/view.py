@@ -12,7 +12,9 @@ from typing import Any
 from addin.calculation.calculation import Calculation
 from addin.calculation.run_view import RunView
 from addin.charts.data import chart_blocks
-from addin.contract.chart_tables import CHART_TABLES
+from addin.contract.chart_tables import CHART_TABLES, HISTORIES
+from addin.contract.charts import CHARTS, ChartSpec, Label, Words
+from addin.contract.palette import PALETTE
 from addin.contract.tables import result_table
 from addin.worksheet.functions import table_cells, units_of
 from addin.worksheet.models import Model
@@ -21,13 +23,15 @@ from engine.errors import ModelError
 from engine.results.tables import speed_tables
 from engine.run import at_speed
 
-__all__ = ["speed_view", "start_view"]
-
 #: Charts of the page, and tables under them.
-CHARTS = (
-    "ChartTrain", "ChartTorque", "ChartSpeedTime", "ChartCrossings", "ChartInterference",
-    "ChartNames", "ChartHistory", "ChartEvents",
-)  # fmt: skip
+PAGE_CHARTS = (
+    "train",
+    "torque",
+    "speed-time",
+    "interference",
+    *(f"history {k + 1}" for k in range(HISTORIES)),
+)
+_DATA = tuple(dict.fromkeys(one.table for name in PAGE_CHARTS for one in CHARTS[name].series))
 SPEED_TABLES = ("NaturalFrequencies", "SeparationMargins", "SteadyState", "ModeShapes")
 START_TABLES = ("Verdicts", "StartupPeaks", "AllowableStarts", "TorqueReversals", "Effects")
 
@@ -88,15 +92,49 @@ def _shown(model: Model, view: RunView, tables: tuple[str, ...]) -> dict[str, An
     units = units_of(model.system)
     blocks = chart_blocks(model.case, units, view)
     columns = {table.name: table.columns for table in CHART_TABLES}
+    labels = {str(key): text for key, text in blocks["ChartLabels"]}
     return {
         "handle": model.handle,
         "units": model.system,
         "about": _about(model),
-        "labels": {str(key): text for key, text in blocks["ChartLabels"]},
-        "charts": {name: _columns(columns[name], blocks[name]) for name in CHARTS},
+        "labels": labels,
+        "charts": {name: _columns(columns[name], blocks[name]) for name in _DATA},
+        "drawn": [_spec(CHARTS[name], labels) for name in PAGE_CHARTS if name != "train"],
         "tables": {
             name: _table(name, view.tables.get(name) or (), model.system) for name in tables
         },
+    }
+
+
+def _spec(spec: ChartSpec, labels: Mapping[str, Any]) -> dict[str, Any]:
+    """A chart as the page draws it: its words and colours, and the columns of its series."""
+
+    def words(words: Words) -> str:
+        return str(labels[words.key] or "").strip() if isinstance(words, Label) else str(words)
+
+    return {
+        "name": spec.name,
+        "title": words(spec.title),
+        "x": words(spec.x.title),
+        "y": words(spec.y.title),
+        "legend": spec.legend,
+        "series": [
+            {
+                "table": one.table,
+                "x": one.x,
+                "y": one.y,
+                "name": words(one.name),
+                "colour": PALETTE.get(one.colour, one.colour),
+                "width": one.width,
+                "dashed": one.dash == "dash",
+                "row": one.row,
+                "marked": bool(one.marker),
+                "beside": one.name_beside,
+                "values": bool(one.values_beside),
+                "listed": one.in_legend,
+            }
+            for one in spec.series
+        ],
     }
 
 

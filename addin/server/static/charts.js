@@ -118,6 +118,29 @@ export function chart(what) {
   return svg;
 }
 
+/**
+ * What `chart` draws of one record of addin/contract/charts.py and the columns of its tables; null
+ * where it has no curve. extras: options of `chart`, and `values`, which words a value beside a point.
+ */
+export function fromRecord(record, tables, extras = {}) {
+  const series = [], points = [...(extras.points || [])], marks = [];
+  for (const one of record.series) {
+    const x = tables[one.table][one.x], y = tables[one.table][one.y];
+    if (one.row !== null) {
+      if (typeof x[one.row] !== "number" || !one.name) continue;
+      const at = { x: x[one.row], y: y[one.row], text: one.name };
+      if (one.marked) points.push(at);
+      else marks.push({ ...at, anchor: "middle", dy: -3 });
+    } else if (one.values) {
+      y.forEach((value, i) => marks.push({ x: x[i], y: value, ...extras.values(value, i) }));
+    } else if (x.length) {
+      series.push({ name: record.legend && one.listed ? one.name : "", x, y, colour: one.colour, width: 0.9 * one.width, dash: one.dashed ? "6 3" : "none" });
+    }
+  }
+  if (!series.length) return null;
+  return { height: 300, ...extras, title: record.title, x: record.x, y: record.y, legend: record.legend, series, points, marks };
+}
+
 /** Entries of the legend and their places, row by row. */
 function legendOf(what, width) {
   const named = what.series.filter(s => s.name);

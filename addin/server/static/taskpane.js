@@ -1,6 +1,6 @@
 // The page: open a model, show it, calculate its start with progress, give the workbook back.
 // Inside Office it can take the open workbook; in a browser it is a page like any other.
-import { chart, COLOURS, train } from "./charts.js";
+import { chart, fromRecord, train } from "./charts.js";
 
 const { ask, stream, key, setKey } = window.torsionbook;
 const at = id => document.getElementById(id);
@@ -148,15 +148,19 @@ function show(view) {
 const waiting = view => (view.complete ? "None." : "Not calculated yet.");
 
 /** The charts, drawn for the width they are shown at: on the screen, or on paper. */
-function showCharts({ charts, labels, complete }, onPaper = false) {
+function showCharts({ charts, drawn, complete }, onPaper = false) {
   for (const id of ["interference", "torque", "speed", "histories"]) at(id).replaceChildren();
   const wait = waiting({ complete }), inHalf = matchMedia("(min-width: 48rem)").matches;
   const room = (id, parts) => Math.round(Math.max(270, Math.min(640, at(id).clientWidth / parts - (parts > 1 ? 16 : 0))));
   const width = (id, parts = 1) => (onPaper ? PAPER[id === "interference" ? "whole" : "half"] : room(id, parts));
-  showInterference(charts, labels, width("interference"));
-  showTorque(charts.ChartTorque, width("torque"));
-  showSpeed(charts, labels, wait, width("speed"));
-  showHistories(charts.ChartHistory, labels, wait, width("histories", inHalf ? 2 : 1));
+  for (const record of drawn) {
+    const { id, missing, extras } = placeOf(record.name, charts, wait);
+    const parts = id === "histories" && inHalf ? 2 : 1;
+    const what = fromRecord(record, charts, extras);
+    if (what) figure(id, chart({ ...what, width: width(id, parts) }), id === "histories" ? record.title : undefined);
+    else if (missing) at(id).append(made("p", missing, "missing"));
+  }
+  if (!at("histories").children.length) at("histories").append(made("p", wait, "missing"));
 }
 
 function showAbout(view) {
@@ -234,75 +238,26 @@ function apart(values, top) {
   return moved;
 }
 
-function showInterference(charts, labels, width) {
-  const data = charts.ChartInterference;
-  if (!data.Modes.length) {
-    at("interference").append(made("p", "No diagram: the case states no speed or no line frequency.", "missing"));
-    return;
-  }
+/** What the interference diagram shows besides its record: where 2 × slip meets the modes, words that do not touch. */
+function interferenceExtras(data) {
   const top = Math.max(...data.Modes.filter(v => v !== null), ...data.Range.filter(v => v !== null), ...data["2 x slip"]);
-  const marks = apart(data.Label, top).map((dy, i) => ({ x: data["Label speed"][i], y: data.Label[i], text: `${number(data.Label[i])} Hz`, dx: 5, dy: 4 - dy }));
-  const lines = [];
-  for (let k = 1; k <= 12; k += 1) {
-    const name = String(labels[`Line ${k}`] ?? "").trim();
-    if (!name || !data[`Line speed ${k}`].length) continue;
-    lines.push({ x: data[`Line speed ${k}`], y: data[`Line ${k}`], colour: "#9aa3ab", width: 1 });
-    marks.push({ x: charts.ChartNames.Speed[k - 1], y: charts.ChartNames.Frequency[k - 1], text: name, anchor: "middle", dy: -3 });
-  }
-  figure("interference", chart({
-    title: "Interference diagram", height: 380, width, right: 62, legend: true,
-    x: "Motor speed [rpm]", y: "Frequency [Hz]", rangeY: [0, top * 1.03],
-    series: [
-      ...lines,
-      { name: "continuous operation", x: data["Range speed"], y: data.Range, colour: COLOURS[2], dash: "6 3" },
-      { name: "2 × slip while starting", x: data["Slip speed"], y: data["2 x slip"], colour: COLOURS[1], width: 1.6 },
-      { name: "modes", x: data["Modes speed"], y: data.Modes, colour: COLOURS[0], width: 1.8 },
-    ],
-    marks, pointsName: "2 × slip meets a mode",
+  const moved = apart(data.Label, top);
+  return {
+    height: 380, right: 62, rangeY: [0, top * 1.03], pointsName: "2 × slip meets a mode",
     points: data.Label.flatMap(level => crossings(data["Slip speed"], data["2 x slip"], level)),
-  }));
+    values: (value, i) => ({ text: `${number(value)} Hz`, dx: 5, dy: 4 - moved[i] }),
+  };
 }
 
-function showTorque(data, width) {
-  if (!data.Speed.length) {
-    at("torque").append(made("p", "No torque curves: the case has no start.", "missing"));
-    return;
+/** Where each chart stands on the page, how high it is, and what is said where it has no curve. */
+function placeOf(name, charts, wait) {
+  if (name === "interference") {
+    const extras = charts.ChartInterference.Modes.length ? interferenceExtras(charts.ChartInterference) : {};
+    return { id: name, missing: "No diagram: the case states no speed or no line frequency.", extras };
   }
-  const names = [["Average", "motor, average"], ["Pulsating", "motor, pulsating"], ["Load", "load"], ["Accelerating", "accelerating"]];
-  figure("torque", chart({
-    title: "Torques against speed", height: 340, width, x: "Speed [% of synchronous]", y: "Torque [per unit of rated]",
-    series: names.map(([column, name], k) => ({ name, x: data.Speed, y: data[column], colour: COLOURS[k], dash: k === 3 ? "5 3" : "none", width: 1.6 })),
-  }));
-}
-
-function showSpeed(charts, labels, wait, width) {
-  const data = charts.ChartSpeedTime;
-  if (!data.Time.length) { at("speed").append(made("p", wait, "missing")); return; }
-  const points = [];
-  for (const [block, word] of [["ChartCrossings", "Crossing"], ["ChartEvents", "Event"]]) {
-    charts[block].Time.forEach((time, i) => {
-      const text = String(labels[`${word} ${i + 1}`] ?? "").trim();
-      if (typeof time === "number") points.push({ x: time, y: charts[block].Speed[i], text });
-    });
-  }
-  figure("speed", chart({
-    title: "Speed against time", height: 340, width, x: "Time [s]", y: "Motor speed [rpm]",
-    series: [{ name: "", x: data.Time, y: data.Speed, colour: COLOURS[0], width: 1.8 }], points,
-  }));
-}
-
-function showHistories(data, labels, wait, width) {
-  let drawn = 0;
-  for (let k = 1; k <= 6; k += 1) {
-    const time = data[`Time ${k}`], value = data[`Value ${k}`];
-    if (!time || !time.length) continue;
-    drawn += 1;
-    figure("histories", chart({
-      title: String(labels[`History title ${k}`]), height: 250, width, x: "Time [s]", y: String(labels[`History axis ${k}`]),
-      series: [{ name: "", x: time, y: value, colour: COLOURS[0], width: 0.8 }],
-    }), String(labels[`History title ${k}`]));
-  }
-  if (!drawn) at("histories").append(made("p", wait, "missing"));
+  if (name === "torque") return { id: name, missing: "No torque curves: the case has no start.", extras: { height: 340 } };
+  if (name === "speed-time") return { id: "speed", missing: wait, extras: { height: 340 } };
+  return { id: "histories", missing: "", extras: { height: 250 } };
 }
 
 // --- what the engineer does -----------------------------------------------------------------------
