@@ -495,6 +495,109 @@ def test_a_wide_range_with_heavy_dampers():
     assert told == pytest.approx(torque.max(axis=1), rel=0.02)
 
 
+def two_disks(zeta=None, damping=None, **scalars):
+    """Motor and fan on one shaft, from 20 to 130 Hz; resonance at 50 Hz. Loads at both stations."""
+    J1, J2 = 12.0, 4.0
+    k = (2.0 * math.pi * 50.0) ** 2 * J1 * J2 / (J1 + J2)
+    case = chain([J1, J2], [k], damping_ratio=zeta, **scalars)
+    element = replace(case.elements[0], damping=damping)
+    turns = 2.0 * math.pi
+    return replace(
+        case,
+        elements=(element,),
+        minimum_speed=20.0 * turns,
+        maximum_speed=130.0 * turns,
+        excitations=(ExcitationRow("1x", order=1.0, station="S0", torque=7.0),),
+    )
+
+
+@pytest.mark.parametrize("zeta", [0.1, 0.3, 0.5])
+def test_the_peak_of_a_heavily_damped_mode_is_swept(zeta):
+    """Largest at f √(1 − 2ζ²), there T J2/(J1+J2) / (2ζ √(1 − ζ²)): the textbook peak of one mode."""
+    _, steady = run(two_disks(zeta))
+    (row,) = (r for r in steady.rows if r.mode is None)
+    assert row.frequency == pytest.approx(50.0 * math.sqrt(1.0 - 2.0 * zeta**2), rel=1e-9)
+    peak = 7.0 * 4.0 / 16.0 / (2.0 * zeta * math.sqrt(1.0 - zeta**2))
+    assert row.torque == pytest.approx(peak, rel=1e-9)
+
+
+def test_the_frequency_of_a_pole_that_dampers_move_is_swept():
+    """The sweep answers no less than at Im λ of the coupled train, from its own state matrix."""
+    J, k, c = [50.0, 5.0, 30.0, 4.0], [5e5, 6e5, 4e5], [0.0, 2000.0, 0.0]
+    case = chain(J, k, minimum_speed=50.0, maximum_speed=500.0)
+    elements = tuple(replace(e, damping=d or None) for e, d in zip(case.elements, c, strict=True))
+    B = np.zeros((3, 4))
+    B[range(3), range(3)], B[range(3), range(1, 4)] = 1.0, -1.0
+    M = np.linalg.inv(np.diag(J))
+    state = np.block(
+        [
+            [np.zeros((4, 4)), np.eye(4)],
+            [-M @ B.T @ np.diag(k) @ B, -M @ B.T @ np.diag(c) @ B],
+        ]
+    )
+    poles = np.linalg.eigvals(state).imag
+    poles = poles[(poles > 50.0) & (poles < 500.0)]
+    assert len(poles)
+    case = replace(
+        case,
+        elements=elements,
+        excitations=(ExcitationRow("1x", order=1.0, station="S0", torque=1.0),),
+    )
+    _, steady = run(case)
+    told = np.array([r.torque for r in steady.rows if r.mode is None])
+    at = np.abs(respond(case, poles, {"S0": 1.0}).element_torque)
+    assert np.all(told[:, None] >= at * (1.0 - 1e-9))
+
+
+def test_the_frequency_told_is_that_of_the_worst_torque():
+    """One sharp resonance in a wide range, and two places: closed form of a free pair."""
+    case = two_disks(0.01)
+    _, steady = run(case)
+    (row,) = (r for r in steady.rows if r.mode is None)
+    assert row.frequency == pytest.approx(50.0, rel=2e-4)
+    loaded = replace(
+        sample_case("proposed"),
+        minimum_speed=2.0 * math.pi * 20.0,
+        maximum_speed=2.0 * math.pi * 30.0,
+        excitations=(ExcitationRow("x", order=1.7),),
+    )
+    _, steady = run(loaded)
+    swept = [r for r in steady.rows if r.mode is None]
+    assert len({(r.applied_at, r.frequency) for r in swept}) > 1
+    omega = 2.0 * math.pi * np.linspace(1.7 * 20.0, 1.7 * 30.0, 2001)
+    for i, r in enumerate(swept):
+        loads = {r.applied_at: r.applied_torque}
+        there = respond(loaded, [2.0 * math.pi * r.frequency], loads).element_torque[i, 0]
+        assert abs(there) == pytest.approx(r.torque, rel=1e-9)
+        everywhere = np.abs(respond(loaded, omega, loads).element_torque[i])
+        assert np.max(everywhere) <= r.torque * 1.01
+
+
+@pytest.mark.parametrize(
+    ("limit", "allowable", "verdict"),
+    [(2.0, 2.0, PASS), (0.5, 2.0, FAIL), (2.0, 0.5, FAIL), (0.5, 0.5, FAIL)],
+)
+def test_where_stress_and_torque_are_both_limited_both_must_hold(limit, allowable, verdict):
+    """Closed form of a free pair at one frequency; limits above and below what is there."""
+    case = replace(
+        two_disks(),
+        minimum_speed=None,
+        maximum_speed=None,
+        excitations=(ExcitationRow("x", frequency=20.0, station="S0", torque=7.0),),
+    )
+    torque = 7.0 * 4.0 / 16.0 / (1.0 - (20.0 / 50.0) ** 2)
+    stress = 2.0 * 16.0 * torque / (math.pi * 0.05**3)  # peak-to-peak
+    element = replace(
+        case.elements[0], stress_diameter=0.05, material="steel", vibratory_limit=limit * torque
+    )
+    material = MaterialRow("steel", 25.0 * allowable * stress, None, 1e8, "torsion")
+    _, steady = run(replace(case, elements=(element,), materials=(material,)))
+    (row,) = steady.rows
+    assert row.torque == pytest.approx(torque, rel=1e-9)
+    assert row.peak_to_peak_stress == pytest.approx(stress, rel=1e-9)
+    assert row.verdict == verdict
+
+
 def test_unbounded_is_a_fail():
     margins, steady = run(sample_case("proposed", damping_ratio=None))
     at_30 = [r for r in steady.rows if r.mode == 1]
