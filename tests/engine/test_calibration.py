@@ -453,6 +453,20 @@ def test_a_change_beyond_a_uniform_spread_is_told() -> None:
     assert "leaves what Scatter allows (-5% to +5%)" in found.parameters[0].note
 
 
+@pytest.mark.parametrize(
+    ("times", "leaves"), [(0.87, True), (0.95, False), (1.02, False), (1.1, True)]
+)
+def test_a_change_is_held_against_both_ends_of_from_to(times: float, leaves: bool) -> None:
+    """f goes with the root of the one stiffness, and the measurement is sharp."""
+    case = chain(1e5, inertia=(4.0, 1.0))
+    scatter = (ScatterRow("K0", "stiffness", "from-to", None, 0.9, 1.04),)
+    f = math.sqrt(times) * float(elastic(case)[0])
+    found = calibrate(case, asked(M(None, f, 1e-4), scatter=scatter))
+    (p,) = found.parameters
+    assert 1.0 + p.change == pytest.approx(times, rel=1e-3)
+    assert ("leaves what Scatter allows (-10% to +4%)" in p.note) == leaves
+
+
 def test_two_springs_in_series_are_known_only_together() -> None:
     case = chain(1e5, 1e5, inertia=(5.0, 1e-4, 5.0))
     f = float(elastic(case)[0])
@@ -485,6 +499,23 @@ def test_basis_stays_calculated_while_a_deciding_mode_is_unknown(
     assert found.calibrated.margin_basis is None
     assert found.required_after == 0.20
     assert "Measure mode 2" in found.basis_reason
+
+
+def test_high_modes_within_twenty_percent_of_an_excitation_are_shown() -> None:
+    """Mode 12 is put 15 % above twice line frequency; by hand which of the modes above ten decide."""
+    inertia = tuple(2.0 + 0.3 * i for i in range(15))
+    case = chain(*(1e5 for _ in inertia[1:]), inertia=inertia)
+    scale = (1.15 * 120.0 / float(elastic(case)[11])) ** 2
+    case = chain(*(scale * 1e5 for _ in inertia[1:]), inertia=inertia)
+    f = elastic(case)
+    shaken = np.array([30.0, 60.0, 120.0])  # 1 and 2 × speed, 1 and 2 × line
+    apart = np.min(np.abs(f[:, None] / shaken - 1.0), axis=1)
+    deciding = {m + 1 for m in range(len(f)) if apart[m] < 0.2}
+    assert 12 in deciding
+    assert 0.1 < apart[11] < 0.2
+    assert not np.any(np.abs(apart - 0.2) < 0.01)
+    found = calibrate(case, asked(M(1, float(f[0]))))
+    assert {r.mode for r in found.frequencies} == deciding | set(range(1, 11))
 
 
 def test_a_bad_measurement_of_a_mode_does_not_make_it_known(

@@ -331,6 +331,16 @@ def test_counting_can_be_forced():
     assert shaft.notes == ()
 
 
+@pytest.mark.parametrize(("endurance", "counted"), [(285.0, True), (305.0, True), (309.0, False)])
+def test_the_error_that_decides_counting_is_multiplied_by_scf(endurance, counted):
+    """±100 MPa nominal, SCF 3: 300 MPa, and 2 % of it on top make 306; without SCF it would be 302."""
+    notched = dataclasses.replace(SHAFT, scf=3.0)
+    line = curve(endurance * MPA, points=((1e3, 900 * MPA), (1e6, endurance * MPA)))
+    torque = np.array([100.0, -100.0]) * MPA
+    for error in ({"relative_torque_error": 0.02}, {"torque_error": 2 * MPA}):
+        assert shaft_fatigue(notched, torque, line, STEEL, **error).counted == counted
+
+
 def test_no_torque_at_all():
     for torque in ([], [0.0]):
         shaft = shaft_fatigue(SHAFT, torque, curve(below="same slope"), STEEL)

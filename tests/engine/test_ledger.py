@@ -67,6 +67,8 @@ def test_three_kinds_by_hand() -> None:
     (row,) = ledger.rows
     assert row.used == pytest.approx(0.05)
     assert row.yearly == pytest.approx(0.01)
+    assert (row.used_low, row.used_high) == pytest.approx((0.0495, 0.0505))
+    assert (row.yearly_low, row.yearly_high) == pytest.approx((0.0099, 0.0101))
     assert row.left == pytest.approx(0.45)
     assert row.remaining_years == pytest.approx(45.0)
     assert row.years_low == pytest.approx((0.5 - 0.0505) / 0.0101)

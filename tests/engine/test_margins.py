@@ -415,6 +415,21 @@ def test_the_lines_of_the_interference_diagram():
     assert set(d.crossing_percent[3:]) == {None}
 
 
+@pytest.mark.parametrize(("share", "reach"), [(0.8, 1.1), (1.0, 1.1), (1.3, 1.43)])
+def test_the_interference_diagram_reaches_beyond_the_highest_speed(share, reach):
+    """A tenth beyond synchronous speed, or beyond the highest of operation if that is higher."""
+    synchronous = 60.0 * math.pi
+    case = sample_case(
+        "modified", minimum_speed=0.5 * synchronous, maximum_speed=share * synchronous
+    )
+    train = build_train(case)
+    d = interference(case, train, modes_of(train), excitations_of(case, train))
+    assert d.speed[0] == 0.0
+    assert d.speed[-1] == pytest.approx(reach * synchronous, rel=1e-12)
+    assert d.speed_range == pytest.approx((0.5 * synchronous, share * synchronous))
+    assert np.max(d.order_frequency[0]) == pytest.approx(reach * 30.0, rel=1e-12)
+
+
 def test_the_interference_diagram_of_a_case_without_speeds():
     case = two_disks()
     train = build_train(case)

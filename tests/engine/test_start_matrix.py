@@ -24,6 +24,7 @@ from engine.studies.starts.matrix import (
     ConditionShaft,
     MatrixPlan,
     StartCondition,
+    _row,
     calculate_condition,
     condition_case,
     condition_problems,
@@ -92,6 +93,15 @@ def test_no_trip_beyond_the_speed_where_full_voltage_ends(case: Case) -> None:
     plan = plan_matrix(sample_case("proposed", end_speed=0.6 * SYNCHRONOUS), StudyInputs())
     assert all((c.trip_speed or 0.0) <= 0.6 * SYNCHRONOUS for c in plan.conditions)
     assert any("just past mode 1" in note for note in plan.notes)
+    # nor does any of its instants lie beyond: what is left of the period is cut off
+    end = 0.5005 * SYNCHRONOUS
+    trips = [
+        c
+        for c in plan_matrix(sample_case("proposed", end_speed=end), StudyInputs()).conditions
+        if c.why == "fixed speed"
+    ]
+    assert [c.trip_speed for c in trips] == pytest.approx([0.5 * SYNCHRONOUS])
+    assert trips[0].trip_span == pytest.approx(0.0005 * SYNCHRONOUS)
 
 
 def test_rows_stand_alone_unless_the_standard_is_asked_for(case: Case) -> None:
@@ -121,6 +131,79 @@ def test_a_row_of_blanks_is_the_plain_run(case: Case) -> None:
     assert row.peak_to_peak_stress == pytest.approx(16.0 * hp.peak_to_peak / math.pi / d**3)
     mesh = next(p for p in plain.start.peaks if p.element == "Mesh")
     assert (row.mesh, row.mesh_minimum_torque) == ("Mesh", mesh.minimum)
+
+
+def test_the_interval_of_the_damage_holds_both_errors(case: Case) -> None:
+    """That of the history, as the plain run states it, and the change between two steps."""
+    plain = run(case)
+    assert plain.starts is not None
+    (stated,) = plain.starts.shafts
+    step = dict(plain.starts_error)[stated.element]
+    assert step
+    for change in (step, 0.5):  # as it is, and where the two steps are far apart
+        wide = replace(plain, starts_error=((stated.element, change),))
+        shaft = _row(case, StartCondition("plain"), wide).shafts[0]
+        assert shaft.damage_high >= stated.damage * (1.0 + change) * (1.0 - 1e-12)
+        assert shaft.damage_high >= stated.damage_high > stated.damage
+        assert shaft.damage_low <= stated.damage * (1.0 - change) * (1.0 + 1e-12)
+        assert shaft.damage_low <= stated.damage_low < stated.damage
+
+
+def test_the_shaft_with_the_most_damage_governs_not_the_one_with_the_most_stress() -> None:
+    """The thinner shaft has the larger nominal stress, the notched one beside it the fewer starts."""
+    case = sample_case("proposed")
+    elements = {e.element: e for e in case.elements}
+    hp = elements["HP compressor shaft"]
+    assert hp.stress_diameter is not None
+    plain = run(case)
+    assert plain.start is not None
+    span = {p.element: p.peak_to_peak for p in plain.start.peaks}
+    other = "Pinion shaft"
+    # 60 % of the nominal stress of the HP shaft, under three times its SCF
+    d = hp.stress_diameter * (span[other] / span[hp.element] / 0.6) ** (1.0 / 3.0)
+    notched = replace(
+        elements[other], stress_diameter=d, scf=3.0 * (hp.scf or 1.0), material=hp.material
+    )
+    two = Case(
+        **(
+            vars(case)
+            | {"elements": tuple(notched if e.element == other else e for e in case.elements)}
+        )
+    )
+    (row,) = start_matrix(two, asked(StartConditionRow("plain"))).rows
+    of = {s.element: s for s in row.shafts}
+    assert of[other].peak_to_peak_stress == pytest.approx(0.6 * of[hp.element].peak_to_peak_stress)
+    assert of[other].damage > of[hp.element].damage
+    assert row.governing == other
+    assert row.allowable_starts == of[other].allowable_starts
+    assert row.peak_to_peak_stress == of[other].peak_to_peak_stress
+
+
+def test_a_standard_trip_is_tried_over_one_period_of_the_mode(case: Case) -> None:
+    """The speed gained in 1/f: torque over inertia by hand, from the points of the curves."""
+    plan = plan_matrix(case, StudyInputs())
+    inertia = sum((s.inertia or 0.0) * (s.speed_ratio or 1.0) ** 2 for s in case.stations)
+    ratio = {s.station: s.speed_ratio or 1.0 for s in case.stations}
+    f = run(case).modes.elastic_frequency
+
+    def acceleration(speed: float) -> float:
+        share = speed / SYNCHRONOUS
+        net = np.interp(
+            share, *zip(*((p.speed, p.average) for p in case.motor_torque), strict=True)
+        )
+        for name in {p.station for p in case.load_torque}:
+            points = [(p.speed, p.torque) for p in case.load_torque if p.station == name]
+            net -= ratio[name] * np.interp(share, *zip(*points, strict=True))
+        return float(net) / inertia
+
+    trips = [c for c in plan.conditions if c.trip_speed is not None]
+    assert len(trips) >= 4
+    end = 0.97 * SYNCHRONOUS
+    for c in trips:
+        assert c.trip_speed is not None
+        mode = int(c.why.split()[3]) if c.why.startswith("just past mode") else 1
+        gained = min(acceleration(c.trip_speed) / float(f[mode - 1]), end - c.trip_speed)
+        assert c.trip_span == pytest.approx(gained, rel=0.05), c.why
 
 
 def test_voltage_and_load_are_those_of_a_case_that_says_so(case: Case) -> None:

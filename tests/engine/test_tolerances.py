@@ -91,6 +91,30 @@ def test_without_scatter_the_study_says_one_number_and_no_driver(case: Case) -> 
     assert all(d.share is None for d in same.drivers)
 
 
+def test_peaks_are_those_of_the_plain_run_whatever_their_sign(case: Case) -> None:
+    """The larger of maximum and minimum by magnitude; exchanged, they make the same rows."""
+    plain = run(case)
+    assert plain.start is not None
+    rows = [ScatterRow(quantity="stiffness", spread=0.0)]
+    plan = plan_tolerances(case, rows, ToleranceSettings(40), nominal=plain)
+    parts = [evaluate(unit) for unit in units_of(plan)]
+    mirrored = tuple(replace(p, maximum=-p.minimum, minimum=-p.maximum) for p in plain.start.peaks)
+    other = replace(plan, nominal=replace(plain, start=replace(plain.start, peaks=mirrored)))
+    for same in (gather(plan, parts), gather(other, parts)):
+        for p in plain.start.peaks:
+            assert p.maximum > -p.minimum > 0.0
+            row = same.percentile("peak torque", p.element)
+            assert row is not None
+            assert row.nominal == p.maximum
+            assert [q.value for q in row.percentiles] == pytest.approx([p.maximum] * 3, rel=2e-3)
+        peak = next(p for p in plain.start.peaks if p.element == "HP compressor shaft").maximum
+        by_hand = 16.0 * peak / (math.pi * 0.07**3)
+        stress = same.percentile("peak stress", "HP compressor shaft")
+        assert stress is not None
+        assert stress.nominal == pytest.approx(by_hand, rel=1e-12)
+        assert [q.value for q in stress.percentiles] == pytest.approx([by_hand] * 3, rel=2e-3)
+
+
 # --- the sample -----------------------------------------------------------------------------------
 
 
@@ -212,6 +236,30 @@ def test_starts_that_stall_are_in_no_percentile_and_meet_no_demand(case: Case) -
     assert enough.samples == 40
     assert enough.probability == pytest.approx(float(np.sum(got.starts >= 400.0)) / 40)
     assert any("did not come to their end" in s and "stalled" in s for s in got.sentences)
+
+
+def test_every_run_of_a_sample_is_in_the_counts_of_its_outcomes(case: Case) -> None:
+    """Of the sample and of the runs with one factor at its ends: as many as were made."""
+    rows = [ScatterRow(quantity="average torque", from_=0.1, to=1.2)]
+    plan = plan_tolerances(case, rows, ToleranceSettings(40, 1))
+    parts = [evaluate(u) for u in units_of(plan, 20)]
+    counts: dict[str, int] = {}
+    for part in parts:
+        assert sum(times for _, times in part.outcomes) == len(part.known)
+        for word, times in part.outcomes:
+            counts[word] = counts.get(word, 0) + times
+    assert sum(counts.values()) == plan.n_runs == 40 + 2 * len(plan.factors)
+    ended = sum(times for word, times in counts.items() if word in COUNTED_STARTS)
+    assert ended == sum(int(np.sum(part.counted)) for part in parts)
+    assert max(counts.values()) > 1
+    told = ", ".join(f"{counts[word]} {word}" for word in sorted(counts))
+    got = gather(plan, parts)
+    assert any(f"(outcomes of all runs: {told})" in s for s in got.sentences)
+    assert got.unfinished == 40 - round(40 * _completed(got))
+
+
+def _completed(got: Tolerances) -> float:
+    return next(p.probability for p in got.probabilities if p.check == "start completed")
 
 
 def test_a_plain_run_that_stalls_has_no_number_beside_those_that_do_not(case: Case) -> None:
