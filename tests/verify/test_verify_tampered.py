@@ -34,7 +34,7 @@ def failing(found: Verification) -> list[Finding]:
     return [finding for finding in found.findings if finding.fails]
 
 
-@pytest.mark.slow
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("table", ["AllowableStarts", "StartCycles"])
 def test_a_result_table_that_became_a_range_is_missed(tampered, table):
     found = tampered(lambda package: package.table_to_range(table))
@@ -75,7 +75,6 @@ def test_a_header_that_stops_the_calculator_leaves_the_workbook_unverified(tampe
     assert [f.kind for f in failing(found)] == ["not judged"]
 
 
-@pytest.mark.slow
 def test_swapped_headers_are_seen(tampered):
     def edit(package):
         package.put_text("Starts", header_cell("Damage"), "Paper count")
@@ -90,7 +89,7 @@ def test_swapped_headers_are_seen(tampered):
     }
 
 
-@pytest.mark.slow
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("name", ["Paper count ", "Count with margin"])
 def test_a_renamed_column_is_missed(tampered, name):
     def edit(package):

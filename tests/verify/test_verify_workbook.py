@@ -312,8 +312,10 @@ def test_settings_of_the_command_line_are_part_of_the_recomputation(calculated, 
     assert "settings" in {f.kind for f in failing(found)}
 
 
-@pytest.mark.slow
-def test_a_result_of_another_version_is_judged_by_the_reported_error(edited):
+@pytest.mark.parametrize("share", [0.5, 3.0])
+def test_a_result_of_another_version_is_judged_by_the_reported_error(edited, share):
+    """Half of it is accepted, three times as much is not."""
+
     def edit(workbook):
         workbook.set_name("run_Software", "torsionbook 0.0.1")
         table = workbook.table("Audit")
@@ -323,14 +325,24 @@ def test_a_result_of_another_version_is_judged_by_the_reported_error(edited):
                 workbook.set_cell(*place, "torsionbook 0.0.1")
         place = cell_of(workbook, "StartupPeaks", 1, "Maximum torque")
         error = value(workbook, cell_of(workbook, "StartupPeaks", 1, "Error")) / 100
-        workbook.set_cell(*place, value(workbook, place) * (1 + 0.5 * error))
+        workbook.set_cell(*place, value(workbook, place) + share * error * _range(workbook))
 
     source = edited(edit)
     found = verify_file(source)
-    assert found.passes
     assert found.made_by == "torsionbook 0.0.1"
+    if share > 1.0:
+        assert not found.passes
+        [told] = failing(found)
+        assert (told.table, told.column) == ("StartupPeaks", "Maximum torque")
+        return
+    assert found.passes
     assert found.total(Agreement.ERROR) == 1
     assert not verify_file(source, within=Agreement.DIGITS).passes
+
+
+def _range(workbook: Workbook) -> float:
+    """What an error of the first row of `StartupPeaks` is a share of."""
+    return value(workbook, cell_of(workbook, "StartupPeaks", 1, "Peak-to-peak torque"))
 
 
 def test_a_signed_workbook_can_be_verified(train, tmp_path):
