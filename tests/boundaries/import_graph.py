@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
@@ -56,13 +57,19 @@ def modules_of(root: Path, *packages: str) -> dict[str, Path]:
     return named
 
 
+@functools.cache
+def _names_in(path: Path, module: str) -> tuple[tuple[int, str, bool], ...]:
+    """Line, name, and whether inside a function, of each import of a file; read once a run."""
+    reader = _Reader(module, path.name == "__init__.py")
+    reader.visit(ast.parse(path.read_text(encoding="utf-8"), str(path)))
+    return tuple(reader.names)
+
+
 def imports_of(root: Path, *packages: str) -> Iterator[Import]:
     """Every import; a target of the project's own is the longest part of the name that is a module."""
     modules = modules_of(root, *packages)
     for module, path in modules.items():
-        reader = _Reader(module, path.name == "__init__.py")
-        reader.visit(ast.parse(path.read_text(encoding="utf-8"), str(path)))
-        for line, name, inside in reader.names:
+        for line, name, inside in _names_in(path, module):
             target = name
             if name.split(".")[0] in packages:
                 while target not in modules and "." in target:
