@@ -10,8 +10,10 @@ DEV_READY := $(VENV)/.ready-dev
 MOVED := $(shell [ ! -e $(VENV)/.checkout ] || [ "$$(cat $(VENV)/.checkout)" = "$$(pwd -P)" ] || echo moved)
 SETUP := pyproject.toml scripts/make_venv.sh $(MOVED)
 
-# Test processes: one a core, four at most (make test JOBS=1 for a debugger).
+# Test processes: one a core, four at most (make test JOBS=1 for a debugger). Each begins with a
+# stretch of files and makes their shared workbooks once; who is done takes from the others.
 JOBS := auto
+PROCESSES := -n $(JOBS) --maxprocesses 4 --dist worksteal
 # More words for pytest: make test ARGS="tests/boundaries -x"
 ARGS :=
 # How long make explore looks for new examples: make explore MINUTES=30
@@ -45,13 +47,13 @@ demo: $(RUN_READY)
 	@echo "Open the Summary sheet first. The inputs are the files of the same names in templates/."
 
 test: $(DEV_READY)
-	$(PY) -m pytest -n $(JOBS) --maxprocesses 4 $(ARGS)
+	$(PY) -m pytest $(PROCESSES) $(ARGS)
 
 test-machines: $(DEV_READY)
-	$(PY) scripts/other_machines.py -n $(JOBS) --maxprocesses 4 $(ARGS)
+	$(PY) scripts/other_machines.py $(PROCESSES) $(ARGS)
 
 explore: $(DEV_READY)
-	$(PY) scripts/explore.py $(MINUTES) -n $(JOBS) --maxprocesses 4 $(ARGS)
+	$(PY) scripts/explore.py $(MINUTES) $(PROCESSES) $(ARGS)
 
 check: $(DEV_READY)
 	$(PY) -m ruff check .

@@ -280,3 +280,23 @@ def soffice(tmp_path_factory: pytest.TempPathFactory) -> Soffice:
 def checkout() -> Path:
     """The top folder of the checkout."""
     return Path(__file__).resolve().parent.parent
+
+
+# --- workbooks calculated once a test run ---------------------------------------------------------
+# Their modules are imported when the first test asks for one: collecting tests needs no engine.
+
+
+@pytest.fixture(scope="session")
+def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with the paper's two systems: NAME.in.xlsx, NAME.xlsx and NAME.results.json of each."""
+    from tests.shared_files import calculate_examples, made_once
+
+    return made_once(tmp_path_factory, "examples", calculate_examples)
+
+
+@pytest.fixture(scope="session")
+def studied(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A workbook with its results and four studies, of the rows in tests/shared_files.py."""
+    from tests.shared_files import calculate_studies, made_once
+
+    return made_once(tmp_path_factory, "studied", calculate_studies) / "train.xlsx"

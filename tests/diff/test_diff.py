@@ -12,7 +12,6 @@ import pytest
 from typer.testing import CliRunner
 
 from addin.cli.app import app
-from addin.contract.shipped import template_path
 from addin.diff.compare import compare_files
 from addin.diff.inputs import compare_inputs
 from addin.diff.units import Units
@@ -26,19 +25,11 @@ RUN = CliRunner()
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(examples: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The paper's two systems: typed, calculated, as case JSON and as result JSON."""
-    folder = tmp_path_factory.mktemp("revisions")
+    folder = Path(shutil.copytree(examples, tmp_path_factory.mktemp("revisions") / "both"))
     for name in ("proposed", "modified"):
-        source = Path(
-            shutil.copyfile(template_path(f"example_{name}.xlsx"), folder / f"{name}.in.xlsx")
-        )
-        recalculate(
-            source,
-            destination=folder / f"{name}.xlsx",
-            json_file=folder / f"{name}.results.json",
-        )
-        content = case_to_json(read_workbook(source).data)
+        content = case_to_json(read_workbook(folder / f"{name}.in.xlsx").data)
         (folder / f"{name}.json").write_text(json.dumps(content), encoding="utf-8")
     return folder
 

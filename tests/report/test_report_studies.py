@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from pathlib import Path
 from typing import Any
@@ -14,25 +13,11 @@ from report_files import docx_text, flat, pdf_text
 from typer.testing import CliRunner
 
 from addin.cli.app import app
-from addin.reading.case_json import case_to_json
 from addin.report.make import report
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
-from tests.sample_case import sample_case
 
 RUN = CliRunner()
-TABLES: dict[str, Any] = {
-    "tuning": [
-        {"element": "HS coupling", "quantity": "stiffness", "unit": "%", "values": "40; 60; 80"},
-        {"element": "LS coupling", "quantity": "stiffness", "unit": "%", "values": "80; 100"},
-    ],
-    "scatter": [{"quantity": "stiffness", "spread": 0.05}, {"quantity": "S-N line", "spread": 0.05}],
-    "start_conditions": [
-        {"condition": "normal", "per_year": 10, "so_far": 40},
-        {"condition": "weak", "voltage": 0.9, "per_year": 2},
-    ],
-    "measured_frequencies": [{"mode": 1, "frequency": 29.5}],
-}  # fmt: skip
 
 
 def said(*words: object) -> str:
@@ -42,15 +27,9 @@ def said(*words: object) -> str:
 
 
 @pytest.fixture(scope="module")
-def book(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A workbook in which four studies stand."""
-    folder = tmp_path_factory.mktemp("studied")
-    case, book = folder / "case.json", folder / "train.xlsx"
-    case.write_text(json.dumps(case_to_json(sample_case("proposed")) | TABLES), encoding="utf-8")
-    said("new", book, "--studies", "--units", "si", "--from", case)
-    for words in (("tune",), ("tolerances", "--samples", "40"), ("starts",), ("calibrate",)):
-        said(words[0], book, "--in-place", "--jobs", "1", *words[1:])
-    return book
+def book(studied: Path) -> Path:
+    """A workbook in which four studies stand; tests change copies of it."""
+    return studied
 
 
 def cells(book: Path, table: str) -> list[dict[str, Any]]:

@@ -8,20 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from addin.contract.shipped import template_path
-from addin.writing.recalculate import recalculate
 from addin.xlsx import Workbook, open_workbook
 
 
 @pytest.fixture(scope="session")
-def calculated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def calculated(examples: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with the proposed example, calculated: train.xlsx, train.results.json, case.xlsx."""
     folder = tmp_path_factory.mktemp("calculated")
-    case = Path(shutil.copyfile(template_path("example_proposed.xlsx"), folder / "case.xlsx"))
-    done = recalculate(
-        case, destination=folder / "train.xlsx", json_file=folder / "train.results.json"
-    )
-    assert not done.problems
+    shutil.copyfile(examples / "proposed.in.xlsx", folder / "case.xlsx")
+    shutil.copyfile(examples / "proposed.xlsx", folder / "train.xlsx")
+    shutil.copyfile(examples / "proposed.results.json", folder / "train.results.json")
     return folder
 
 
