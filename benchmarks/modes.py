@@ -12,8 +12,8 @@ from benchmarks.ours import build_and_solve
 from benchmarks.peers import PeerFailed, Worker
 from benchmarks.problems import RIGID, Chain, random_chain, ten
 from benchmarks.references import exact_frequencies
+from engine.model.build_train import build_train
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 
 __all__ = ["ModesRow", "compare_modes", "mode_problems"]
 

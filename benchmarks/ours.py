@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from benchmarks.problems import Chain, Sweep
 from engine.case.case import Case
+from engine.model.build_train import build_train
 from engine.model.load import loads_of
 from engine.model.modes import ModalDamping, Modes, modal_damping, modes_of, natural_modes
 from engine.model.motor import motors_of
-from engine.model.train import Train, build_train
+from engine.model.train import Train
 from engine.start.settings import settings_of
 from engine.start.simulation import simulate
 from engine.start.start_model import StartModel, start_model

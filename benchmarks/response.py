@@ -28,7 +28,7 @@ from benchmarks.ours import response
 from benchmarks.peers import PeerFailed, Worker
 from benchmarks.problems import MOTOR, RESPONSE, ten
 from benchmarks.references import GAUSS_NODES, Curves, exact_response
-from engine.model.train import build_train
+from engine.model.build_train import build_train
 
 __all__ = ["ResponseRow", "compare_responses", "points_of", "response_reference"]
 

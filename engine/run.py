@@ -16,7 +16,8 @@ from engine.case.data import CaseData, case_digest
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effects import Sensitivity, StartEffects
 from engine.case.plausibility import implausible
-from engine.fatigue.allowable_starts import AllowableStarts, shear_stress
+from engine.fatigue.allowable_starts import AllowableStarts
+from engine.fatigue.stress import shear_stress
 from engine.model.excitation import excitations_of
 from engine.model.modes import (
     ModalDamping,

@@ -9,8 +9,8 @@ import numpy as np
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, MaterialRow, MeshRow, SNPointRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 from tests.random_starts import random_start
 
 #: An S-N line with an exponent near 9.

@@ -8,8 +8,8 @@ import numpy as np
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 
 SPEEDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.96, 1.0)
 

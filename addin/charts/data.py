@@ -152,7 +152,7 @@ def stiffness_of(element: ElementRow) -> float:
     float
         Its stiffness; 0 when neither is given. [N m/rad]
     """
-    from engine.model.train import shaft_stiffness
+    from engine.model.links import shaft_stiffness
 
     if element.stiffness is not None:
         return element.stiffness
@@ -363,7 +363,7 @@ def _drawn_quantity(
     case: CaseData, name: str, torque: Floats, units: ShownUnits
 ) -> tuple[Floats, str, str]:
     """Values in the shown unit, what they are, and the axis title: tooth load, stress or torque."""
-    from engine.fatigue.allowable_starts import shear_stress
+    from engine.fatigue.stress import shear_stress
 
     element = next((e for e in case.elements if e.element == name), None)
     mesh = next((m for m in case.meshes if m.element == name), None)
@@ -486,7 +486,7 @@ def _material_of(case: CaseData, shaft: str | None) -> str | None:
 def _sn_lines(case: CaseData, only: str | None) -> list[list[tuple[float, float]]]:
     """Each material's line, or that of one, its endurance limit drawn on to 1e9 cycles."""
     from engine.errors import TorsionError
-    from engine.fatigue.allowable_starts import sn_curve_for
+    from engine.fatigue.sn_curve import sn_curve_for
 
     lines = []
     for material in case.materials:

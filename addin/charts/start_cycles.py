@@ -80,7 +80,7 @@ def start_cycle_facts(run: RunView) -> Mapping[str, Any]:
 def _curve(run: RunView, shaft: str) -> Any:
     """The S-N line of a shaft in torsion; None when it has none."""
     from engine.errors import TorsionError
-    from engine.fatigue.allowable_starts import sn_curve_for
+    from engine.fatigue.sn_curve import sn_curve_for
 
     case = run.case
     name = next((e.material for e in case.elements if e.element == shaft), None)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from addin.contract.studies.tuning import LINES, MAP_MODES, MAP_ROWS
 
 if TYPE_CHECKING:
-    from engine.operation.bands import Band
+    from engine.operation.margins import Band
     from engine.studies.tuning.evaluate import Tried
     from engine.studies.tuning.options import Option, Variable
     from engine.studies.tuning.tuning import TuningResult

@@ -160,7 +160,7 @@ def speed_results(case: Case) -> Mapping[str, Any]:
     mapping
         Tables by name, and modes. [SI]
     """
-    from engine.operation.bands import forbidden_bands, rows_of_bands
+    from engine.operation.margins import forbidden_bands, rows_of_bands
     from engine.results.tables import modal_details, speed_tables
     from engine.run import at_speed
 
@@ -332,7 +332,7 @@ def tv_stiffness(
     outer: float, bore: float | None, length: float, modulus: float, units: str | None
 ) -> float:
     """Torsional stiffness of a round shaft, k = G π (D⁴ − d⁴) / 32 L."""
-    from engine.model.train import shaft_stiffness
+    from engine.model.links import shaft_stiffness
 
     system = _system(units, None)
     _, metre = _si("length", system)
@@ -571,7 +571,7 @@ def tv_sn_life(
     beside each life. Above UTS there is no life: the stress is refused.
     """
     from engine.errors import ModelError
-    from engine.fatigue.allowable_starts import sn_curve_for
+    from engine.fatigue.sn_curve import sn_curve_for
 
     found = MODELS.of(model)
     case = found.case

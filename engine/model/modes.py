@@ -15,13 +15,9 @@ from numpy.typing import NDArray
 
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow
-from engine.model.train import (
-    Train,
-    build_train,
-    has_clearance,
-    shaft_inertia,
-    shaft_stiffness,
-)
+from engine.model.build_train import build_train
+from engine.model.links import has_clearance, shaft_inertia, shaft_stiffness
+from engine.model.train import Train
 from engine.numerics.singular_values import singular_triplets
 
 __all__ = [

@@ -1,7 +1,9 @@
-"""Separation margins and the interference diagram.
+"""Separation margins, the bands of frequencies they forbid, and the interference diagram.
 
 margin = |f − f_exc| / f_exc, the least over the speeds of continuous operation, and 0 when the
-line of the excitation crosses the natural frequency there.
+line of the excitation crosses the natural frequency there. Solved for f over the speeds of
+continuous operation it forbids the band f_min (1 − m) < f < f_max (1 + m) round each excitation, with
+f_min and f_max its frequencies at the lowest and the highest speed; a mode on the edge keeps its margin.
 
 References
 ----------
@@ -14,40 +16,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
+from engine.case.result_words import Judgement
 from engine.model.excitation import Excitation, operating_range
 from engine.model.modes import Modes
 from engine.model.train import Train
 
-__all__ = [
-    "ACCEPTED",
-    "FAIL",
-    "Interference",
-    "JudgedResponse",
-    "MARGIN_BY_BASIS",
-    "MarginRow",
-    "NOT_JUDGED",
-    "PASS",
-    "SeparationMargins",
-    "UNBOUNDED",
-    "interference",
-    "judge",
-    "percent_speed",
-    "required_margin",
-    "separation_margins",
-]
-
 Floats = NDArray[np.float64]
-
-PASS, FAIL = "pass", "fail"
-ACCEPTED = "accepted by forced response"
-NOT_JUDGED = "not judged"
-UNBOUNDED = "unbounded"
 
 #: The paper: 20 percent for calculated, 10 percent for measured natural frequencies.
 MARGIN_BY_BASIS = {"calculated": 0.20, "measured": 0.10}
@@ -71,7 +51,7 @@ class MarginRow:
     required: float  #: Required margin. [1]
     #: ``pass``, ``accepted by forced response`` or ``fail``; before the forced response is known,
     #: ``pass`` or ``fail``.
-    verdict: str
+    verdict: Judgement
 
     @property
     def kept(self) -> bool:
@@ -151,8 +131,8 @@ def separation_margins(
             speed = None
             if x.order is not None:
                 speed = 2.0 * math.pi * f_exc / (x.order * x.ratio)
-            row = MarginRow(mode, f, x.name, speed, f_exc, margin, required, PASS)
-            rows.append(row if row.kept else replace(row, verdict=FAIL))
+            row = MarginRow(mode, f, x.name, speed, f_exc, margin, required, Judgement.PASS)
+            rows.append(row if row.kept else replace(row, verdict=Judgement.FAIL))
     return SeparationMargins(tuple(rows), required, speeds, _warnings(case, excitations, known))
 
 
@@ -233,16 +213,112 @@ def judge(margins: SeparationMargins, responses: Sequence[JudgedResponse]) -> Se
     """
     verdicts: dict[tuple[int, str], set[str]] = {}
     for r in responses:
-        if r.mode is not None and r.verdict != NOT_JUDGED:
+        if r.mode is not None and r.verdict != Judgement.NOT_JUDGED:
             verdicts.setdefault((r.mode, r.excitation), set()).add(r.verdict)
     rows = []
     for row in margins.rows:
-        verdict = PASS
+        verdict = Judgement.PASS
         if not row.kept:
-            accepted = verdicts.get((row.mode, row.excitation)) == {PASS}
-            verdict = ACCEPTED if accepted else FAIL
+            accepted = verdicts.get((row.mode, row.excitation)) == {Judgement.PASS}
+            verdict = Judgement.ACCEPTED if accepted else Judgement.FAIL
         rows.append(replace(row, verdict=verdict))
     return replace(margins, rows=tuple(rows))
+
+
+@dataclass(frozen=True)
+class Band:
+    """Frequencies that one excitation forbids to every mode."""
+
+    excitation: str  #: Excitation.
+    from_: float  #: Ends of the band; a mode between them has too small a margin. [Hz]
+    to: float  #: Likewise. [Hz]
+    lowest: float  #: Frequency of the excitation over the speeds of continuous operation. [Hz]
+    highest: float  #: Likewise. [Hz]
+
+
+@dataclass(frozen=True)
+class Window:
+    """Frequencies that no excitation forbids."""
+
+    from_: float  #: Lower end. [Hz]
+    to: float | None  #: Upper end; None above the highest band. [Hz]
+
+
+def forbidden_bands(case: CaseData, excitations: Sequence[Excitation]) -> tuple[Band, ...]:
+    """The band of every excitation whose frequency is known.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case: speeds of continuous operation, required margin. [SI]
+    excitations : sequence of Excitation
+        What shakes the train, from `excitation.excitations_of`. [SI]
+
+    Returns
+    -------
+    tuple of Band
+        In rising frequency. [Hz]
+    """
+    required, speeds = required_margin(case), operating_range(case)
+    found = []
+    for x in excitations:
+        if x.frequency is None and speeds is None:
+            continue
+        low, high = (x.frequency_at(speed) for speed in speeds or (0.0, 0.0))
+        found.append(Band(x.name, low * (1.0 - required), high * (1.0 + required), low, high))
+    return tuple(sorted(found, key=lambda b: (b.from_, b.to, b.excitation)))
+
+
+def free_windows(bands: Sequence[Band]) -> tuple[Window, ...]:
+    """What the bands leave free: where modes may be placed.
+
+    Parameters
+    ----------
+    bands : sequence of Band
+        Forbidden bands in any order. [Hz]
+
+    Returns
+    -------
+    tuple of Window
+        In rising frequency, the last one open above. [Hz]
+    """
+    found, reached = [], 0.0
+    for band in sorted(bands, key=lambda b: b.from_):
+        if band.from_ > reached:
+            found.append(Window(reached, band.from_))
+        reached = max(reached, band.to)
+    return (*found, Window(reached, None))
+
+
+def rows_of_bands(
+    bands: Sequence[Band], too_near: Sequence[tuple[int, str]]
+) -> list[dict[str, Any]]:
+    """Bands as rows of plain values, with the modes inside each.
+
+    Parameters
+    ----------
+    bands : sequence of Band
+        Forbidden bands. [Hz]
+    too_near : sequence of (int, str)
+        Modes that do not keep the margin, each with the excitation. [count, name]
+
+    Returns
+    -------
+    list of dict
+        Keys excitation, from, to, lowest, highest [Hz] and modes_inside (None = clear).
+    """
+    return [
+        {
+            "excitation": band.excitation,
+            "from": band.from_,
+            "to": band.to,
+            "lowest": band.lowest,
+            "highest": band.highest,
+            "modes_inside": ", ".join(f"mode {m}" for m, x in too_near if x == band.excitation)
+            or None,
+        }
+        for band in bands
+    ]
 
 
 def percent_speed(frequency: float, line_frequency: float) -> float | None:

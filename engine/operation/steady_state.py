@@ -31,8 +31,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData, ElementRow
+from engine.case.result_words import Judgement
 from engine.errors import ModelError
-from engine.fatigue.allowable_starts import shear_stress
+from engine.fatigue.stress import shear_stress
 from engine.model.excitation import Excitation, Place, excitation_places, transmitted_torque
 from engine.model.modes import (
     ModalDamping,
@@ -42,7 +43,7 @@ from engine.model.modes import (
     stated_damping,
 )
 from engine.model.train import Train
-from engine.operation.margins import FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
+from engine.operation.margins import SeparationMargins
 
 __all__ = [
     "HarmonicResponse",
@@ -373,7 +374,7 @@ class SteadyStateRow:
     peak_to_peak_stress: float | None  #: Likewise. [Pa]
     allowable: float | None  #: UTS/25; None where no stress can be judged. [Pa]
     torque_limit: float | None  #: Vibratory limit of the element, zero-to-peak. [N m]
-    verdict: str  #: ``pass``, ``fail``, ``unbounded`` or ``not judged``.
+    verdict: Judgement  #: ``pass``, ``fail``, ``unbounded`` or ``not judged``.
 
 
 @dataclass(frozen=True)
@@ -464,7 +465,9 @@ def steady_state(
     if not np.any(transmitted.load):  # gears and driven machines could not be excited
         partly = {x.name for x in excitations if x.station is None and x.torque is None}
         rows = [
-            replace(r, verdict=NOT_JUDGED) if r.verdict == PASS and r.excitation in partly else r
+            replace(r, verdict=Judgement.NOT_JUDGED)
+            if r.verdict == Judgement.PASS and r.excitation in partly
+            else r
             for r in rows
         ]
     return SteadyState(tuple(rows), basis, tuple(warnings))
@@ -556,10 +559,10 @@ class _Limit:
         """Zero-to-peak stress with SCF. [Pa]"""
         return None if self.stress_per_torque is None else self.stress_per_torque * torque
 
-    def verdict(self, torque: float | None) -> str:
+    def verdict(self, torque: float | None) -> Judgement:
         """Verdict on a zero-to-peak torque; None = unbounded."""
         if torque is None:
-            return UNBOUNDED
+            return Judgement.UNBOUNDED
         stress = self.stress(torque)
         held = []
         if stress is not None and self.allowable is not None:
@@ -567,8 +570,8 @@ class _Limit:
         if self.torque_limit is not None:
             held.append(torque <= self.torque_limit * (1.0 + STRESS_ROUNDING))
         if not held:
-            return NOT_JUDGED
-        return PASS if all(held) else FAIL
+            return Judgement.NOT_JUDGED
+        return Judgement.PASS if all(held) else Judgement.FAIL
 
 
 def _vibratory_limit(case: CaseData, element: ElementRow) -> _Limit:

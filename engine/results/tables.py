@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from engine.case.effects import EffectDecision
-from engine.fatigue.allowable_starts import shear_stress
+from engine.fatigue.stress import shear_stress
 from engine.model.frequency_derivatives import frequency_derivatives
 from engine.operation.margins import percent_speed
 from engine.results.results import AccuracyRow, AtSpeed, Results

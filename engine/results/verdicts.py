@@ -10,8 +10,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from engine.case.data import CaseData
+from engine.case.result_words import Judgement
 from engine.fatigue.allowable_starts import AllowableStarts
-from engine.operation.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS, UNBOUNDED, SeparationMargins
+from engine.operation.margins import SeparationMargins
 from engine.operation.steady_state import SteadyState
 from engine.start.outcome import Outcome
 from engine.start.reversals import Reversal
@@ -29,7 +30,7 @@ class Verdict:
     result: float | str | None  #: What was found and what is allowed. [SI, in the dimension named]
     limit: float | str | None  #: Likewise. [SI, in the dimension named]
     dimension: str  #: ``fraction``, ``pressure``, ``torque``, ``count`` or ``text``.
-    verdict: str  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
+    verdict: Judgement  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
     where: str  #: Mode, element or shaft that governs.
 
 
@@ -69,8 +70,11 @@ def verdicts_of(
     checks += [_reversal(r) for r in reversals]
     checks += [*_yield(case, starts), *_starts(case, start, starts)]
     found = {c.verdict for c in checks}
-    worst = next((v for v in (FAIL, ACCEPTED, PASS) if v in found), NOT_JUDGED)
-    failing = ", ".join(c.check for c in checks if c.verdict == FAIL)
+    worst = next(
+        (v for v in (Judgement.FAIL, Judgement.ACCEPTED, Judgement.PASS) if v in found),
+        Judgement.NOT_JUDGED,
+    )
+    failing = ", ".join(c.check for c in checks if c.verdict == Judgement.FAIL)
     where = f"see {failing}" if failing else ""
     return (Verdict("Overall", None, None, "text", worst, where), *checks)
 
@@ -78,8 +82,8 @@ def verdicts_of(
 def _margin(margins: SeparationMargins) -> Verdict:
     name = "Separation margin"
     if not margins.rows:
-        return Verdict(name, None, None, "fraction", NOT_JUDGED, "")
-    order = {FAIL: 0, ACCEPTED: 1, PASS: 2}
+        return Verdict(name, None, None, "fraction", Judgement.NOT_JUDGED, "")
+    order: dict[str, int] = {Judgement.FAIL: 0, Judgement.ACCEPTED: 1, Judgement.PASS: 2}
     row = min(margins.rows, key=lambda r: (order.get(r.verdict, 0), r.margin))
     where = f"mode {row.mode} ({row.mode_frequency:.4g} Hz) against {row.excitation}"
     return Verdict(name, row.margin, row.required, "fraction", row.verdict, where)
@@ -87,10 +91,12 @@ def _margin(margins: SeparationMargins) -> Verdict:
 
 def _steady(steady: SteadyState) -> Iterator[Verdict]:
     judged = [r for r in steady.rows if r.allowable is not None]
-    if any(r.verdict == UNBOUNDED for r in steady.rows):
-        row = next(r for r in steady.rows if r.verdict == UNBOUNDED)
+    if any(r.verdict == Judgement.UNBOUNDED for r in steady.rows):
+        row = next(r for r in steady.rows if r.verdict == Judgement.UNBOUNDED)
         where = f"{row.excitation} at {row.frequency:.4g} Hz: no damping at a resonance"
-        yield Verdict("Steady-state response", UNBOUNDED, None, "text", FAIL, where)
+        yield Verdict(
+            "Steady-state response", Judgement.UNBOUNDED, None, "text", Judgement.FAIL, where
+        )
     finite = [r for r in judged if r.zero_to_peak_stress is not None]
     if finite:
         row = max(finite, key=lambda r: (r.peak_to_peak_stress or 0.0) / (r.allowable or 1.0))
@@ -106,31 +112,33 @@ def _steady(steady: SteadyState) -> Iterator[Verdict]:
     if limited:
         row = max(limited, key=lambda r: (r.torque or 0.0) / (r.torque_limit or 1.0))
         where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
-        verdict = PASS if (row.torque or 0.0) <= (row.torque_limit or 0.0) else FAIL
+        verdict = (
+            Judgement.PASS if (row.torque or 0.0) <= (row.torque_limit or 0.0) else Judgement.FAIL
+        )
         yield Verdict("Vibratory torque", row.torque, row.torque_limit, "torque", verdict, where)
 
 
 #: Verdict on each outcome of a start, any other is a fail; an asynchronous end is a matter of
 #: pull-in, a trip was asked for: neither is judged here.
 OUTCOME_VERDICTS = {
-    Outcome.REACHED: PASS,
-    Outcome.SYNCHRONISED: PASS,
-    Outcome.NOT_SYNCHRONISED: FAIL,
-    Outcome.TRIPPED: NOT_JUDGED,
-    Outcome.ASYNCHRONOUS: NOT_JUDGED,
-    Outcome.COMPLETED: NOT_JUDGED,
+    Outcome.REACHED: Judgement.PASS,
+    Outcome.SYNCHRONISED: Judgement.PASS,
+    Outcome.NOT_SYNCHRONISED: Judgement.FAIL,
+    Outcome.TRIPPED: Judgement.NOT_JUDGED,
+    Outcome.ASYNCHRONOUS: Judgement.NOT_JUDGED,
+    Outcome.COMPLETED: Judgement.NOT_JUDGED,
 }
 
 
 def _outcome(case: CaseData, start: Start) -> Verdict:
     o = start.outcome
-    verdict, wanted = OUTCOME_VERDICTS.get(o.outcome, FAIL), Outcome.REACHED
+    verdict, wanted = OUTCOME_VERDICTS.get(o.outcome, Judgement.FAIL), Outcome.REACHED
     off = any(c.effect == "pull-in" and c.choice == "off" for c in case.effect_choices)
     if case.field_slip is not None and not off:
         wanted = Outcome.SYNCHRONISED
         if o.outcome in (Outcome.REACHED, Outcome.ASYNCHRONOUS):
             where = f"{o.sentence} The slip at which the field is applied was not reached."
-            return Verdict("Start", o.outcome, wanted, "text", FAIL, where)
+            return Verdict("Start", o.outcome, wanted, "text", Judgement.FAIL, where)
     return Verdict("Start", o.outcome, wanted, "text", verdict, o.sentence)
 
 
@@ -143,7 +151,7 @@ def _peak_limits(case: CaseData, start: Start) -> Iterator[Verdict]:
     ]
     if rows:
         torque, limit, element = max(rows, key=lambda r: r[0] / (r[1] or 1.0))
-        verdict = PASS if torque <= (limit or 0.0) else FAIL
+        verdict = Judgement.PASS if torque <= (limit or 0.0) else Judgement.FAIL
         yield Verdict("Peak torque", torque, limit, "torque", verdict, element)
 
 
@@ -162,7 +170,7 @@ def _yield(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:
             rows.append((shaft.peak_nominal_stress, 0.5 * limit, shaft.element))
     if rows:
         stress, limit, element = max(rows, key=lambda r: r[0] / r[1])
-        verdict = PASS if stress <= limit else FAIL
+        verdict = Judgement.PASS if stress <= limit else Judgement.FAIL
         yield Verdict("Shear yield in the start", stress, limit, "pressure", verdict, element)
 
 
@@ -171,21 +179,24 @@ def _starts(
 ) -> Iterator[Verdict]:
     required = case.starts_required
     if start is None or starts is None or not starts.shafts:
-        yield Verdict("Allowable starts", None, required, "count", NOT_JUDGED, "")
+        yield Verdict("Allowable starts", None, required, "count", Judgement.NOT_JUDGED, "")
         return
     if start.outcome.outcome not in WHOLE_STARTS:
         where = f"not a whole start: {start.outcome.outcome}"
-        yield Verdict("Allowable starts", None, required, "count", NOT_JUDGED, where)
+        yield Verdict("Allowable starts", None, required, "count", Judgement.NOT_JUDGED, where)
         return
     if starts.judged_starts is None:
-        verdict = PASS if required is not None else NOT_JUDGED
+        verdict = Judgement.PASS if required is not None else Judgement.NOT_JUDGED
         yield Verdict("Allowable starts", "unlimited", required, "count", verdict, "")
         return
     where = starts.governing or ""
-    verdict = NOT_JUDGED
+    verdict = Judgement.NOT_JUDGED
     if required is not None:
-        verdict = PASS if starts.judged_starts >= required else FAIL
+        verdict = Judgement.PASS if starts.judged_starts >= required else Judgement.FAIL
     above = [s.element for s in starts.shafts if s.above_first_point]
-    if above and verdict == PASS:
-        verdict, where = NOT_JUDGED, f"{where}; cycles above the first S-N point: {above[0]}"
+    if above and verdict == Judgement.PASS:
+        verdict, where = (
+            Judgement.NOT_JUDGED,
+            f"{where}; cycles above the first S-N point: {above[0]}",
+        )
     yield Verdict("Allowable starts", starts.judged_starts, required, "count", verdict, where)

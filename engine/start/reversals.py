@@ -24,9 +24,9 @@ from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.effects import ContactRecord
+from engine.case.result_words import Judgement
 from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
-from engine.operation.margins import FAIL, NOT_JUDGED, PASS
 from engine.start.start import Start
 
 __all__ = [
@@ -109,7 +109,7 @@ class Reversal:
     transmitted_torque: float  #: Torque it transmits in continuous operation. [N m]
     margin: float | None  #: Minimum over transmitted torque; None where that is zero. [1]
     limit: float | None  #: The maker's `Reversal limit`, a magnitude; None = not stated. [N m]
-    verdict: str  #: ``pass``, ``fail`` or ``not judged``.
+    verdict: Judgement  #: ``pass``, ``fail`` or ``not judged``.
     model: str  #: ``clearance`` where the teeth may part, else ``linear``.
     impacts: int | None  #: Recontacts; None without clearance model.
     #: Largest approach speed of the flanks; None for a coupling and without that model. [m/s]
@@ -230,7 +230,7 @@ def _reversal(
 
 def _verdict(
     element: ElementRow, minimum: float, hysteresis: float, contact: ContactRecord | None
-) -> tuple[str, str]:
+) -> tuple[Judgement, str]:
     """The maker's limit judges; without one a reversal is told, not judged."""
     reverses = minimum < -hysteresis
     parts = contact is not None and contact.impacts > 0
@@ -239,10 +239,10 @@ def _verdict(
         reached = "reverses" if reverses else "falls to zero"
         sentence = f"{element.element}: torque {reached}, teeth meet again {contact.impacts} times"
     if element.reversal_limit is not None:
-        return (PASS if minimum >= -element.reversal_limit else FAIL), sentence
+        return (Judgement.PASS if minimum >= -element.reversal_limit else Judgement.FAIL), sentence
     if reverses or parts:
-        return NOT_JUDGED, f"{sentence}; no Reversal limit entered"
-    return PASS, sentence
+        return Judgement.NOT_JUDGED, f"{sentence}; no Reversal limit entered"
+    return Judgement.PASS, sentence
 
 
 def _numbers(count: int, first: float, longest: float, slip: float | None) -> str:

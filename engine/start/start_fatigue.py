@@ -11,16 +11,15 @@ import numpy as np
 from engine.case.data import CaseData, ElementRow
 from engine.case.defaults import DEFAULT_TOLERANCE_STARTS
 from engine.fatigue.allowable_starts import (
-    RESIDUES,
     AllowableStarts,
     ShaftFatigue,
-    SNCurve,
     allowable_starts,
-    needs_counting,
     shaft_fatigue,
-    shear_stress,
-    sn_curve_for,
 )
+from engine.fatigue.cycle_counting import RESIDUES
+from engine.fatigue.damage import needs_counting
+from engine.fatigue.sn_curve import SNCurve, sn_curve_for
+from engine.fatigue.stress import shear_stress
 from engine.start.outcome import Outcome
 from engine.start.start import Start
 

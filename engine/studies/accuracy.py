@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
-from engine.fatigue.allowable_starts import RESIDUES, shaft_fatigue
+from engine.fatigue.allowable_starts import shaft_fatigue
+from engine.fatigue.cycle_counting import RESIDUES
 from engine.model.load import loads_of
 from engine.model.motor import motors_of
 from engine.results.results import AccuracyRow

@@ -20,16 +20,13 @@ from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.effects import StartEffects
 from engine.errors import InternalError, ModelError
-from engine.fatigue.allowable_starts import (
-    RESIDUES,
-    count_cycles,
-    counted_history,
-    miner_damage,
-    shear_stress,
-)
+from engine.fatigue.cycle_counting import RESIDUES, count_cycles, counted_history
+from engine.fatigue.damage import miner_damage
+from engine.fatigue.stress import shear_stress
+from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, operating_range
+from engine.model.links import has_clearance
 from engine.model.modes import modal_damping, modes_of
-from engine.model.train import build_train, has_clearance
 from engine.operation.margins import nearest_frequency
 from engine.results.results import Results
 from engine.run import Model, analyse, calculate_start, planned_start

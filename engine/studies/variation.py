@@ -26,7 +26,7 @@ from engine.case.study_inputs import (
     STIFFNESS,
     TUNED,
 )
-from engine.model.train import link_of
+from engine.model.links import link_of
 
 __all__ = [
     "AVERAGE_TORQUE",

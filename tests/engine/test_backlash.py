@@ -17,9 +17,9 @@ from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 from engine.case.defaults import LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
 from engine.case.effects import CONTACT_LAWS, StartEffects
 from engine.errors import CaseError
+from engine.model.build_train import build_train
 from engine.model.gears import transverse_pressure_angle
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 from engine.start.start import run_start
 from engine.start.time_response import linear
 from tests.clearance_reference import ClearanceReference

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from engine.case.case import Case
 from engine.case.data import CaseData
 from engine.model.excitation import excitations_of
-from engine.operation.bands import Band, forbidden_bands, free_windows
-from engine.operation.margins import separation_margins
+from engine.operation.margins import Band, forbidden_bands, free_windows, separation_margins
 from tests.strategies import cases
 from tests.trains import geared, prepared
 

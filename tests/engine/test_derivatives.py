@@ -10,9 +10,9 @@ import pytest
 
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.frequency_derivatives import clusters, frequency_derivatives
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 from engine.start.start_fatigue import sn_slope
 from engine.studies.sensitivities.sensitivities import (
     AGREED,

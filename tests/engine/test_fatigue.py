@@ -8,22 +8,17 @@ import pytest
 
 from engine.case.data import ElementRow, MaterialRow, SNPointRow
 from engine.errors import InternalError, ModelError
-from engine.fatigue.allowable_starts import (
+from engine.fatigue.allowable_starts import allowable_starts, shaft_fatigue
+from engine.fatigue.cycle_counting import (
     CycleCount,
-    SNCurve,
-    allowable_starts,
     count_cycles,
     counted_history,
-    damage_interval,
-    miner_damage,
-    needs_counting,
     paper_count,
-    shaft_fatigue,
-    shear_stress,
-    sn_curve_for,
-    starts_from_damage,
     turning_points,
 )
+from engine.fatigue.damage import damage_interval, miner_damage, needs_counting, starts_from_damage
+from engine.fatigue.sn_curve import SNCurve, sn_curve_for
+from engine.fatigue.stress import shear_stress
 
 MPA = 1e6
 STEEL = MaterialRow(material="steel", yield_=600 * MPA)

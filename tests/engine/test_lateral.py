@@ -11,9 +11,9 @@ from scipy.linalg import eigh
 from engine.case.checks.find_problems import find_problems
 from engine.case.data import CaseData, ElementRow, MeshRow, MotorTorqueRow, StationRow
 from engine.errors import ModelError
+from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, transmitted_torque
 from engine.model.modes import damped_eigenvalues, modal_damping, modes_of, natural_modes, nodes_of
-from engine.model.train import build_train
 from engine.operation.margins import separation_margins
 from engine.operation.steady_state import harmonic_response, steady_state
 from engine.results.tables import modal_details, result_tables

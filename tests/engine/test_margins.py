@@ -9,6 +9,8 @@ from sample_case import sample_case
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, ExcitationRow, LoadTorqueRow, MotorTorqueRow, StationRow
+from engine.case.result_words import Judgement
+from engine.model.build_train import build_train
 from engine.model.excitation import (
     Excitation,
     excitation_places,
@@ -17,16 +19,7 @@ from engine.model.excitation import (
     transmitted_torque,
 )
 from engine.model.modes import modes_of
-from engine.model.train import build_train
-from engine.operation.margins import (
-    ACCEPTED,
-    FAIL,
-    PASS,
-    interference,
-    judge,
-    percent_speed,
-    separation_margins,
-)
+from engine.operation.margins import interference, judge, percent_speed, separation_margins
 from engine.run import at_speed
 
 RPM = math.pi / 30.0
@@ -329,9 +322,9 @@ def test_a_margin_equal_to_the_required_one_passes(share, side):
             margin_required=share,
             excitations=(ExcitationRow("x", frequency=f_exc),),
         )
-        assert [r.verdict for r in margins_of(case).rows] == [PASS]
+        assert [r.verdict for r in margins_of(case).rows] == [Judgement.PASS]
         missed = replace(case, margin_required=share + 1e-6)
-        assert [r.verdict for r in margins_of(missed).rows] == [FAIL]
+        assert [r.verdict for r in margins_of(missed).rows] == [Judgement.FAIL]
 
 
 def test_without_a_speed_only_fixed_frequencies_are_judged():
@@ -365,12 +358,12 @@ class Judged:
 @pytest.mark.parametrize(
     ("verdicts", "expected"),
     [
-        ([], FAIL),
-        (["pass"], ACCEPTED),
-        (["pass", "not judged"], ACCEPTED),
-        (["not judged"], FAIL),
-        (["pass", "fail"], FAIL),
-        (["pass", "unbounded"], FAIL),
+        ([], Judgement.FAIL),
+        (["pass"], Judgement.ACCEPTED),
+        (["pass", "not judged"], Judgement.ACCEPTED),
+        (["not judged"], Judgement.FAIL),
+        (["pass", "fail"], Judgement.FAIL),
+        (["pass", "unbounded"], Judgement.FAIL),
     ],
 )
 def test_what_the_forced_response_can_excuse(verdicts, expected):
@@ -383,7 +376,9 @@ def test_what_the_forced_response_can_excuse(verdicts, expected):
 
 def test_a_kept_margin_passes_whatever_the_response():
     case = two_disks(90.0, excitations=(ExcitationRow("x", frequency=50.0),))
-    assert [r.verdict for r in judge(margins_of(case), [Judged(1, "x", "fail")]).rows] == [PASS]
+    assert [r.verdict for r in judge(margins_of(case), [Judged(1, "x", "fail")]).rows] == [
+        Judgement.PASS
+    ]
 
 
 # --- interference diagram -------------------------------------------------------------------------

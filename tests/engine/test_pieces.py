@@ -13,8 +13,9 @@ from scipy.linalg import eigh
 from engine.backlash.contact_systems import ForcePlaces, Pieces, piece_basis
 from engine.backlash.event_start import clearances_of
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.modes import modes_of
-from engine.model.train import Train, build_train
+from engine.model.train import Train
 from engine.stepping.contact_loop import BACK, DRIVE, FREE
 from tests.random_clearances import pushed_train
 

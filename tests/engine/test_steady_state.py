@@ -17,19 +17,12 @@ from engine.case.data import (
     ModeDampingRow,
     StationRow,
 )
+from engine.case.result_words import Judgement
 from engine.errors import ModelError
+from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of
 from engine.model.modes import modal_damping, modes_of, natural_modes, stated_damping
-from engine.model.train import build_train
-from engine.operation.margins import (
-    ACCEPTED,
-    FAIL,
-    NOT_JUDGED,
-    PASS,
-    UNBOUNDED,
-    judge,
-    separation_margins,
-)
+from engine.operation.margins import judge, separation_margins
 from engine.operation.steady_state import harmonic_response, steady_state
 
 
@@ -395,9 +388,9 @@ def test_frequency_zero_of_a_free_train():
 def test_the_sample_in_continuous_operation():
     """Proposed fails at 30 Hz; what the modified design misses at 69 Hz the response excuses."""
     margins, steady = run(sample_case("proposed"))
-    assert {r.verdict for r in margins.not_kept} == {FAIL}
+    assert {r.verdict for r in margins.not_kept} == {Judgement.FAIL}
     margins, steady = run(sample_case("modified"))
-    assert {r.verdict for r in margins.not_kept} == {ACCEPTED}
+    assert {r.verdict for r in margins.not_kept} == {Judgement.ACCEPTED}
     assert len(margins.not_kept) == 2
     assert steady.stress_basis == "peak-to-peak"
     assert steady.warnings == ()
@@ -426,9 +419,11 @@ def test_torque_stress_and_verdict_agree():
             assert r.zero_to_peak_stress == pytest.approx(stress, rel=1e-12)
             assert r.peak_to_peak_stress == pytest.approx(2.0 * stress, rel=1e-12)
             assert r.allowable == pytest.approx(4400.0 * PSI, rel=1e-12)
-            assert r.verdict == (PASS if peaks * stress <= r.allowable else FAIL)
+            assert r.verdict == (
+                Judgement.PASS if peaks * stress <= r.allowable else Judgement.FAIL
+            )
         others = {r.verdict for r in steady.rows if r.element != "HP compressor shaft"}
-        assert others == {NOT_JUDGED}
+        assert others == {Judgement.NOT_JUDGED}
 
 
 def test_the_worst_place_is_found_for_each_element():
@@ -601,17 +596,17 @@ def test_where_stress_and_torque_are_both_limited_both_must_hold(limit, allowabl
 def test_unbounded_is_a_fail():
     margins, steady = run(sample_case("proposed", damping_ratio=None))
     at_30 = [r for r in steady.rows if r.mode == 1]
-    assert {r.verdict for r in at_30} == {UNBOUNDED}
+    assert {r.verdict for r in at_30} == {Judgement.UNBOUNDED}
     assert {r.torque for r in at_30} == {None}
     assert {(r.zero_to_peak_stress, r.peak_to_peak_stress) for r in at_30} == {(None, None)}
-    assert {r.verdict for r in margins.not_kept} == {FAIL}
+    assert {r.verdict for r in margins.not_kept} == {Judgement.FAIL}
 
 
 def test_a_coupling_is_judged_by_its_vibratory_limit():
     case = sample_case("modified")
     _, steady = run(case)
     largest = max(r.torque for r in steady.rows if r.element == "HS coupling")
-    for factor, verdict in ((1.0, {PASS}), (0.999, {PASS, FAIL})):
+    for factor, verdict in ((1.0, {Judgement.PASS}), (0.999, {Judgement.PASS, Judgement.FAIL})):
         elements = tuple(
             replace(e, vibratory_limit=factor * largest) if e.element == "HS coupling" else e
             for e in case.elements
@@ -621,7 +616,7 @@ def test_a_coupling_is_judged_by_its_vibratory_limit():
         assert {r.verdict for r in rows} == verdict
         assert {r.allowable for r in rows} == {None}
         assert {r.torque_limit for r in rows} == {factor * largest}
-        assert (FAIL in {r.verdict for r in margins.rows}) == (FAIL in verdict)
+        assert (Judgement.FAIL in {r.verdict for r in margins.rows}) == (Judgement.FAIL in verdict)
 
 
 def test_a_shaft_without_material_is_not_judged():
@@ -629,9 +624,9 @@ def test_a_shaft_without_material_is_not_judged():
     elements = tuple(replace(e, material=None) for e in case.elements)
     margins, steady = run(replace(case, elements=elements, materials=(), sn_points=()))
     shaft = [r for r in steady.rows if r.element == "HP compressor shaft"]
-    assert {r.verdict for r in shaft} == {NOT_JUDGED}
+    assert {r.verdict for r in shaft} == {Judgement.NOT_JUDGED}
     assert all(r.zero_to_peak_stress > 0.0 for r in shaft)
-    assert {r.verdict for r in margins.not_kept} == {FAIL}  # nothing speaks for it
+    assert {r.verdict for r in margins.not_kept} == {Judgement.FAIL}  # nothing speaks for it
 
 
 def test_a_bending_basis_leaves_the_allowable_alone():

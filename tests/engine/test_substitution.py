@@ -8,7 +8,7 @@ import pytest
 
 from engine.case.case import Case
 from engine.case.data import CaseData
-from engine.model.train import build_train
+from engine.model.build_train import build_train
 from engine.studies.variation import SCATTERED, TUNED, Change, changed, names_with, present, why_not
 from tests.sample_case import sample_case
 

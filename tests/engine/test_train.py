@@ -8,9 +8,9 @@ import pytest
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, MotorTorqueRow, StationRow
 from engine.errors import ModelError
+from engine.model.build_train import build_train
 from engine.model.gears import line_of_action
 from engine.model.modes import modal_damping, modes_of, natural_modes, nodes_of, state_matrix
-from engine.model.train import build_train
 
 STEEL = {"shear_modulus": 8e10}
 

@@ -12,8 +12,8 @@ from high_precision import ReferredTree
 
 import engine.numerics.singular_values as singular_values
 from engine.case.data import CaseData, ElementRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 
 
 def chain(inertia, stiffness, order=None):

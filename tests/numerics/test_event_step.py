@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from engine.backlash.clearance_response import clearance_response
 from engine.backlash.event_start import clearances_of
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 from engine.start.time_response import PrescribedTorque, linear
 from engine.stepping.contact_loop import FREE, _first_fall, mode_step
 from engine.stepping.exponential import HERMITE, exponential_step

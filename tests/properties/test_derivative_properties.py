@@ -9,9 +9,9 @@ from strategies import cases
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.frequency_derivatives import frequency_derivatives
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 from engine.studies.variation import Change, changed
 
 FEW = settings(max_examples=25, deadline=None)

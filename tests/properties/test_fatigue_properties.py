@@ -8,21 +8,16 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from engine.case.data import ElementRow, MaterialRow, SNPointRow
-from engine.fatigue.allowable_starts import (
-    BELOW_ENDURANCE,
+from engine.fatigue.allowable_starts import allowable_starts, shaft_fatigue
+from engine.fatigue.cycle_counting import (
     RESIDUES,
-    SNCurve,
-    allowable_starts,
     count_cycles,
     counted_history,
-    damage_interval,
-    miner_damage,
     paper_count,
-    shaft_fatigue,
-    sn_curve_for,
-    starts_from_damage,
     turning_points,
 )
+from engine.fatigue.damage import damage_interval, miner_damage, starts_from_damage
+from engine.fatigue.sn_curve import BELOW_ENDURANCE, SNCurve, sn_curve_for
 
 # Whole numbers make ties and repeated extremes frequent, and sums exact.
 WHOLE = st.lists(st.integers(-9, 9).map(float), max_size=40)

@@ -9,9 +9,9 @@ from strategies import cases
 
 from engine.case.case import Case
 from engine.case.data import GROUND
+from engine.model.build_train import build_train
 from engine.model.excitation import transmitted_torque
 from engine.model.modes import modes_of, stated_damping
-from engine.model.train import build_train
 from engine.operation.steady_state import harmonic_response
 
 #: Frequencies of a running train, not near anything in particular. [rad/s]

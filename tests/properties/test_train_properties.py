@@ -12,8 +12,8 @@ from strategies import cases
 
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow, case_digest
+from engine.model.build_train import build_train
 from engine.model.modes import damped_eigenvalues, modal_damping_matrix, modes_of, state_matrix
-from engine.model.train import build_train
 
 FEW = settings(max_examples=40)
 

@@ -18,8 +18,8 @@ from cases import case_path, load_case
 from engine.backlash.clearance_response import ClearanceResponse, clearance_response
 from engine.backlash.event_start import clearances_of
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 from engine.start.time_response import linear
 from engine.start.trajectory import turning_of
 from engine.stepping.contact_loop import BACK, DRIVE, FREE

@@ -15,8 +15,9 @@ from cases import load_case
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow
+from engine.model.build_train import build_train
+from engine.model.links import shaft_inertia, shaft_stiffness
 from engine.model.modes import modes_of, natural_modes, nodes_of
-from engine.model.train import build_train, shaft_inertia, shaft_stiffness
 from engine.operation.margins import percent_speed
 
 

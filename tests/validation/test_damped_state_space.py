@@ -13,8 +13,8 @@ import scipy.linalg
 from cases import load_case
 from models import case_of
 
+from engine.model.build_train import build_train
 from engine.model.modes import damped_eigenvalues, modal_damping, modes_of, state_matrix
-from engine.model.train import build_train
 
 
 @pytest.fixture

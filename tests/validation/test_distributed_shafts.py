@@ -19,8 +19,8 @@ from cases import load_case
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.modes import modes_of, natural_modes
-from engine.model.train import build_train
 
 MP = mpmath.mp.clone()
 MP.dps = 40

@@ -17,8 +17,8 @@ from cases import load_case
 
 from engine.case.case import Case
 from engine.case.data import GROUND, ElementRow, StationRow
+from engine.model.build_train import build_train
 from engine.model.modes import modes_of
-from engine.model.train import build_train
 from engine.operation.steady_state import harmonic_response
 
 

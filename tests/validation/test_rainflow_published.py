@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from cases import load_case
 
-from engine.fatigue.allowable_starts import count_cycles, turning_points
+from engine.fatigue.cycle_counting import count_cycles, turning_points
 
 
 def totals(cycles):

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from engine.case.case import Case
-from engine.fatigue.allowable_starts import shear_stress
+from engine.fatigue.stress import shear_stress
 from engine.start.crossings import start_crossings
 from engine.start.start import Start
 from tests.sample_case import PSI, sample_case, sample_data

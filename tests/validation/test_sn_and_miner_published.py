@@ -11,15 +11,9 @@ import pytest
 from cases import load_case
 
 from engine.case.data import MaterialRow, SNPointRow
-from engine.fatigue.allowable_starts import (
-    CycleCount,
-    SNCurve,
-    count_cycles,
-    miner_damage,
-    paper_count,
-    sn_curve_for,
-    starts_from_damage,
-)
+from engine.fatigue.cycle_counting import CycleCount, count_cycles, paper_count
+from engine.fatigue.damage import miner_damage, starts_from_damage
+from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 
 MPA = 1e6
 

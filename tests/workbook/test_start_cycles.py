@@ -17,7 +17,8 @@ from addin.contract.shipped import template_path
 from addin.contract.shown_units import shown_units
 from addin.writing.workbook import RunStamp, write_results
 from addin.xlsx import open_workbook
-from engine.fatigue.allowable_starts import miner_damage, sn_curve_for
+from engine.fatigue.damage import miner_damage
+from engine.fatigue.sn_curve import sn_curve_for
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)
 SOURCE = template_path("example_proposed.xlsx")

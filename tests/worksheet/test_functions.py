@@ -17,7 +17,7 @@ from addin.worksheet.functions import TABLES
 from addin.worksheet.registry import FUNCTIONS, FunctionError, call
 from addin.writing.recalculate import recalculate
 from engine.case.data import case_digest
-from engine.fatigue.allowable_starts import sn_curve_for
+from engine.fatigue.sn_curve import sn_curve_for
 
 CONTRACT = (
     "TV_FREQUENCIES TV_MODE TV_ENERGY TV_STIFFNESS TV_MARGINS TV_STEADY TV_MODEL TV_SPEED_TIME "

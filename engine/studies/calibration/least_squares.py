@@ -33,8 +33,9 @@ from numpy.typing import NDArray
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
 from engine.errors import ModelError
+from engine.model.build_train import build_train
 from engine.model.modes import Modes, modes_of
-from engine.model.train import Train, build_train
+from engine.model.train import Train
 from engine.run import analyse, planned_start
 from engine.studies.scatter import NORMAL, Factor, changes_of
 from engine.studies.variation import INERTIA, STIFFNESS, changed

@@ -26,13 +26,9 @@ from numpy.typing import NDArray
 
 from engine.case.data import CaseData, case_digest
 from engine.errors import ModelError
-from engine.fatigue.allowable_starts import (
-    BELOW_ENDURANCE,
-    SNCurve,
-    counted_history,
-    half_cycle_points,
-    shear_stress,
-)
+from engine.fatigue.cycle_counting import counted_history, half_cycle_points
+from engine.fatigue.sn_curve import BELOW_ENDURANCE, SNCurve
+from engine.fatigue.stress import shear_stress
 from engine.model.frequency_derivatives import FrequencyDerivatives, frequency_derivatives
 from engine.results.results import Results
 from engine.run import run

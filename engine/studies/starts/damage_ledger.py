@@ -17,7 +17,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 
-from engine.operation.margins import FAIL, NOT_JUDGED, PASS
+from engine.case.result_words import Judgement
 from engine.studies.starts.matrix import ConditionResult, ConditionShaft, StartMatrix
 
 __all__ = [
@@ -51,7 +51,7 @@ class LedgerRow:
     #: There is a duty a year, something is left, and no kind of start of it damages.
     unlimited: bool
     governing: str | None  #: Kind of start that takes most a year, else took most so far.
-    verdict: str  #: ``pass``: something is left; ``fail``: nothing is; ``not judged``.
+    verdict: Judgement  #: ``pass``: something is left; ``fail``: nothing is; ``not judged``.
     reason: str  #: Why, with the numbers.
 
 
@@ -83,7 +83,7 @@ class DamageLedger:
 
     rows: tuple[LedgerRow, ...]  #: One a judged shaft. [rows]
     remaining: tuple[RemainingStarts, ...]  #: One a judged shaft and kind of start. [rows]
-    verdict: str  #: The worst of the shafts.
+    verdict: Judgement  #: The worst of the shafts.
     sentence: str  #: What it comes to.
     assumption: str  #: The rule behind it.
 
@@ -114,13 +114,19 @@ def damage_ledger(matrix: StartMatrix) -> DamageLedger:
             "No ledger: no shaft has stress diameter, material and S-N points. Give them on sheets "
             "Train and Fatigue."
         )
-        return DamageLedger((), (), NOT_JUDGED, sentence, assumption)
+        return DamageLedger((), (), Judgement.NOT_JUDGED, sentence, assumption)
     rows = tuple(_row(matrix.rows, name, allowed) for name in matrix.judged_shafts)
     remaining = tuple(
         _remaining(result, row, matrix.rows) for row in rows for result in matrix.rows
     )
     found = {r.verdict for r in rows}
-    verdict = FAIL if FAIL in found else NOT_JUDGED if NOT_JUDGED in found else PASS
+    verdict = (
+        Judgement.FAIL
+        if Judgement.FAIL in found
+        else Judgement.NOT_JUDGED
+        if Judgement.NOT_JUDGED in found
+        else Judgement.PASS
+    )
     return DamageLedger(rows, remaining, verdict, _sentence(rows), assumption)
 
 
@@ -159,7 +165,7 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
             "No duty: give Per year and So far in StartConditions to see what they leave."
         )
         return LedgerRow(
-            name, *(None,) * 6, allowed, *(None,) * 4, False, None, NOT_JUDGED, reason
+            name, *(None,) * 6, allowed, *(None,) * 4, False, None, Judgement.NOT_JUDGED, reason
         )  # fmt: skip
     used, used_low, used_high = (
         _sum(duty, name, _so_far, damage) for damage in (_nominal, _low, _high)
@@ -244,11 +250,11 @@ def _verdict(
     used: float,
     interval: tuple[float, float],
     starts_yearly: bool,
-) -> tuple[str, str]:
+) -> tuple[Judgement, str]:
     low, high = interval
     said = [f"Used so far {used:.4g} of {allowed:.4g}."]
-    verdict = PASS if used < allowed else FAIL
-    if verdict == FAIL:
+    verdict = Judgement.PASS if used < allowed else Judgement.FAIL
+    if verdict == Judgement.FAIL:
         said.append("Nothing is left: by this count the shaft must not be started again.")
     if (low < allowed) != (high < allowed):
         said.append(
@@ -261,14 +267,14 @@ def _verdict(
             f"Cycles above the first S-N point in '{extended[0]}': its slope is extended, not test "
             "data."
         )
-        verdict = NOT_JUDGED if verdict == PASS else verdict
+        verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
     yielding = [r.condition.name for r in duty if (s := _shaft(r, name)) and s.yields]
     if yielding:
         said.append(
             f"Nominal peak above shear yield in '{yielding[0]}': its damage is not that of an elastic "
             "count."
         )
-        verdict = NOT_JUDGED if verdict == PASS else verdict
+        verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
     if not starts_yearly:
         said.append("No starts a year are stated: no time is calculated.")
     return verdict, " ".join(said)
@@ -343,7 +349,7 @@ def _said(rows: Sequence[LedgerRow]) -> Iterator[str]:
             )
         else:
             yield f"{row.element}: {row.used / row.allowed:.1%} of its life is used."
-        if row.verdict == NOT_JUDGED:
+        if row.verdict == Judgement.NOT_JUDGED:
             yield f"Not judged: {row.reason}"
 
 

@@ -33,7 +33,8 @@ from engine.case.choices import ElementKind
 from engine.case.data import GROUND, CaseData, ElementRow, case_digest
 from engine.case.study_inputs import StartConditionRow, StudyInputs, study_digest
 from engine.errors import Problem, TorsionError
-from engine.fatigue.allowable_starts import ShaftFatigue, shear_stress
+from engine.fatigue.allowable_starts import ShaftFatigue
+from engine.fatigue.stress import shear_stress
 from engine.model.load import loads_of
 from engine.model.motor import motors_of
 from engine.model.rigid_runup import rigid_runup

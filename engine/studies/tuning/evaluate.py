@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from engine.case.case import Case
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
+from engine.case.result_words import Judgement
 from engine.errors import CaseError, TorsionError
-from engine.fatigue.allowable_starts import shear_stress
+from engine.fatigue.stress import shear_stress
 from engine.model.excitation import transmitted_torque
-from engine.operation.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS
 from engine.results.results import Results
 from engine.results.verdicts import Verdict
 from engine.run import run
@@ -36,7 +36,9 @@ class Answers:
     modes: tuple[float, ...]  #: Elastic modes, `MODES` at most. [Hz]
     worst_margin: float | None  #: Least separation margin; None where none could be judged. [1]
     margin_where: str  #: Its mode and excitation.
-    margin_verdict: str  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
+    margin_verdict: (
+        Judgement  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
+    )
     #: Modes inside the forbidden band of an excitation. [count, name]
     too_near: tuple[tuple[int, str], ...]
     outcome: str  #: How the start ended, or ``calculated`` without one.
@@ -69,13 +71,16 @@ class Answers:
     @property
     def broken(self) -> tuple[str, ...]:
         """Checks that fail; one that is made of several elements is named for each. [names]"""
-        return tuple(c.check for c in self.checks if c.verdict == FAIL)
+        return tuple(c.check for c in self.checks if c.verdict == Judgement.FAIL)
 
     @property
     def verdict(self) -> str:
         """The worst of the checks: ``fail``, ``accepted by forced response``, ``pass`` or ``not judged``."""
         found = {c.verdict for c in self.checks}
-        return next((v for v in (FAIL, ACCEPTED, PASS) if v in found), NOT_JUDGED)
+        return next(
+            (v for v in (Judgement.FAIL, Judgement.ACCEPTED, Judgement.PASS) if v in found),
+            Judgement.NOT_JUDGED,
+        )
 
     @property
     def governing(self) -> Crossing | None:
@@ -243,5 +248,5 @@ def _rated(results: Results) -> tuple[Verdict, ...]:
         return ()
     exceeded = [r for r in rows if r[0] > r[1]]
     shown = exceeded or [max(rows, key=lambda r: r[0] / r[1])]
-    verdict = FAIL if exceeded else PASS
+    verdict = Judgement.FAIL if exceeded else Judgement.PASS
     return tuple(Verdict("Rated torque", *r[:2], "torque", verdict, r[2]) for r in shown)

@@ -21,8 +21,8 @@ import math
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
+from engine.case.result_words import Judgement
 from engine.case.study_inputs import WordUnit
-from engine.operation.margins import ACCEPTED, FAIL, NOT_JUDGED, PASS
 from engine.start.crossings import Crossing
 from engine.studies.tuning.evaluate import Answers, Tried
 from engine.studies.tuning.options import Variable
@@ -35,7 +35,12 @@ _MEGAPASCAL, _NEWTON_METRE = WordUnit("MPa", 1e6), WordUnit("N m", 1.0)
 #: Changes smaller than this share are told as "as is". [1]
 SAME = 0.005
 #: Margins kept by themselves, accepted, not kept; a case without excitations keeps them.
-_MARGIN_TIERS = {PASS: 0, NOT_JUDGED: 0, ACCEPTED: 1, FAIL: 2}
+_MARGIN_TIERS: dict[str, int] = {
+    Judgement.PASS: 0,
+    Judgement.NOT_JUDGED: 0,
+    Judgement.ACCEPTED: 1,
+    Judgement.FAIL: 2,
+}
 
 Merit = tuple[float, ...]
 
@@ -186,13 +191,13 @@ def _limits(a: Answers) -> str:
         names = [f"{n} ({near})" if n == MARGIN_CHECK else n for n in dict.fromkeys(a.broken)]
         many = "limit" if len(a.broken) == 1 else "limits"
         return f"Breaks {len(a.broken)} {many}: {', '.join(names)}."
-    unjudged = dict.fromkeys(c.check for c in a.checks if c.verdict == NOT_JUDGED)
+    unjudged = dict.fromkeys(c.check for c in a.checks if c.verdict == Judgement.NOT_JUDGED)
     unjudged.pop(MARGIN_CHECK, None)
     said = f"Not judged: {', '.join(unjudged)}." if unjudged else ""
     kept = "Keeps all limits that are judged" if unjudged else "Keeps all limits"
     if not near:
         kept += "; no separation margin was judged."
-    elif a.margin_verdict == ACCEPTED:
+    elif a.margin_verdict == Judgement.ACCEPTED:
         kept += f", the separation margin ({near}) by forced response."
     else:
         kept += f" (least separation margin: {near})."

@@ -16,10 +16,16 @@ from typing import Any
 
 from engine.case.data import CaseData, case_digest
 from engine.case.study_inputs import StudyInputs, WordUnit
+from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of
-from engine.model.train import build_train
-from engine.operation.bands import Band, Window, forbidden_bands, free_windows, rows_of_bands
-from engine.operation.margins import required_margin
+from engine.operation.margins import (
+    Band,
+    Window,
+    forbidden_bands,
+    free_windows,
+    required_margin,
+    rows_of_bands,
+)
 from engine.studies.tuning.combinations import TuningPlan, plan_tuning
 from engine.studies.tuning.evaluate import Answers, Tried, calculate_combination
 from engine.studies.tuning.maps import TuningMap, tuning_map

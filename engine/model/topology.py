@@ -1,0 +1,204 @@
+"""Which stations hang on which: rigid groups, driven sides, senses of rotation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.case.data import CaseData
+from engine.model.assembly import Assembly
+from engine.model.train import RigidMesh
+
+Floats = NDArray[np.float64]
+
+Ints = NDArray[np.int64]
+
+
+def drive_ends(case: CaseData, a: Assembly) -> tuple[Floats, NDArray[np.bool_], int]:
+    """Orientation of each element, its driven side, and a station of the reference shaft."""
+    sides = driven_side(a.edges, len(case.stations), len(case.elements))
+    motors = sorted({a.index[m.station] for m in case.motor_torque if m.station in a.index})
+    drivers = motors or _drivers(case, a)  # without either, From is the drive end
+    orientation = np.ones(len(case.elements))
+    if drivers:
+        reversed_ = sides[:, drivers].all(axis=1)
+        orientation[reversed_] = -1.0
+        sides[reversed_] = ~sides[reversed_]
+    return orientation, sides, motors[0] if motors else 0
+
+
+def _drivers(case: CaseData, a: Assembly) -> list[int]:
+    """Stations whose prescribed torque drives, on the average of its rows."""
+    total: dict[int, float] = {}
+    for p in case.torque_time:
+        if p.station in a.index:
+            station = a.index[p.station]
+            total[station] = total.get(station, 0.0) + float(p.torque or 0.0)
+    return sorted(station for station, torque in total.items() if torque > 0.0)
+
+
+def merge_rigid(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[Ints, Floats, int]:
+    """Degree of freedom and scale of every node after merging rigid meshes.
+
+    Parameters
+    ----------
+    rigid : list of (int, int, int)
+        Element, From and To station of each rigid mesh. [indices]
+    ratio : list of float
+        Speed ratio of each node. [1]
+
+    Returns
+    -------
+    dof : ndarray of int, shape (n_nodes,)
+        Degree of freedom of each node. [indices]
+    scale : ndarray, shape (n_nodes,)
+        Angle of the node over that of its degree of freedom. [1]
+    n_dof : int
+        Number of degrees of freedom. [count]
+    """
+    head = list(range(len(ratio)))
+
+    def find(node: int) -> int:
+        while head[node] != node:
+            head[node] = head[head[node]]
+            node = head[node]
+        return node
+
+    for _, a, b in rigid:
+        first, second = sorted((find(a), find(b)))
+        head[second] = first
+    number: dict[int, int] = {}
+    heads = [find(node) for node in range(len(ratio))]
+    dof = np.array([number.setdefault(h, len(number)) for h in heads], dtype=np.int64)
+    scale = np.array([ratio[n] / ratio[h] if n != h else 1.0 for n, h in enumerate(heads)])
+    return dof, scale, len(number)
+
+
+def rigid_meshes(rigid: list[tuple[int, int, int]], ratio: Floats) -> tuple[RigidMesh, ...]:
+    """Each rigid mesh with the nodes of its group that hang on its To side.
+
+    Parameters
+    ----------
+    rigid : list of (int, int, int)
+        Element, From and To station of each rigid mesh. [indices]
+    ratio : ndarray, shape (n_nodes,)
+        Speed ratio of each node. [1]
+
+    Returns
+    -------
+    tuple of RigidMesh
+        One a rigid mesh. [indices]
+    """
+    meshes = []
+    for element, a, b in rigid:
+        side = {b}
+        grown = True
+        while grown:
+            grown = False
+            for other, p, q in rigid:
+                if other != element and (p in side) != (q in side):
+                    side |= {p, q}
+                    grown = True
+        meshes.append(RigidMesh(element, tuple(sorted(side)), float(ratio[a])))
+    return tuple(meshes)
+
+
+def _neighbours(edges: list[tuple[int, int, int]], n: int) -> list[list[tuple[int, int]]]:
+    """For each station its (element, station) neighbours."""
+    near: list[list[tuple[int, int]]] = [[] for _ in range(n)]
+    for element, a, b in edges:
+        near[a].append((element, b))
+        near[b].append((element, a))
+    return near
+
+
+def driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> NDArray[np.bool_]:
+    """Stations on the To side of each element (none for an element to ground).
+
+    In an open train every element cuts off the stations hanging on it: a contiguous stretch of
+    the order in which a depth-first walk enters them.
+
+    Parameters
+    ----------
+    edges : list of (int, int, int)
+        Element and its two stations. [indices]
+    n, n_elements : int
+        Number of stations and of elements. [count]
+
+    Returns
+    -------
+    ndarray of bool, shape (n_elements, n_stations)
+        True on the To side. [mask]
+    """
+    near = _neighbours(edges, n)
+    order: list[int] = []
+    parent, start = [-1] * n, [0] * n
+    size, whole = [1] * n, [(0, 0)] * n  # stations hanging on each; stretch of its whole train
+    entered = [False] * n
+    for root in range(n):
+        if entered[root]:
+            continue
+        first, stack = len(order), [(root, -1)]
+        while stack:
+            node, up = stack.pop()
+            if entered[node]:
+                continue
+            entered[node] = True
+            parent[node], start[node] = up, len(order)
+            order.append(node)
+            stack.extend((other, node) for _, other in near[node] if not entered[other])
+        for node in order[:first:-1]:
+            size[parent[node]] += size[node]
+        for node in order[first:]:
+            whole[node] = (first, len(order))
+    side = np.zeros((n_elements, n), dtype=np.bool_)
+    place = np.array(order, dtype=np.int64)
+    for element, a, b in edges:
+        if parent[b] == a:
+            side[element, place[start[b] : start[b] + size[b]]] = True
+        else:
+            low, high = whole[b]
+            side[element, place[low:high]] = True
+            side[element, place[start[a] : start[a] + size[a]]] = False
+    return side
+
+
+def senses_of_rotation(a: Assembly, n: int, reference: int, flips: Mapping[int, bool]) -> Floats:
+    """Physical direction of rotation of every node; external meshes reverse it.
+
+    Parameters
+    ----------
+    a : Assembly
+        Its edges. [indices]
+    n : int
+        Number of stations. [count]
+    reference : int
+        A station of the reference shaft. [index]
+    flips : mapping of int to bool
+        Whether an element reverses the rotation. [flags]
+
+    Returns
+    -------
+    ndarray, shape (n_nodes,)
+        +1 or −1. [1]
+    """
+    near = _neighbours(a.edges, n)
+    sense = np.zeros(len(a.ratio))
+    sense[reference] = 1.0
+    stack = [reference]
+    while stack:
+        node = stack.pop()
+        for element, other in near[node]:
+            if sense[other] == 0.0:
+                sense[other] = -sense[node] if flips[element] else sense[node]
+                stack.append(other)
+    if len(a.ratio) > n:
+        for _, _, _, _, entries in a.rows:  # inner nodes turn with the shaft they divide
+            known = [node for node in entries if sense[node] != 0.0]
+            for node in entries:
+                if sense[node] == 0.0 and known:
+                    sense[node] = sense[known[0]]
+    sense[sense == 0.0] = 1.0
+    return sense
