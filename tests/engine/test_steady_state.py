@@ -570,7 +570,12 @@ def test_the_frequency_told_is_that_of_the_worst_torque():
 
 @pytest.mark.parametrize(
     ("limit", "allowable", "verdict"),
-    [(2.0, 2.0, PASS), (0.5, 2.0, FAIL), (2.0, 0.5, FAIL), (0.5, 0.5, FAIL)],
+    [
+        (2.0, 2.0, Judgement.PASS),
+        (0.5, 2.0, Judgement.FAIL),
+        (2.0, 0.5, Judgement.FAIL),
+        (0.5, 0.5, Judgement.FAIL),
+    ],
 )
 def test_where_stress_and_torque_are_both_limited_both_must_hold(limit, allowable, verdict):
     """Closed form of a free pair at one frequency; limits above and below what is there."""
