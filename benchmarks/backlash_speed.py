@@ -16,7 +16,7 @@ from benchmarks.peers import PeerFailed, Worker
 from benchmarks.problems import long_start
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow, TorqueTimeRow
-from engine.case.effects import StartEffects
+from engine.case.effect import StartEffects
 from engine.run import analyse, calculate_start
 from engine.start.start import Start
 

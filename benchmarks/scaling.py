@@ -132,7 +132,7 @@ def memory_of_long_starts(long: float = LONG) -> list[MemoryRow]:
 def _measure_memory(what: str, long: float) -> MemoryRow:
     """Run in a fresh process: its largest resident memory cannot be reset."""
     from benchmarks.backlash_speed import start_with_teeth
-    from engine.case.effects import StartEffects
+    from engine.case.effect import StartEffects
     from engine.run import analyse, calculate_start
 
     case, mesh = start_with_teeth(bearings=False)

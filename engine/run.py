@@ -14,7 +14,9 @@ import numpy as np
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, case_digest
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
-from engine.case.effects import Sensitivity, StartEffects
+from engine.case.effect import StartEffects
+from engine.case.effects import EFFECTS, choice_of
+from engine.case.effects.bearings import has_bearings
 from engine.case.plausibility import implausible
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.fatigue.stress import shear_stress
@@ -35,7 +37,6 @@ from engine.operation.steady_state import steady_state
 from engine.plan.evidence import (
     Evidence,
     gather,
-    has_bearings,
     with_event_start,
     with_linear_start,
 )
@@ -43,6 +44,7 @@ from engine.plan.plan import Plan, first_plan, revised_plan, with_times
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.results.verdicts import verdicts_of
 from engine.start.crossings import Crossing, start_crossings
+from engine.start.event_results import Repeatability
 from engine.start.outcome import Outcome
 from engine.start.prescribed import run_prescribed
 from engine.start.reversals import Reversal, torque_reversals
@@ -276,14 +278,13 @@ def analyse(case: CaseData) -> Analysed:
     Analysed
         Modes and damping. [SI]
     """
-    choice = next((c.choice for c in case.effect_choices if c.effect == "bearings"), None)
     found = natural_modes(case)
     coupled = _model(case, found)
     if not has_bearings(case):
         return Analysed(found, coupled, coupled, None)
     plain = natural_modes(case, lateral=False)
     torsional = _model(case, plain)
-    if choice == "off":
+    if choice_of(case, "bearings") == "off":
         return Analysed(plain, torsional, torsional, coupled)
     return Analysed(found, coupled, torsional, coupled)
 
@@ -451,7 +452,7 @@ def _as_asked(start: Start, tolerance: float) -> Start:
     return replace(
         start,
         met_tolerance=start.estimated_error <= tolerance,
-        sensitivity=None if spread is None else Sensitivity.of(spread, tolerance),
+        sensitivity=None if spread is None else Repeatability.of(spread, tolerance),
     )
 
 
@@ -466,12 +467,10 @@ def _totals(spent: list[tuple[str, float]]) -> dict[str, float]:
 def _measured(plan: Plan, spent: list[tuple[str, float]]) -> dict[str, float]:
     """Wall time of the effects that have an analysis of their own."""
     total = _totals(spent)
-    of = {"resonance sweep": "crossings", "cycle counting": "fatigue"}
-    of |= dict.fromkeys(("pull-in", "aborted start", "backlash"), "start with events")
     return {
-        effect: total[name]
-        for effect, name in of.items()
-        if plan.decision(effect).on and name in total
+        name: total[effect.analysis]
+        for name, effect in EFFECTS.items()
+        if effect.analysis in total and plan.decision(name).on
     }
 
 

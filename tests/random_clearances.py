@@ -9,7 +9,7 @@ import numpy as np
 
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
-from engine.case.effects import StartEffects
+from engine.case.effect import StartEffects
 from tests.random_effects import elastic_meshes, with_bearings
 
 #: Frequencies of the links lie about here. [rad/s]

@@ -13,7 +13,7 @@ from importlib import metadata
 from typing import Any
 
 from addin.contract.version import product_version
-from engine.case.effects import EffectDecision
+from engine.plan.decision import EffectDecision
 from engine.results.results import Results
 
 __all__ = ["EQUATIONS", "Stamp", "audit_rows"]

@@ -25,7 +25,8 @@ from addin.contract.field import table as _table
 from addin.contract.field import text as _text
 from addin.contract.result_tables import SHARE_MODES, TRACES
 from addin.contract.studies.fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES
-from engine.case.effects import CHOICES, CONTACT_LAWS, EFFECTS
+from engine.case.choices import ContactLaw, EffectChoice
+from engine.case.effects import EFFECTS
 
 __all__ = [
     "DIMENSIONS",
@@ -224,10 +225,10 @@ SCALARS: tuple[Field, ...] = (
     ),
     _choice(
         "ContactLaw",
-        CONTACT_LAWS,
+        tuple(ContactLaw),
         "Damping while teeth touch: it never pulls and never exceeds the spring force (limited), or "
         "it only never pulls (no adhesion).",
-        blank=CONTACT_LAWS[0],
+        blank=ContactLaw.LIMITED,
         group=_EFFECTS,
     ),
     _number(
@@ -574,7 +575,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         _choice("Effect", tuple(EFFECTS), "Name of the effect."),
         _choice(
             "Choice",
-            CHOICES,
+            tuple(EffectChoice),
             "on and off force the effect; auto lets the plan decide.",
             blank="auto: the row states nothing",
         ),

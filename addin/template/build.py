@@ -705,9 +705,9 @@ class _Builder:
         for k, text in enumerate(EFFECT_NOTES, row + 1):
             self.sheets["Effects"].write_string(k, left, text, self.style("note"))
         choices = self.places["EffectChoices"]
-        for k, meaning in enumerate(EFFECTS.values(), choices.first):
+        for k, effect in enumerate(EFFECTS.values(), choices.first):
             self.sheets[choices.sheet].write_string(
-                k, choices.columns["Choice"] + 1, meaning, self.style("note_beside")
+                k, choices.columns["Choice"] + 1, effect.sentence, self.style("note_beside")
             )
 
     def _study_lines(self) -> None:

@@ -23,8 +23,8 @@ from engine.backlash.event_simulation import (
     simulate_events,
     torque_tables,
 )
+from engine.case.choices import ContactLaw
 from engine.case.data import CaseData
-from engine.case.effects import CONTACT_LAWS
 from engine.model.modes import Modes
 from engine.model.motor import electrical_arrays
 from engine.model.train import Flank, Train
@@ -65,7 +65,7 @@ def clearance_response(
     damping_ratio: float = 0.0,
     initial_angle: Floats | None = None,
     initial_speed: Floats | None = None,
-    contact_law: str = CONTACT_LAWS[0],
+    contact_law: str = ContactLaw.LIMITED,
     step: float | None = None,
 ) -> ClearanceResponse:
     """Follow a train with clearances from given angles and speeds under prescribed torques.
@@ -87,7 +87,7 @@ def clearance_response(
     initial_angle, initial_speed : ndarray, shape (n_stations,), optional
         At the first time, in running direction; default zero. [rad, rad/s]
     contact_law : str, optional
-        One of `engine.case.effects.CONTACT_LAWS`. [word]
+        One of `engine.case.choices.ContactLaw`. [word]
     step : float, optional
         Longest step; default from the fastest mode. [s]
 
@@ -124,7 +124,7 @@ def clearance_response(
         electrical=electrical_arrays((), CaseData()),
         phase=np.zeros(0),
         sampled=fastest,
-        limited=contact_law == CONTACT_LAWS[0],
+        limited=contact_law == ContactLaw.LIMITED,
         visible=0.0,
     )
     script = Script(

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.backlash.event_simulation import EventModel, EventRun
-from engine.case.effects import BearingForce, ContactRecord
 from engine.model.train import Train
+from engine.start.event_results import BearingForce, ContactRecord
 from engine.start.start import ForceHistories
 from engine.stepping import contact_loop as events
 

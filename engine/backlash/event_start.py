@@ -25,20 +25,17 @@ from engine.backlash.event_simulation import (
     simulate_events,
     torque_tables,
 )
+from engine.case.choices import ContactLaw
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START
-from engine.case.effects import (
-    CONTACT_LAWS,
-    PullIn,
-    Sensitivity,
-    StartEffects,
-)
+from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.load import loads_of
 from engine.model.modes import ModalDamping, Modes, stated_damping
 from engine.model.motor import electrical_arrays, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
+from engine.start.event_results import PullIn, Repeatability
 from engine.start.outcome import Outcome, StartOutcome, outcome_of, run_length
 from engine.start.peaks import element_peaks, relative_errors, worst_outputs
 from engine.start.prescribed import prescribed_torques, run_prescribed
@@ -234,7 +231,7 @@ def run_event_start(
             if parted < math.inf:
                 runs = (coarse, fine, other)
                 spread = max(spread, _beyond(runs, output, min(parted, same_until)))
-            sensitivity = Sensitivity.of(spread, tolerance)
+            sensitivity = Repeatability.of(spread, tolerance)
             taken += other.n_steps
         if met or last or (sensitivity is not None and sensitivity.sensitive):
             break
@@ -363,7 +360,7 @@ def _prescribed(
         electrical=electrical_arrays((), case),
         phase=np.zeros(0),
         sampled=COARSEST_EVENT_ANGLE / step,
-        limited=effects.contact_law == CONTACT_LAWS[0],
+        limited=effects.contact_law == ContactLaw.LIMITED,
         visible=VISIBLE * tolerance,
     )
     script = Script(maximum_time=linear.outcome.time, keep_all=keeps_history(case))
@@ -441,7 +438,7 @@ def _event_model(
         electrical=plain.electrical,
         phase=plain.phase,
         sampled=plain.pulsation_omega,
-        limited=effects.contact_law == CONTACT_LAWS[0],
+        limited=effects.contact_law == ContactLaw.LIMITED,
         visible=VISIBLE * tolerance,
     )
 

@@ -26,39 +26,6 @@ class EffectChoice(StrEnum):
     OFF = "off"
 
 
-class EffectName(StrEnum):
-    """Effects in the order of the sheet, each with what it means."""
-
-    meaning: str
-
-    def __new__(cls, word: str, meaning: str) -> EffectName:
-        """A member with its meaning."""
-        member = str.__new__(cls, word)
-        member._value_ = word
-        member.meaning = meaning
-        return member
-
-    BEARINGS = (
-        "bearings",
-        "gears move sideways on their bearings (lateral-torsional coupling at the mesh)",
-    )
-    COUPLED_DAMPING = (
-        "coupled damping",
-        "dampers couple the modes in the start (non-proportional damping)",
-    )
-    FAST_MODES = "fast modes", "modes above those that the tolerance asks for are integrated"
-    BREAKER_CLOSING = "breaker closing", "electrical transient at breaker closing"
-    PULL_IN = "pull-in", "field application, synchronising torque, pull-in and swing"
-    ABORTED_START = "aborted start", "trip at a speed, and coast-down"
-    BACKLASH = "backlash", "teeth that part, cross their clearance and meet again"
-    RESONANCE_SWEEP = "resonance sweep", "the falling 2 × slip frequency crosses modes"
-    CYCLE_COUNTING = "cycle counting", "rainflow counting of stress cycles and damage"
-    RUN_LENGTH = (
-        "run length",
-        "the run goes on to its longest time even when the train has settled",
-    )
-
-
 class ContactLaw(StrEnum):
     """Contact damping of teeth.
 

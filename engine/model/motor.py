@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
-from engine.case.effects import StartEffects
+from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.train import Train
 from engine.numerics.torque_curve import TorqueCurve, torque_curve

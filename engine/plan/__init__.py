@@ -5,6 +5,8 @@ module      responsibility
 ==========  ======================================================================================
 `evidence`  cheap evidence for the plan: modes with and without bearings, damping, run-up, a
             linear start
+`decision`  what the evidence says of one effect, and what is decided after the user's choice
+`effects`   what the evidence says, one file an effect
 `plan`      the plan: which effects a case calls for, each with the number that decided it
 ==========  ======================================================================================
 """

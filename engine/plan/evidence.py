@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS, LONGEST_START
+from engine.case.effects import choice_of
 from engine.model.load import loads_of
 from engine.model.modes import ModalDamping, Modes
 from engine.model.motor import Motor, motors_of, voltage_factor
@@ -21,20 +22,13 @@ from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
 from engine.start.torque_outputs import force_reach, torque_outputs
 
-__all__ = [
-    "NEARLY_REACHED",
-    "ElementMinimum",
-    "Evidence",
-    "StartEvidence",
-    "element_minima",
-    "gather",
-    "has_bearings",
-    "with_event_start",
-    "with_linear_start",
-]
-
 Floats = NDArray[np.float64]
 
+#: Relative change of an answer per unit of `Evidence.bearing_number`: largest seen 9.
+BEARING_GAIN = 50.0
+#: Relative change of an answer per depth of a reversal over the largest torque: the lowest torque
+#: itself is wrong by that depth; largest seen 2.
+BACKLASH_GAIN = 5.0
 #: A mode with bearings is the same as one without if they share this much of their shape.
 SAME_MODE = 0.9
 #: A rigid train that comes this close to the slip of the field, or to the trip speed, may reach it:
@@ -108,22 +102,6 @@ class Evidence:
     #: The linear start, and the latest one with events; None before it. [SI]
     linear: StartEvidence | None = None
     event: StartEvidence | None = None  #: Likewise. [SI]
-
-
-def has_bearings(case: CaseData) -> bool:
-    """Whether any gear has bearing data, so that it can move sideways.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-
-    Returns
-    -------
-    bool
-        True if a row of Meshes states a bearing stiffness. [flag]
-    """
-    return any(m.bearing_stiffness_drive or m.bearing_stiffness_driven for m in case.meshes)
 
 
 def gather(
@@ -418,3 +396,61 @@ def _told(case: CaseData, train: Train, start: Start, wall_time: float) -> Start
         wall_time=wall_time,
         n_modes=train.n_dof,
     )
+
+
+def moves_laterally(case: CaseData, evidence: Evidence) -> bool:
+    """Whether gears move sideways on their bearings in the start: the decision on bearings.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case, for the choice of its user. [SI]
+    evidence : Evidence
+        What is known. [SI]
+
+    Returns
+    -------
+    bool
+        True if there are bearings, and they are called for or chosen. [flag]
+    """
+    if evidence.bearing_number is None:
+        return False
+    choice = choice_of(case, "bearings")
+    wanted = evidence.bearing_number > evidence.tolerance / BEARING_GAIN
+    return choice == "on" or (choice == "auto" and wanted)
+
+
+def reversing_minima(start: StartEvidence, tolerance: float) -> list[ElementMinimum]:
+    """Elements with a clearance whose torque may reverse so far that it matters.
+
+    Parameters
+    ----------
+    start : StartEvidence
+        What a start tells. [N m]
+    tolerance : float
+        Relative change of an answer that may be neglected. [1]
+
+    Returns
+    -------
+    list of ElementMinimum
+        In the order of the start's. [N m]
+    """
+    return [m for m in start.minima if m.clearance and m.lowest < -tolerance / BACKLASH_GAIN]
+
+
+def reversing(evidence: Evidence) -> tuple[str, ...]:
+    """Elements whose clearance the linear start calls for.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        With the linear start; without it there are none. [SI]
+
+    Returns
+    -------
+    tuple of str
+        Their names. [names]
+    """
+    if evidence.linear is None:
+        return ()
+    return tuple(m.element for m in reversing_minima(evidence.linear, evidence.tolerance))

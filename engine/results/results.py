@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
-from engine.case.effects import BearingForce, PullIn, Sensitivity
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.model.excitation import Excitation
 from engine.model.modes import ModalDamping, Modes, Node
@@ -22,6 +21,7 @@ from engine.operation.steady_state import SteadyState
 from engine.plan.plan import Plan
 from engine.results.verdicts import Verdict
 from engine.start.crossings import Crossing
+from engine.start.event_results import BearingForce, PullIn, Repeatability
 from engine.start.reversals import Reversal
 from engine.start.start import Start
 
@@ -82,7 +82,7 @@ class Results(AtSpeed):
     bearing_forces: tuple[BearingForce, ...] = ()
     pull_in: PullIn | None = None  #: Field application, where it was simulated. [SI]
     #: Change of the answers under a tiny change of the input, where clearances are modelled. [1]
-    sensitivity: Sensitivity | None = None
+    sensitivity: Repeatability | None = None
     #: Estimated error and time of each analysis, as calculated. [1, s]
     accuracy: tuple[AccuracyRow, ...] = ()
 

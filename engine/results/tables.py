@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from engine.case.effects import EffectDecision
 from engine.fatigue.stress import shear_stress
 from engine.model.frequency_derivatives import frequency_derivatives
 from engine.operation.margins import percent_speed
+from engine.plan.decision import EffectDecision
 from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.start.reversals import Reversal
 from engine.start.start_fatigue import is_counted

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from engine.case.data import CaseData
+from engine.case.effects import choice_of
 from engine.case.result_words import Judgement
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.operation.margins import SeparationMargins
@@ -133,8 +134,7 @@ OUTCOME_VERDICTS = {
 def _outcome(case: CaseData, start: Start) -> Verdict:
     o = start.outcome
     verdict, wanted = OUTCOME_VERDICTS.get(o.outcome, Judgement.FAIL), Outcome.REACHED
-    off = any(c.effect == "pull-in" and c.choice == "off" for c in case.effect_choices)
-    if case.field_slip is not None and not off:
+    if case.field_slip is not None and choice_of(case, "pull-in") != "off":
         wanted = Outcome.SYNCHRONISED
         if o.outcome in (Outcome.REACHED, Outcome.ASYNCHRONOUS):
             where = f"{o.sentence} The slip at which the field is applied was not reached."

@@ -3,6 +3,8 @@
 ================  ================================================================================
 module            responsibility
 ================  ================================================================================
+`event_results`   what a start with events found: impacts, forces of bearings, pull-in,
+                  repeatability
 `pull_in`         pull-in of a synchronous motor, read from a simulated run: did it come into
                   step, and how
 `torque_outputs`  element torques as linear functions of modal coordinates and applied torques

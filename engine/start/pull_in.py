@@ -18,7 +18,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.effects import PullIn
+from engine.start.event_results import PullIn
 
 __all__ = [
     "has_failed",

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow
 from engine.case.defaults import NOTABLE_REVERSAL
-from engine.case.effects import ContactRecord
 from engine.case.result_words import Judgement
 from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
+from engine.start.event_results import ContactRecord
 from engine.start.start import Start
 
 __all__ = [

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_END_SPEED, DEFAULT_TOLERANCE_PEAK
-from engine.case.effects import StartEffects
+from engine.case.effect import StartEffects
 from engine.errors import ModelError
 
 #: No effect beyond the plain start is simulated.

@@ -17,13 +17,19 @@ from numpy.typing import NDArray
 
 from engine.case.data import CaseData
 from engine.case.defaults import LONGEST_START
-from engine.case.effects import BearingForce, ContactRecord, PullIn, Sensitivity, StartEffects
+from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.load import loads_of
 from engine.model.modes import ModalDamping, Modes
 from engine.model.motor import motors_of
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
+from engine.start.event_results import (
+    BearingForce,
+    ContactRecord,
+    PullIn,
+    Repeatability,
+)
 from engine.start.outcome import StartOutcome, end_of, outcome_of, run_length, start_settled
 from engine.start.peaks import ElementPeak, element_peaks, relative_errors, worst_outputs
 from engine.start.settings import PLAIN_START, StartSettings, keeps_history, settings_of
@@ -92,7 +98,7 @@ class Start:
     bearing_forces: tuple[BearingForce, ...] = ()
     pull_in: PullIn | None = None  #: Field application and what came of it. [SI]
     #: Asked where the answers did not settle as the step was refined. [1]
-    sensitivity: Sensitivity | None = None
+    sensitivity: Repeatability | None = None
     #: Tooth and bearing forces against time, where they were calculated. [N]
     forces: ForceHistories | None = None
     #: Unwrapped load angle at the samples, the motor lagging positive; None without a field. [rad]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
-from engine.case.effects import StartEffects
+from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.load import Load
 from engine.model.modes import ModalDamping, Modes

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
-from engine.case.effects import StartEffects
+from engine.case.effect import StartEffects
 from engine.errors import InternalError, ModelError
 from engine.fatigue.cycle_counting import RESIDUES, count_cycles, counted_history
 from engine.fatigue.damage import miner_damage

@@ -13,9 +13,15 @@ from engine.backlash.clearance_response import clearance_response
 from engine.backlash.event_simulation import EventRun, simulate_events
 from engine.backlash.event_start import clearances_of, run_event_start
 from engine.case.case import Case
-from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
+from engine.case.choices import ContactLaw
+from engine.case.data import (
+    CaseData,
+    ElementRow,
+    MeshRow,
+    StationRow,
+)
 from engine.case.defaults import LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
-from engine.case.effects import CONTACT_LAWS, StartEffects
+from engine.case.effect import StartEffects
 from engine.errors import CaseError
 from engine.model.build_train import build_train
 from engine.model.gears import transverse_pressure_angle
@@ -54,14 +60,14 @@ def compared(seed: int, bearings: bool, law: str) -> None:
 
 
 @pytest.mark.first_ones(1)
-@pytest.mark.parametrize("law", CONTACT_LAWS)
+@pytest.mark.parametrize("law", ContactLaw)
 @pytest.mark.parametrize(("seed", "bearings"), [(11, False), (23, False), (25, True)])
 def test_random_starts(seed: int, bearings: bool, law: str) -> None:
     compared(seed, bearings, law)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", CONTACT_LAWS)
+@pytest.mark.parametrize("law", ContactLaw)
 @pytest.mark.parametrize("bearings", [False, True])
 @pytest.mark.parametrize("seed", [8, 24, 25, 35, 36, 38])
 def test_more_random_starts(seed: int, bearings: bool, law: str) -> None:
@@ -217,7 +223,7 @@ def test_a_micron_gap_between_stiff_teeth_of_light_gears() -> None:
     np.testing.assert_allclose(found.log[:, 0], truth, rtol=1e-9)
 
 
-@pytest.mark.parametrize("law", CONTACT_LAWS)
+@pytest.mark.parametrize("law", ContactLaw)
 def test_bouncing_to_rest_under_a_steady_torque(law: str) -> None:
     """Bounces grow ever shorter; in the end the flank carries the torque and stays."""
     torque = linear(0, np.array([0.0, 9.0]), np.array([50.0, 50.0]))

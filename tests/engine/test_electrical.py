@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, MotorTorqueRow, StationRow
-from engine.case.effects import StartEffects
+from engine.case.effect import StartEffects
 from engine.model.load import loads_of
 from engine.model.motor import electrical_arrays, has_electrical, motors_of, through_synchronism
 from engine.model.rigid_runup import rigid_runup

@@ -12,9 +12,10 @@ import pytest
 import engine.run as conductor
 from engine.case.case import Case
 from engine.case.data import EffectChoiceRow, MeshRow, TorqueTimeRow
-from engine.case.effects import EFFECTS, StartEffects
-from engine.plan.evidence import ElementMinimum, Evidence, StartEvidence, gather
-from engine.plan.plan import BACKLASH_GAIN, first_plan, revised_plan, with_times
+from engine.case.effect import StartEffects
+from engine.case.effects import EFFECTS
+from engine.plan.evidence import BACKLASH_GAIN, ElementMinimum, Evidence, StartEvidence, gather
+from engine.plan.plan import first_plan, revised_plan, with_times
 from engine.run import MAX_PLANS, Planned, analyse, planned_start, run
 from tests.random_effects import with_bearings, with_dampers, with_judged_shafts
 from tests.random_starts import random_start

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.effects import ContactRecord
 from engine.run import Planned, analyse, planned_start
+from engine.start.event_results import ContactRecord
 from engine.start.start import Start
 from tests.hard_cases.corpus import ClearanceCase, FrequencyCase, StartCase
 from tests.hard_cases.reference import Answer, integrate

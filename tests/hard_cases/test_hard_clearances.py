@@ -5,7 +5,7 @@ import functools
 import numpy as np
 import pytest
 
-from engine.case.effects import ContactRecord
+from engine.start.event_results import ContactRecord
 from engine.start.start import Start
 from tests.hard_cases.answers import clearance_run, clearance_truth
 from tests.hard_cases.corpus import CLEARANCES

@@ -18,7 +18,7 @@ from scipy.interpolate import PchipInterpolator
 from engine.backlash.event_start import run_event_start
 from engine.case.case import Case
 from engine.case.data import ElementRow, MeshRow, MotorTorqueRow, StationRow, TorqueTimeRow
-from engine.case.effects import StartEffects
+from engine.case.effect import StartEffects
 from engine.start.prescribed import run_prescribed
 from engine.start.pull_in import swing_frequency_linear
 from engine.start.start import Start, run_start

@@ -247,9 +247,9 @@ def _effects() -> list[dict[str, Any]]:
             "limit": None if k == 3 else 1e-4 * k,
             "bound": None if k % 2 == 0 else 0.0 if k == 3 else 2.4e-4,
             "time": 0.0021 * (k + 1),
-            "why": f"{meaning}; " * (1 + k % 3) + "decided by the number beside",
+            "why": f"{effect.sentence}; " * (1 + k % 3) + "decided by the number beside",
         }
-        for k, (name, meaning) in enumerate(EFFECTS.items())
+        for k, (name, effect) in enumerate(EFFECTS.items())
     ]
 
 

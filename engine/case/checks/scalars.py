@@ -17,9 +17,9 @@ from engine.case.checks.problem import (
     quote_quantity,
     wrong_value,
 )
+from engine.case.choices import ContactLaw
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_END_SPEED, LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
-from engine.case.effects import CONTACT_LAWS
 from engine.errors import Problem
 
 #: Line frequency, speed and poles, or power, speed and torque, must agree to this share.
@@ -34,7 +34,7 @@ CHOICES = {
     "method": ("Method", ("exponential", "newmark")),
     "keep_history": ("KeepHistory", ("no", "parquet", "npz")),
     "rainflow_residue": ("RainflowResidue", ("half cycles", "repeated")),
-    "contact_law": ("ContactLaw", CONTACT_LAWS),
+    "contact_law": ("ContactLaw", tuple(ContactLaw)),
 }
 
 POSITIVE_SCALARS = {

@@ -1,0 +1,16 @@
+"""Teeth that separate and re-engage."""
+
+from engine.case.effect import Effect, EffectInputs
+
+BACKLASH = Effect(
+    "backlash",
+    "teeth that part, cross their clearance and meet again",
+    order=70,
+    inputs=EffectInputs(
+        "Backlash or Angular backlash in table Meshes",
+        "is blank or 0",
+        lambda case: any(m.backlash or m.angular_backlash for m in case.meshes),
+    ),
+    cost=10.0,
+    analysis="start with events",
+)

@@ -1,0 +1,20 @@
+"""Gears that move sideways on their bearings."""
+
+from engine.case.data import CaseData
+from engine.case.effect import Effect, EffectInputs
+
+
+def has_bearings(case: CaseData) -> bool:
+    """Whether any gear has bearing data, so that it can move sideways."""
+    return any(m.bearing_stiffness_drive or m.bearing_stiffness_driven for m in case.meshes)
+
+
+BEARINGS = Effect(
+    "bearings",
+    "gears move sideways on their bearings (lateral-torsional coupling at the mesh)",
+    order=10,
+    inputs=EffectInputs(
+        "a bearing stiffness and the mass of its gear in table Meshes", "are blank", has_bearings
+    ),
+    of_the_start=False,
+)

@@ -1,0 +1,16 @@
+"""The electrical transient when the breaker closes."""
+
+from engine.case.effect import Effect, EffectInputs
+
+BREAKER_CLOSING = Effect(
+    "breaker closing",
+    "electrical transient at breaker closing",
+    order=40,
+    flag="breaker_closing",
+    inputs=EffectInputs(
+        "ShockAmplitude and ShockTimeConstant",
+        "are blank",
+        lambda case: case.shock_amplitude is not None,
+    ),
+    cost=0.2,
+)

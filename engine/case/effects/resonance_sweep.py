@@ -1,0 +1,11 @@
+"""Crossings of the modes by the falling 2 × slip frequency."""
+
+from engine.case.effect import Effect
+
+RESONANCE_SWEEP = Effect(
+    "resonance sweep",
+    "the falling 2 × slip frequency crosses modes",
+    order=80,
+    cost=0.02,
+    analysis="crossings",
+)

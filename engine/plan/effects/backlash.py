@@ -1,0 +1,56 @@
+"""Does the torque reverse so far that teeth separate?"""
+
+from engine.case.data import CaseData
+from engine.plan.decision import Finding, quoted
+from engine.plan.evidence import BACKLASH_GAIN, Evidence, moves_laterally, reversing
+
+
+def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
+    """The lowest torque of an element with two flanks, less its error."""
+    possible = bool(e.clearances)
+    if e.linear is None:
+        why = "Decided by the lowest torques of the linear start."
+        return Finding(False, possible, None, 0.0, None, why)
+    minima = e.linear.minima
+    if not minima:
+        return Finding(False, False, None, None, 0.0, "No gear mesh and no geared coupling.")
+    worst, limit = min(minima, key=lambda m: m.lowest), -e.tolerance / BACKLASH_GAIN
+    bound: float | None
+    # without any gap the linear train is the answer
+    depth = max((-m.lowest for m in minima if not m.tight), default=0.0)
+    number, bound = worst.lowest, BACKLASH_GAIN * max(depth, 0.0)
+    why = f"Lowest torque less its error: {number:.3g} of the largest, at '{worst.element}'"
+    names = modelled or reversing(e)
+    if names:
+        why += f"; teeth part at {quoted(names)}."
+        return Finding(True, possible, number, limit, None, why)
+    if number >= 0.0:
+        why += ": no reversal, so the linear solution holds with every clearance."
+    elif number >= limit:
+        why += f", not below the limit {limit:.2g}: teeth do not part for long enough to matter."
+    else:
+        deep = [m for m in minima if m.lowest < limit]
+        tight = [m.element for m in deep if m.tight]
+        blank = [m.element for m in deep if not m.tight]
+        if tight and moves_laterally(
+            case, e
+        ):  # the back flank pushes along a line of its own, whatever the gap
+            bound = None
+            why += (
+                f"; the clearance given for {quoted(tight)} is 0, so that its teeth do not part but "
+                "pull along the drive flank; with gears on bearings that is not the push of the "
+                "back flank: give a small clearance"
+            )
+        elif tight:
+            why += (
+                f"; the clearance given for {quoted(tight)} is 0, so that without a gap the linear "
+                "solution holds there"
+            )
+        if blank:
+            bound = None
+            why += (
+                f"; no clearance is given for {quoted(blank)}: fill Backlash (or Angular backlash)"
+                " and a mesh stiffness to model it"
+            )
+        why += "."
+    return Finding(False, possible, number, limit, bound, why)

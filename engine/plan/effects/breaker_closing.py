@@ -1,0 +1,26 @@
+"""How much torque may the electrical transient at breaker closing bring?"""
+
+from engine.case.data import CaseData
+from engine.plan.decision import Finding
+from engine.plan.evidence import Evidence
+
+
+def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
+    """The transient at resonance, over the motor torque at standstill."""
+    if e.shock_share is None and case.shock_amplitude and not case.motor_torque:
+        why = "No motor curve: there is no breaker to close."
+        return Finding(False, False, None, None, 0.0, why)
+    if case.shock_amplitude == 0.0:
+        return Finding(False, False, None, None, 0.0, "ShockAmplitude is 0.")
+    if e.shock_share is None:
+        why = "ShockAmplitude and ShockTimeConstant are not given: nothing is known of it."
+        return Finding(False, False, None, None, None, why)
+    wanted = e.shock_share > e.tolerance
+    several = len({p.station for p in case.motor_torque}) > 1
+    compared = "least motor torque" if several else "motor torque"
+    why = (
+        f"At resonance the transient{'s' if several else ''} could bring at most "
+        f"{e.shock_share:.2g} times the {compared} at standstill, "
+        f"{'above' if wanted else 'at most'} the tolerance {e.tolerance:.2g}."
+    )
+    return Finding(wanted, True, e.shock_share, e.tolerance, e.shock_share, why)

@@ -1,0 +1,25 @@
+"""How long would the run go on?"""
+
+import math
+
+from engine.case.data import CaseData
+from engine.plan.decision import Finding
+from engine.plan.evidence import Evidence
+from engine.start.outcome import Outcome
+
+
+def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
+    """The time of the rigid run-up, against the longest time."""
+    number = e.runup_time
+    if number is None:
+        why = "Prescribed torques are followed to their end."
+        return Finding(False, False, None, None, 0.0, why)
+    finite = number if math.isfinite(number) else None
+    taken = f"needs {number:.3g} s" if finite is not None else "never reaches the end speed"
+    why = f"The rigid train {taken}; the run ends when it is there or has settled"
+    settled = e.linear is not None and e.linear.outcome != Outcome.REACHED
+    why += "." if not settled else ", and cycles counted are those until then."
+    if not settled:
+        why += " Forced on it changes nothing in a start that reaches its end speed."
+    cost = max(e.longest_time / e.linear.time - 1.0, 0.0) if e.linear and e.linear.time else 0.0
+    return Finding(False, True, finite, e.longest_time, None if settled else 0.0, why, cost)
