@@ -52,15 +52,28 @@ TIMES_IN_JSON = (
 TIMES_IN_TABLES = (
     ("Effects", "Time"),
     ("AccuracyCost", "Time"),
+    # what the chart of sheet Accuracy draws, in the order of the times; its cached values too
+    ("ChartAccuracy", "* time"),
+    ("ChartAccuracy", "* peak"),
+    ("ChartAccuracy", "* starts"),
 )
+#: Columns of sheets without tables: file, part, column.
+TIMES_IN_CELLS = (("out/summary.xlsx", "xl/worksheets/sheet1.xml", "AB"),)  # Time of a batch
+#: Sentences that name a time that was measured, by their beginning; the rest of them is compared.
+TIMES_IN_SENTENCES = ("You asked for ",)
+#: Files of a batch that hold nothing but when and by which process it ran.
+NOT_COMPARED = ("out/.torsionbook-batch/*",)
 #: Columns of CSV files that hold a time that was measured.
-TIMES_IN_CSV: tuple[str, ...] = ()
+TIMES_IN_CSV = ("Time [s]",)
 #: Rows of the audit whose value is a time: by the beginning of their item.
 TIMES_IN_AUDIT = ("Time spent: ",)
 #: Keys of JSON files that hold the version.
 VERSIONS_IN_JSON = ("version", "made_by", "verified_by")
 #: The version in any other string.
 VERSION = re.compile(r"\btorsionbook \d+\.\d+\.\d+[\w.+]*")
+#: A date with its time in any string, and a duration in `TIMES_IN_SENTENCES`.
+DATE = re.compile(r"\b\d{4}-\d\d-\d\d[ T]\d\d:\d\d(?::\d\d)?Z?")
+DURATION = re.compile(r"[\d.,]+ (?:ms|s|min|h)\b")
 #: Fields of a problem that no sentence may change.
 PROBLEM_FIELDS = ("sheet", "table", "row", "column", "found", "allowed")
 
@@ -435,8 +448,16 @@ class Comparison:
         """Compare two strings that are not the same."""
         if VERSION.sub("torsionbook", old) == VERSION.sub("torsionbook", new):
             self.aside["version"] += 1
+        elif DATE.sub("date", VERSION.sub("", old)) == DATE.sub("date", VERSION.sub("", new)):
+            self.aside["date"] += 1
+        elif old.startswith(TIMES_IN_SENTENCES) and self._same_but_durations(old, new, strict):
+            self.aside["time"] += 1
         elif strict or not self.sentences.allow(old, new):
             self.differs(where, old, new)
+
+    def _same_but_durations(self, old: str, new: str, strict: bool) -> bool:
+        old, new = DURATION.sub("(time)", old), DURATION.sub("(time)", new)
+        return old == new or (not strict and self.sentences.allow(old, new))
 
 
 def _short(value: object, longest: int = 200) -> str:
@@ -600,9 +621,9 @@ def _times_of_table(table: str, sheet: str) -> Iterator[str]:
     if match is None:
         return
     first, top, bottom = _column(match[1]), int(match[2]), int(match[4])
-    columns = [c.get("name") for c in root.iter(f"{_MAIN}tableColumn")]
+    columns = [c.get("name") or "" for c in root.iter(f"{_MAIN}tableColumn")]
     for at, column in enumerate(columns):
-        if (name, column) in TIMES_IN_TABLES:
+        if any(name == table_ and fnmatchcase(column, like) for table_, like in TIMES_IN_TABLES):
             yield from (f"{_letters(first + at)}{row}" for row in range(top + 1, bottom + 1))
     if name == "Audit":
         items = dict(_inline_texts(sheet))
@@ -631,6 +652,39 @@ def _letters(number: int) -> str:
         number, rest = divmod(number - 1, 26)
         letters = chr(65 + rest) + letters
     return letters
+
+
+def _by_sheet_name(parts: Mapping[str, str], cells: Mapping[str, set[str]]) -> dict[str, set[str]]:
+    """All cells that hold a time as charts refer to them, such as ``Sheet!$A$5``, under no name."""
+    if "xl/workbook.xml" not in parts or "xl/_rels/workbook.xml.rels" not in parts:
+        return {}
+    targets = {
+        relation.get("Id"): f"xl/{relation.get('Target')}"
+        for relation in ET.fromstring(parts["xl/_rels/workbook.xml.rels"].encode())
+    }
+    found = set()
+    for sheet in ET.fromstring(parts["xl/workbook.xml"].encode()).iter(f"{_MAIN}sheet"):
+        identifier = next((v for k, v in sheet.attrib.items() if k.endswith("}id")), None)
+        for cell in cells.get(targets.get(identifier, ""), ()):
+            match = re.fullmatch(r"([A-Z]+)(\d+)", cell)
+            assert match is not None
+            found.add(f"{sheet.get('name')}!${match[1]}${match[2]}")
+    return {"": found}
+
+
+def _positions_in_chart(chart: str, cells: Iterable[str]) -> dict[int, str]:
+    """Positions among the tokens of a chart of the values it keeps of some cells."""
+    wanted, after_formula, inside, positions = set(cells), False, False, {}
+    for at, token in enumerate(_TOKEN.findall(chart)):
+        if token == "<c:f>":
+            after_formula = True
+        elif after_formula:
+            inside, after_formula = token.partition(":")[0] in wanted, False
+        elif token in ("</c:numRef>", "</c:strRef>"):
+            inside = False
+        elif inside and not token.startswith("<"):
+            positions[at] = token
+    return positions
 
 
 def _positions(sheet: str, cells: Iterable[str]) -> dict[int, str]:
@@ -682,6 +736,8 @@ def compare(old: Record, new: Record, sentences: Sentences) -> Comparison:
                 if file.endswith(".json") and a["inputs"].get(file) != b["inputs"].get(file):
                     found.differs(f"{name}, input {file}", a["inputs"], b["inputs"])
         for file in sorted(a["files"].keys() | b["files"].keys()):
+            if any(fnmatchcase(file, pattern) for pattern in NOT_COMPARED):
+                continue
             if file not in a["files"] or file not in b["files"]:
                 found.differs(f"{name}, file {file}", file in a["files"], file in b["files"])
                 continue
@@ -713,9 +769,9 @@ def _compare_files(
             sorted(after.keys() - before.keys()),
         )
     changed = [part for part in before.keys() & after.keys() if before[part] != after[part]]
-    needed = r"xl/(worksheets|tables)/.*"
+    needed = r"xl/(worksheets|tables|_rels)/.*|xl/workbook\.xml"
     cells: list[dict[str, set[str]]] = [{}, {}]
-    if any(part.startswith("xl/worksheets/") for part in changed):
+    if any(part.startswith(("xl/worksheets/", "xl/charts/")) for part in changed):
         for which, (record_, parts) in enumerate(((old, before), (new, after))):
             texts = {
                 part: record_.content(digest).decode("utf-8", "replace")
@@ -723,9 +779,15 @@ def _compare_files(
                 if re.match(needed, part)
             }
             cells[which] = _cells_of_times(texts)
+            for file, part, column in TIMES_IN_CELLS:
+                if where.endswith(f", {file}") and part in texts:
+                    cells[which][part] = set(re.findall(rf'<c r="({column}\d+)"', texts[part]))
+            cells[which] |= _by_sheet_name(texts, cells[which])
     for part in sorted(before.keys() & after.keys()):
         found.counts["parts"] += 1
         same = cells[0].get(part, set()) & cells[1].get(part, set())
+        if part.startswith("xl/charts/"):  # their cells by the name of the sheet
+            same = {cell for cell in cells[0].get("", set()) if cell in cells[1].get("", set())}
         _compare_content(
             f"{where}!{part}", before[part], after[part], old, new, found, counted, same
         )
@@ -755,7 +817,8 @@ def _compare_content(
         compare_json(where, before, after, found)
     elif ending in ("xml", "rels", "vml"):
         texts = [content.decode("utf-8", "replace") for content in (before, after)]
-        compare_xml(where, texts[0], texts[1], _positions(texts[0], times), found)
+        positions = _positions_in_chart if "!xl/charts/" in where else _positions
+        compare_xml(where, texts[0], texts[1], positions(texts[0], times), found)
     elif ending == "csv":
         compare_csv(where, before.decode("utf-8-sig"), after.decode("utf-8-sig"), found)
     else:
