@@ -1,0 +1,61 @@
+"""Bad input is told the same as ever: sheet, table, row, column, found and allowed of every problem.
+
+Messages may be worded better, these fields may not change: see `problem_fields.py`.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from problem_fields import HERE, bad_inputs, fields_of, written
+
+RECORDED = json.loads((HERE / "problems.json").read_text(encoding="utf-8"))
+#: Limits that were changed on purpose: table and column of the problem, allowed then and now.
+ON_PURPOSE = {
+    # a smaller tolerance than rounding can meet is refused
+    ("Case", "TolerancePeak"): ("between 1e-9 and 0.5 (50 %)", "between 2e-07 and 0.5 (50 %)"),
+}
+
+
+def expected(name: str) -> list[list[object]]:
+    """The recorded problems of an input, with the limits of today."""
+    rows = []
+    for *fields, allowed in RECORDED[name]:
+        before, now = ON_PURPOSE.get((fields[1], fields[3]), (None, None))
+        rows.append([*fields, now if allowed == before else allowed])
+    return rows
+
+
+def differences(kind: str, folder: Path, first: int = 0, step: int = 1) -> list[str]:
+    """Inputs of a kind whose problems are not those recorded."""
+    wrong = []
+    for _, name, description in list(bad_inputs(kind))[first::step]:
+        path = written(kind, description, folder)
+        told = json.loads(json.dumps(fields_of(path)).replace(str(folder), "."))
+        if told != expected(name):
+            wrong.append(f"{name}: expected {expected(name)}, now {told}")
+    return wrong
+
+
+@pytest.mark.parametrize("kind", ["case", "study", "text"])
+def test_a_bad_case_has_the_recorded_problems(kind: str, tmp_path: Path) -> None:
+    assert differences(kind, tmp_path) == []
+
+
+@pytest.mark.parametrize("first", range(4))
+def test_a_bad_workbook_has_the_recorded_problems(first: int, tmp_path: Path) -> None:
+    assert differences("workbook", tmp_path, first, 4) == []
+
+
+def test_every_bad_input_is_recorded() -> None:
+    assert [name for _, name, _ in bad_inputs()] == list(RECORDED)
+    assert sum(bool(told) for told in RECORDED.values()) > 400
+
+
+def test_a_field_that_is_not_recorded_is_noticed(tmp_path: Path, monkeypatch) -> None:
+    name = "text 1: empty file"
+    monkeypatch.setitem(RECORDED, name, [["Case", *RECORDED[name][0][1:-1], "another thing"]])
+    (wrong,) = differences("text", tmp_path)
+    assert wrong.startswith(name)
