@@ -1,13 +1,13 @@
-"""The numbers behind charts, for every renderer.
+"""The numbers behind charts, for every renderer, in the units shown on the sheets.
 
 ==============  ==================================================================================
 module          responsibility
 ==============  ==================================================================================
 `rows`          rows of chart tables: columns side by side, few digits, few points and no lost
                 peak
-`data`          the numbers behind the charts: blocks of rows for the tables of sheet `ChartData`
 `effects`       the numbers behind the charts of the effects: reversal, blow, forces, field and
                 trip
+`data`          the numbers behind the charts: blocks of rows for the tables of sheet `ChartData`
 `start_cycles`  the cycles behind the allowable starts of the governing shaft, for table
                 `StartCycles`
 ==============  ==================================================================================

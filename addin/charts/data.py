@@ -33,6 +33,10 @@ from addin.contract.chart_tables import (
 )
 from addin.contract.shown_units import ShownUnits
 from engine.case.data import CaseData, ElementRow
+from engine.errors import TorsionError
+from engine.fatigue.sn_curve import sn_curve_for
+from engine.fatigue.stress import shear_stress
+from engine.model.links import shaft_stiffness
 
 #: Most points of a drawn curve that has no spikes.
 _CURVE_POINTS = 401
@@ -152,7 +156,6 @@ def stiffness_of(element: ElementRow) -> float:
     float
         Its stiffness; 0 when neither is given. [N m/rad]
     """
-    from engine.model.links import shaft_stiffness
 
     if element.stiffness is not None:
         return element.stiffness
@@ -363,7 +366,6 @@ def _drawn_quantity(
     case: CaseData, name: str, torque: Floats, units: ShownUnits
 ) -> tuple[Floats, str, str]:
     """Values in the shown unit, what they are, and the axis title: tooth load, stress or torque."""
-    from engine.fatigue.stress import shear_stress
 
     element = next((e for e in case.elements if e.element == name), None)
     mesh = next((m for m in case.meshes if m.element == name), None)
@@ -485,8 +487,6 @@ def _material_of(case: CaseData, shaft: str | None) -> str | None:
 
 def _sn_lines(case: CaseData, only: str | None) -> list[list[tuple[float, float]]]:
     """Each material's line, or that of one, its endurance limit drawn on to 1e9 cycles."""
-    from engine.errors import TorsionError
-    from engine.fatigue.sn_curve import sn_curve_for
 
     lines = []
     for material in case.materials:

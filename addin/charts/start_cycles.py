@@ -13,6 +13,8 @@ import numpy as np
 
 from addin.calculation.run_view import RunView
 from addin.charts.data import governing_shaft
+from engine.errors import TorsionError
+from engine.fatigue.sn_curve import sn_curve_for
 
 __all__ = ["LISTED_CYCLES", "start_cycle_facts", "start_cycle_rows"]
 
@@ -79,8 +81,6 @@ def start_cycle_facts(run: RunView) -> Mapping[str, Any]:
 
 def _curve(run: RunView, shaft: str) -> Any:
     """The S-N line of a shaft in torsion; None when it has none."""
-    from engine.errors import TorsionError
-    from engine.fatigue.sn_curve import sn_curve_for
 
     case = run.case
     name = next((e.material for e in case.elements if e.element == shaft), None)

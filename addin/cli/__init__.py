@@ -19,7 +19,7 @@ module         responsibility
 `check`        `torsionbook check`: errors of inputs with their cells, and answers that cannot be
                given yet
 `export`       `torsionbook export`: the inputs of a workbook as a case JSON
-`new`          A workbook to fill in, of the flavour that its program needs
+`new`          A workbook to fill in, of the variant that its program needs
 `recalc`       `torsionbook recalc`: inputs calculated, results written, and a summary of them
 `report`       `torsionbook report`
 `study`        what the commands of the studies have in common: targets, processes, Ctrl-C, the

@@ -19,7 +19,7 @@ from addin.excel.workbook import install
 from addin.template.build import build_template
 from addin.template.examples import Example
 from addin.template.filled import MixedUnits, example_of
-from addin.template.variants import FLAVOURS, Flavour
+from addin.template.variants import VARIANTS, Variant
 from addin.writing.recalculate import Unreadable, of_file, read_checked
 
 
@@ -33,7 +33,7 @@ def new(
             "or backlash, the proposed one with gear clearance, bearings and pull-in."
         ),
     ] = None,
-    flavour: Annotated[
+    variant: Annotated[
         str | None,
         typer.Option(
             "--for",
@@ -69,10 +69,10 @@ def new(
     if example is not None:
         check_choice("--example", example, ("proposed", "modified", "backlash"))
     check_choice("--units", units, ("us", "si"))
-    if flavour is None:
-        flavour = "excel" if file.suffix.lower() == ".xlsm" else "files"
-    check_choice("--for", flavour, tuple(FLAVOURS))
-    chosen = FLAVOURS[flavour]
+    if variant is None:
+        variant = "excel" if file.suffix.lower() == ".xlsm" else "files"
+    check_choice("--for", variant, tuple(VARIANTS))
+    chosen = VARIANTS[variant]
     if file.suffix.lower() != chosen.suffix:
         more = " (or say --for excel)" if chosen.suffix == ".xlsx" else ""
         raise typer.BadParameter(f"'{file}' must end in {chosen.suffix}{more}.")
@@ -111,7 +111,7 @@ def make_workbook(
     path: Path,
     system: str,
     example: str | Example | None,
-    flavour: Flavour,
+    variant: Variant,
     *,
     studies: bool = False,
 ) -> None:
@@ -125,7 +125,7 @@ def make_workbook(
         ``us`` or ``si``. [word]
     example : str, Example or None
         Key of `addin.template.examples.EXAMPLES`, or what is filled in; None = to be filled in. [name]
-    flavour : Flavour
+    variant : Variant
         What it is for.
     studies : bool, optional
         With the sheets of the studies. [flag]
@@ -140,12 +140,12 @@ def make_workbook(
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=".torsionbook-") as folder:
         made = Path(folder) / "made.xlsx"
         shipped = not studies and (example is None or isinstance(example, str))
-        if flavour.spelled is None and shipped:
+        if variant.spelled is None and shipped:
             name = f"example_{example}.xlsx" if example else f"blank_{system}.xlsx"
             shutil.copyfile(template_path(name), made)
         else:
-            build_template(made, system, example, flavour, studies=studies)
-        if flavour.suffix == ".xlsm":
+            build_template(made, system, example, variant, studies=studies)
+        if variant.suffix == ".xlsm":
             install(made, made.with_suffix(".xlsm"))
             made = made.with_suffix(".xlsm")
         os.replace(made, path)

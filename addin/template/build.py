@@ -80,12 +80,19 @@ from addin.contract.texts import (
     SHORT_CAPTIONS,
 )
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
+from addin.reading.workbook import read_workbook
 from addin.template.charts import Place, Places, make_chart
-from addin.template.examples import EXAMPLES, Example, example_case, example_torque, provenance_of
+from addin.template.examples import (
+    EXAMPLES,
+    Example,
+    example_case,
+    example_torque,
+    provenance_of,
+    study_rows,
+)
 from addin.template.live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
-from addin.template.study_examples import study_rows
 from addin.template.styles import Styles, number_format
-from addin.template.variants import FLAVOURS, Flavour
+from addin.template.variants import VARIANTS, Variant
 from engine.case.effects import EFFECTS
 
 __all__ = ["STUDY_TEMPLATES", "TEMPLATES", "build_all", "build_template", "main"]
@@ -118,7 +125,7 @@ _SHORT_CAPTIONS = SHORT_CAPTIONS | STUDY_SHORT_CAPTIONS
 _INTROS = {**SHEET_INTROS, **STUDY_INTROS}
 
 #: Without functions.
-PLAIN = FLAVOURS["files"]
+PLAIN = VARIANTS["files"]
 
 #: File name → unit system and example.
 TEMPLATES: Mapping[str, tuple[str, str | None]] = {
@@ -151,17 +158,15 @@ def build_template(
     path: Path,
     system: str,
     example: str | Example | None = None,
-    flavour: Flavour = PLAIN,
+    variant: Variant = PLAIN,
     *,
     studies: bool = False,
 ) -> Path:
     """Build one workbook; with functions in its cells, a second time with their answers."""
-    _build(path, system, example, flavour, None, studies)
-    if flavour.spelled is not None and example is not None:
-        from addin.reading.workbook import read_workbook
-
+    _build(path, system, example, variant, None, studies)
+    if variant.spelled is not None and example is not None:
         answers = live_answers(read_workbook(path), system)
-        _build(path, system, example, flavour, answers, studies)
+        _build(path, system, example, variant, answers, studies)
     return path
 
 
@@ -169,7 +174,7 @@ def _build(
     path: Path,
     system: str,
     example: str | Example | None,
-    flavour: Flavour,
+    variant: Variant,
     answers: LiveAnswers | None,
     studies: bool,
 ) -> None:
@@ -196,7 +201,7 @@ def _build(
             filled,
             blocks,
             provenance=provenance,
-            flavour=flavour,
+            variant=variant,
             studies=studies,
         )
         builder.build(answers)
@@ -226,7 +231,7 @@ class _Builder:
         blocks: Mapping[str, Rows],
         *,
         provenance: Sequence[tuple[str, str]],
-        flavour: Flavour = PLAIN,
+        variant: Variant = PLAIN,
         studies: bool = False,
     ) -> None:
         self.workbook = workbook
@@ -238,14 +243,14 @@ class _Builder:
         self.places: dict[str, Place] = {}
         self.unit_cells: dict[tuple[str, str], str] = {}
         self.sheets: dict[str, Any] = {}
-        self.flavour = flavour
+        self.variant = variant
         self.studies = studies
         self.scalar_cells: list[tuple[int, int]] = []
 
     def build(self, answers: LiveAnswers | None = None) -> None:
         """All sheets: first the cells, then the charts that refer to them."""
         layout = with_studies(SHEETS) if self.studies else SHEETS
-        layout = layout if self.flavour.spelled is None else _with_live(layout)
+        layout = layout if self.variant.spelled is None else _with_live(layout)
         for sheet in layout:
             self.sheets[sheet.name] = self.workbook.add_worksheet(sheet.name)
         for name in ("Lists", "ChartData"):
@@ -267,7 +272,7 @@ class _Builder:
         self._sheet_notes()
         self._summary()
         self._verdict_colours()
-        if self.flavour.spelled is not None:
+        if self.variant.spelled is not None:
             self._live(answers)
         if self.studies:
             self._study_lines()
@@ -367,7 +372,7 @@ class _Builder:
             self.workbook,
             self.sheets[LIVE_SHEET.name],
             self.style,
-            self.flavour,
+            self.variant,
             self.places,
             f"{fields.SCALAR_SHEET}!{first}:{last}",
             self.system,

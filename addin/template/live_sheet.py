@@ -2,7 +2,7 @@
 
 No start is calculated here: two cells check the inputs and make a model of them, array formulas of
 fixed size show its modes and margins, and a row a shaft shows its stiffness from geometry. Formulas
-are the same in every flavour but for the spelling of the functions.
+are the same in every variant but for the spelling of the functions.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ from addin.contract.tables import Field
 from addin.reading.typed_case import CaseInput, Entry, Typed
 from addin.template.charts import Place
 from addin.template.styles import Styles, number_format
-from addin.template.variants import Flavour
+from addin.template.variants import Variant
+from addin.worksheet.functions import TABLES
+from addin.worksheet.models import MODELS
+from addin.worksheet.registry import call
 
 __all__ = ["LIVE_SHEET", "LiveAnswers", "LiveSheet", "live_answers"]
 
@@ -82,8 +85,6 @@ def live_answers(found: CaseInput, system: str) -> LiveAnswers | None:
     """
     if found.problems:
         return None
-    from addin.worksheet.models import MODELS
-    from addin.worksheet.registry import call
 
     handle = MODELS.add(found).handle
     shafts = []
@@ -116,7 +117,6 @@ def _converted(entry: Entry | None, dimension: str, system: str) -> Any:
     """An input in the unit of the block of shafts."""
     if not isinstance(entry, Typed):
         return None
-    from addin.worksheet.registry import call
 
     return call("TV_CONVERT", [entry.number, entry.unit, _unit(dimension, system)])[0][0]
 
@@ -143,7 +143,7 @@ class LiveSheet:
         Where it goes.
     style : Styles
         Its cell formats.
-    flavour : Flavour
+    variant : Variant
         How functions are spelled.
     places : mapping of str to Place
         Where the input tables stand.
@@ -160,24 +160,24 @@ class LiveSheet:
         workbook: Any,
         page: Any,
         style: Styles,
-        flavour: Flavour,
+        variant: Variant,
         places: Mapping[str, Place],
         case_block: str,
         system: str,
         answers: LiveAnswers | None,
     ) -> None:
-        assert flavour.spelled is not None, f"{flavour.name} has no functions"
+        assert variant.spelled is not None, f"{variant.name} has no functions"
         self._workbook = workbook
         self._page = page
         self._style = style
-        self._flavour = flavour
-        self._spelled = flavour.spelled
+        self._variant = variant
+        self._spelled = variant.spelled
         self._places = places
         self._case_block = case_block
         self._system = system
         self._answers = answers
         self._write_array = (
-            page.write_dynamic_array_formula if flavour.dynamic else page.write_array_formula
+            page.write_dynamic_array_formula if variant.dynamic else page.write_array_formula
         )
 
     #: Cells with verdicts: first row and column, last row and column.
@@ -250,7 +250,6 @@ class LiveSheet:
 
     def _model(self, tables: Sequence[str] | None) -> str:
         """``=TV_MODEL(...)`` of some input tables, or of all."""
-        from addin.worksheet.functions import TABLES
 
         names = ("Stations", "Elements", "Case", *TABLES[2:])
         blocks = [self._block(n) if tables is None or n in tables else "" for n in names]
@@ -418,7 +417,7 @@ class LiveSheet:
 
     def _formula(self, row: int, column: int, formula: str, style: Any, value: Any) -> None:
         """A formula of one cell; a dynamic one where Excel would else cut the answer to one cell."""
-        if self._flavour.dynamic and self._spelled("TV_") in formula:
+        if self._variant.dynamic and self._spelled("TV_") in formula:
             self._write_array(row, column, row, column, formula, style, value)
         else:
             self._page.write_formula(row, column, formula, style, value)

@@ -1,6 +1,6 @@
-"""The flavours of the shipped workbooks: how each front's program spells a worksheet function.
+"""The variants of the shipped workbooks: how each front's program spells a worksheet function.
 
-A cell shows one name; the file holds another, and a third program none at all. The plain flavour
+A cell shows one name; the file holds another, and a third program none at all. The plain variant
 has no functions: it is for calculation without a spreadsheet program, and opens everywhere.
 """
 
@@ -9,12 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-__all__ = ["FLAVOURS", "Flavour"]
-
-
-def _classic(function: str) -> str:
-    """VBA functions stand in the file as they are typed."""
-    return function
+from addin.libreoffice.names import programmatic_name
 
 
 def _office(function: str) -> str:
@@ -22,15 +17,8 @@ def _office(function: str) -> str:
     return f"_xldudf_{function}"
 
 
-def _calc(function: str) -> str:
-    """LibreOffice reads an .xlsx by the programmatic name of an extension's function only."""
-    from addin.libreoffice.names import programmatic_name
-
-    return programmatic_name(function)
-
-
 @dataclass(frozen=True)
-class Flavour:
+class Variant:
     """One kind of workbook."""
 
     name: str  #: As the command line names it.
@@ -42,15 +30,15 @@ class Flavour:
 
 
 #: By name; the first is the usual one.
-FLAVOURS: Mapping[str, Flavour] = {
+VARIANTS: Mapping[str, Variant] = {
     one.name: one
     for one in (
-        Flavour("files", ".xlsx", "without functions: recalculated as a file, opens everywhere"),
-        Flavour("excel", ".xlsm", "desktop Excel on Windows, functions through xlwings", _classic),
-        Flavour(
+        Variant("files", ".xlsx", "without functions: recalculated as a file, opens everywhere"),
+        Variant("excel", ".xlsm", "desktop Excel on Windows, functions through xlwings", str),
+        Variant(
             "server", ".xlsx", "Excel on Mac, Windows and in the browser, functions from a server",
             _office, dynamic=True,
         ),
-        Flavour("calc", ".xlsx", "LibreOffice Calc with torsionbook.oxt", _calc),
+        Variant("calc", ".xlsx", "LibreOffice Calc with torsionbook.oxt", programmatic_name),
     )
 }  # fmt: skip

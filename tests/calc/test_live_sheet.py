@@ -1,4 +1,4 @@
-"""Sheet `Live` of the flavour for Calc, recalculated by LibreOffice with the extension added.
+"""Sheet `Live` of the variant for Calc, recalculated by LibreOffice with the extension added.
 
 What it shows must be what the registry says of the same inputs, to the last bit, and it must follow
 what is typed: a changed inertia, a unit, a row added to a table, an input that is wrong.
@@ -14,7 +14,7 @@ from xls_cells import read_cells
 from addin.reading.workbook import read_workbook
 from addin.template.build import build_template
 from addin.template.live_sheet import MARGIN_ROWS, MODE_ROWS, SHAFTS
-from addin.template.variants import FLAVOURS
+from addin.template.variants import VARIANTS
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import call
 
@@ -52,9 +52,9 @@ def below(book, table, column, row):
 
 @pytest.fixture(scope="module")
 def shipped(tmp_path_factory):
-    """The flavour for Calc as `torsionbook new` makes it."""
+    """The variant for Calc as `torsionbook new` makes it."""
     path = tmp_path_factory.mktemp("live") / "proposed.xlsx"
-    return build_template(path, "us", "proposed", FLAVOURS["calc"])
+    return build_template(path, "us", "proposed", VARIANTS["calc"])
 
 
 def live(calc, path):
@@ -207,7 +207,7 @@ def test_a_train_that_is_wrong_leaves_the_sheet_blank(calc, shipped, tmp_path):
 
 @pytest.mark.slow
 def test_an_empty_template_asks_for_its_train(calc, tmp_path):
-    path = build_template(tmp_path / "blank.xlsx", "si", None, FLAVOURS["calc"])
+    path = build_template(tmp_path / "blank.xlsx", "si", None, VARIANTS["calc"])
     cells = words(calc, path)
     assert "Stations" in cells[5, 3]
     assert cells[7, 3] == "None yet."

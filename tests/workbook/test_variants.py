@@ -1,4 +1,4 @@
-"""The flavours of the workbooks: one sheet `Live`, spelled as each program wants it.
+"""The variants of the workbooks: one sheet `Live`, spelled as each program wants it.
 
 LibreOffice calculates the one for Calc (tests/calc/test_live_sheet.py). Here: the others hold the
 same formulas under the names their programs know, and a calculation leaves the sheet alone.
@@ -21,14 +21,14 @@ from addin.libreoffice.names import programmatic_name
 from addin.reading.workbook import read_workbook
 from addin.server.office import NAMESPACE, functions_json
 from addin.template.build import TEMPLATES, build_template
-from addin.template.variants import FLAVOURS
+from addin.template.variants import VARIANTS
 from addin.worksheet.registry import FUNCTIONS
 from addin.writing.recalculate import recalculate
 from addin.xlsx import open_workbook
 from engine.case.data import case_digest
 
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
-WITH_FUNCTIONS = [one for one in FLAVOURS.values() if one.spelled is not None]
+WITH_FUNCTIONS = [one for one in VARIANTS.values() if one.spelled is not None]
 #: In any spelling: no program needs another name of a function than these three.
 CALLED = re.compile(r"(?<![\w.])(?:ORG\.TORSIONBOOK\.CALC\.FUNCTIONS\.|_xldudf_)?(TV_\w+)\(")
 UNWANTED = re.compile(
@@ -39,10 +39,10 @@ UNWANTED = re.compile(
 
 @pytest.fixture(scope="module")
 def books(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    folder = tmp_path_factory.mktemp("flavours")
+    folder = tmp_path_factory.mktemp("variants")
     return {
         one.name: build_template(folder / f"{one.name}.xlsx", "us", "proposed", one)
-        for one in FLAVOURS.values()
+        for one in VARIANTS.values()
     }
 
 
@@ -65,7 +65,7 @@ def in_the_contracts_names(text: str) -> str:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [one.name for one in WITH_FUNCTIONS])
-def test_every_flavour_holds_the_same_formulas(books: dict[str, Path], name: str) -> None:
+def test_every_variant_holds_the_same_formulas(books: dict[str, Path], name: str) -> None:
     mine, others = formulas(books[name]), formulas(books["calc"])
     assert {at: in_the_contracts_names(text) for at, (text, _, _) in mine.items()} == {
         at: in_the_contracts_names(text) for at, (text, _, _) in others.items()
@@ -111,7 +111,7 @@ def test_functions_stand_outside_merged_cells(books: dict[str, Path]) -> None:
         assert not CALLED.search(text) or at not in merged, at
 
 
-@pytest.mark.parametrize("name", list(FLAVOURS))
+@pytest.mark.parametrize("name", list(VARIANTS))
 def test_the_inputs_are_those_of_the_shipped_workbook(books: dict[str, Path], name: str) -> None:
     mine = read_workbook(books[name])
     assert not mine.problems
@@ -149,7 +149,7 @@ def overall_verdict(cells: dict[str, bytes]) -> str:
 @pytest.mark.first_ones(1)
 @pytest.mark.parametrize("system", ["us", "si"])
 @pytest.mark.parametrize("one", WITH_FUNCTIONS, ids=lambda one: one.name)
-def test_new_makes_every_flavour(tmp_path: Path, one, system: str) -> None:
+def test_new_makes_every_variant(tmp_path: Path, one, system: str) -> None:
     path = tmp_path / f"train{one.suffix}"
     done = CliRunner().invoke(app, ["new", str(path), "--for", one.name, "--units", system])
     assert done.exit_code == 0, done.output
@@ -183,7 +183,7 @@ def test_an_xlsm_is_for_excel_and_has_the_functions(tmp_path: Path) -> None:
         (["train.ods"], "must end in .xlsx"),
     ],
 )
-def test_wrong_flavours_are_said(tmp_path: Path, words: list[str], said: str) -> None:
+def test_wrong_variants_are_said(tmp_path: Path, words: list[str], said: str) -> None:
     done = CliRunner().invoke(app, ["new", str(tmp_path / words[0]), *words[1:]])
     assert done.exit_code == 2
     assert said in " ".join(done.output.replace("│", " ").split())
