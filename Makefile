@@ -13,6 +13,8 @@ SETUP := pyproject.toml scripts/make_venv.sh $(MOVED)
 # Test processes: one a core, four at most (make test JOBS=1 for a debugger). Each begins with a
 # stretch of files and makes their shared workbooks once; who is done takes from the others.
 JOBS := auto
+# Where no bytecode may be written, each process would rewrite the assertions of all tests anew.
+PYTEST_PY := env -u PYTHONDONTWRITEBYTECODE $(PY)
 PROCESSES := -n $(JOBS) --maxprocesses 4 --dist worksteal
 # More words for pytest: make test ARGS="tests/boundaries -x"
 ARGS :=
@@ -47,13 +49,13 @@ demo: $(RUN_READY)
 	@echo "Open the Summary sheet first. The inputs are the files of the same names in templates/."
 
 test: $(DEV_READY)
-	$(PY) -m pytest $(PROCESSES) $(ARGS)
+	$(PYTEST_PY) -m pytest $(PROCESSES) $(ARGS)
 
 test-machines: $(DEV_READY)
-	$(PY) scripts/other_machines.py $(PROCESSES) $(ARGS)
+	$(PYTEST_PY) scripts/other_machines.py $(PROCESSES) $(ARGS)
 
 explore: $(DEV_READY)
-	$(PY) scripts/explore.py $(MINUTES) $(PROCESSES) $(ARGS)
+	$(PYTEST_PY) scripts/explore.py $(MINUTES) $(PROCESSES) $(ARGS)
 
 check: $(DEV_READY)
 	$(PY) -m ruff check .

@@ -46,11 +46,12 @@ def test_its_case_is_the_proposed_train_and_its_rows_are_read() -> None:
     assert len(asked.measured_frequencies) == 3
 
 
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize(
     ("command", "table", "column"),
     [
-        ("tune", "TuningResults", "Rank"),
         ("starts", "DamageLedger", "Used"),
+        ("tune", "TuningResults", "Rank"),
         ("calibrate", "CalibratedFrequencies", "After"),
     ],
 )

@@ -189,8 +189,10 @@ FIELD: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("inertias", [1, 3])
-@pytest.mark.parametrize("angle", [None, 0.5])
+@pytest.mark.parametrize(
+    ("inertias", "angle"),
+    [(1, None), (1, 0.5), (3, 0.5), pytest.param(3, None, marks=pytest.mark.slow)],
+)
 def test_field_application_and_pull_in(inertias: int, angle: float | None) -> None:
     case = three_inertias(**FIELD, field_angle=angle)
     if inertias == 1:
