@@ -21,7 +21,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 
 #: What is repeated when nothing else is asked for.
-NUMERICAL = ("tests/properties", "tests/numerics", "tests/validation")
+NUMERICAL = ("tests/properties", "tests/numerics", "tests/validation", "tests/engine")
 
 #: Processor of OpenBLAS: name that it reports when loaded, and the instructions it needs, by
 #: numpy's names. Kernels of Prescott are those of all older ones, and report the oldest name.

@@ -30,8 +30,19 @@ def outcomes(folder: Path, tests: str = TESTS, **variables: str) -> tuple[int, s
     (folder / "pyproject.toml").write_text(PYPROJECT.read_text(encoding="utf-8"), encoding="utf-8")
     (folder / "test_it.py").write_text(tests, encoding="utf-8")
     clean = {k: v for k, v in os.environ.items() if not k.startswith(("TORSIONBOOK_", "PYTEST_"))}
+    # Of all plugins that are installed, the one that conftest.py counts on.
+    clean["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", "test_it.py"],
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-p",
+            "no:cacheprovider",
+            "-p",
+            "_hypothesis_pytestplugin",
+            "test_it.py",
+        ],
         cwd=folder,
         env=clean | variables,
         capture_output=True,
