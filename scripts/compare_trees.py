@@ -272,6 +272,7 @@ def record(tree: Path, out: Path, kinds: Sequence[str], count: int, jobs: int) -
     for task in tasks(out, tree, kinds, count):
         if not _place(out, task["name"]).exists():
             waiting.put(task)
+    _warm_up(tree, out)
     total, began = waiting.qsize(), time.monotonic()
     print(f"{total} jobs to do", flush=True)
     workers = [
@@ -299,15 +300,8 @@ def _place(out: Path, name: str) -> Path:
     return out / "jobs" / f"{name.replace('/', ' ')}.json"
 
 
-def _work(
-    tree: Path,
-    out: Path,
-    number: int,
-    waiting: queue.Queue[dict[str, Any]],
-    total: int,
-    began: float,
-) -> None:
-    """One process of the tree, given a job at a time; begun anew where it died."""
+def _started(tree: Path, out: Path, work: Path) -> subprocess.Popen[str]:
+    """The driver, run by the Python of a tree."""
     # a fixed date and width, one thread: what else the environment could change
     environment = {
         **{k: v for k, v in os.environ.items() if not k.startswith(("TORSIONBOOK", "PYTHON"))},
@@ -318,11 +312,48 @@ def _work(
         "OMP_NUM_THREADS": "1",
         "MKL_NUM_THREADS": "1",
     }
-    work = out / "work" / f"{os.getpid()}-{number}"
-    work.mkdir(parents=True, exist_ok=True)
     python = next(
         p for p in (tree / ".venv/bin/python", tree / ".venv/Scripts/python.exe") if p.exists()
     )
+    return subprocess.Popen(
+        [str(python), str(HERE / "compare_driver.py"), str(work), str(out / "blobs")],
+        cwd=tree,
+        env=environment,
+        text=True,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
+
+
+def _warm_up(tree: Path, out: Path) -> None:
+    """Have the loops compiled before anything is recorded: a run that compiles says so in its audit."""
+    sys.path.insert(0, str(HERE))
+    import compare_cases
+
+    work = out / "work" / f"{os.getpid()}-warm"
+    work.mkdir(parents=True, exist_ok=True)
+    commands = []
+    for kind in ("plain", "clearances", "pull-in"):
+        case = json.dumps(compare_cases.random_case(kind, 0))
+        (work / f"{kind}.json").write_text(case, encoding="utf-8")
+        commands += [["recalc", f"{kind}.json", "--method", m] for m in ("exponential", "newmark")]
+    inputs = {path.name: str(path) for path in work.glob("*.json")}
+    task = {"name": "warm-up", "inputs": inputs, "commands": commands}
+    _started(tree, out, work).communicate(json.dumps(task) + "\n")
+    shutil.rmtree(work, ignore_errors=True)
+
+
+def _work(
+    tree: Path,
+    out: Path,
+    number: int,
+    waiting: queue.Queue[dict[str, Any]],
+    total: int,
+    began: float,
+) -> None:
+    """One process of the tree, given a job at a time; begun anew where it died."""
+    work = out / "work" / f"{os.getpid()}-{number}"
+    work.mkdir(parents=True, exist_ok=True)
     driver: subprocess.Popen[str] | None = None
     while True:
         try:
@@ -333,11 +364,7 @@ def _work(
             answer = json.dumps(_copied(task, out))
         else:
             if driver is None or driver.poll() is not None:
-                driver = subprocess.Popen(
-                    [str(python), str(HERE / "compare_driver.py"), str(work), str(out / "blobs")],
-                    cwd=tree, env=environment, text=True, stdin=subprocess.PIPE,
-                    stdout=subprocess.PIPE,
-                )  # fmt: skip
+                driver = _started(tree, out, work)
             assert driver.stdin is not None
             assert driver.stdout is not None
             driver.stdin.write(json.dumps(task) + "\n")
