@@ -12,8 +12,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["CaseError", "InternalError", "ModelError", "Problem", "Quoted", "TorsionError"]
-
 
 @dataclass(frozen=True)
 class Quoted:

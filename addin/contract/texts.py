@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from engine.case.defaults import NOTABLE_REVERSAL
-from engine.start.reversals import PRACTICE_LIMITS
+from engine.case.practice_limits import PRACTICE_LIMITS
 
 __all__ = [
     "CAPTIONS",

@@ -16,7 +16,7 @@ from addin.report.numbers import clean, fixed, significant, typed
 from addin.report.subject import Subject
 from addin.report.tables import result_table, turned, with_column
 from addin.report.units import own_speeds
-from engine.start.reversals import PRACTICE_LIMITS
+from engine.case.practice_limits import PRACTICE_LIMITS
 
 __all__ = ["fatigue", "reversals", "start"]
 

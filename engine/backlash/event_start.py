@@ -25,7 +25,7 @@ from engine.backlash.event_simulation import (
     simulate_events,
     torque_tables,
 )
-from engine.case.choices import ContactLaw
+from engine.case.choices import ContactLaw, Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START
 from engine.case.effect import StartEffects
@@ -254,7 +254,7 @@ def run_event_start(
         estimated_error=error,
         truncation_error=truncation,
         kept_modes=len(model.pieces.basis.closed_omega),
-        method="exponential",
+        method=Method.EXPONENTIAL,
         met_tolerance=met,
         uncoupled_dampers=setup.uncoupled_dampers,
         contacts=contact_records(model, run, fine.turning, fine.end),
@@ -315,7 +315,7 @@ def _start(
     model = _event_model(case, train, modes, plain, effects, linear, tolerance)
     angle = min(COARSEST_EVENT_ANGLE * (tolerance / DEFAULT_TOLERANCE_PEAK) ** 0.25, COARSEST_FIRST)
     step = angle / plain.pulsation_omega
-    if linear.method == "exponential":  # Newmark's steps are shorter than these runs need
+    if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need
         step = min(linear.step * 2.0 ** (linear.halvings + 1), step)
     judge: Settled | None = _settled_judge(case, waited, motors[0].pole_pairs, synchronous)
     if effects.full_length and case.maximum_time:

@@ -1,16 +1,23 @@
 """What the engineer states: rows, their checks and the checked case. All values in SI.
 
-================  ================================================================================
-module            responsibility
-================  ================================================================================
-`study_inputs`    what the engineer wants tried: couplings, scatter, kinds of starts, measurements
-`data`            what the engineer states: train, motor, loads, start, material, wanted accuracy
-`effect`          one effect that a start may call for, and which of them a start simulates
-`effects`         the effects, one file each
-`checks`          the checks of a case, one file for each input sheet; every problem at once. All
-                  values in SI
-`missing_inputs`  what a case cannot answer yet, and which input is missing for it
-`plausibility`    numbers that are possible but look like a slip: a unit, a percent sign, a
-                  forgotten row
-================  ================================================================================
+=================  ===============================================================================
+module             responsibility
+=================  ===============================================================================
+`choices`          words that inputs are chosen from
+`data`             what the engineer states: train, motor, loads, start, material, wanted accuracy
+`defaults`         what a blank cell stands for, and how small a number still counts
+`effect`           one effect that a start may call for, and which of them a start simulates
+`effects`          the effects a start may call for: one file an effect, found by being in this
+                   folder
+`checks`           the checks of a case, one file for each input sheet; every problem at once. All
+                   values in SI
+`case`             the checked case: what every calculation begins from
+`missing_inputs`   what a case cannot answer yet, and which input is missing for it
+`plausibility`     numbers that are possible but look like a slip: a unit, a percent sign, a
+                   forgotten row
+`practice_limits`  what the literature says of torque reversal, with its sources
+`result_words`     words that stand in results, beside numbers or in their place
+`study_inputs`     what the engineer wants tried: couplings, scatter, kinds of starts,
+                   measurements
+=================  ===============================================================================
 """

@@ -12,8 +12,6 @@ from collections.abc import Iterator
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 
-__all__ = ["unanswered"]
-
 
 def unanswered(case: CaseData) -> tuple[str, ...]:
     """Answers that cannot be given, in the order in which they are asked.

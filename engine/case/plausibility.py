@@ -11,8 +11,6 @@ from collections.abc import Iterator
 
 from engine.case.data import CaseData
 
-__all__ = ["implausible"]
-
 #: Usual ranges of properties, in SI, with the words for them.
 SHEAR_MODULUS = (20e9, 130e9)
 DENSITY = (1000.0, 20000.0)

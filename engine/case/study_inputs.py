@@ -12,33 +12,6 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 
-__all__ = [
-    "AVERAGE_TORQUE",
-    "BACKLASH",
-    "CatalogueRow",
-    "DAMPING",
-    "DAMPING_RATIO",
-    "DIAMETER",
-    "INERTIA",
-    "LOAD_TORQUE",
-    "MEASURED_FREQUENCY",
-    "MEASURED_TORQUE",
-    "MeasuredFrequencyRow",
-    "MeasuredPeakRow",
-    "PULSATING_TORQUE",
-    "SCATTERED",
-    "SN_LINE",
-    "STIFFNESS",
-    "STUDY_TABLES",
-    "ScatterRow",
-    "StartConditionRow",
-    "StudyInputs",
-    "TUNED",
-    "TuningRow",
-    "WordUnit",
-    "study_digest",
-]
-
 STIFFNESS, DAMPING, INERTIA, DIAMETER = "stiffness", "damping", "inertia", "diameter"
 BACKLASH, DAMPING_RATIO = "backlash", "damping ratio"
 AVERAGE_TORQUE, PULSATING_TORQUE = "average torque", "pulsating torque"

@@ -3,6 +3,15 @@
 ==================  ==============================================================================
 module              responsibility
 ==================  ==============================================================================
-`allowable_starts`  stress history → cycles → damage → permitted starts
+`cycle_counting`    cycles of a history: rainflow (ASTM E1049-85), and the paper's count of Figure
+                    3
+`stress`            nominal stress of a shaft section, and the maximum shear theory. Torque in N
+                    m, stress in Pa
+`sn_curve`          the S-N line of a material in torsion: log-log through points, endurance,
+                    bending halved
+`damage`            damage of counted cycles: Palmgren-Miner sum, its interval, and the starts it
+                    allows
+`allowable_starts`  fatigue of the judged shafts in one start: damage, permitted starts, and what
+                    a reader must know
 ==================  ==============================================================================
 """

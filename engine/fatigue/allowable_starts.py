@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from engine.case.choices import RainflowResidue
 from engine.case.data import ElementRow, MaterialRow
 from engine.errors import ModelError
 from engine.fatigue.cycle_counting import (
-    RESIDUES,
     CycleCount,
     count_cycles,
     counted_history,
@@ -69,7 +69,7 @@ def shaft_fatigue(
     torque_turning_points: ArrayLike,
     sn_curve: SNCurve,
     material: MaterialRow,
-    residue: str = RESIDUES[0],
+    residue: str = RainflowResidue.HALF_CYCLES,
     torque_error: float = 0.0,
     *,
     relative_torque_error: float = 0.0,

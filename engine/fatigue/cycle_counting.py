@@ -12,12 +12,10 @@ import numpy as np
 import rainflow
 from numpy.typing import ArrayLike, NDArray
 
+from engine.case.choices import RainflowResidue
 from engine.errors import InternalError, ModelError
 
 Floats = NDArray[np.float64]
-
-#: What may be done with the residue of the rainflow count; the first is the default.
-RESIDUES = ("half cycles", "repeated")
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +96,7 @@ def counted_history(history: ArrayLike) -> Floats:
     return turning_points(np.concatenate([[0.0], np.asarray(history, float).ravel(), [0.0]]))
 
 
-def count_cycles(history: ArrayLike, residue: str = RESIDUES[0]) -> CycleCount:
+def count_cycles(history: ArrayLike, residue: str = RainflowResidue.HALF_CYCLES) -> CycleCount:
     """Rainflow count by the published library `rainflow` (ASTM E1049-85, 5.4.4, three points).
 
     What does not close is counted as half cycles (ASTM) or, with ``repeated``, the history is
@@ -123,12 +121,14 @@ def count_cycles(history: ArrayLike, residue: str = RESIDUES[0]) -> CycleCount:
     ModelError
         When the residue rule is unknown.
     """
-    if residue not in RESIDUES:
-        raise ModelError(f"Rainflow residue is '{residue}'; allowed is {' or '.join(RESIDUES)}.")
+    if residue not in tuple(RainflowResidue):
+        raise ModelError(
+            f"Rainflow residue is '{residue}'; allowed is {' or '.join(RainflowResidue)}."
+        )
     points = turning_points(history)
     if points.size < 2:
         return CycleCount(*np.empty((3, 0)))
-    if residue == "repeated":
+    if residue == RainflowResidue.REPEATED:
         top = int(np.argmax(np.abs(points)))
         points = turning_points(np.concatenate([points[top:], points[: top + 1]]))
     # Plain floats count faster than numpy's; the first point twice, because the library's
@@ -136,7 +136,7 @@ def count_cycles(history: ArrayLike, residue: str = RESIDUES[0]) -> CycleCount:
     series = [float(points[0]), *points.tolist()]
     table = np.fromiter(chain.from_iterable(rainflow.extract_cycles(series)), float).reshape(-1, 5)
     cycles, mean, count = table[:, 0], table[:, 1], table[:, 2]
-    if residue == "repeated":
+    if residue == RainflowResidue.REPEATED:
         half = count == 0.5
         joined, pairs = np.unique(table[half, :2], axis=0, return_counts=True)
         cycles = np.concatenate([cycles[~half], joined[:, 0]])

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from engine.case.choices import BelowEndurance
 from engine.errors import InternalError
 from engine.fatigue.cycle_counting import CycleCount
 from engine.fatigue.sn_curve import SNCurve
@@ -115,4 +116,7 @@ def needs_counting(largest_amplitude: float, curve: SNCurve, stress_error: float
     bool
         False when the starts are unlimited without counting.
     """
-    return curve.below_endurance != "none" or largest_amplitude + stress_error > curve.endurance
+    return (
+        curve.below_endurance != BelowEndurance.NONE
+        or largest_amplitude + stress_error > curve.endurance
+    )

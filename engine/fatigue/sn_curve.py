@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from engine.case.choices import BelowEndurance, SNBasis
 from engine.case.data import MaterialRow, SNPointRow
 from engine.errors import InternalError, ModelError
 from engine.fatigue.cycle_counting import read_only
@@ -15,8 +16,6 @@ from engine.fatigue.stress import BENDING_TO_TORSION, in_megapascals
 
 Floats = NDArray[np.float64]
 
-#: What may stand under "Below endurance"; the first is the default.
-BELOW_ENDURANCE = ("none", "same slope", "2k-1")
 
 #: An endurance limit this little above the last S-N stress is that stress, typed in another unit.
 _SAME_STRESS = 1.0 + 1e-9
@@ -41,7 +40,7 @@ class SNCurve:
     endurance: float  #: Endurance limit in torsion. [Pa]
     #: ``none``: no damage at or below the limit; ``same slope``: the last slope k goes on;
     #: ``2k-1``: slope 2k−1 below the knee (Haibach).
-    below_endurance: str = BELOW_ENDURANCE[0]
+    below_endurance: str = BelowEndurance.NONE
     notes: tuple[str, ...] = ()  #: What was assumed in building it.
 
     def __post_init__(self) -> None:
@@ -63,12 +62,12 @@ class SNCurve:
                 f"Endurance is {in_megapascals(self.endurance)}; it must not lie above the lowest S-N stress "
                 f"{in_megapascals(stress[-1])}. Correct it, or drop the S-N points below it."
             )
-        if self.below_endurance not in BELOW_ENDURANCE:
+        if self.below_endurance not in tuple(BelowEndurance):
             raise ModelError(
                 f"Below endurance is '{self.below_endurance}'; allowed is one of "
-                f"{', '.join(BELOW_ENDURANCE)}."
+                f"{', '.join(BelowEndurance)}."
             )
-        if self.below_endurance == "2k-1" and self.slope[-1] <= 0.5:
+        if self.below_endurance == BelowEndurance.HAIBACH and self.slope[-1] <= 0.5:
             raise ModelError(
                 f"The S-N exponent k at the endurance limit is {self.slope[-1]:.4g}; the rule 2k-1 "
                 "needs more than 0.5. Choose another rule or correct the points."
@@ -112,10 +111,14 @@ class SNCurve:
         near = np.where(self.stress[-1] >= S, self.stress.size - 1, i)
         with np.errstate(divide="ignore", over="ignore"):
             life = self.cycles[near] * (self.stress[near] / S) ** k[i]
-            if self.below_endurance == "none":
+            if self.below_endurance == BelowEndurance.NONE:
                 below = np.full(S.shape, np.inf)
             else:
-                k2 = k[-1] if self.below_endurance == "same slope" else 2.0 * k[-1] - 1.0
+                k2 = (
+                    k[-1]
+                    if self.below_endurance == BelowEndurance.SAME_SLOPE
+                    else 2.0 * k[-1] - 1.0
+                )
                 below = self.knee_cycles * (self.endurance / S) ** k2
         return np.asarray(np.where(self.endurance >= S, below, life))
 
@@ -160,10 +163,10 @@ def sn_curve_for(material: MaterialRow, points: Sequence[SNPointRow]) -> SNCurve
     """
     own = [p for p in points if p.material == material.material]
     pairs = [(p.cycles, p.stress) for p in own if p.cycles is not None and p.stress is not None]
-    basis = material.basis or "torsion"
+    basis = material.basis or SNBasis.TORSION
     notes: list[str] = []
     try:
-        if basis not in ("torsion", "bending"):
+        if basis not in tuple(SNBasis):
             raise ModelError(f"Basis is '{basis}'; allowed is torsion or bending.")
         if len(pairs) < 2 or len(pairs) < len(own):
             raise ModelError(
@@ -178,13 +181,13 @@ def sn_curve_for(material: MaterialRow, points: Sequence[SNPointRow]) -> SNCurve
                 f"Endurance of '{material.material}' is blank: the stress of the last S-N point "
                 "is taken as the limit."
             )
-        if basis == "bending":
+        if basis == SNBasis.BENDING:
             stress, endurance = BENDING_TO_TORSION * stress, BENDING_TO_TORSION * endurance
             notes.append(
                 f"S-N data of '{material.material}' are from bending: endurance and every point "
                 "halved for torsion (maximum shear theory)."
             )
-        below = material.below_endurance or BELOW_ENDURANCE[0]
+        below = material.below_endurance or BelowEndurance.NONE
         return SNCurve(cycles, stress, endurance, below, tuple(notes))
     except ModelError as problem:
         raise ModelError(f"Material '{material.material}': {problem}") from None

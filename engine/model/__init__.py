@@ -5,16 +5,24 @@ module                   responsibility
 =======================  =========================================================================
 `gears`                  gear teeth as lines: where a flank's force acts, and along which
                          direction
+`links`                  what an element row means mechanically: stiffness, damping and inertia,
+                         from numbers or geometry
 `train`                  the shaft line as arrays: masses, stiffnesses and the incidence matrix
+`assembly`               rows and nodes while a train is put together
 `excitation`             what shakes the train in continuous operation: orders and frequencies,
                          and the torque they bring
+`gear_bodies`            gears that move sideways on their bearings, and the flanks on which
+                         elements touch
 `load`                   torque of the driven machines against their own speed
-`modes`                  natural frequencies, mode shapes, energy shares, nodes and modal damping
-`frequency_derivatives`  how natural frequencies follow stiffnesses and inertias, from the
-                         energies of the modes
 `motor`                  torque of a synchronous motor while it starts: average and pulsating part
                          against speed
 `rigid_runup`            the start of the train as one rigid body: where it settles, and how long
                          it takes
+`topology`               which stations hang on which: rigid groups, driven sides, senses of
+                         rotation
+`build_train`            from a case to the arrays of its train
+`modes`                  natural frequencies, mode shapes, energy shares, nodes and modal damping
+`frequency_derivatives`  how natural frequencies follow stiffnesses and inertias, from the
+                         energies of the modes
 =======================  =========================================================================
 """

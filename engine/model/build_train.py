@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from engine.case.choices import ElementKind
+from engine.case.choices import ElementKind, GearType
 from engine.case.data import CaseData
 from engine.errors import ModelError
 from engine.model.assembly import Assembly
@@ -49,7 +49,7 @@ def build_train(
         pieces = (segments or {}).get(str(e.element), 1)
         a.add(i, e, link, 1 if has_clearance(meshes.get(e.element)) else pieces)
     orientation, sides, reference = drive_ends(case, a)
-    internal = {m.element for m in case.meshes if m.gear_type == "internal"}
+    internal = {m.element for m in case.meshes if m.gear_type == GearType.INTERNAL}
     flips = {
         i: e.kind == ElementKind.GEAR_MESH and e.element not in internal
         for i, e in enumerate(case.elements)

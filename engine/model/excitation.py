@@ -26,17 +26,6 @@ from engine.case.data import GROUND, CaseData
 from engine.errors import ModelError
 from engine.model.train import Train
 
-__all__ = [
-    "DEFAULT_SHARE",
-    "Excitation",
-    "Place",
-    "TransmittedTorque",
-    "excitation_places",
-    "excitations_of",
-    "operating_range",
-    "transmitted_torque",
-]
-
 Floats = NDArray[np.float64]
 
 #: The paper's excitation, zero-to-peak, over the transmitted torque. [1]

@@ -23,18 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
+from engine.case.study_inputs import INERTIA, STIFFNESS
 from engine.model.modes import Modes
 from engine.model.train import Train
-from engine.studies.variation import INERTIA, STIFFNESS
-
-__all__ = [
-    "BEARING_STIFFNESS",
-    "MASS",
-    "FrequencyDerivative",
-    "FrequencyDerivatives",
-    "clusters",
-    "frequency_derivatives",
-]
 
 Floats = NDArray[np.float64]
 
@@ -42,7 +33,7 @@ Floats = NDArray[np.float64]
 AS_GOOD_AS_EQUAL = 1e-6
 #: Neighbouring modes closer than this exchange their shapes within changes of a few per cent. [1]
 NEAR = 0.02
-#: Bearings and sideways masses of gears, beside the quantities of `engine.studies.variation`.
+#: Bearings and sideways masses of gears, beside the quantities of `engine.case.study_inputs`.
 BEARING_STIFFNESS, MASS = "bearing stiffness", "sideways mass"
 
 

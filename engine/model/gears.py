@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import GearType
 from engine.case.data import MeshRow
-
-__all__ = ["FlankNormals", "flank_normals", "line_of_action", "transverse_pressure_angle"]
 
 Floats = NDArray[np.float64]
 
@@ -107,7 +106,7 @@ def flank_normals(
     """
     alpha, angle = transverse_pressure_angle(mesh), mesh.orientation or 0.0
     centres = np.array([math.cos(angle), math.sin(angle)]) * (1.0 if from_drives else -1.0)
-    internal = mesh.gear_type == "internal"
+    internal = mesh.gear_type == GearType.INTERNAL
     pitch_point = -centres if internal and not driver_larger else centres
     along = sense * np.array([-pitch_point[1], pitch_point[0]])
     radial = -centres if internal else centres

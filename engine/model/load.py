@@ -17,8 +17,6 @@ from engine.errors import ModelError
 from engine.model.train import Train
 from engine.numerics.torque_curve import TorqueCurve, torque_curve
 
-__all__ = ["Load", "loads_of"]
-
 #: Width of the standstill zone over synchronous speed. [1]
 STANDSTILL_ZONE = 1e-3
 #: Up to this speed, over synchronous, a load's torque counts as that at standstill. [1]

@@ -20,20 +20,6 @@ from engine.model.links import has_clearance, shaft_inertia, shaft_stiffness
 from engine.model.train import Train
 from engine.numerics.singular_values import singular_triplets
 
-__all__ = [
-    "ModalDamping",
-    "Modes",
-    "Node",
-    "SubdividedModes",
-    "damped_eigenvalues",
-    "modal_damping",
-    "modal_damping_matrix",
-    "stated_damping",
-    "modes_of",
-    "natural_modes",
-    "state_matrix",
-]
-
 Floats = NDArray[np.float64]
 
 #: A mode with less strain in the elements than this is sideways motion of gears alone.

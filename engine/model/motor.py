@@ -23,15 +23,6 @@ from engine.errors import ModelError
 from engine.model.train import Train
 from engine.numerics.torque_curve import TorqueCurve, torque_curve
 
-__all__ = [
-    "Motor",
-    "electrical_arrays",
-    "has_electrical",
-    "motors_of",
-    "through_synchronism",
-    "voltage_factor",
-]
-
 Floats = NDArray[np.float64]
 #: Arguments of the compiled loop; see `electrical_arrays`.
 Electrical = tuple[Floats, Floats, float, Floats, Floats, Floats, Floats, Floats, Floats]

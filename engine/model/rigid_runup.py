@@ -16,8 +16,6 @@ from engine.model.load import Load
 from engine.model.motor import Motor, through_synchronism
 from engine.model.train import Train
 
-__all__ = ["RigidRunup", "rigid_runup"]
-
 Floats = NDArray[np.float64]
 
 #: Points of the speed grid between standstill and end speed.

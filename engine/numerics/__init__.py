@@ -6,6 +6,6 @@ module               responsibility
 `sample_statistics`  what a sample says of an answer: percentiles, shares and drivers, each with
                      its sampling error
 `singular_values`    singular values of the scaled incidence matrix, each to its own rounding
-`torque_curve`       A torque against speed, as a smooth curve through the points typed
+`torque_curve`       a torque against speed, as a smooth curve through the points typed
 ===================  =============================================================================
 """

@@ -18,19 +18,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "CONFIDENCE",
-    "FEWEST_SAMPLES",
-    "SETTLED",
-    "Convergence",
-    "Percentile",
-    "RankRegression",
-    "convergence",
-    "percentile_interval",
-    "rank_regression",
-    "share_interval",
-]
-
 Floats = NDArray[np.float64]
 
 #: Confidence of every interval. [1]

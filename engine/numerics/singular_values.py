@@ -29,8 +29,6 @@ from scipy.linalg import eigh_tridiagonal, lapack
 
 from engine.errors import InternalError
 
-__all__ = ["singular_triplets"]
-
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 #: Left vectors, values, right vectors, algorithm.

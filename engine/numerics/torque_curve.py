@@ -13,8 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["TorqueCurve", "pchip_slopes", "torque_curve"]
-
 Floats = NDArray[np.float64]
 
 

@@ -3,9 +3,8 @@
 ==============  ==================================================================================
 module          responsibility
 ==============  ==================================================================================
-`margins`       separation margins and the interference diagram
-`bands`         where a mode may not lie: the band of frequencies round every continuous
-                excitation
+`margins`       separation margins, the bands of frequencies they forbid, and the interference
+                diagram
 `steady_state`  harmonic response of the train, and the vibratory torques and stresses of running
                 it
 ==============  ==================================================================================

@@ -21,6 +21,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import MarginBasis
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.model.excitation import Excitation, operating_range
@@ -30,7 +31,7 @@ from engine.model.train import Train
 Floats = NDArray[np.float64]
 
 #: The paper: 20 percent for calculated, 10 percent for measured natural frequencies.
-MARGIN_BY_BASIS = {"calculated": 0.20, "measured": 0.10}
+MARGIN_BY_BASIS: dict[str, float] = {MarginBasis.CALCULATED: 0.20, MarginBasis.MEASURED: 0.10}
 #: A margin this much below the required one is the required one, rounded.
 MARGIN_ROUNDING = 1e-9
 #: The interference diagram reaches this multiple of synchronous speed.
@@ -95,7 +96,7 @@ def required_margin(case: CaseData) -> float:
     """
     if case.margin_required is not None:
         return case.margin_required
-    return MARGIN_BY_BASIS[case.margin_basis or "calculated"]
+    return MARGIN_BY_BASIS[case.margin_basis or MarginBasis.CALCULATED]
 
 
 def separation_margins(

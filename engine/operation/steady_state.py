@@ -30,6 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import StressBasis
 from engine.case.data import CaseData, ElementRow
 from engine.case.result_words import Judgement
 from engine.errors import ModelError
@@ -44,15 +45,6 @@ from engine.model.modes import (
 )
 from engine.model.train import Train
 from engine.operation.margins import SeparationMargins
-
-__all__ = [
-    "HarmonicResponse",
-    "STRESS_DIVISOR",
-    "SteadyState",
-    "SteadyStateRow",
-    "harmonic_response",
-    "steady_state",
-]
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -440,7 +432,7 @@ def steady_state(
         if places[x.name] and len(frequencies):
             tasks.append((x, None, frequencies))
     stations = sorted({p.station for some in places.values() for p in some})
-    basis = case.stress_basis or "peak-to-peak"
+    basis = case.stress_basis or StressBasis.PEAK_TO_PEAK
     if not tasks:
         return SteadyState((), basis, tuple(warnings))
     frequency, back = np.unique(np.concatenate([f for _, _, f in tasks]), return_inverse=True)
@@ -597,5 +589,5 @@ def _vibratory_limit(case: CaseData, element: ElementRow) -> _Limit:
         per_torque = nominal * (element.scf or 1.0)
     uts = next((m.uts for m in case.materials if m.material == element.material and m.uts), None)
     allowable = uts / STRESS_DIVISOR if uts and per_torque is not None else None
-    peaks = 1.0 if case.stress_basis == "zero-to-peak" else 2.0
+    peaks = 1.0 if case.stress_basis == StressBasis.ZERO_TO_PEAK else 2.0
     return _Limit(per_torque, allowable, element.vibratory_limit, peaks)

@@ -3,19 +3,25 @@
 ================  ================================================================================
 module            responsibility
 ================  ================================================================================
-`event_results`   what a start with events found: impacts, forces of bearings, pull-in,
-                  repeatability
+`event_results`   what a start with events found: teeth that met again, forces of bearings, pull-
+                  in, repeatability
 `pull_in`         pull-in of a synchronous motor, read from a simulated run: did it come into
                   step, and how
+`settings`        how a start is to be calculated: what the case asks for, blanks filled
 `torque_outputs`  element torques as linear functions of modal coordinates and applied torques
+`start_model`     a start in arrays: as few modes as the tolerance allows, forces, dampers and
+                  curves
 `time_response`   any train under prescribed torques, from any initial twist and speed
 `trajectory`      sampled histories of a start, their turning points, and how they are kept in
                   bounded memory
+`outcome`         how a start ended: the word, and the sentence with its numbers
+`peaks`           extremes of the torque of each element, and how sure they are
+`simulation`      one simulation of a start at one step, and what is read out of it
 `start`           the start: average and pulsating torque against the loads, from rest to the end
                   speed
 `crossings`       where the falling 2 × slip line crosses each mode during the start, and what
                   happens there
-`prescribed`      A case without a motor: the train under the torques of table `TorqueTime` alone
+`prescribed`      a case without a motor: the train under the torques of table `TorqueTime` alone
 `reversals`       torque reversals: meshes and geared couplings whose torque falls below zero
                   during a start
 `start_fatigue`   from a start to allowable starts: fatigue of the judged shafts, and how sure it

@@ -19,8 +19,6 @@ from engine.model.train import Train
 from engine.operation.margins import percent_speed
 from engine.start.start import Start
 
-__all__ = ["Crossing", "start_crossings"]
-
 Floats = NDArray[np.float64]
 
 #: A mode within this share of twice line frequency is excited by the initial shock (the paper).

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
 from engine.errors import ModelError
@@ -20,8 +21,6 @@ from engine.start.start import Start
 from engine.start.time_response import PrescribedTorque, linear, time_response
 from engine.start.torque_outputs import force_reach, torque_outputs
 from engine.start.trajectory import Trajectory, turning_of
-
-__all__ = ["prescribed_torques", "run_prescribed"]
 
 Floats = NDArray[np.float64]
 
@@ -109,7 +108,7 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
         estimated_error=error,
         truncation_error=bound,
         kept_modes=int(keep.sum()),
-        method="exponential",
+        method=Method.EXPONENTIAL,
         met_tolerance=error <= tolerance,
     )
 

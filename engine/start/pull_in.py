@@ -20,15 +20,6 @@ from numpy.typing import NDArray
 
 from engine.start.event_results import PullIn
 
-__all__ = [
-    "has_failed",
-    "has_settled",
-    "judge_pull_in",
-    "passages",
-    "swing_decay_time",
-    "swing_frequency_linear",
-]
-
 Floats = NDArray[np.float64]
 
 #: A swing of this amplitude has settled: 1 % of the pull-out torque, at the most. [rad]

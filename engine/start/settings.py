@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from engine.case.choices import HistoryFile, Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_END_SPEED, DEFAULT_TOLERANCE_PEAK
 from engine.case.effect import StartEffects
@@ -39,7 +40,7 @@ def keeps_history(case: CaseData) -> bool:
     bool
         True if KeepHistory names a kind of file.
     """
-    return case.keep_history not in (None, "no")
+    return case.keep_history not in (None, HistoryFile.NO)
 
 
 def has_start(case: CaseData) -> bool:
@@ -80,7 +81,7 @@ def settings_of(case: CaseData) -> StartSettings:
     if synchronous is None:
         raise ModelError("A start needs the synchronous speed.")
     return StartSettings(
-        case.method or "exponential",
+        case.method or Method.EXPONENTIAL,
         case.tolerance_peak or DEFAULT_TOLERANCE_PEAK,
         case.end_speed or DEFAULT_END_SPEED * synchronous,
         case.maximum_time,

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import Method
 from engine.errors import InternalError
 from engine.model.motor import has_electrical
 from engine.start.start_model import StartModel
@@ -64,7 +65,7 @@ def simulate(
     steps = 0
     t, flag = 0.0, kernels.PENDING
     electrical = model.electrical if has_electrical(model.electrical) else None
-    coefficients = exponential_step if method == "exponential" else newmark_step
+    coefficients = exponential_step if method == Method.EXPONENTIAL else newmark_step
     for left, h in _step_plan(model, step, maximum_time):
         free, forced = (
             np.ascontiguousarray(a.transpose(1, 2, 0))

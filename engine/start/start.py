@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import Method
 from engine.case.data import CaseData
 from engine.case.defaults import LONGEST_START
 from engine.case.effect import StartEffects
@@ -118,7 +119,7 @@ class Start:
 
 def _first_step(settings: StartSettings, fastest: float) -> float:
     """Step tried first, from the measured order of the method and the tolerance."""
-    if settings.method == "newmark":
+    if settings.method == Method.NEWMARK:
         angle = math.sqrt(0.5 * settings.tolerance_peak / NEWMARK_ERROR_AT_ONE_RADIAN)
         return min(max(angle, FINEST_FIRST), COARSEST_FIRST) / fastest
     return usual_step(settings.tolerance_peak, fastest)

@@ -8,32 +8,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from engine.case.choices import RainflowResidue
 from engine.case.data import CaseData, ElementRow
-from engine.case.defaults import DEFAULT_TOLERANCE_STARTS
 from engine.fatigue.allowable_starts import (
     AllowableStarts,
     ShaftFatigue,
     allowable_starts,
     shaft_fatigue,
 )
-from engine.fatigue.cycle_counting import RESIDUES
 from engine.fatigue.damage import needs_counting
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import shear_stress
 from engine.start.outcome import Outcome
 from engine.start.start import Start
-
-__all__ = [
-    "COUNTED_STARTS",
-    "DEFAULT_TOLERANCE_STARTS",
-    "WHOLE_STARTS",
-    "is_counted",
-    "judged_shafts",
-    "sn_curve_of",
-    "sn_slope",
-    "starts_of",
-    "stress_over_endurance",
-]
 
 #: Outcomes after which the cycles are those of a whole start.
 WHOLE_STARTS = frozenset(
@@ -159,7 +146,7 @@ def _shaft(
     """Fatigue of one shaft, and the relative error of its starts from the two steps."""
     material = next(m for m in case.materials if m.material == element.material)
     curve = sn_curve_of(case, element.material)
-    residue = case.rainflow_residue or RESIDUES[0]
+    residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
     fine, coarse, error = _histories(start, index, str(element.element))
     shaft = shaft_fatigue(element, fine, curve, material, residue, error, always_count=always_count)
     if shaft.damage == 0.0:

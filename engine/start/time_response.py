@@ -22,8 +22,6 @@ from engine.start.torque_outputs import force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
 from engine.stepping.exponential import polynomial_step
 
-__all__ = ["PrescribedTorque", "TimeResponse", "held", "linear", "of_time", "time_response"]
-
 Floats = NDArray[np.float64]
 
 #: Monomial coefficients of s from values at s = 0, 1/3, 2/3, 1.

@@ -21,8 +21,6 @@ from numpy.typing import NDArray
 from engine.model.modes import Modes
 from engine.model.train import RigidMesh, Train
 
-__all__ = ["TorqueOutputs", "force_reach", "torque_outputs"]
-
 Floats = NDArray[np.float64]
 
 

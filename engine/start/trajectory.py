@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from engine.stepping import linear_loop as kernels
 
-__all__ = ["KEPT_VALUES", "Recorder", "Trajectory", "read_turning", "turning_of"]
-
 Floats = NDArray[np.float64]
 Turning = tuple[Floats, Floats]
 

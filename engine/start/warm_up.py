@@ -12,8 +12,6 @@ from engine.case.data import CaseData, ElementRow, LoadTorqueRow, MotorTorqueRow
 from engine.model.modes import modal_damping, natural_modes
 from engine.start.start import run_start
 
-__all__ = ["load_routines"]
-
 #: Time of the start that is calculated for it. [s]
 _SHORT = 0.05
 

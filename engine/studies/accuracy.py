@@ -27,10 +27,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import RainflowResidue
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.fatigue.allowable_starts import shaft_fatigue
-from engine.fatigue.cycle_counting import RESIDUES
 from engine.model.load import loads_of
 from engine.model.motor import motors_of
 from engine.results.results import AccuracyRow
@@ -278,7 +278,7 @@ def _event_study(
 def _answers(case: CaseData, histories: Histories) -> _Answers:
     """Extremes and damage from turning points."""
     extremes = {e: (float(value.max()), float(value.min())) for e, (_, value) in histories.items()}
-    residue = case.rainflow_residue or RESIDUES[0]
+    residue = case.rainflow_residue or RainflowResidue.HALF_CYCLES
     damage = {}
     for index, element in judged_shafts(case):
         material = next(m for m in case.materials if m.material == element.material)

@@ -16,11 +16,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import RainflowResidue
 from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.effect import StartEffects
 from engine.errors import InternalError, ModelError
-from engine.fatigue.cycle_counting import RESIDUES, count_cycles, counted_history
+from engine.fatigue.cycle_counting import count_cycles, counted_history
 from engine.fatigue.damage import miner_damage
 from engine.fatigue.stress import shear_stress
 from engine.model.build_train import build_train
@@ -390,5 +391,5 @@ def _damage(case: CaseData, recipe: Recipe, index: int, torque: Floats) -> float
         and 0.5 * local * float(np.ptp(history)) <= curve.endurance
     ):
         return 0.0
-    cycles = count_cycles(history, case.rainflow_residue or RESIDUES[0])
+    cycles = count_cycles(history, case.rainflow_residue or RainflowResidue.HALF_CYCLES)
     return miner_damage(local * cycles.amplitude, cycles.count, curve)

@@ -11,8 +11,9 @@ from scipy.interpolate import CubicHermiteSpline
 from engine.case.case import Case
 from engine.case.data import ElementRow, MeshRow
 from engine.case.defaults import NOTABLE_REVERSAL
+from engine.case.practice_limits import PRACTICE_LIMITS
 from engine.start.event_results import ContactRecord
-from engine.start.reversals import PRACTICE_LIMITS, Reversal, reversing_elements, torque_reversals
+from engine.start.reversals import Reversal, reversing_elements, torque_reversals
 from engine.start.start import Start
 from engine.start.trajectory import turning_of
 from tests.sample_case import sample_case

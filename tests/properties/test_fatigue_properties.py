@@ -7,17 +7,17 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from engine.case.choices import BelowEndurance, RainflowResidue
 from engine.case.data import ElementRow, MaterialRow, SNPointRow
 from engine.fatigue.allowable_starts import allowable_starts, shaft_fatigue
 from engine.fatigue.cycle_counting import (
-    RESIDUES,
     count_cycles,
     counted_history,
     paper_count,
     turning_points,
 )
 from engine.fatigue.damage import damage_interval, miner_damage, starts_from_damage
-from engine.fatigue.sn_curve import BELOW_ENDURANCE, SNCurve, sn_curve_for
+from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 
 # Whole numbers make ties and repeated extremes frequent, and sums exact.
 WHOLE = st.lists(st.integers(-9, 9).map(float), max_size=40)
@@ -25,8 +25,8 @@ REAL = st.lists(
     st.floats(-500.0, 500.0, allow_subnormal=False).map(lambda x: round(x, 6)), max_size=40
 )
 HISTORIES = WHOLE | REAL
-ANY_RESIDUE = st.sampled_from(RESIDUES)
-ANY_RULE = st.sampled_from(BELOW_ENDURANCE)
+ANY_RESIDUE = st.sampled_from(tuple(RainflowResidue))
+ANY_RULE = st.sampled_from(tuple(BelowEndurance))
 
 
 @st.composite

@@ -3,6 +3,15 @@
 ===============  =================================================================================
 module           responsibility
 ===============  =================================================================================
+`problem`        how a problem of a cell is worded, and the checks that every table shares
+`effects`        checks of the chosen effects: one that is forced on needs its data
+`fatigue`        checks of materials and their S-N points
+`scalars`        checks of the scalars of the case: each by itself, and those that contradict each
+                 other
+`torques`        checks of torque curves and of the excitations in continuous operation
+`train`          checks of stations, elements and modal damping: names, stiffness, and one open
+                 train
+`gears`          checks of gear meshes: numbers, ratios, the line of action, gears on bearings
 `find_problems`  every check a case must pass, all of them at once
 ===============  =================================================================================
 """

@@ -13,6 +13,7 @@ from engine.case.checks.problem import (
     suggestion,
     wrong_value,
 )
+from engine.case.choices import BelowEndurance, SNBasis
 from engine.case.data import CaseData
 from engine.errors import Problem
 
@@ -28,11 +29,11 @@ def check_materials(case: CaseData) -> Iterator[Problem]:
             yield wrong_value(
                 table, row, "Yield", m.yield_, "at most UTS", "Correct one of them.", "Pa"
             )
-        if m.basis not in (None, "torsion", "bending"):
+        if m.basis not in (None, *SNBasis):
             yield wrong_value(
                 table, row, "Basis", m.basis, "torsion or bending", "Choose from the list."
             )
-        if m.below_endurance not in (None, "none", "same slope", "2k-1"):
+        if m.below_endurance not in (None, *BelowEndurance):
             yield wrong_value(
                 table,
                 row,

@@ -19,7 +19,7 @@ from engine.case.checks.problem import (
     wrong_value,
 )
 from engine.case.checks.train import KINDS
-from engine.case.choices import ElementKind
+from engine.case.choices import ElementKind, GearType
 from engine.case.data import CaseData, ElementRow, MeshRow
 from engine.errors import Problem, Quoted
 
@@ -104,7 +104,7 @@ def _mesh_numbers(row: int, m: MeshRow) -> Iterator[Problem]:
         action = "Write degrees with the unit deg above the column."
         yield from check_number(table, row, column, value, allowed, "rad", action)
     yield from check_number(table, row, "Orientation", m.orientation, ANY_NUMBER, "rad")
-    if m.gear_type not in (None, "external", "internal"):
+    if m.gear_type not in (None, *GearType):
         yield wrong_value(
             table, row, "Gear type", m.gear_type, "external or internal", "Choose from the list."
         )
@@ -125,7 +125,7 @@ def _mesh_ratio(case: CaseData, row: int, m: MeshRow, e: ElementRow) -> Iterator
     if drive is None and driven is None:
         return  # a ratio and a sense of rotation alone, without size
     by_radii = drive / driven if drive is not None and driven is not None else by_speed
-    if m.gear_type == "internal" and abs(by_radii - 1.0) <= RADIUS_TOLERANCE:
+    if m.gear_type == GearType.INTERNAL and abs(by_radii - 1.0) <= RADIUS_TOLERANCE:
         equal = f"its pitch radius is {drive or driven:.6g} m and both stations turn equally fast"
         if drive is not None and driven is not None:
             equal = f"its pitch radii are {drive:.6g} m and {driven:.6g} m"

@@ -17,7 +17,14 @@ from engine.case.checks.problem import (
     quote_quantity,
     wrong_value,
 )
-from engine.case.choices import ContactLaw
+from engine.case.choices import (
+    ContactLaw,
+    HistoryFile,
+    MarginBasis,
+    Method,
+    RainflowResidue,
+    StressBasis,
+)
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_END_SPEED, LEAST_PEAK_ERROR, LEAST_TOLERANCE_PEAK
 from engine.errors import Problem
@@ -29,11 +36,11 @@ LARGEST_VOLTAGE = 2.0
 
 
 CHOICES = {
-    "margin_basis": ("MarginBasis", ("calculated", "measured")),
-    "stress_basis": ("StressBasis", ("peak-to-peak", "zero-to-peak")),
-    "method": ("Method", ("exponential", "newmark")),
-    "keep_history": ("KeepHistory", ("no", "parquet", "npz")),
-    "rainflow_residue": ("RainflowResidue", ("half cycles", "repeated")),
+    "margin_basis": ("MarginBasis", tuple(MarginBasis)),
+    "stress_basis": ("StressBasis", tuple(StressBasis)),
+    "method": ("Method", tuple(Method)),
+    "keep_history": ("KeepHistory", tuple(HistoryFile)),
+    "rainflow_residue": ("RainflowResidue", tuple(RainflowResidue)),
     "contact_law": ("ContactLaw", tuple(ContactLaw)),
 }
 

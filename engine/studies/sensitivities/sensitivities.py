@@ -24,10 +24,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import BelowEndurance
 from engine.case.data import CaseData, case_digest
 from engine.errors import ModelError
 from engine.fatigue.cycle_counting import counted_history, half_cycle_points
-from engine.fatigue.sn_curve import BELOW_ENDURANCE, SNCurve
+from engine.fatigue.sn_curve import SNCurve
 from engine.fatigue.stress import shear_stress
 from engine.model.frequency_derivatives import FrequencyDerivatives, frequency_derivatives
 from engine.results.results import Results
@@ -464,7 +465,7 @@ def _damage_slope(
     weight = damage[used] * slope / total
     near = np.abs(amplitude / curve.endurance - 1.0) <= WHOLE
     edge = 0.0  # damage of all that may come or go
-    if curve.below_endurance == BELOW_ENDURANCE[0]:
+    if curve.below_endurance == BelowEndurance.NONE:
         edge = float(count[near].sum()) / curve.knee_cycles / total
     return weight @ relative, float(weight.sum()), edge
 
