@@ -1,6 +1,7 @@
-"""What a field and a table of fields are made of: kinds, dimensions, JSON keys.
+"""What a table of inputs or results is made of: columns with kind, dimension, source and what every room needs of them.
 
-The grammar of the table in `addin.contract.tables`; nothing here names a quantity of a train.
+The grammar of the records in `addin.contract.scalars`, `input_tables`, `result_tables` and `studies`;
+nothing here names a quantity of a train.
 """
 
 from __future__ import annotations
@@ -9,24 +10,15 @@ import keyword
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import partial
 from types import MappingProxyType
+from typing import TypedDict, Unpack
 
-from addin.contract.result_tables import Trace
+from addin.contract import number_formats as shown
 
-__all__ = [
-    "DIMENSIONS",
-    "Dimension",
-    "Field",
-    "TableSpec",
-    "choice",
-    "integer",
-    "json_key",
-    "mixed",
-    "number",
-    "table",
-    "text",
-    "traced",
-]
+#: Mode-shape columns of the workbook; further modes are in the JSON only.
+SHAPE_COLUMNS = 10
 
 _WORDS = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
 
@@ -45,6 +37,7 @@ class Dimension:
     unit_us: str = ""  #: Units shown by the US-customary and the SI template. [unit]
     unit_si: str = ""  #: Likewise. [unit]
     units: tuple[str, ...] = ()  #: The drop-down list. [units]
+    format: str = shown.LARGE  #: Number format of a result; typed numbers stay as typed.
 
 
 _RELATIVE = ("pu", "%")
@@ -54,9 +47,9 @@ _TORQUES = ("lbf*in", "lbf*ft", "kip*in", "N*m", "kN*m")
 DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
     {
         "none": Dimension(),
-        "count": Dimension(),
-        "ratio": Dimension("1", "1", "1", ("1", "%")),
-        "fraction": Dimension("1", "%", "%", ("%", "1")),
+        "count": Dimension(format="0"),
+        "ratio": Dimension("1", "1", "1", ("1", "%"), format="0.0000"),
+        "fraction": Dimension("1", "%", "%", ("%", "1"), format=shown.SMALL),
         "speed fraction": Dimension("1", "%", "%", ("%", "1", "rpm", "rad/s")),
         "inertia": Dimension(
             "kg*m^2", "lb*ft^2", "kg*m^2", ("lb*ft^2", "lb*in^2", "lbf*in*s^2", "kg*m^2")
@@ -81,14 +74,18 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
             "kg/m^3", "lb/in^3", "kg/m^3", ("lb/in^3", "lb/ft^3", "kg/m^3", "g/cm^3")
         ),
         "angle": Dimension("rad", "deg", "deg", ("deg", "rad")),
-        "time": Dimension("s", "s", "s", ("s", "ms", "min")),
-        "calculation time": Dimension("s", "ms", "ms", ("ms", "s", "min")),
-        "frequency": Dimension("Hz", "Hz", "Hz", ("Hz", "cpm")),
-        "cycles per minute": Dimension("cpm", "cpm", "cpm", ("cpm",)),
-        "speed": Dimension("rad/s", "rpm", "rpm", ("rpm", "rad/s", "Hz")),
+        "time": Dimension("s", "s", "s", ("s", "ms", "min"), format="0.000"),
+        "calculation time": Dimension(
+            "s", "ms", "ms", ("ms", "s", "min"), format="[>=100]#,##0;[>=1]0.0;0.00"
+        ),
+        "frequency": Dimension("Hz", "Hz", "Hz", ("Hz", "cpm"), format="0.000"),
+        "cycles per minute": Dimension("cpm", "cpm", "cpm", ("cpm",), format="#,##0.0"),
+        "speed": Dimension("rad/s", "rpm", "rpm", ("rpm", "rad/s", "Hz"), format="0.0"),
         "running speed": Dimension("rad/s", "rpm", "rpm", ("rpm", "%", "rad/s", "Hz")),
-        "angular acceleration": Dimension("rad/s^2", "rpm/s", "rpm/s", ("rpm/s", "rad/s^2")),
-        "sweep rate": Dimension("Hz/s", "Hz/s", "Hz/s", ("Hz/s",)),
+        "angular acceleration": Dimension(
+            "rad/s^2", "rpm/s", "rpm/s", ("rpm/s", "rad/s^2"), format="0.00"
+        ),
+        "sweep rate": Dimension("Hz/s", "Hz/s", "Hz/s", ("Hz/s",), format="0.000"),
         "power": Dimension("W", "hp", "kW", ("hp", "kW", "MW", "W")),
         "mass": Dimension("kg", "lb", "kg", ("lb", "kg", "t")),
         "linear stiffness": Dimension(
@@ -98,9 +95,42 @@ DIMENSIONS: Mapping[str, Dimension] = MappingProxyType(
         "force": Dimension("N", "lbf", "kN", ("lbf", "kip", "N", "kN")),
         "approach speed": Dimension("m/s", "in/s", "m/s", ("in/s", "ft/s", "mm/s", "m/s")),
         "angular approach speed": Dimension("rad/s", "rad/s", "rad/s", ("rad/s", "deg/s")),
-        "deciding number": Dimension(),
+        "deciding number": Dimension(format="[<0.01]0.00000;#,##0.000"),
     }
 )
+
+
+class IncompleteRecord(Exception):
+    """A record that lacks something; the sentence says what, and where to add it."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """How one result column is obtained."""
+
+    equation: str  #: Formula or rule, in the symbols of the nomenclature.
+    #: Paper, standard or textbook with section, equation or page; our own rules name the part of
+    #: docs/method.md that states them. [citation]
+    source: str
+    #: Inputs and results of the very row: of its element, station, mode, excitation or material.
+    of_row: tuple[str, ...] = ()
+    of_case: tuple[str, ...] = ()  #: Inputs and results of the whole case.
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """All of them, those of the row first. [names]"""
+        return tuple(dict.fromkeys((*self.of_row, *self.of_case)))
+
+
+class ReportedError(StrEnum):
+    """Which error that a calculation reports covers the numbers of a column."""
+
+    PEAKS = "of the peak torques"
+    STARTS = "of the allowable starts of the row's element"
+    ALL_STARTS = "the largest of the allowable starts"
+    FREQUENCIES = "of the frequencies"
+    WORDS = "of a number inside a sentence"
+    ESTIMATE = "an estimate of an error itself, up to its size"
 
 
 @dataclass(frozen=True)
@@ -110,8 +140,9 @@ class Field:
     name: str  #: Defined name of a scalar or header of a column, as in the contract.
     key: str  #: JSON key.
     #: ``number``, ``integer``, ``text``, ``choice``, ``station``, ``element``, ``material``
-    #: (references by name); of results also ``flag`` (yes or no) and ``mixed`` (a number in one
-    #: row, words in another).
+    #: (references by name); of results also ``flag`` (yes or nothing), ``switch`` (on or off),
+    #: ``verdict``, ``sentence`` (takes the width that is left; another version may word it
+    #: otherwise) and ``mixed`` (a number in one row, words in another).
     kind: str
     dimension: str  #: Key of `DIMENSIONS`.
     unit_us: str  #: Units shown by the two templates; empty where there is no unit. [unit]
@@ -122,9 +153,15 @@ class Field:
     default_text: str  #: What a blank cell means; empty where a blank has no meaning of its own.
     help: str  #: One sentence for the input prompt.
     group: str = ""  #: Block of sheet `Case` the scalar stands in; empty for columns.
-    #: Of a result: equation, source and the inputs it comes from, see
-    #: `addin.contract.result_tables`.
-    trace: Trace | None = None
+    trace: Trace | None = None  #: Of a result: equation, source and the inputs it comes from.
+    formula: str = ""  #: Live formula of its cells; empty where the calculation fills them.
+    own_format: str = ""  #: Number format, where that of the dimension does not suit.
+    width: float = 0.0  #: Of a column whose words wrap, as shipped; 0 = one line. [characters]
+    unlimited: bool = False  #: No number means that there is no limit.
+    wall_time: bool = False  #: No calculation gives it twice.
+    error: ReportedError | None = None  #: Which reported error covers it; None = exact to rounding.
+    share_of: str = ""  #: Column whose size the error is a share of; empty = its own.
+    printed: str = ""  #: Header in a report, where the name needs its context.
 
     @property
     def attribute(self) -> str:
@@ -140,6 +177,16 @@ class Field:
     def has_unit(self) -> bool:
         """Whether a unit stands above (column) or right of (scalar) it."""
         return bool(self.units)
+
+    @property
+    def format(self) -> str:
+        """Number format of a result."""
+        return self.own_format or DIMENSIONS[self.dimension].format
+
+    @property
+    def header(self) -> str:
+        """Header in a report."""
+        return self.printed or self.name
 
     @property
     def si(self) -> str:
@@ -161,10 +208,50 @@ class TableSpec:
     extra_columns: tuple[Field, ...] = ()
     #: Column repeated after `columns`, its name ending in 1, 2, ... (mode shapes).
     repeated: Field | None = None
-    json_only: tuple[str, ...] = ()  #: Keys a JSON row may have beside the columns.
+    json_only: tuple[Field, ...] = ()  #: Keys a JSON row may have beside the columns.
     #: Column without which a row of a workbook states nothing and is passed over, such as rows
     #: shipped with names alone; empty = every filled row counts.
     states: str = ""
+    caption: str = ""  #: Above the table, and its name in reports and comparisons.
+    short_caption: bool = (
+        False  #: Another table stands close to its right: the caption stands alone.
+    )
+    row_name: tuple[
+        str, ...
+    ] = ()  #: Columns that name a row; empty = rows are matched by their order.
+    changes_shown: tuple[
+        str, ...
+    ] = ()  #: Columns whose changes `diff` shows unless all are asked for.
+    room: int = 0  #: Rows kept free above what stands below it; 0 = nothing does. [count]
+    #: Its numbers come from the run in time; the others from linear algebra alone.
+    of_the_start: bool = False
+    worded: bool = False  #: Another version may word or order its rows otherwise.
+    #: Place among the results in which engineers ask for them: verdicts, frequencies, margins, steady
+    #: state, start-up, reversals, starts, then what explains them; None = at the end.
+    rank: int | None = None
+    filtered: bool = False  #: Shipped with the buttons of a filter.
+    workbook_only: bool = False  #: The JSON has none of it: maps, and numbers behind charts.
+
+    @property
+    def every_column(self) -> tuple[Field, ...]:
+        """Columns in the order of the workbook, a repeated one once."""
+        repeated = () if self.repeated is None else (self.repeated,)
+        return (*self.columns, *repeated, *self.extra_columns)
+
+    @property
+    def workbook_columns(self) -> tuple[Field, ...]:
+        """All columns of the table as it stands in the workbook."""
+        repeated = () if self.repeated is None else range(1, SHAPE_COLUMNS + 1)
+        return (*self.columns, *(self.repeated_column(k) for k in repeated), *self.extra_columns)
+
+    def below(self, row: int) -> int:
+        """First row below the room of the table, whose caption stands in a row, counted from 1."""
+        return row + 3 + self.room + 1
+
+    @property
+    def says_unlimited(self) -> bool:
+        """Whether its JSON rows tell unlimited starts from those not judged."""
+        return any(field.key == "unlimited" for field in self.json_only)
 
     def column(self, name: str) -> Field:
         """The contract column of a header."""
@@ -181,18 +268,38 @@ class TableSpec:
         return replace(self.repeated, name=name, key=json_key(name))
 
 
+class _Result(TypedDict, total=False):
+    """What a column of results states beside name and help, see `Field`."""
+
+    trace: Trace
+    of_row: tuple[str, ...]
+    of_case: tuple[str, ...]
+    formula: str
+    format: str
+    width: float
+    unlimited: bool
+    wall_time: bool
+    error: ReportedError
+    share_of: str
+    printed: str
+    key: str
+
+
 def number(
     name: str,
     dimension: str,
     help: str,
+    equation: str = "",
+    source: str = "",
     *,
     blank: str = "",
     us: str = "",
     si: str = "",
     kind: str = "number",
     group: str = "",
+    **result: Unpack[_Result],
 ) -> Field:
-    """A number; `us` and `si` replace the units the templates show.
+    """A number.
 
     Parameters
     ----------
@@ -202,67 +309,82 @@ def number(
         Key of `DIMENSIONS`. [word]
     help : str
         One sentence. [sentence]
+    equation, source : str, optional
+        Of a result, see `Trace`; with `of_row` and `of_case` it is the trace. [text]
     blank : str, optional
         What a blank means. [sentence]
     us, si : str, optional
-        Units of the templates. [units]
+        Units of the templates, where those of the dimension do not suit. [units]
     kind : str, optional
         ``number`` or ``integer``. [word]
     group : str, optional
         Block of sheet `Case`. [name]
+    **result
+        What else a column of results states, see `Field`.
 
     Returns
     -------
     Field
     """
     usual = DIMENSIONS[dimension]
-    return Field(
-        name=name,
-        key=json_key(name),
-        kind=kind,
-        dimension=dimension,
-        unit_us=us or usual.unit_us,
-        unit_si=si or usual.unit_si,
-        units=usual.units,
-        choices=(),
-        default_text=blank,
-        help=help,
-        group=group,
+    return _field(
+        Field(
+            name=name,
+            key=json_key(name),
+            kind=kind,
+            dimension=dimension,
+            unit_us=us or usual.unit_us,
+            unit_si=si or usual.unit_si,
+            units=usual.units,
+            choices=(),
+            default_text=blank,
+            help=help,
+            group=group,
+        ),
+        equation,
+        source,
+        result,
     )
 
 
-def integer(name: str, help: str, *, group: str = "") -> Field:
+def _field(plain: Field, equation: str, source: str, result: _Result) -> Field:
+    """A field with what it states as a column of results."""
+    stated = dict(result)
+    of_row, of_case = stated.pop("of_row", ()), stated.pop("of_case", ())
+    if equation:
+        stated["trace"] = Trace(equation, source, of_row, of_case)  # type: ignore[arg-type]
+    if "format" in stated:
+        stated["own_format"] = stated.pop("format")
+    return replace(plain, **stated)  # type: ignore[arg-type]
+
+
+def integer(
+    name: str,
+    help: str,
+    equation: str = "",
+    source: str = "",
+    *,
+    group: str = "",
+    **result: Unpack[_Result],
+) -> Field:
     """A whole number without unit."""
-    return number(name, "count", help, kind="integer", group=group)
+    return number(name, "count", help, equation, source, kind="integer", group=group, **result)
 
 
 def text(
     name: str,
     help: str,
+    equation: str = "",
+    source: str = "",
     *,
     kind: str = "text",
     choices: tuple[str, ...] = (),
     blank: str = "",
     group: str = "",
+    **result: Unpack[_Result],
 ) -> Field:
-    """Words: free text, a choice, or the name of a station, element or material.
-
-    Parameters
-    ----------
-    name : str
-        Header or defined name. [name]
-    help : str
-        One sentence. [sentence]
-    kind : str, optional
-        See `Field`. [word]
-    choices : tuple of str, optional
-        Allowed words. [words]
-    blank : str, optional
-        What a blank means. [sentence]
-    group : str, optional
-        Block of sheet `Case`. [name]
-    """
-    return Field(
+    """Words: free text, a choice, or the name of a station, element or material; see `number`."""
+    plain = Field(
         name=name,
         key=json_key(name),
         kind=kind,
@@ -275,6 +397,7 @@ def text(
         help=help,
         group=group,
     )
+    return _field(plain, equation, source, result)
 
 
 def choice(
@@ -285,50 +408,79 @@ def choice(
     blank: str = "",
     group: str = "",
 ) -> Field:
-    """A word from a short list.
-
-    Parameters
-    ----------
-    name : str
-        Header or defined name. [name]
-    choices : tuple of str
-        Allowed words, the default first. [words]
-    help : str
-        One sentence. [sentence]
-    blank : str, optional
-        What a blank means. [sentence]
-    group : str, optional
-        Block of sheet `Case`. [name]
-    """
+    """A word from a short list, the default first."""
     return text(name, help, kind="choice", choices=choices, blank=blank, group=group)
 
 
+#: A result that is yes or nothing.
+flag = partial(text, kind="flag")
+#: A result that is on or off.
+switch = partial(text, kind="switch")
+#: A verdict, coloured where it stands.
+verdict = partial(text, kind="verdict")
+#: A result in words, as long as it needs to be.
+sentence = partial(text, kind="sentence")
+#: A result that is a number in one row and words in another.
+mixed = partial(text, kind="mixed")
+
+
 def table(
-    name: str, sheet: str, rows: int, help: str, *columns: Field, **more: object
+    name: str, *, sheet: str, help: str, columns: Sequence[Field], rows: int = 1, **more: object
 ) -> TableSpec:
-    """A table whose key follows from its name."""
-    return TableSpec(name, json_key(name), sheet, columns, rows, help, **more)  # type: ignore[arg-type]
+    """A table whose key follows from its name; see `TableSpec`."""
+    return TableSpec(name, json_key(name), sheet, tuple(columns), rows, help, **more)  # type: ignore[arg-type]
 
 
-def mixed(name: str, help: str) -> Field:
-    """A result that is a number in one row and words in another."""
-    return text(name, help, kind="mixed")
+def complete(tables: Sequence[TableSpec], where: str, *, results: bool) -> None:
+    """Refuse tables that lack what is derived from them.
+
+    Parameters
+    ----------
+    tables : sequence of TableSpec
+        Records.
+    where : str
+        File in which they stand. [path]
+    results : bool
+        Whether they hold results, whose columns have a trace. [flag]
+
+    Raises
+    ------
+    IncompleteRecord
+        For the first thing that is missing: what, and where to add it.
+    """
+    for spec in tables:
+        if not spec.caption:
+            raise IncompleteRecord(f"table {spec.name} has no caption: add one in {where}")
+        names = [field.name for field in spec.every_column]
+        for name in dict.fromkeys(names):
+            if names.count(name) > 1:
+                raise IncompleteRecord(
+                    f"table {spec.name} has two columns {name}: rename one in {where}"
+                )
+        for field in spec.every_column:
+            if results and field.trace is None:
+                raise IncompleteRecord(
+                    f"column {field.name} of table {spec.name} has no trace: add one in {where} "
+                    "(equation and source after its help text)"
+                )
+            if not field.help:
+                raise IncompleteRecord(
+                    f"column {field.name} of table {spec.name} has no help text: add one in {where}"
+                )
+            _known(field.share_of, names, f"share_of of column {field.name}", spec, where)
+        for field in spec.extra_columns:
+            if not field.formula:
+                raise IncompleteRecord(
+                    f"extra column {field.name} of table {spec.name} has no formula: add one in {where}"
+                )
+        for attribute in ("row_name", "changes_shown"):
+            for name in getattr(spec, attribute):
+                _known(name, names, attribute, spec, where)
+        _known(spec.states, names, "states", spec, where)
 
 
-def traced(
-    tables: Sequence[TableSpec], traces: Mapping[tuple[str, str], Trace]
-) -> tuple[TableSpec, ...]:
-    """Result tables with the trace of every column."""
-
-    def with_trace(table: str, field: Field) -> Field:
-        return replace(field, trace=traces[table, field.name])
-
-    return tuple(
-        replace(
-            one,
-            columns=tuple(with_trace(one.name, field) for field in one.columns),
-            extra_columns=tuple(with_trace(one.name, field) for field in one.extra_columns),
-            repeated=None if one.repeated is None else with_trace(one.name, one.repeated),
+def _known(name: str, names: Sequence[str], attribute: str, spec: TableSpec, where: str) -> None:
+    if name and name not in names:
+        raise IncompleteRecord(
+            f"table {spec.name} has no column {name}, which its {attribute} names: correct it in {where}"
         )
-        for one in tables
-    )

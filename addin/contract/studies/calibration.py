@@ -1,112 +1,25 @@
-"""Result tables of the calibration, and where each column comes from; part of `addin.contract.studies.fields`."""
+"""Calibration against measurements in workbook and JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from dataclasses import replace
 
+from addin.contract import number_formats as shown
 from addin.contract.charts import Axis, ChartSpec, Series
-from addin.contract.field import Field, TableSpec, integer, number, table, text
-from addin.contract.result_tables import Trace
-
-__all__ = ["CALIBRATION_RESULT_TABLES", "CALIBRATION_TRACES"]
-
-_SHEET = "Calibration"
-
-
-def _fit(name: str, what: Field, dimension: str, help: str, **shown: str) -> TableSpec:
-    """Measured beside calculated, of one kind of measurement."""
-    return table(
-        name,
-        _SHEET,
-        1,
-        help,
-        what,
-        integer("Row", "Row of the input table."),
-        number("Measured", dimension, "As typed.", **shown),
-        number("Uncertainty", "fraction", "Standard deviation over it."),
-        number("Before", dimension, "Calculated before calibration.", **shown),
-        number("After", dimension, "Calculated after calibration.", **shown),
-        number("Residual before", "ratio", "Before less measured, in standard deviations."),
-        number("Residual", "ratio", "After less measured, in standard deviations."),
-        number("Left-out residual", "ratio", "The residual if all others, and not it, were used."),
-        text("Used", "Whether it entered the calibration.", kind="flag"),
-        text("Explained", "Whether a change within the spread explains it.", kind="flag"),
-        text("Note", "What to do about it."),
-    )
-
-
-CALIBRATION_RESULT_TABLES: tuple[TableSpec, ...] = (
-    _fit(
-        "FrequencyFit",
-        text("Mode", "Elastic mode of the case that it was taken for; blank = none."),
-        "frequency",
-        "Measured frequencies beside calculated ones.",
-    ),
-    _fit(
-        "PeakFit",
-        text("Element", "Where it was measured.", kind="element"),
-        "torque",
-        "Measured peak torques beside calculated ones.",
-        us="lbf*ft",
-    ),
-    table(
-        "CalibratedFrequencies",
-        _SHEET,
-        1,
-        "Modes before and after, with what is still unknown of them.",
-        integer("Mode", "Elastic mode of the case, counted from 1."),
-        integer("Calibrated mode", "Its number after calibration."),
-        number("Before", "frequency", "Calculated from the case."),
-        number("Prior deviation", "fraction", "Standard deviation from the uncertain quantities."),
-        number("After", "frequency", "Calculated from the calibrated case."),
-        number("Posterior deviation", "fraction", "Standard deviation that is left."),
-        number("Change", "fraction", "After over before, less 1."),
-        number("Measured", "frequency", "What it was measured as; blank = it was not."),
-        number("Uncertainty", "fraction", "Of that measurement."),
-        number("MAC", "ratio", "How far its shape is that of before: 1 the same, 0 another."),
-        text("Known", "Whether a margin may take it as measured.", kind="flag"),
-        text("Why", "Why it may or may not."),
-    ),
-    table(
-        "CalibratedMargins",
-        _SHEET,
-        1,
-        "Least separation margin of each mode before and after, on the basis that is justified.",
-        integer("Mode", "Elastic mode of the case."),
-        text("Excitation", "The nearest excitation, after calibration."),
-        number("Frequency before", "frequency", "Natural frequency of the case."),
-        number("Margin before", "fraction", "Its least margin."),
-        number("Required before", "fraction", "Required margin of the case."),
-        text("Verdict before", "pass, accepted by forced response or fail."),
-        number("Frequency", "frequency", "Natural frequency of the calibrated case."),
-        number("Margin", "fraction", "Its least margin."),
-        number("Required", "fraction", "Required margin on the basis that is justified."),
-        text("Verdict", "pass, accepted by forced response or fail."),
-        json_only=("excitation_before",),
-    ),
-    table(
-        "CalibratedParameters",
-        _SHEET,
-        1,
-        "The least change of what is uncertain that explains the measurements.",
-        text("Name", "Element or station."),
-        text("Quantity", "What of it."),
-        number("Stiffness", "torsional stiffness", "As in the case."),
-        number("Calibrated stiffness", "torsional stiffness", "As it explains the measurements."),
-        number("Inertia", "inertia", "As in the case."),
-        number("Calibrated inertia", "inertia", "As it explains the measurements."),
-        number("Change", "fraction", "Calibrated over case, less 1."),
-        number("Change low", "fraction", "At the lower end of its 95 % interval."),
-        number("Change high", "fraction", "At the upper end of its 95 % interval."),
-        number("Prior deviation", "fraction", "Standard deviation by table Scatter."),
-        number("Posterior deviation", "fraction", "Standard deviation that is left."),
-        text("Note", "What a reader must know."),
-        text("Determined", "determined (3/4 of the variance or more taken away), partly or not."),
-        number("Reduction", "fraction", "Share of the variance that the measurements took away."),
-        number("Pull", "ratio", "Change in prior standard deviations."),
-        json_only=("before", "after"),
-    ),
+from addin.contract.field import (
+    Field,
+    TableSpec,
+    Trace,
+    flag,
+    integer,
+    number,
+    sentence,
+    table,
+    text,
+    verdict,
 )
+from addin.contract.sheet import ChartAt, Sheet
+from addin.contract.study_spec import StudySpec
 
 _METHOD = "docs/calibration.md"
 _MAP = "Tarantola, Inverse Problem Theory (2005), chapter 3; docs/calibration.md"
@@ -133,132 +46,346 @@ _ALL = (*_TRAIN, *_PRIOR, *_F, *_T)
 _LEAST = "least of Σ z² + Σ ((calculated − measured)/σ)², z = (ln p − μ)/σ_p"
 
 
-def _fit_traces(
-    table: str, first: str, typed: tuple[str, ...], of_case: tuple[str, ...]
-) -> dict[tuple[str, str], Trace]:
-    name, value, uncertainty = typed
-    after = Trace(f"Calculated with the {_LEAST}", _MAP, (value,), (*of_case, *_ALL))
+def _fit(
+    name: str,
+    what: Field,
+    dimension: str,
+    *,
+    typed: tuple[str, ...],
+    of_case: tuple[str, ...],
+    us: str = "",
+    **more: object,
+) -> TableSpec:
+    """Measured beside calculated, of one kind of measurement."""
+    first, value, uncertainty = typed
     residual = "(calculated − measured)/(uncertainty × measured)"
-    return {
-        (table, first): Trace("As typed, or the likeliest one to one", _METHOD, (name, value)),
-        (table, "Row"): Trace("Row of the input table", _METHOD, (value,)),
-        (table, "Measured"): Trace("As typed", _METHOD, (value,)),
-        (table, "Uncertainty"): Trace("As typed; blank = 1 % and 5 %", _METHOD, (uncertainty,)),
-        (table, "Before"): Trace("Calculated from the case", "docs/method.md", (), of_case),
-        (table, "After"): after,
-        (table, "Residual before"): Trace(
-            residual, _METHOD, (f"{table}.Before", f"{table}.Measured", f"{table}.Uncertainty")
+    columns = (
+        replace(
+            what, trace=Trace("As typed, or the likeliest one to one", _METHOD, (first, value))
         ),
-        (table, "Residual"): Trace(
-            residual, _METHOD, (f"{table}.After", f"{table}.Measured", f"{table}.Uncertainty")
+        integer("Row", "Row of the input table.", "Row of the input table", _METHOD, of_row=(value,)),
+        number("Measured", dimension, "As typed.", "As typed", _METHOD, us=us, of_row=(value,)),
+        number(
+            "Uncertainty", "fraction", "Standard deviation over it.",
+            "As typed; blank = 1 % and 5 %", _METHOD, of_row=(uncertainty,),
         ),
-        (table, "Left-out residual"): Trace(
-            "r/√(1 − h), h of J C Jᵀ", _MAP, (f"{table}.Residual",), _ALL
+        number(
+            "Before", dimension, "Calculated before calibration.", "Calculated from the case",
+            "docs/method.md", us=us, of_case=of_case,
         ),
-        (table, "Used"): Trace(
-            "Within 4 standard deviations of a mode that is left, one to one",
-            _METHOD,
-            (value,),
-            _ALL,
+        number(
+            "After", dimension, "Calculated after calibration.", f"Calculated with the {_LEAST}",
+            _MAP, us=us, of_row=(value,), of_case=(*of_case, *_ALL),
         ),
-        (table, "Explained"): Trace(
-            "|left-out residual| ≤ 3", _METHOD, (f"{table}.Left-out residual",)
+        number(
+            "Residual before", "ratio", "Before less measured, in standard deviations.", residual,
+            _METHOD, of_row=(f"{name}.Before", f"{name}.Measured", f"{name}.Uncertainty"),
+            format=shown.TWO_DECIMALS,
         ),
-        (table, "Note"): Trace("The same in words", _METHOD, (value,), _ALL),
-    }
+        number(
+            "Residual", "ratio", "After less measured, in standard deviations.", residual, _METHOD,
+            of_row=(f"{name}.After", f"{name}.Measured", f"{name}.Uncertainty"),
+            format=shown.TWO_DECIMALS,
+        ),
+        number(
+            "Left-out residual", "ratio", "The residual if all others, and not it, were used.",
+            "r/√(1 − h), h of J C Jᵀ", _MAP, of_row=(f"{name}.Residual",), of_case=_ALL,
+            format=shown.TWO_DECIMALS,
+        ),
+        flag(
+            "Used", "Whether it entered the calibration.",
+            "Within 4 standard deviations of a mode that is left, one to one", _METHOD,
+            of_row=(value,), of_case=_ALL,
+        ),
+        flag(
+            "Explained", "Whether a change within the spread explains it.",
+            "|left-out residual| ≤ 3", _METHOD, of_row=(f"{name}.Left-out residual",),
+        ),
+        sentence(
+            "Note", "What to do about it.", "The same in words", _METHOD, of_row=(value,),
+            of_case=_ALL, width=22.0,
+        ),
+    )  # fmt: skip
+    return table(name, sheet="Calibration", columns=columns, **more)  # type: ignore[arg-type]
 
 
-def _of_modes() -> dict[tuple[str, str], Trace]:
-    name = "CalibratedFrequencies"
-    return {
-        (name, "Mode"): Trace("Counted from 1, by rising frequency", _METHOD, (), _TRAIN),
-        (name, "Calibrated mode"): Trace(
-            "Followed by shape: MAC = (φᵀMψ)², one to one", _RAYLEIGH, (), _ALL
-        ),
-        (name, "Before"): Trace("Singular value of √k·B·1/√m over 2π", "docs/method.md", (), _TRAIN),
-        (name, "Prior deviation"): Trace(
-            "√Σ (½ energy share × σ_p)²", _RAYLEIGH, (), (*_TRAIN, *_PRIOR)
-        ),
-        (name, "After"): Trace(f"Calculated with the {_LEAST}", _MAP, (), _ALL),
-        (name, "Posterior deviation"): Trace("√(g C gᵀ), C = (I + JᵀJ)⁻¹", _MAP, (), _ALL),
-        (name, "Change"): Trace("After/before − 1", _METHOD, (f"{name}.Before", f"{name}.After")),
-        (name, "Measured"): Trace("As typed", _METHOD, ("FrequencyFit.Measured",)),
-        (name, "Uncertainty"): Trace("As typed", _METHOD, ("FrequencyFit.Uncertainty",)),
-        (name, "MAC"): Trace("(φᵀMψ)² of before and after", _RAYLEIGH, (), _ALL),
-        (name, "Known"): Trace(
-            "Measured, or 3/4 of its variance taken away; and posterior deviation ≤ 2 %", _METHOD,
-            (f"{name}.Posterior deviation", f"{name}.Prior deviation", f"{name}.Measured"),
-        ),
-        (name, "Why"): Trace("The same in words", _METHOD, (f"{name}.Known",)),
-    }  # fmt: skip
+_CHANGED = Trace(f"Case × e^(μ + σ z), {_LEAST}", _MAP, (), _ALL)
+_ENDS = "Change at ± 1.96 posterior deviations of ln p"
+_LEAST_MARGIN = "|f − f_exc|/f_exc, the least over all excitations and continuous speeds"
+_REQUIRED = "20 % calculated, 10 % measured, or MarginRequired"
+_VERDICT = "pass if margin ≥ required; accepted if every judged stress is within UTS/25"
+_SPEEDS = ("MinimumSpeed", "MaximumSpeed", "Excitations.Order", "Excitations.Frequency")
+_BASIS = ("MarginBasis", "MarginRequired")
 
-
-def _of_margins() -> dict[tuple[str, str], Trace]:
-    name = "CalibratedMargins"
-    margin = "|f − f_exc|/f_exc, the least over all excitations and continuous speeds"
-    required = "20 % calculated, 10 % measured, or MarginRequired"
-    verdict = "pass if margin ≥ required; accepted if every judged stress is within UTS/25"
-    speeds = ("MinimumSpeed", "MaximumSpeed", "Excitations.Order", "Excitations.Frequency")
-    basis = ("MarginBasis", "MarginRequired")
-    return {
-        (name, "Mode"): Trace("Counted from 1", _METHOD, (), _TRAIN),
-        (name, "Excitation"): Trace("The one with the least margin", _PAPER, (), speeds),
-        (name, "Frequency before"): Trace("As in CalibratedFrequencies", _METHOD, (), _TRAIN),
-        (name, "Margin before"): Trace(margin, _PAPER, (f"{name}.Frequency before",), speeds),
-        (name, "Required before"): Trace(required, _PAPER, (), basis),
-        (name, "Verdict before"): Trace(
-            verdict, _PAPER, (f"{name}.Margin before", f"{name}.Required before")
+_INPUTS: tuple[TableSpec, ...] = (
+    table(
+        "MeasuredFrequencies", sheet="Measured", caption="Measured frequencies",
+        help="Torsional natural frequencies found by measurement.",
+        rows=10, row_name=("Mode",), short_caption=True,
+        columns=(
+            integer("Mode", "Elastic mode it is taken for; blank = the one that fits best."),
+            number("Frequency", "frequency", "As measured."),
+            number("Uncertainty", "fraction", "Standard deviation.", blank="1 %"),
         ),
-        (name, "Frequency"): Trace("As in CalibratedFrequencies", _METHOD, (), _ALL),
-        (name, "Margin"): Trace(margin, _PAPER, (f"{name}.Frequency",), speeds),
-        (name, "Required"): Trace(
-            f"{required}; measured where every mode below 20 % is known", _PAPER,
-            ("CalibratedFrequencies.Known",), basis,
+    ),
+    table(
+        "MeasuredPeaks", sheet="Measured", caption="Measured peaks (optional)",
+        help="Largest torques found in a measured start (optional).",
+        rows=6, row_name=("Element",),
+        columns=(
+            text("Element", "Element of table Elements.", kind="element"),
+            number(
+                "Maximum torque", "torque", "As measured, at the element's own speed.", us="lbf*ft",
+            ),
+            number("Uncertainty", "fraction", "Standard deviation.", blank="5 %"),
         ),
-        (name, "Verdict"): Trace(verdict, _PAPER, (f"{name}.Margin", f"{name}.Required")),
-    }  # fmt: skip
+    ),
+)  # fmt: skip
 
-
-def _of_parameters() -> dict[tuple[str, str], Trace]:
-    name = "CalibratedParameters"
-    changed = Trace(f"Case × e^(μ + σ z), {_LEAST}", _MAP, (), _ALL)
-    ends = "Change at ± 1.96 posterior deviations of ln p"
-    return {
-        (name, "Name"): Trace("As typed; a blank name is every one that has it", _METHOD, ("Scatter.Name",)),
-        (name, "Quantity"): Trace("As typed", _METHOD, ("Scatter.Quantity",)),
-        (name, "Stiffness"): Trace("As in the case", _METHOD, ("Elements.Stiffness",)),
-        (name, "Calibrated stiffness"): changed,
-        (name, "Inertia"): Trace("As in the case", _METHOD, ("Stations.Inertia",)),
-        (name, "Calibrated inertia"): changed,
-        (name, "Change"): changed,
-        (name, "Change low"): Trace(ends, _MAP, (f"{name}.Change", f"{name}.Posterior deviation")),
-        (name, "Change high"): Trace(ends, _MAP, (f"{name}.Change", f"{name}.Posterior deviation")),
-        (name, "Prior deviation"): Trace(
-            "Spread (normal), /√3 (uniform), /√6 (triangular); (to − from)/√12", _METHOD, _PRIOR
+_RESULTS: tuple[TableSpec, ...] = (
+    _fit(
+        "FrequencyFit", text("Mode", "Elastic mode of the case that it was taken for; blank = none."),
+        "frequency", typed=_F, of_case=_TRAIN,
+        caption="Measured frequencies", help="Measured frequencies beside calculated ones.",
+        row_name=("Mode", "Row"), room=10,
+    ),
+    _fit(
+        "PeakFit", text("Element", "Where it was measured.", kind="element"),
+        "torque", typed=_T, of_case=(*_TRAIN, *_START), us="lbf*ft",
+        caption="Measured peak torques", help="Measured peak torques beside calculated ones.",
+        row_name=("Element", "Row"), room=5,
+    ),
+    table(
+        "CalibratedFrequencies", sheet="Calibration", caption="Modes",
+        help="Modes before and after, with what is still unknown of them.",
+        row_name=("Mode",), changes_shown=("After",), room=12,
+        columns=(
+            integer(
+                "Mode", "Elastic mode of the case, counted from 1.",
+                "Counted from 1, by rising frequency", _METHOD, of_case=_TRAIN,
+            ),
+            integer(
+                "Calibrated mode", "Its number after calibration.",
+                "Followed by shape: MAC = (φᵀMψ)², one to one", _RAYLEIGH, of_case=_ALL,
+            ),
+            number(
+                "Before", "frequency", "Calculated from the case.",
+                "Singular value of √k·B·1/√m over 2π", "docs/method.md", of_case=_TRAIN,
+            ),
+            number(
+                "Prior deviation", "fraction", "Standard deviation from the uncertain quantities.",
+                "√Σ (½ energy share × σ_p)²", _RAYLEIGH, of_case=(*_TRAIN, *_PRIOR),
+            ),
+            number(
+                "After", "frequency", "Calculated from the calibrated case.",
+                f"Calculated with the {_LEAST}", _MAP, of_case=_ALL,
+            ),
+            number(
+                "Posterior deviation", "fraction", "Standard deviation that is left.",
+                "√(g C gᵀ), C = (I + JᵀJ)⁻¹", _MAP, of_case=_ALL,
+            ),
+            number(
+                "Change", "fraction", "After over before, less 1.", "After/before − 1", _METHOD,
+                of_row=("CalibratedFrequencies.Before", "CalibratedFrequencies.After"),
+                format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Measured", "frequency", "What it was measured as; blank = it was not.", "As typed",
+                _METHOD, of_row=("FrequencyFit.Measured",),
+            ),
+            number(
+                "Uncertainty", "fraction", "Of that measurement.", "As typed", _METHOD,
+                of_row=("FrequencyFit.Uncertainty",),
+            ),
+            number(
+                "MAC", "ratio", "How far its shape is that of before: 1 the same, 0 another.",
+                "(φᵀMψ)² of before and after", _RAYLEIGH, of_case=_ALL,
+            ),
+            flag(
+                "Known", "Whether a margin may take it as measured.",
+                "Measured, or 3/4 of its variance taken away; and posterior deviation ≤ 2 %",
+                _METHOD,
+                of_row=(
+                    "CalibratedFrequencies.Posterior deviation",
+                    "CalibratedFrequencies.Prior deviation", "CalibratedFrequencies.Measured",
+                ),
+            ),
+            sentence(
+                "Why", "Why it may or may not.", "The same in words", _METHOD,
+                of_row=("CalibratedFrequencies.Known",), width=22.0,
+            ),
         ),
-        (name, "Posterior deviation"): Trace("σ √C_jj, C = (I + JᵀJ)⁻¹", _MAP, (), _ALL),
-        (name, "Note"): Trace("The same in words", _METHOD, (f"{name}.Change",)),
-        (name, "Determined"): Trace(
-            "determined from 75 % reduction, partly from 10 %", _METHOD, (f"{name}.Reduction",)
+    ),
+    table(
+        "CalibratedMargins", sheet="Calibration", caption="Least separation margins",
+        help="Least separation margin of each mode before and after, on the basis that is justified.",
+        row_name=("Mode", "Excitation"), room=12,
+        json_only=(text("excitation_before", "The nearest one before."),),
+        columns=(
+            integer("Mode", "Elastic mode of the case.", "Counted from 1", _METHOD, of_case=_TRAIN),
+            text(
+                "Excitation", "The nearest excitation, after calibration.",
+                "The one with the least margin", _PAPER, of_case=_SPEEDS,
+            ),
+            number(
+                "Frequency before", "frequency", "Natural frequency of the case.",
+                "As in CalibratedFrequencies", _METHOD, of_case=_TRAIN,
+            ),
+            number(
+                "Margin before", "fraction", "Its least margin.", _LEAST_MARGIN, _PAPER,
+                of_row=("CalibratedMargins.Frequency before",), of_case=_SPEEDS, format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Required before", "fraction", "Required margin of the case.", _REQUIRED, _PAPER,
+                of_case=_BASIS, format=shown.ONE_DECIMAL,
+            ),
+            verdict(
+                "Verdict before", "pass, accepted by forced response or fail.", _VERDICT, _PAPER,
+                of_row=("CalibratedMargins.Margin before", "CalibratedMargins.Required before"),
+            ),
+            number(
+                "Frequency", "frequency", "Natural frequency of the calibrated case.",
+                "As in CalibratedFrequencies", _METHOD, of_case=_ALL,
+            ),
+            number(
+                "Margin", "fraction", "Its least margin.", _LEAST_MARGIN, _PAPER,
+                of_row=("CalibratedMargins.Frequency",), of_case=_SPEEDS, format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Required", "fraction", "Required margin on the basis that is justified.",
+                f"{_REQUIRED}; measured where every mode below 20 % is known", _PAPER,
+                of_row=("CalibratedFrequencies.Known",), of_case=_BASIS, format=shown.ONE_DECIMAL,
+            ),
+            verdict(
+                "Verdict", "pass, accepted by forced response or fail.", _VERDICT, _PAPER,
+                of_row=("CalibratedMargins.Margin", "CalibratedMargins.Required"),
+            ),
         ),
-        (name, "Reduction"): Trace(
-            "1 − (posterior/prior deviation)²", _METHOD,
-            (f"{name}.Prior deviation", f"{name}.Posterior deviation"),
+    ),
+    table(
+        "CalibratedParameters", sheet="Calibration", caption="Uncertain quantities",
+        help="The least change of what is uncertain that explains the measurements.",
+        row_name=("Quantity", "Name"), changes_shown=("Change",),
+        json_only=(
+            number("before", "count", "What the case says. [SI]"),
+            number("after", "count", "What explains the measurements. [SI]"),
         ),
-        (name, "Pull"): Trace("z = (ln p − μ)/σ", _MAP, (f"{name}.Change", f"{name}.Prior deviation")),
-    }  # fmt: skip
+        columns=(
+            text(
+                "Name", "Element or station.", "As typed; a blank name is every one that has it",
+                _METHOD, of_row=("Scatter.Name",),
+            ),
+            text("Quantity", "What of it.", "As typed", _METHOD, of_row=("Scatter.Quantity",)),
+            number(
+                "Stiffness", "torsional stiffness", "As in the case.", "As in the case", _METHOD,
+                of_row=("Elements.Stiffness",),
+            ),
+            number(
+                "Calibrated stiffness", "torsional stiffness", "As it explains the measurements.",
+                trace=_CHANGED,
+            ),
+            number(
+                "Inertia", "inertia", "As in the case.", "As in the case", _METHOD,
+                of_row=("Stations.Inertia",),
+            ),
+            number(
+                "Calibrated inertia", "inertia", "As it explains the measurements.", trace=_CHANGED,
+            ),
+            number(
+                "Change", "fraction", "Calibrated over case, less 1.", trace=_CHANGED,
+                format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Change low", "fraction", "At the lower end of its 95 % interval.", _ENDS, _MAP,
+                of_row=("CalibratedParameters.Change", "CalibratedParameters.Posterior deviation"),
+                format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Change high", "fraction", "At the upper end of its 95 % interval.", _ENDS, _MAP,
+                of_row=("CalibratedParameters.Change", "CalibratedParameters.Posterior deviation"),
+                format=shown.TWO_DECIMALS,
+            ),
+            number(
+                "Prior deviation", "fraction", "Standard deviation by table Scatter.",
+                "Spread (normal), /√3 (uniform), /√6 (triangular); (to − from)/√12", _METHOD,
+                of_row=_PRIOR,
+            ),
+            number(
+                "Posterior deviation", "fraction", "Standard deviation that is left.",
+                "σ √C_jj, C = (I + JᵀJ)⁻¹", _MAP, of_case=_ALL,
+            ),
+            sentence(
+                "Note", "What a reader must know.", "The same in words", _METHOD,
+                of_row=("CalibratedParameters.Change",), width=22.0,
+            ),
+            text(
+                "Determined", "determined (3/4 of the variance or more taken away), partly or not.",
+                "determined from 75 % reduction, partly from 10 %", _METHOD,
+                of_row=("CalibratedParameters.Reduction",),
+            ),
+            number(
+                "Reduction", "fraction", "Share of the variance that the measurements took away.",
+                "1 − (posterior/prior deviation)²", _METHOD,
+                of_row=(
+                    "CalibratedParameters.Prior deviation",
+                    "CalibratedParameters.Posterior deviation",
+                ),
+                format=shown.ONE_DECIMAL,
+            ),
+            number(
+                "Pull", "ratio", "Change in prior standard deviations.", "z = (ln p − μ)/σ", _MAP,
+                of_row=("CalibratedParameters.Change", "CalibratedParameters.Prior deviation"),
+                format=shown.TWO_DECIMALS,
+            ),
+        ),
+    ),
+)  # fmt: skip
 
+_FREQUENCY_FIT, _PEAK_FIT, _MODES, _MARGINS, _ = _RESULTS
 
-CALIBRATION_TRACES: Mapping[tuple[str, str], Trace] = {
-    **_fit_traces("FrequencyFit", "Mode", _F, _TRAIN),
-    **_fit_traces("PeakFit", "Element", _T, (*_TRAIN, *_START)),
-    **_of_modes(),
-    **_of_margins(),
-    **_of_parameters(),
-}
+_CHART_ROWS = 17
+_PEAKS_AT = _FREQUENCY_FIT.below(7)
+_FITS_AT = _PEAK_FIT.below(_PEAKS_AT)
+_MODES_AT = _FITS_AT + _CHART_ROWS
+_MARGINS_AT = _MODES.below(_MODES_AT)
+_PARAMETERS_AT = _MARGINS.below(_MARGINS_AT)
 
+_SHEETS: tuple[Sheet, ...] = (
+    Sheet(
+        "Measured",
+        "input",
+        {"A": 1.5, "B": 9, "C:D": 12, "E": 2, "F": 24, "G:H": 13, "I": 40},
+        "I",
+        {"MeasuredFrequencies": "B5", "MeasuredPeaks": "F5"},
+        freeze="A8",
+        intro="What was measured on the train, for torsionbook calibrate FILE.",
+    ),
+    Sheet(
+        "Calibration",
+        "result",
+        {"A": 1.5, "B": 18, "C": 13, "D:E": 12, "F:G": 9, "H:I": 8, "J:L": 9, "M": 22, "N": 12, "O": 8.5,
+         "P": 6},
+        "P",
+        {
+            "FrequencyFit": "B7",
+            "PeakFit": f"B{_PEAKS_AT}",
+            "CalibratedFrequencies": f"B{_MODES_AT}",
+            "CalibratedMargins": f"B{_MARGINS_AT}",
+            "CalibratedParameters": f"B{_PARAMETERS_AT}",
+        },
+        (
+            ChartAt("fit", f"B{_FITS_AT}", 460, 320),
+            ChartAt("change", f"G{_FITS_AT}", 740, 320),
+        ),
+        freeze="",
+        row_breaks=(_FITS_AT - 1, _MARGINS_AT - 1),
+        side=0.25,
+        intro="The least change of the uncertain quantities (sheet Tolerances) that explains what "
+        "was measured: torsionbook calibrate FILE.",
+    ),
+)  # fmt: skip
 
-CHARTS = (
+_CHARTS: tuple[ChartSpec, ...] = (
     # how far calculated frequencies are from measured ones, before and after
     ChartSpec(
         "fit", "columns", "Calculated less measured frequency, in standard deviations",
@@ -287,3 +414,17 @@ CHARTS = (
         legend=True, high_low=True,
     ),
 )  # fmt: skip
+
+CALIBRATION = StudySpec(
+    key="calibration",
+    order=5,
+    command="calibrate",
+    sheet="Calibration",
+    last="P",
+    inputs=_INPUTS,
+    reads=("Scatter",),
+    results=_RESULTS,
+    sheets=_SHEETS,
+    charts=_CHARTS,
+    height=84.0,
+)

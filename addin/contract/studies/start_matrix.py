@@ -1,92 +1,22 @@
-"""Result tables of the start matrix and its ledger, and where each column comes from."""
+"""The start matrix and its damage ledger in workbook and JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
+from addin.contract import number_formats as shown
 from addin.contract.charts import Axis, ChartSpec, Series
-from addin.contract.field import TableSpec, integer, number, table, text
-from addin.contract.result_tables import Trace
-
-__all__ = ["STARTS_RESULT_TABLES", "STARTS_TRACES"]
-
-_MATRIX, _LEDGER = "Start matrix", "Damage ledger"
-
-STARTS_RESULT_TABLES: tuple[TableSpec, ...] = (
-    table(
-        "StartsByVoltage",
-        _MATRIX,
-        1,
-        "Whole starts with the damping of the case, by voltage; blank = none, unlimited or not judged.",
-        number("Voltage", "fraction", "Of the voltage of the torque curves."),
-        number("Loaded stress", "pressure", "Nominal, peak to peak, of the governing shaft."),
-        number("Loaded starts", "count", "Allowable starts of this kind alone."),
-        number("Unloaded stress", "pressure", "The same without load torque."),
-        number("Unloaded starts", "count", "The same without load torque."),
-    ),
-    table(
-        "StartMatrix",
-        _MATRIX,
-        1,
-        "Each kind of start as a run of its own, with effects planned anew.",
-        text("Condition", "Kind of start, of table StartConditions or of the standard matrix."),
-        number("Voltage", "fraction", "Of the voltage of the torque curves."),
-        number("Damping ratio", "fraction", "Of all elastic modes; blank = as in the case."),
-        number("Load", "fraction", "Share of LoadTorque that acts."),
-        number("Trip speed", "speed", "Where it is aborted; blank = it is not."),
-        text("Outcome", "How it ends."),
-        number("Time", "time", "Simulated time; of an aborted start with the coast-down."),
-        number("Percent speed", "speed fraction", "Speed at the end, of synchronous."),
-        number(
-            "Peak over rated", "ratio", "Largest torque, referred to the motor, over RatedTorque."
-        ),
-        text("Peak element", "Where that torque is.", kind="element"),
-        text("Governing", "Judged shaft with the most damage.", kind="element"),
-        number("Peak-to-peak stress", "pressure", "Nominal, without SCF, of the governing shaft."),
-        number("Mesh minimum torque", "torque", "Least torque of any gear mesh.", us="lbf*ft"),
-        integer("Impacts", "How often teeth meet again; blank where no clearance is modelled."),
-        number("Damage", "count", "Of one such start, on the governing shaft."),
-        number("Allowable starts", "count", "Of this kind alone, 1 / damage."),
-        text("Note", "What a reader must know."),
-        json_only=("unlimited", "judged"),
-    ),
-    table(
-        "DamageLedger",
-        _LEDGER,
-        1,
-        "What the duty of sheet Duty has used of each judged shaft, and leaves.",
-        text("Element", "The shaft.", kind="element"),
-        text("Governing", "Kind of start that takes most of it."),
-        number("Allowed", "count", "1 / StartsFactor."),
-        number("Used", "count", "Damage so far."),
-        number("Yearly", "count", "Damage a year."),
-        number("Left", "count", "Allowed less used."),
-        number("Remaining years", "count", "Left / yearly."),
-        number("Years low", "count", "The same at the worse end of the error of the damages."),
-        number("Years high", "count", "At the better end; blank = unlimited."),
-        text("Verdict", "pass while something is left, fail, or not judged."),
-        text("Reason", "Why, with the numbers."),
-        json_only=("used_low", "used_high", "yearly_low", "yearly_high", "unlimited"),
-    ),
-    table(
-        "RemainingStarts",
-        _LEDGER,
-        1,
-        "Each kind of start on each judged shaft: what one takes, and how many of it alone are left.",
-        text("Element", "The shaft.", kind="element"),
-        text("Condition", "Kind of start."),
-        number("So far", "count", "Such starts the train has seen."),
-        number("Per year", "count", "Such starts a year."),
-        number("Share", "fraction", "Of the damage a year."),
-        number("Peak-to-peak stress", "pressure", "Nominal, without SCF, in one such start."),
-        number("Damage", "count", "Of one such start."),
-        number("Damage low", "count", "At the lower end of its error."),
-        number("Damage high", "count", "At the upper end of its error."),
-        number("Remaining starts", "count", "Left / damage, of this kind alone."),
-        text("Reason", "Why there is none."),
-        json_only=("unlimited", "judged"),
-    ),
+from addin.contract.field import (
+    TableSpec,
+    Trace,
+    flag,
+    integer,
+    number,
+    sentence,
+    table,
+    text,
+    verdict,
 )
+from addin.contract.sheet import ChartAt, Sheet
+from addin.contract.study_spec import StudySpec
 
 _NAME, _METHOD = "Name, as typed", "docs/start-matrix.md"
 _MINER = "Szenasi & von Nimitz 1978, Stress criterion, Figure 3; Miner, J. Applied Mechanics 12 (1945) A-159"
@@ -115,91 +45,314 @@ def _asked(column: str, rule: str) -> Trace:
 _STRESS_EQUATION = "τ = 16 ΔT D/(π(D⁴ − d⁴)), ΔT from rest to the end of this kind of start"
 _STARTS_EQUATION = "1/q; unlimited where q = 0, not judged where the start does not come to its end"
 
-STARTS_TRACES: Mapping[tuple[str, str], Trace] = {
-    ("StartsByVoltage", "Voltage"): _asked("Voltage", "V/V of the torque curves"),
-    ("StartsByVoltage", "Loaded stress"): _run(_STRESS_EQUATION, _STRESS),
-    ("StartsByVoltage", "Loaded starts"): Trace(_STARTS_EQUATION, _MINER, _ROW, _FATIGUE),
-    ("StartsByVoltage", "Unloaded stress"): _run(_STRESS_EQUATION, _STRESS),
-    ("StartsByVoltage", "Unloaded starts"): Trace(_STARTS_EQUATION, _MINER, _ROW, _FATIGUE),
-    ("StartMatrix", "Condition"): _asked("Condition", _NAME),
-    ("StartMatrix", "Voltage"): _asked("Voltage", "Motor torques × (V/V of the torque curves)²"),
-    ("StartMatrix", "Damping ratio"): _asked(
-        "Damping ratio", "In place of DampingRatio; ModeDamping in the same proportion"
-    ),
-    ("StartMatrix", "Load"): _asked("Load", "LoadTorque × share"),
-    ("StartMatrix", "Trip speed"): _asked(
-        "Trip speed", "The motor is switched off there, and the train coasts down"
-    ),
-    ("StartMatrix", "Outcome"): _run("How the run ended"),
-    ("StartMatrix", "Time"): _run("Time of the run, with the coast-down of an aborted start"),
-    ("StartMatrix", "Percent speed"): _run("100 n/n_synchronous at the end of the run"),
-    ("StartMatrix", "Peak over rated"): _run(
-        "max |T| × speed ratio / RatedTorque over all elements", (*_CASE, "RatedTorque")
-    ),
-    ("StartMatrix", "Peak element"): _run("Where that is"),
-    ("StartMatrix", "Governing"): _run("Shaft with the largest q, else the largest stress", _FATIGUE),
-    ("StartMatrix", "Peak-to-peak stress"): _run(_STRESS_EQUATION, _STRESS),
-    ("StartMatrix", "Mesh minimum torque"): _run("min T over all meshes, on the From side"),
-    ("StartMatrix", "Impacts"): _run("Recontacts of all clearances that are modelled"),
-    ("StartMatrix", "Damage"): Trace("q = Σ n/N of one such start", _MINER, _ROW, _FATIGUE),
-    ("StartMatrix", "Allowable starts"): Trace(
-        _STARTS_EQUATION, _MINER, ("StartMatrix.Damage", *_ROW), _FATIGUE
-    ),
-    ("StartMatrix", "Note"): _run("What was found, in words"),
-    ("DamageLedger", "Element"): Trace(_NAME, _METHOD, ("Elements.Element",)),
-    ("DamageLedger", "Governing"): Trace(
-        "Largest per year × q, else largest so far × q", _METHOD, (), _DUTY
-    ),
-    ("DamageLedger", "Allowed"): Trace("1/StartsFactor", _METHOD, (), ("StartsFactor",)),
-    ("DamageLedger", "Used"): Trace(
-        "Σ so far × q over all kinds of starts", _MINER, (), ("StartConditions.So far", *_FATIGUE)
-    ),
-    ("DamageLedger", "Yearly"): Trace(
-        "Σ per year × q over all kinds of starts", _MINER, (),
-        ("StartConditions.Per year", *_FATIGUE),
-    ),
-    ("DamageLedger", "Left"): Trace(
-        "1/StartsFactor − used", _METHOD, ("DamageLedger.Used", "DamageLedger.Allowed")
-    ),
-    ("DamageLedger", "Remaining years"): Trace(
-        "(1/StartsFactor − used)/yearly; 0 where nothing is left", _METHOD,
-        ("DamageLedger.Left", "DamageLedger.Yearly"),
-    ),
-    ("DamageLedger", "Years low"): Trace(
-        "The same with every damage at the upper end of its error", _METHOD, (), _DUTY
-    ),
-    ("DamageLedger", "Years high"): Trace(
-        "The same with every damage at the lower end of its error", _METHOD, (), _DUTY
-    ),
-    ("DamageLedger", "Verdict"): Trace(
-        "pass if used < 1/StartsFactor", _METHOD, ("DamageLedger.Used", "DamageLedger.Allowed")
-    ),
-    ("DamageLedger", "Reason"): Trace("The verdict in words", _METHOD, (), _DUTY),
-    ("RemainingStarts", "Element"): Trace(_NAME, _METHOD, ("Elements.Element",)),
-    ("RemainingStarts", "Condition"): _asked("Condition", _NAME),
-    ("RemainingStarts", "So far"): _asked("So far", "As typed; blank = 0"),
-    ("RemainingStarts", "Per year"): _asked("Per year", "As typed; blank = 0"),
-    ("RemainingStarts", "Share"): Trace(
-        "Per year × q over Σ per year × q", _METHOD, ("StartConditions.Per year",),
-        ("DamageLedger.Yearly",),
-    ),
-    ("RemainingStarts", "Peak-to-peak stress"): _run(_STRESS_EQUATION, _STRESS),
-    ("RemainingStarts", "Damage"): Trace("q = Σ n/N of one such start", _MINER, _ROW, _FATIGUE),
-    ("RemainingStarts", "Damage low"): Trace(
-        "q with every stress amplitude less its error, or q less its change between two steps",
-        "docs/method.md, Fatigue", _ROW, _FATIGUE,
-    ),
-    ("RemainingStarts", "Damage high"): Trace(
-        "q with every stress amplitude plus its error, or q plus its change between two steps",
-        "docs/method.md, Fatigue", _ROW, _FATIGUE,
-    ),
-    ("RemainingStarts", "Remaining starts"): Trace(
-        "(1/StartsFactor − used)/q, of this kind alone", _METHOD, ("RemainingStarts.Damage",),
-        ("DamageLedger.Left",),
-    ),
-    ("RemainingStarts", "Reason"): Trace("Why there is no number", _METHOD, _ROW),
-}  # fmt: skip
+_OF_CASE = "as in the case"
 
+_INPUTS: tuple[TableSpec, ...] = (
+    table(
+        "StartConditions", sheet="Duty", caption="Start conditions",
+        help="Kinds of starts and how often they happen; blank = the usual matrix of voltages and loads.",
+        rows=20, row_name=("Condition",),
+        columns=(
+            text("Condition", "Name of the kind of start."),
+            number("Voltage", "fraction", "Of the voltage of the torque curves.", blank=_OF_CASE),
+            number(
+                "Damping ratio", "fraction", "Of all elastic modes, hot or cold.", blank=_OF_CASE,
+            ),
+            number(
+                "Load", "fraction", "Share of LoadTorque that acts; 0 = unloaded.", blank="100 %",
+            ),
+            number(
+                "Trip speed", "running speed",
+                "Speed at which it is aborted; % means of synchronous speed.", blank=_OF_CASE,
+                us="%", si="%",
+            ),
+            number("Per year", "count", "Such starts a year.", blank="0", format=shown.AS_TYPED),
+            number(
+                "So far", "count", "Such starts the train has seen.", blank="0",
+            ),
+        ),
+    ),
+)  # fmt: skip
+
+_RESULTS: tuple[TableSpec, ...] = (
+    table(
+        "StartsByVoltage", sheet="Start matrix", caption="By voltage",
+        help="Whole starts with the damping of the case, by voltage; blank = none, unlimited or not judged.",
+        short_caption=True, room=14,
+        columns=(
+            number(
+                "Voltage", "fraction", "Of the voltage of the torque curves.",
+                trace=_asked("Voltage", "V/V of the torque curves"),
+            ),
+            number(
+                "Loaded stress", "pressure", "Nominal, peak to peak, of the governing shaft.",
+                trace=_run(_STRESS_EQUATION, _STRESS),
+            ),
+            number(
+                "Loaded starts", "count", "Allowable starts of this kind alone.", _STARTS_EQUATION,
+                _MINER, of_row=_ROW, of_case=_FATIGUE, format=shown.STARTS,
+            ),
+            number(
+                "Unloaded stress", "pressure", "The same without load torque.",
+                trace=_run(_STRESS_EQUATION, _STRESS),
+            ),
+            number(
+                "Unloaded starts", "count", "The same without load torque.", _STARTS_EQUATION,
+                _MINER, of_row=_ROW, of_case=_FATIGUE, format=shown.STARTS,
+            ),
+        ),
+    ),
+    table(
+        "StartMatrix", sheet="Start matrix", caption="Start matrix",
+        help="Each kind of start as a run of its own, with effects planned anew.",
+        row_name=("Condition",), changes_shown=("Outcome", "Allowable starts"),
+        json_only=(
+            flag("unlimited", "No damage: any number of starts."),
+            flag("judged", "Whether there is an answer."),
+        ),
+        columns=(
+            text(
+                "Condition", "Kind of start, of table StartConditions or of the standard matrix.",
+                trace=_asked("Condition", _NAME),
+            ),
+            number(
+                "Voltage", "fraction", "Of the voltage of the torque curves.",
+                trace=_asked("Voltage", "Motor torques × (V/V of the torque curves)²"),
+            ),
+            number(
+                "Damping ratio", "fraction", "Of all elastic modes; blank = as in the case.",
+                trace=_asked(
+                    "Damping ratio", "In place of DampingRatio; ModeDamping in the same proportion",
+                ),
+            ),
+            number(
+                "Load", "fraction", "Share of LoadTorque that acts.",
+                trace=_asked("Load", "LoadTorque × share"),
+            ),
+            number(
+                "Trip speed", "speed", "Where it is aborted; blank = it is not.",
+                trace=_asked(
+                    "Trip speed", "The motor is switched off there, and the train coasts down",
+                ),
+            ),
+            text("Outcome", "How it ends.", trace=_run("How the run ended")),
+            number(
+                "Time", "time", "Simulated time; of an aborted start with the coast-down.",
+                trace=_run("Time of the run, with the coast-down of an aborted start"),
+            ),
+            number(
+                "Percent speed", "speed fraction", "Speed at the end, of synchronous.",
+                trace=_run("100 n/n_synchronous at the end of the run"), format=shown.TWO_DECIMALS,
+                printed="Speed",
+            ),
+            number(
+                "Peak over rated", "ratio",
+                "Largest torque, referred to the motor, over RatedTorque.",
+                trace=_run(
+                    "max |T| × speed ratio / RatedTorque over all elements",
+                    (*_CASE, "RatedTorque"),
+                ),
+            ),
+            text(
+                "Peak element", "Where that torque is.", kind="element",
+                trace=_run("Where that is"),
+            ),
+            text(
+                "Governing", "Judged shaft with the most damage.", kind="element",
+                trace=_run("Shaft with the largest q, else the largest stress", _FATIGUE),
+            ),
+            number(
+                "Peak-to-peak stress", "pressure", "Nominal, without SCF, of the governing shaft.",
+                trace=_run(_STRESS_EQUATION, _STRESS), printed="Stress, pk‑pk",
+            ),
+            number(
+                "Mesh minimum torque", "torque", "Least torque of any gear mesh.", us="lbf*ft",
+                trace=_run("min T over all meshes, on the From side"), format=shown.SIGNED,
+            ),
+            integer(
+                "Impacts", "How often teeth meet again; blank where no clearance is modelled.",
+                trace=_run("Recontacts of all clearances that are modelled"),
+            ),
+            number(
+                "Damage", "count", "Of one such start, on the governing shaft.",
+                "q = Σ n/N of one such start", _MINER, of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
+            ),
+            number(
+                "Allowable starts", "count", "Of this kind alone, 1 / damage.", _STARTS_EQUATION,
+                _MINER, of_row=("StartMatrix.Damage", *_ROW), of_case=_FATIGUE, format=shown.STARTS,
+                unlimited=True,
+            ),
+            sentence(
+                "Note", "What a reader must know.", trace=_run("What was found, in words"),
+                width=56.0,
+            ),
+        ),
+    ),
+    table(
+        "DamageLedger", sheet="Damage ledger", caption="Damage ledger",
+        help="What the duty of sheet Duty has used of each judged shaft, and leaves.",
+        row_name=("Element",), changes_shown=("Used", "Remaining years", "Verdict"), room=8,
+        json_only=(
+            number("used_low", "count", "Used, at the lower end of its error."),
+            number("used_high", "count", "Used, at the upper end of its error."),
+            number("yearly_low", "count", "Yearly, at the lower end of its error."),
+            number("yearly_high", "count", "Yearly, at the upper end of its error."),
+            flag("unlimited", "No damage: any number of starts."),
+        ),
+        columns=(
+            text(
+                "Element", "The shaft.", _NAME, _METHOD, kind="element",
+                of_row=("Elements.Element",),
+            ),
+            text(
+                "Governing", "Kind of start that takes most of it.",
+                "Largest per year × q, else largest so far × q", _METHOD, of_case=_DUTY,
+            ),
+            number(
+                "Allowed", "count", "1 / StartsFactor.", "1/StartsFactor", _METHOD,
+                of_case=("StartsFactor",), format=shown.FOUR_DECIMALS,
+            ),
+            number(
+                "Used", "count", "Damage so far.", "Σ so far × q over all kinds of starts", _MINER,
+                of_case=("StartConditions.So far", *_FATIGUE), format=shown.USED,
+            ),
+            number(
+                "Yearly", "count", "Damage a year.", "Σ per year × q over all kinds of starts",
+                _MINER, of_case=("StartConditions.Per year", *_FATIGUE), format=shown.USED,
+            ),
+            number(
+                "Left", "count", "Allowed less used.", "1/StartsFactor − used", _METHOD,
+                of_row=("DamageLedger.Used", "DamageLedger.Allowed"), format=shown.FOUR_DECIMALS,
+            ),
+            number(
+                "Remaining years", "count", "Left / yearly.",
+                "(1/StartsFactor − used)/yearly; 0 where nothing is left", _METHOD,
+                of_row=("DamageLedger.Left", "DamageLedger.Yearly"), format=shown.YEARS, unlimited=True,
+            ),
+            number(
+                "Years low", "count", "The same at the worse end of the error of the damages.",
+                "The same with every damage at the upper end of its error", _METHOD, of_case=_DUTY,
+                format=shown.YEARS,
+            ),
+            number(
+                "Years high", "count", "At the better end; blank = unlimited.",
+                "The same with every damage at the lower end of its error", _METHOD, of_case=_DUTY,
+                format=shown.YEARS,
+            ),
+            verdict(
+                "Verdict", "pass while something is left, fail, or not judged.",
+                "pass if used < 1/StartsFactor", _METHOD,
+                of_row=("DamageLedger.Used", "DamageLedger.Allowed"),
+            ),
+            sentence(
+                "Reason", "Why, with the numbers.", "The verdict in words", _METHOD, of_case=_DUTY,
+                width=32.0,
+            ),
+        ),
+    ),
+    table(
+        "RemainingStarts", sheet="Damage ledger", caption="Remaining starts",
+        help="Each kind of start on each judged shaft: what one takes, and how many of it alone are left.",
+        row_name=("Element", "Condition"),
+        json_only=(
+            flag("unlimited", "No damage: any number of starts."),
+            flag("judged", "Whether there is an answer."),
+        ),
+        columns=(
+            text(
+                "Element", "The shaft.", _NAME, _METHOD, kind="element",
+                of_row=("Elements.Element",),
+            ),
+            text("Condition", "Kind of start.", trace=_asked("Condition", _NAME)),
+            number(
+                "So far", "count", "Such starts the train has seen.",
+                trace=_asked("So far", "As typed; blank = 0"), format=shown.AS_TYPED,
+            ),
+            number(
+                "Per year", "count", "Such starts a year.",
+                trace=_asked("Per year", "As typed; blank = 0"), format=shown.AS_TYPED,
+            ),
+            number(
+                "Share", "fraction", "Of the damage a year.", "Per year × q over Σ per year × q",
+                _METHOD, of_row=("StartConditions.Per year",), of_case=("DamageLedger.Yearly",),
+                format=shown.ONE_DECIMAL,
+            ),
+            number(
+                "Peak-to-peak stress", "pressure", "Nominal, without SCF, in one such start.",
+                trace=_run(_STRESS_EQUATION, _STRESS), printed="Stress, pk‑pk",
+            ),
+            number(
+                "Damage", "count", "Of one such start.", "q = Σ n/N of one such start", _MINER,
+                of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
+            ),
+            number(
+                "Damage low", "count", "At the lower end of its error.",
+                "q with every stress amplitude less its error, or q less its change between two steps",
+                "docs/method.md, Fatigue", of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
+            ),
+            number(
+                "Damage high", "count", "At the upper end of its error.",
+                "q with every stress amplitude plus its error, or q plus its change between two steps",
+                "docs/method.md, Fatigue", of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
+            ),
+            number(
+                "Remaining starts", "count", "Left / damage, of this kind alone.",
+                "(1/StartsFactor − used)/q, of this kind alone", _METHOD,
+                of_row=("RemainingStarts.Damage",), of_case=("DamageLedger.Left",), format=shown.STARTS,
+                unlimited=True,
+            ),
+            sentence(
+                "Reason", "Why there is none.", "Why there is no number", _METHOD, of_row=_ROW,
+                width=32.0,
+            ),
+        ),
+    ),
+)  # fmt: skip
+
+_BY_VOLTAGE, _MATRIX, _LEDGER, _REMAINING = _RESULTS
+
+_CHART_ROWS = 17
+
+_SHEETS: tuple[Sheet, ...] = (
+    Sheet(
+        "Duty",
+        "input",
+        {"A": 1.5, "B": 34, "C:H": 11, "I": 30},
+        "I",
+        {"StartConditions": "B5"},
+        freeze="A8",
+        intro="Kinds of starts and how often each happens, for torsionbook starts FILE: start matrix and "
+        "damage ledger.",
+    ),
+    Sheet(
+        "Start matrix",
+        "result",
+        {"A": 1.5, "B": 30, "C:E": 9.5, "F": 10, "G": 26, "H:J": 9.5, "K:L": 18, "M:Q": 11.5,
+         "R": 56},
+        "R",
+        {"StartsByVoltage": "M7", "StartMatrix": f"B{8 + _CHART_ROWS}"},
+        (
+            ChartAt("starts-voltage", "C7", 460, 330),
+            ChartAt("stress-voltage", "H7", 470, 330),
+        ),
+        freeze="",
+        breaks=("M",),
+        repeated="B:B",
+        intro="Each kind of start as a run of its own: torsionbook starts FILE. A start that does "
+        "not come to its end is not judged.",
+    ),
+    Sheet(
+        "Damage ledger",
+        "result",
+        {"A": 1.5, "B": 20, "C": 26, "D:J": 10, "K": 10, "L": 32},
+        "L",
+        {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER.below(7)}"},
+        freeze="",
+        side=0.25,
+        intro="What the duty of sheet Duty uses of each judged shaft: Palmgren-Miner, the order "
+        "of starts ignored; a shaft is used up at 1/StartsFactor.",
+    ),
+)  # fmt: skip
 
 _VOLTAGE = Axis("Voltage [% of that of the curves]", number="0", crossing="min")
 
@@ -212,7 +365,7 @@ def _by_voltage(quantity: str) -> tuple[Series, ...]:
     )  # fmt: skip
 
 
-CHARTS = (
+_CHARTS: tuple[ChartSpec, ...] = (
     ChartSpec(
         "starts-voltage", "marked curves", "Allowable starts of each kind alone",
         _VOLTAGE, Axis("Allowable starts", log=True, number="#,##0", crossing="min"),
@@ -224,3 +377,18 @@ CHARTS = (
         _by_voltage("stress"), legend=True,
     ),
 )  # fmt: skip
+
+START_MATRIX = StudySpec(
+    key="starts",
+    order=4,
+    command="starts",
+    sheet="Start matrix",
+    last="L",
+    inputs=_INPUTS,
+    results=_RESULTS,
+    sheets=_SHEETS,
+    charts=_CHARTS,
+    height=70.0,
+    also=(("Damage ledger", "L"),),
+    first="C",
+)

@@ -1,179 +1,28 @@
-"""Result tables of tolerances and sensitivities, and their traces; part of `addin.contract.studies.fields`."""
+"""Tolerances, what the scatter of inputs does to the answers, in workbook and JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
+from addin.contract import number_formats as shown
 from addin.contract.charts import Axis, ChartSpec, Series
-from addin.contract.field import Field, TableSpec, integer, mixed, number, table, text
-from addin.contract.result_tables import Trace
-
-__all__ = ["TOLERANCE_RESULT_TABLES", "TOLERANCE_TRACES"]
-
-
-def _percentiles(dimension: str, head: str = "", us: str = "") -> tuple[Field, ...]:
-    """P10, P50, P90, each with the ends of its interval; words where starts may be unlimited."""
-    fields = []
-    for p in (10, 50, 90):
-        for end, words in (
-            ("", f"{p} % of the samples are at or below it."),
-            (" low", f"Lower end of the 95 % interval of P{p}."),
-            (" high", f"Upper end of the 95 % interval of P{p}."),
-        ):
-            name = f"{head}P{p}{end}"
-            fields.append(
-                mixed(name, words) if not dimension else number(name, dimension, words, us=us)
-            )
-    return tuple(fields)
-
-
-_MET = (
-    number("Probability", "fraction", "Share of the samples that meet the demand."),
-    number("Probability low", "fraction", "Lower end of its 95 % interval (Clopper-Pearson)."),
-    number("Probability high", "fraction", "Upper end of its 95 % interval."),
+from addin.contract.field import (
+    Field,
+    TableSpec,
+    Trace,
+    choice,
+    integer,
+    mixed,
+    number,
+    table,
+    text,
 )
-
-_TOLERANCE_RESULTS: tuple[TableSpec, ...] = (
-    table(
-        "ToleranceStarts",
-        "Tolerance results",
-        1,
-        "Allowable starts: percentiles with 95 % intervals, and the probability of those required.",
-        text("Element", "Judged shaft; train = the worst of all.", kind="element"),
-        mixed("Nominal", "Allowable starts of the plain run."),
-        *_percentiles(""),
-        number("Unlimited", "fraction", "Share of the samples without any damage."),
-        number("Required", "count", "StartsRequired."),
-        *_MET,
-        integer("Samples", "Samples whose start came to its end."),
-    ),
-    table(
-        "ToleranceDrivers",
-        "Tolerance results",
-        1,
-        "What drives the answer named above: runs with one factor at a time, and rank regression.",
-        text("Factor", "What scatters."),
-        number("Deviation", "fraction", "Its standard deviation, of what the case says."),
-        mixed("At P10", "The answer of a run with this factor at its P10, all else as stated."),
-        mixed("At P90", "The answer of a run with this factor at its P90, all else as stated."),
-        number("Change at P10", "fraction", "Change of that answer from the plain run's."),
-        number("Change at P90", "fraction", "Change of that answer from the plain run's."),
-        number("Rank coefficient", "ratio", "Standardized coefficient of the rank regression."),
-        number("Partial correlation", "ratio", "Partial rank correlation."),
-        number("Share", "fraction", "Part of the scatter of the ranks; all add up to R²."),
-        json_only=("dimension",),
-    ),
-    table(
-        "ToleranceFrequencies",
-        "Tolerance tables",
-        1,
-        "Natural frequencies.",
-        integer("Mode", "Elastic mode."),
-        number("Nominal", "frequency", "Of the plain run."),
-        *_percentiles("frequency"),
-        integer("Samples", "Samples."),
-    ),
-    table(
-        "ToleranceMargins",
-        "Tolerance tables",
-        1,
-        "Separation margins, and the probability that each is kept.",
-        integer("Mode", "Elastic mode."),
-        text("Excitation", "Name of the excitation."),
-        number("Nominal", "fraction", "Margin of the plain run."),
-        *_percentiles("fraction"),
-        number("Required", "fraction", "Required margin."),
-        *_MET,
-    ),
-    table(
-        "TolerancePeaks",
-        "Tolerance peaks",
-        1,
-        "Largest torques and nominal stresses of the start, zero-to-peak.",
-        text("Element", "Element.", kind="element"),
-        number("Nominal torque", "torque", "Of the plain run.", us="lbf*ft"),
-        *_percentiles("torque", "Torque ", us="lbf*ft"),
-        number("Nominal stress", "pressure", "Of the plain run, without SCF."),
-        *_percentiles("pressure", "Stress "),
-    ),
-    table(
-        "ToleranceDistribution",
-        "Tolerance data",
-        1,
-        "Starts and first frequency by probability.",
-        number("Probability", "fraction", "Share of the samples at or below."),
-        number("Starts", "count", "Allowable starts of the train; blank = unlimited."),
-        number("First frequency", "frequency", "First elastic frequency."),
-    ),
-    table(
-        "ToleranceHistogram",
-        "Tolerance data",
-        1,
-        "Allowable starts of the samples.",
-        text("Starts", "Between which numbers of starts."),
-        number("Share", "fraction", "Share of the samples."),
-    ),
-    table(
-        "ToleranceTornado",
-        "Tolerance data",
-        1,
-        "The strongest factors.",
-        text("Factor", "What scatters."),
-        number("At P10", "fraction", "Change of the answer with this factor at its P10."),
-        number("At P90", "fraction", "Change of the answer with this factor at its P90."),
-    ),
-)
-
-_SENSITIVITY_RESULTS: tuple[TableSpec, ...] = (
-    table(
-        "Sensitivities",
-        "Sensitivities",
-        1,
-        "What + 1 % of each quantity does to the governing shaft: derivative, and what really happens.",
-        text("Quantity", "What is changed."),
-        text("Of", "Whose: element, station or material; blank = all modes."),
-        number(
-            "Peak change", "fraction", "Change of its peak stress for + 1 %, by the derivative."
-        ),
-        number("Peak error", "fraction", "Estimated error of that."),
-        number("Peak below", "fraction", "Change of its peak stress in a run at - 1 %."),
-        number("Peak above", "fraction", "Change of its peak stress in a run at + 1 %."),
-        number("Starts change", "fraction", "Change of its starts for + 1 %, by the derivative."),
-        number("Starts error", "fraction", "Estimated error of that."),
-        number("Starts below", "fraction", "Change of its starts in a run at - 1 %."),
-        number("Starts above", "fraction", "Change of its starts in a run at + 1 %."),
-        text("Method", "How the derivative was found."),
-        text("Note", "What must be known of this row."),
-    ),
-    table(
-        "FrequencySensitivities",
-        "Frequency sensitivities",
-        1,
-        "Relative change of each frequency over that of the quantity: ± ½ × share of the energy.",
-        text("Quantity", "stiffness or inertia; bearing stiffness, sideways mass."),
-        text("Of", "Element or station."),
-        repeated=number("Mode", "ratio", "Half the share of the mode's energy; - of inertias."),
-        extra_columns=tuple(
-            number(
-                f"Shift {mode}",
-                "frequency",
-                f"Live formula: Mode {mode} × the change above × its frequency on sheet Frequencies.",
-            )
-            for mode in (1, 2, 3)
-        ),
-    ),
-)
-
-#: Input tables of the studies, in the order in which problems are reported.
-
-TOLERANCE_RESULT_TABLES: tuple[TableSpec, ...] = (*_TOLERANCE_RESULTS, *_SENSITIVITY_RESULTS)
+from addin.contract.sheet import ChartAt, Sheet
+from addin.contract.study_spec import StudySpec
+from engine.case.study_inputs import SCATTERED
 
 _SAMPLE = "McKay, Beckman & Conover, Technometrics 21 (1979) 239; docs/tolerances.md"
 _ORDER = "Conover, Practical Nonparametric Statistics, order statistics; docs/tolerances.md"
 _RANKS = "Iman & Conover, Technometrics 21 (1979) 499; docs/tolerances.md"
 _SHARE = "Clopper & Pearson, Biometrika 26 (1934) 404; docs/tolerances.md"
-_ENERGY = "Rayleigh, Theory of Sound I, § 88; docs/tolerances.md"
-_TANGENT = "docs/tolerances.md"
 _SCATTER = (
     "Scatter.Quantity",
     "Scatter.Distribution",
@@ -183,157 +32,327 @@ _SCATTER = (
 )
 
 
-def _percentile_traces(
-    table: str, plain: str, heads: tuple[str, ...] = ("",)
-) -> dict[tuple[str, str], Trace]:
-    """Percentiles and their intervals, of one answer of the plain run."""
-    found = {}
-    for head in heads:
-        for p in (10, 50, 90):
-            name = f"{head}P{p}"
-            found[table, name] = Trace(
-                f"Value that {p} % of the samples do not exceed", _SAMPLE, (plain,), _SCATTER
+_STARTS = "AllowableStarts.Allowable starts"
+_FREQUENCY = "NaturalFrequencies.Frequency"
+_MARGIN = "SeparationMargins.Margin"
+_TORQUE, _STRESS = "StartupPeaks.Maximum torque", "StartupPeaks.Peak-to-peak stress"
+_AS_TYPED = Trace("Name, as typed", "docs/tolerances.md")
+
+
+def _percentiles(plain: str, dimension: str, head: str = "", us: str = "") -> tuple[Field, ...]:
+    """P10, P50, P90 of one answer of the plain run, each with the ends of its interval; words where starts may be unlimited."""
+    columns = []
+    for p in (10, 50, 90):
+        value = Trace(f"Value that {p} % of the samples do not exceed", _SAMPLE, (plain,), _SCATTER)
+        ends = Trace("Order statistic at the binomial quantile, 95 %", _ORDER, (plain,), _SCATTER)
+        for end, words, trace in (
+            ("", f"{p} % of the samples are at or below it.", value),
+            (" low", f"Lower end of the 95 % interval of P{p}.", ends),
+            (" high", f"Upper end of the 95 % interval of P{p}.", ends),
+        ):
+            name = f"{head}P{p}{end}"
+            columns.append(
+                number(name, dimension, words, us=us, trace=trace)
+                if dimension
+                else mixed(name, words, trace=trace)
             )
-            for end in ("low", "high"):
-                found[table, f"{name} {end}"] = Trace(
-                    "Order statistic at the binomial quantile, 95 %", _ORDER, (plain,), _SCATTER
-                )
-    return found
+    return tuple(columns)
 
 
-def _met_traces(table: str, plain: str) -> dict[tuple[str, str], Trace]:
-    return {
-        (table, "Probability"): Trace(
-            "Samples that meet it over all samples", _SAMPLE, (plain,), _SCATTER
+def _met(table: str, plain: str) -> tuple[Field, ...]:
+    """Share of the samples that meet a demand, with the ends of its interval."""
+    interval = Trace("Exact binomial interval, 95 %", _SHARE, (f"{table}.Probability",))
+    return (
+        number(
+            "Probability", "fraction", "Share of the samples that meet the demand.",
+            "Samples that meet it over all samples", _SAMPLE, of_row=(plain,), of_case=_SCATTER,
         ),
-        **{
-            (table, f"Probability {end}"): Trace(
-                "Exact binomial interval, 95 %", _SHARE, (f"{table}.Probability",)
-            )
-            for end in ("low", "high")
-        },
-    }
+        number(
+            "Probability low", "fraction", "Lower end of its 95 % interval (Clopper-Pearson).",
+            trace=interval,
+        ),
+        number("Probability high", "fraction", "Upper end of its 95 % interval.", trace=interval),
+    )  # fmt: skip
 
 
-def _tolerance_traces() -> dict[tuple[str, str], Trace]:
-    starts, drivers = "AllowableStarts.Allowable starts", "ToleranceDrivers"
-    frequency, margin = "NaturalFrequencies.Frequency", "SeparationMargins.Margin"
-    torque, stress = "StartupPeaks.Maximum torque", "StartupPeaks.Peak-to-peak stress"
-    name = Trace("Name, as typed", "docs/tolerances.md")
-    found = {
-        ("ToleranceStarts", "Element"): name,
-        ("ToleranceStarts", "Nominal"): Trace("Of the plain run", _SAMPLE, (starts,)),
-        ("ToleranceStarts", "Unlimited"): Trace(
-            "Samples without damage over all", _SAMPLE, (starts,), _SCATTER
+_INPUTS: tuple[TableSpec, ...] = (
+    table(
+        "Scatter", sheet="Tolerances", caption="Scatter",
+        help="How sure the inputs are, relative to what the case says.",
+        rows=16, row_name=("Name", "Quantity"),
+        columns=(
+            text("Name", "Element, station or material.", blank="all that have the quantity"),
+            choice(
+                "Quantity", SCATTERED, "What of it scatters; a damping ratio is that of all modes.",
+            ),
+            choice(
+                "Distribution", ("normal", "uniform", "triangular", "from-to"),
+                "normal: Spread is the standard deviation; uniform and triangular: the half width; "
+                "from-to: uniform between From and To.",
+                blank="normal",
+            ),
+            number(
+                "Spread", "fraction", "Standard deviation or half width, of what the case says.",
+            ),
+            number("From", "fraction", "Least value, of what the case says."),
+            number("To", "fraction", "Largest value, of what the case says."),
+            choice(
+                "Together", ("each", "together"),
+                "With a blank name: each scatters for itself, or all by one factor.", blank="each",
+            ),
         ),
-        ("ToleranceStarts", "Required"): Trace("As typed", _SAMPLE, (), ("StartsRequired",)),
-        ("ToleranceStarts", "Samples"): Trace("Counted", _SAMPLE, (), _SCATTER),
-        (drivers, "Factor"): name,
-        (drivers, "Deviation"): Trace("Of the distribution", _SAMPLE, ("Scatter.Spread",)),
-        (drivers, "Rank coefficient"): Trace(
-            "Standardized coefficient of the regression of ranks", _RANKS, (starts,), _SCATTER
-        ),
-        (drivers, "Partial correlation"): Trace(
-            "Correlation of ranks, the part of all other factors taken out",
-            _RANKS,
-            (starts,),
-            _SCATTER,
-        ),
-        (drivers, "Share"): Trace(
-            "Rank coefficient × correlation of ranks (Pratt)", _RANKS, (starts,), _SCATTER
-        ),
-        ("ToleranceFrequencies", "Mode"): name,
-        ("ToleranceFrequencies", "Nominal"): Trace("Of the plain run", _SAMPLE, (frequency,)),
-        ("ToleranceFrequencies", "Samples"): Trace("Counted", _SAMPLE, (), _SCATTER),
-        ("ToleranceMargins", "Mode"): name,
-        ("ToleranceMargins", "Excitation"): name,
-        ("ToleranceMargins", "Nominal"): Trace("Of the plain run", _SAMPLE, (margin,)),
-        ("ToleranceMargins", "Required"): Trace(
-            "As of the plain run", _SAMPLE, ("SeparationMargins.Required",)
-        ),
-        ("TolerancePeaks", "Element"): name,
-        ("TolerancePeaks", "Nominal torque"): Trace(
-            "Larger magnitude of maximum and minimum", _SAMPLE, (torque,)
-        ),
-        ("TolerancePeaks", "Nominal stress"): Trace(
-            "16 T D / (π (D⁴ − d⁴)) of that torque", _SAMPLE, (torque,)
-        ),
-        ("ToleranceDistribution", "Probability"): Trace("1 %, 2 %, …", _SAMPLE, (), _SCATTER),
-        ("ToleranceDistribution", "Starts"): Trace("Percentile", _SAMPLE, (starts,), _SCATTER),
-        ("ToleranceDistribution", "First frequency"): Trace(
-            "Percentile", _SAMPLE, (frequency,), _SCATTER
-        ),
-        ("ToleranceHistogram", "Starts"): Trace(
-            "Bars of equal width in the logarithm", _SAMPLE, (starts,)
-        ),
-        ("ToleranceHistogram", "Share"): Trace(
-            "Samples in the bar over all", _SAMPLE, (starts,), _SCATTER
-        ),
-        ("ToleranceTornado", "Factor"): name,
-    }
-    for p in ("P10", "P90"):
-        found[drivers, f"At {p}"] = Trace(
-            f"Run with this factor at its {p}", _SAMPLE, (starts,), _SCATTER
-        )
-        found[drivers, f"Change at {p}"] = Trace(
-            "Over the plain run, less 1", _SAMPLE, (f"{drivers}.At {p}",)
-        )
-        found["ToleranceTornado", f"At {p}"] = Trace(
-            "As in ToleranceDrivers", _SAMPLE, (f"{drivers}.Change at {p}",)
-        )
-    found |= _percentile_traces("ToleranceStarts", starts)
-    found |= _percentile_traces("ToleranceFrequencies", frequency)
-    found |= _percentile_traces("ToleranceMargins", margin)
-    found |= _percentile_traces("TolerancePeaks", torque, ("Torque ",))
-    found |= _percentile_traces("TolerancePeaks", stress, ("Stress ",))
-    found |= _met_traces("ToleranceStarts", starts) | _met_traces("ToleranceMargins", margin)
-    return found
+    ),
+)  # fmt: skip
 
+_RESULTS: tuple[TableSpec, ...] = (
+    table(
+        "ToleranceStarts", sheet="Tolerance results", caption="Allowable starts",
+        help="Allowable starts: percentiles with 95 % intervals, and the probability of those required.",
+        row_name=("Element",), changes_shown=("P10", "P50", "P90", "Probability"), room=4,
+        columns=(
+            text(
+                "Element", "Judged shaft; train = the worst of all.", kind="element",
+                trace=_AS_TYPED,
+            ),
+            mixed(
+                "Nominal", "Allowable starts of the plain run.", "Of the plain run", _SAMPLE,
+                of_row=(_STARTS,),
+            ),
+            *_percentiles(_STARTS, ""),
+            number(
+                "Unlimited", "fraction", "Share of the samples without any damage.",
+                "Samples without damage over all", _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER,
+            ),
+            number(
+                "Required", "count", "StartsRequired.", "As typed", _SAMPLE,
+                of_case=("StartsRequired",), format=shown.ONE_DECIMAL,
+            ),
+            *_met("ToleranceStarts", _STARTS),
+            integer(
+                "Samples", "Samples whose start came to its end.", "Counted", _SAMPLE,
+                of_case=_SCATTER,
+            ),
+        ),
+    ),
+    table(
+        "ToleranceDrivers", sheet="Tolerance results", caption="What drives it",
+        help="What drives the answer named above: runs with one factor at a time, and rank regression.",
+        row_name=("Factor",), changes_shown=("Share",),
+        json_only=(text("dimension", "Dimension of result and limit, which are in its SI unit."),),
+        columns=(
+            text("Factor", "What scatters.", trace=_AS_TYPED),
+            number(
+                "Deviation", "fraction", "Its standard deviation, of what the case says.",
+                "Of the distribution", _SAMPLE, of_row=("Scatter.Spread",),
+            ),
+            mixed(
+                "At P10", "The answer of a run with this factor at its P10, all else as stated.",
+                "Run with this factor at its P10", _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER,
+            ),
+            mixed(
+                "At P90", "The answer of a run with this factor at its P90, all else as stated.",
+                "Run with this factor at its P90", _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER,
+            ),
+            number(
+                "Change at P10", "fraction", "Change of that answer from the plain run's.",
+                "Over the plain run, less 1", _SAMPLE, of_row=("ToleranceDrivers.At P10",),
+                format=shown.CHANGE,
+            ),
+            number(
+                "Change at P90", "fraction", "Change of that answer from the plain run's.",
+                "Over the plain run, less 1", _SAMPLE, of_row=("ToleranceDrivers.At P90",),
+                format=shown.CHANGE,
+            ),
+            number(
+                "Rank coefficient", "ratio", "Standardized coefficient of the rank regression.",
+                "Standardized coefficient of the regression of ranks", _RANKS, of_row=(_STARTS,),
+                of_case=_SCATTER,
+            ),
+            number(
+                "Partial correlation", "ratio", "Partial rank correlation.",
+                "Correlation of ranks, the part of all other factors taken out", _RANKS,
+                of_row=(_STARTS,), of_case=_SCATTER,
+            ),
+            number(
+                "Share", "fraction", "Part of the scatter of the ranks; all add up to R².",
+                "Rank coefficient × correlation of ranks (Pratt)", _RANKS, of_row=(_STARTS,),
+                of_case=_SCATTER, format=shown.ONE_DECIMAL,
+            ),
+        ),
+    ),
+    table(
+        "ToleranceFrequencies", sheet="Tolerance tables", caption="Natural frequencies",
+        help="Natural frequencies.",
+        row_name=("Mode",), room=12,
+        columns=(
+            integer("Mode", "Elastic mode.", trace=_AS_TYPED),
+            number(
+                "Nominal", "frequency", "Of the plain run.", "Of the plain run", _SAMPLE,
+                of_row=(_FREQUENCY,),
+            ),
+            *_percentiles(_FREQUENCY, "frequency"),
+            integer("Samples", "Samples.", "Counted", _SAMPLE, of_case=_SCATTER),
+        ),
+    ),
+    table(
+        "ToleranceMargins", sheet="Tolerance tables", caption="Margins",
+        help="Separation margins, and the probability that each is kept.",
+        row_name=("Mode", "Excitation"), changes_shown=("Probability",),
+        columns=(
+            integer("Mode", "Elastic mode.", trace=_AS_TYPED),
+            text("Excitation", "Name of the excitation.", trace=_AS_TYPED),
+            number(
+                "Nominal", "fraction", "Margin of the plain run.", "Of the plain run", _SAMPLE,
+                of_row=(_MARGIN,),
+            ),
+            *_percentiles(_MARGIN, "fraction"),
+            number(
+                "Required", "fraction", "Required margin.", "As of the plain run", _SAMPLE,
+                of_row=("SeparationMargins.Required",), format=shown.ONE_DECIMAL,
+            ),
+            *_met("ToleranceMargins", _MARGIN),
+        ),
+    ),
+    table(
+        "TolerancePeaks", sheet="Tolerance peaks", caption="Peaks",
+        help="Largest torques and nominal stresses of the start, zero-to-peak.",
+        row_name=("Element",),
+        columns=(
+            text("Element", "Element.", kind="element", trace=_AS_TYPED),
+            number(
+                "Nominal torque", "torque", "Of the plain run.",
+                "Larger magnitude of maximum and minimum", _SAMPLE, us="lbf*ft", of_row=(_TORQUE,),
+            ),
+            *_percentiles(_TORQUE, "torque", "Torque ", us="lbf*ft"),
+            number(
+                "Nominal stress", "pressure", "Of the plain run, without SCF.",
+                "16 T D / (π (D⁴ − d⁴)) of that torque", _SAMPLE, of_row=(_TORQUE,),
+            ),
+            *_percentiles(_STRESS, "pressure", "Stress "),
+        ),
+    ),
+    table(
+        "ToleranceDistribution", sheet="Tolerance data", caption="Distribution",
+        help="Starts and first frequency by probability.",
+        short_caption=True,
+        columns=(
+            number(
+                "Probability", "fraction", "Share of the samples at or below.", "1 %, 2 %, …",
+                _SAMPLE, of_case=_SCATTER,
+            ),
+            number(
+                "Starts", "count", "Allowable starts of the train; blank = unlimited.",
+                "Percentile", _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER,
+            ),
+            number(
+                "First frequency", "frequency", "First elastic frequency.", "Percentile", _SAMPLE,
+                of_row=(_FREQUENCY,), of_case=_SCATTER,
+            ),
+        ),
+    ),
+    table(
+        "ToleranceHistogram", sheet="Tolerance data", caption="Histogram",
+        help="Allowable starts of the samples.",
+        short_caption=True,
+        columns=(
+            text(
+                "Starts", "Between which numbers of starts.",
+                "Bars of equal width in the logarithm", _SAMPLE, of_row=(_STARTS,),
+            ),
+            number(
+                "Share", "fraction", "Share of the samples.", "Samples in the bar over all",
+                _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER, format=shown.ONE_DECIMAL,
+            ),
+        ),
+    ),
+    table(
+        "ToleranceTornado", sheet="Tolerance data", caption="Tornado",
+        help="The strongest factors.",
+        short_caption=True,
+        columns=(
+            text("Factor", "What scatters.", trace=_AS_TYPED),
+            number(
+                "At P10", "fraction", "Change of the answer with this factor at its P10.",
+                "As in ToleranceDrivers", _SAMPLE, of_row=("ToleranceDrivers.Change at P10",),
+                format=shown.CHANGE,
+            ),
+            number(
+                "At P90", "fraction", "Change of the answer with this factor at its P90.",
+                "As in ToleranceDrivers", _SAMPLE, of_row=("ToleranceDrivers.Change at P90",),
+                format=shown.CHANGE,
+            ),
+        ),
+    ),
+)  # fmt: skip
 
-def _sensitivity_traces() -> dict[tuple[str, str], Trace]:
-    table, name = "Sensitivities", Trace("Name, as typed", "docs/tolerances.md")
-    found = {(table, column): name for column in ("Quantity", "Of", "Method", "Note")}
-    found |= {("FrequencySensitivities", column): name for column in ("Quantity", "Of")}
-    for answer, plain in (
-        ("Peak", "StartupPeaks.Maximum torque"),
-        ("Starts", "AllowableStarts.Allowable starts"),
-    ):
-        found[table, f"{answer} change"] = Trace(
-            "1 % × ∂ln/∂ln, from differences at ± 0.02 % and ± 0.01 % (Richardson)",
-            _TANGENT,
-            (plain,),
-        )
-        found[table, f"{answer} error"] = Trace(
-            "Difference of the two differences", _TANGENT, (f"{table}.{answer} change",)
-        )
-        for end, change in (("below", "− 1 %"), ("above", "+ 1 %")):
-            found[table, f"{answer} {end}"] = Trace(
-                f"Run at {change} over the plain run, less 1", _TANGENT, (plain,)
-            )
-    found["FrequencySensitivities", "Mode"] = Trace(
-        "∂ln f/∂ln k = ½ strain-energy share; ∂ln f/∂ln J = −½ kinetic-energy share",
-        _ENERGY,
-        (),
-        ("NaturalFrequencies.Frequency", "ModeShapes.Mode"),
-    )
-    for mode in (1, 2, 3):
-        found["FrequencySensitivities", f"Shift {mode}"] = Trace(
-            "∂ln f/∂ln × change × frequency",
-            _ENERGY,
-            ("FrequencySensitivities.Mode",),
-            ("NaturalFrequencies.Frequency",),
-        )
-    return found
+_STARTS_TABLE, _, _FREQUENCIES, *_ = _RESULTS
+#: Row of the first thing below table `ToleranceStarts`.
+_BELOW_STARTS = 9 + _STARTS_TABLE.room + 2
+#: Row of the captions below table `ToleranceFrequencies`.
+_BELOW_FREQUENCIES = 8 + _FREQUENCIES.room + 2
 
+_SHEETS: tuple[Sheet, ...] = (
+    Sheet(
+        "Tolerances",
+        "input",
+        {"A": 1.5, "B": 24, "C": 17, "D": 13, "E:G": 10, "H": 11, "I": 30},
+        "I",
+        {"Scatter": "B5"},
+        freeze="A8",
+        intro="How sure the inputs are, for torsionbook tolerances FILE and torsionbook calibrate "
+        "FILE. Spreads are relative to what the case says.",
+    ),
+    Sheet(
+        "Tolerance results",
+        "result",
+        {"A": 1.5, "B": 27, "C": 8, "D:G": 7.5, "H:I": 9, "J:L": 7.5, "M:N": 9, "O:Q": 9.3, "R": 8.5},
+        "R",
+        {"ToleranceStarts": "B7", "ToleranceDrivers": f"B{_BELOW_STARTS + 22}"},
+        (
+            ChartAt("tornado", f"B{_BELOW_STARTS}", 610, 420),
+            ChartAt("starts_histogram", f"J{_BELOW_STARTS}", 570, 208),
+            ChartAt("starts_distribution", f"J{_BELOW_STARTS + 10}", 570, 220),
+        ),
+        freeze="A6",
+        side=0.25,
+        intro="What the scatter on sheet Tolerances makes of the allowable starts, and what "
+        "drives them. Written by torsionbook tolerances FILE.",
+    ),
+    Sheet(
+        "Tolerance tables",
+        "result",
+        {"A": 1.5, "B": 7, "C": 22, "D:Q": 9},
+        "Q",
+        {"ToleranceFrequencies": "B5", "ToleranceMargins": f"B{_BELOW_FREQUENCIES}"},
+        freeze="A4",
+        side=0.25,
+        intro="The same of frequencies and margins: P10, P50 and P90 of the samples and the "
+        "probability that each margin is kept, all with the ends of their 95 % intervals.",
+    ),
+    Sheet(
+        "Tolerance peaks",
+        "result",
+        {"A": 1.5, "B": 24, "C:V": 11},
+        "V",
+        {"TolerancePeaks": "B5"},
+        freeze="C8",
+        header_rows=7,
+        breaks=("M",),
+        repeated="B:B",
+        intro="The same of the largest torques and nominal stresses of the start, zero-to-peak.",
+    ),
+    Sheet(
+        "Tolerance data",
+        "result",
+        {"A": 1.5, "B:D": 13, "E": 2, "F": 20, "G": 9, "H": 2, "I": 36, "J:K": 11},
+        "K",
+        {"ToleranceDistribution": "B5", "ToleranceHistogram": "F5", "ToleranceTornado": "I5"},
+        freeze="A8",
+        intro="What the charts of sheet Tolerance results show.",
+    ),
+)  # fmt: skip
 
-#: (result table, column) → its trace.
-TOLERANCE_TRACES: Mapping[tuple[str, str], Trace] = {
-    **_tolerance_traces(),
-    **_sensitivity_traces(),
-}
-
-
-CHARTS = (
+_CHARTS: tuple[ChartSpec, ...] = (
     # the strongest factors, each at its P10 and P90: what they make of the answer
     ChartSpec(
         "tornado", "bars", "What drives it: one factor at a time, at its P10 and P90",
@@ -358,3 +377,16 @@ CHARTS = (
         (Series("ToleranceDistribution", "Starts", "Probability", "samples", "navy", 1.75),),
     ),
 )  # fmt: skip
+
+TOLERANCES = StudySpec(
+    key="tolerances",
+    order=2,
+    command="tolerances",
+    sheet="Tolerance results",
+    last="R",
+    inputs=_INPUTS,
+    results=_RESULTS,
+    sheets=_SHEETS,
+    charts=_CHARTS,
+    height=56.0,
+)

@@ -1,14 +1,26 @@
-"""Result tables of a tuning study, and where each column comes from; part of `addin.contract.studies.fields`."""
+"""Tuning, the search for a better coupling, shaft or inertia, in workbook and JSON."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
+from addin.contract import number_formats as shown
 from addin.contract.charts import Axis, ChartSpec, FirstCell, Series
-from addin.contract.field import Field, TableSpec, integer, number, table, text
-from addin.contract.result_tables import Trace
-
-__all__ = ["LINES", "MAP_MODES", "MAP_ROWS", "TUNING_RESULT_TABLES", "TUNING_TRACES"]
+from addin.contract.field import (
+    Field,
+    TableSpec,
+    Trace,
+    choice,
+    flag,
+    integer,
+    mixed,
+    number,
+    sentence,
+    table,
+    text,
+    verdict,
+)
+from addin.contract.sheet import ChartAt, Sheet
+from addin.contract.study_spec import StudyScale, StudySpec
+from engine.case.study_inputs import TUNED
 
 #: Options of the second variable that the maps have columns for. [count]
 LINES = 6
@@ -16,151 +28,6 @@ LINES = 6
 MAP_ROWS = 13
 #: Modes drawn against the first variable. [count]
 MAP_MODES = 5
-_MAP = "Tuning map"
-
-
-def _lines(name: str, dimension: str, help: str) -> tuple[Field, ...]:
-    return tuple(number(f"{name} {k}", dimension, help) for k in range(1, LINES + 1))
-
-
-_OPTION = text("Option", "What the first variable is.")
-_SHARE = number("Of as is", "fraction", "Its value over what the case says.")
-
-TUNING_RESULT_TABLES: tuple[TableSpec, ...] = (
-    table(
-        "TuningResults",
-        "Tuning results",
-        1,
-        "Every combination as a full start, the best first.",
-        integer("Rank", "1 = the best, by the order on the page docs/tuning.md."),
-        text("Combination", "What was chosen."),
-        text("As is", "yes for the case as it stands.", kind="flag"),
-        text("Better", "yes where it ranks above the case as it stands.", kind="flag"),
-        text("Verdict", "fail where a limit is broken, impossible where there is no such case."),
-        integer("Limits broken", "Checks that fail."),
-        number("Allowable starts", "count", "Of the governing shaft, not divided by StartsFactor."),
-        number("Worst margin", "fraction", "Least separation margin."),
-        text("Reason", "Why it stands there."),
-        text("Broken", "Which limits are broken."),
-        number("Error", "fraction", "Estimated relative error of the starts."),
-        text("Governing shaft", "Shaft with the fewest starts.", kind="element"),
-        text("Margin where", "Its mode and excitation."),
-        number("Mode 1", "frequency", "First elastic mode."),
-        number("Mode 2", "frequency", "Second elastic mode."),
-        number("Mode 3", "frequency", "Third elastic mode."),
-        integer("Mode crossed", "Mode whose crossing stresses the train most in the start."),
-        number("Percent speed", "fraction", "Speed at which it is crossed, of synchronous."),
-        number("Sweep rate", "sweep rate", "How fast 2 × slip frequency falls there."),
-        number("Average torque", "torque", "Average motor torque there.", us="lbf*ft"),
-        number("Pulsating torque", "torque", "Zero-to-peak, there.", us="lbf*ft"),
-        number("Peak-to-peak stress", "pressure", "Largest nominal range in the start."),
-        number("Stress with SCF", "pressure", "The same times SCF."),
-        text("Stress where", "Its shaft.", kind="element"),
-        number("Peak torque over rated", "ratio", "Largest torque at motor speed."),
-        text("Torque where", "Its element.", kind="element"),
-        number("Mesh minimum torque", "torque", "Least torque of a mesh.", us="lbf*ft"),
-        integer("Impacts", "How often teeth meet again; blank without a clearance model."),
-        text("Outcome", "How the start ended."),
-        text("Note", "What a reader must know besides, and not of the case as it stands."),
-        json_only=("unlimited",),
-    ),
-    table(
-        "TuningCrossings",
-        "Tuning crossings",
-        1,
-        "Where 2 × slip frequency crosses the modes, of the best combinations and as is.",
-        integer("Rank", "Of the combination."),
-        text("Combination", "What was chosen."),
-        integer("Mode", "Elastic mode."),
-        number("Frequency", "frequency", "Natural frequency."),
-        number("Percent speed", "fraction", "Speed of the crossing, of synchronous."),
-        number("Time", "time", "Time of the crossing."),
-        number("Average torque", "torque", "Average motor torque there.", us="lbf*ft"),
-        number("Pulsating torque", "torque", "Zero-to-peak, there.", us="lbf*ft"),
-        number("Load torque", "torque", "Referred to motor speed, there.", us="lbf*ft"),
-        number("Acceleration", "angular acceleration", "Acceleration of the motor there."),
-        number("Sweep rate", "sweep rate", "How fast 2 × slip frequency falls."),
-        text("Governing element", "Element with the largest stress or torque.", kind="element"),
-        number("Peak-to-peak torque", "torque", "Its torque range.", us="lbf*ft"),
-        number("Peak-to-peak stress", "pressure", "Its nominal stress range."),
-        number("Mesh minimum torque", "torque", "Least mesh torque there.", us="lbf*ft"),
-        text("Note", "What the numbers say, in words."),
-    ),
-    table(
-        "TuningAxes",
-        _MAP,
-        1,
-        "Rows of the maps are options of the first variable, columns those of the second.",
-        text("First variable", "Down the maps, and along the charts."),
-        text("Second variable", "Across the maps: one line of the charts each."),
-        *(text(f"Line {k}", "Option of the second variable.") for k in range(1, LINES + 1)),
-    ),
-    table(
-        "TuningStarts",
-        _MAP,
-        1,
-        "Of the best combination in each cell; green many, red few; grey figures where a margin is not kept.",
-        _OPTION,
-        _SHARE,
-        *(
-            text(f"Line {k}", "Allowable starts, or words.", kind="mixed")
-            for k in range(1, LINES + 1)
-        ),
-    ),
-    table(
-        "TuningMargins",
-        _MAP,
-        1,
-        "Worst separation margin of the same combinations; red below the required one.",
-        _OPTION,
-        _SHARE,
-        *_lines("Line", "fraction", "Worst separation margin."),
-        number("Required", "fraction", "Required margin."),
-    ),
-    table(
-        "TuningModes",
-        _MAP,
-        1,
-        "Of the best combination with each option of the first variable.",
-        _OPTION,
-        _SHARE,
-        *(number(f"Mode {k}", "frequency", "Elastic mode.") for k in range(1, MAP_MODES + 1)),
-        number("Allowable starts", "count", "Not divided by StartsFactor."),
-        number("Worst margin", "fraction", "Least separation margin."),
-        json_only=("unlimited",),
-    ),
-    table(
-        "ForbiddenBands",
-        _MAP,
-        1,
-        "No mode may lie between From and To of any excitation.",
-        text("Excitation", "Name of the excitation."),
-        number("From", "frequency", "Lowest frequency × (1 − required margin)."),
-        number("To", "frequency", "Highest frequency × (1 + required margin)."),
-        number("Lowest", "frequency", "Of the excitation, at the lowest speed."),
-        number("Highest", "frequency", "Of the excitation, at the highest speed."),
-        text("Modes inside", "Of the case as it stands."),
-        integer("Combinations clear", "Combinations without a mode inside."),
-        integer("Combinations", "Combinations that were calculated."),
-    ),
-    table(
-        "TuningLines",
-        "StudyData",
-        1,
-        "Numbers behind the chart of starts: no words.",
-        _SHARE,
-        *_lines("Line", "count", "Allowable starts."),
-    ),
-    table(
-        "TuningHatch",
-        "StudyData",
-        1,
-        "Hatching of the forbidden bands.",
-        _SHARE,
-        number("Frequency", "frequency", "Up and down between the ends of a band."),
-    ),
-)
-
 _PAGE = "docs/tuning.md"
 _RULES = f"{_PAGE}, How combinations are ranked"
 _RUN = f"{_PAGE}; as the plain run of that case, see its result sheets"
@@ -174,113 +41,501 @@ def _as(result: str, equation: str = "") -> Trace:
     return Trace(equation or f"{result} of the run of this combination", _RUN, of_case=(result, *_ROWS))  # fmt: skip
 
 
-def _worst(result: str, words: str) -> Trace:
-    return Trace(words, _RUN, of_case=(result, *_ROWS))
-
-
-_CROSSING = f"At the crossing with the largest stress range ({_PHILOSOPHY})"
-_RESULTS: Mapping[str, Trace] = {
-    "Rank": Trace("Order of what can be calculated, comes to its end, breaks fewest limits, keeps margins "
-                  "by itself, allows most starts, has the widest margin", _RULES, of_case=_ROWS),
-    "Combination": Trace("One option of each row of Tuning and of each element of Catalogue", _PAGE,
-                         of_case=_ROWS),
-    "As is": Trace("Whether nothing is changed", _PAGE, of_case=_ROWS),
-    "Better": Trace("Whether it ranks above the case as it stands", _RULES,
-                    of_row=("TuningResults.Rank",)),
-    "Verdict": _as("Verdicts.Verdict", "The worst verdict of the run, rated torques included"),
-    "Limits broken": _as("Verdicts.Verdict", "Number of checks that fail, rated torques included"),
-    "Broken": _as("Verdicts.Check", "Names of the checks that fail"),
-    "Allowable starts": _worst("AllowableStarts.Allowable starts", "Least of all shafts"),
-    "Error": _as("AllowableStarts.Error"),
-    "Governing shaft": _as("AllowableStarts.Element", "Shaft with the fewest allowable starts"),
-    "Worst margin": _worst("SeparationMargins.Margin", "min |f − f_exc| / f_exc"),
-    "Margin where": _as("SeparationMargins.Excitation", "Mode and excitation of the worst margin"),
-    "Mode 1": _as("NaturalFrequencies.Frequency"),
-    "Mode 2": _as("NaturalFrequencies.Frequency"),
-    "Mode 3": _as("NaturalFrequencies.Frequency"),
-    "Mode crossed": _as("StartupCrossings.Mode", "Mode with the largest stress range at its crossing"),
-    "Percent speed": _as("StartupCrossings.Percent speed", _CROSSING),
-    "Sweep rate": _as("StartupCrossings.Sweep rate", _CROSSING),
-    "Average torque": _as("StartupCrossings.Average torque", _CROSSING),
-    "Pulsating torque": _as("StartupCrossings.Pulsating torque", _CROSSING),
-    "Peak-to-peak stress": _worst("StartupPeaks.Peak-to-peak stress", "Of the shaft with the largest range × SCF"),
-    "Stress with SCF": _worst("StartupPeaks.Peak-to-peak stress", "Nominal range × SCF, the largest"),
-    "Stress where": _as("StartupPeaks.Element", "Shaft with the largest range × SCF"),
-    "Peak torque over rated": _worst("StartupPeaks.Maximum torque", "max |T| · speed ratio / RatedTorque"),
-    "Torque where": _as("StartupPeaks.Element", "Element of the largest torque"),
-    "Mesh minimum torque": _worst("TorqueReversals.Minimum torque", "Least of all meshes, at motor speed"),
-    "Impacts": _worst("TorqueReversals.Impacts", "Sum over all teeth"),
-    "Outcome": Trace("How the start of this combination ended", _RUN, of_case=_ROWS),
-    "Note": Trace("Warnings of the run of this combination that the case as it stands does not have", _RUN,
-                  of_case=_ROWS),
-    "Reason": Trace("Limits, governing crossing, starts and stress in words, against the case as it stands",
-                    _RULES, of_row=("TuningResults.Rank",)),
-}  # fmt: skip
-
-_IN_CROSSINGS = (
-    "Mode", "Frequency", "Percent speed", "Time", "Average torque", "Pulsating torque", "Load torque",
-    "Acceleration", "Sweep rate", "Governing element", "Peak-to-peak torque", "Peak-to-peak stress",
-    "Mesh minimum torque", "Note",
+_RANK = Trace(
+    "Order of what can be calculated, comes to its end, breaks fewest limits, keeps margins "
+    "by itself, allows most starts, has the widest margin",
+    _RULES, of_case=_ROWS,
 )  # fmt: skip
+_COMBINATION = Trace(
+    "One option of each row of Tuning and of each element of Catalogue", _PAGE, of_case=_ROWS
+)
+_ALLOWED_STARTS = _as("AllowableStarts.Allowable starts", "Least of all shafts")
+_WORST_MARGIN = _as("SeparationMargins.Margin", "min |f − f_exc| / f_exc")
+_CROSSING = f"At the crossing with the largest stress range ({_PHILOSOPHY})"
 _BAND = "f_min (1 − m) to f_max (1 + m), from |f − f_exc| / f_exc ≥ m"
-_BANDS: Mapping[str, Trace] = {
-    "Excitation": Trace("Name, as typed or as the usual ones are called", _STEADY,
-                        of_case=("Excitations.Name",)),
-    "From": Trace(_BAND, _STEADY, of_case=("MinimumSpeed", "MarginBasis", "MarginRequired")),
-    "To": Trace(_BAND, _STEADY, of_case=("MaximumSpeed", "MarginBasis", "MarginRequired")),
-    "Lowest": Trace("Order × speed of its station at MinimumSpeed, or its frequency", _STEADY,
-                    of_case=("MinimumSpeed", "Excitations.Order", "Excitations.Frequency")),
-    "Highest": Trace("Order × speed of its station at MaximumSpeed, or its frequency", _STEADY,
-                     of_case=("MaximumSpeed", "Excitations.Order", "Excitations.Frequency")),
-    "Modes inside": Trace("Modes whose margin from it is less than required", _STEADY,
-                          of_case=("SeparationMargins.Margin",)),
-    "Combinations clear": Trace("Combinations all of whose modes keep the margin from it", _PAGE,
-                                of_case=_ROWS),
-    "Combinations": Trace("Combinations that could be calculated", _PAGE, of_case=_ROWS),
-}  # fmt: skip
-
-_OPTIONS = {
-    "Option": Trace("Value or designation, as typed", _PAGE, of_case=_ROWS),
-    "Of as is": Trace("Value over what the case says", _PAGE, of_case=_ROWS),
-}
 _CELL = "docs/tuning.md, Maps"
-_numbered = range(1, LINES + 1)
+_OPTION = text(
+    "Option", "What the first variable is.", "Value or designation, as typed", _PAGE, of_case=_ROWS
+)
+_SHARE = number(
+    "Of as is", "fraction", "Its value over what the case says.", "Value over what the case says", _PAGE,
+    of_case=_ROWS,
+)  # fmt: skip
 
-TUNING_TRACES: Mapping[tuple[str, str], Trace] = {
-    **{("TuningResults", name): trace for name, trace in _RESULTS.items()},
-    ("TuningCrossings", "Rank"): _RESULTS["Rank"],
-    ("TuningCrossings", "Combination"): _RESULTS["Combination"],
-    **{("TuningCrossings", name): _as(f"StartupCrossings.{name}") for name in _IN_CROSSINGS},
-    ("TuningAxes", "First variable"): Trace("First row of Tuning, or of Catalogue", _CELL, of_case=_ROWS),
-    ("TuningAxes", "Second variable"): Trace("Second row of Tuning, or element of Catalogue", _CELL, of_case=_ROWS),
-    **{("TuningAxes", f"Line {k}"): Trace("Option of the second variable", _CELL, of_case=_ROWS) for k in _numbered},
-    **{
-        (name, column): trace
-        for name in ("TuningStarts", "TuningMargins", "TuningModes", "TuningLines", "TuningHatch")
-        for column, trace in _OPTIONS.items()
-    },
-    **{
-        (name, f"Line {k}"): Trace(
-            "Of the best combination with this pair of options", _CELL, of_case=(source, *_ROWS)
-        )
-        for name, source in (
-            ("TuningStarts", "AllowableStarts.Allowable starts"),
-            ("TuningMargins", "SeparationMargins.Margin"),
-            ("TuningLines", "AllowableStarts.Allowable starts"),
-        )
-        for k in _numbered
-    },
-    ("TuningMargins", "Required"): _as("SeparationMargins.Required", "MarginRequired, else by MarginBasis"),
-    **{
-        ("TuningModes", f"Mode {k}"): _as("NaturalFrequencies.Frequency")
-        for k in range(1, MAP_MODES + 1)
-    },
-    ("TuningModes", "Allowable starts"): _RESULTS["Allowable starts"],
-    ("TuningModes", "Worst margin"): _RESULTS["Worst margin"],
-    **{("ForbiddenBands", name): trace for name, trace in _BANDS.items()},
-    ("TuningHatch", "Frequency"): Trace("Lines between From and To of each band", _CELL, of_row=("ForbiddenBands.From", "ForbiddenBands.To")),
-}  # fmt: skip
 
+def _of_pair(result: str) -> Trace:
+    return Trace(
+        "Of the best combination with this pair of options", _CELL, of_case=(result, *_ROWS)
+    )
+
+
+def _lines(dimension: str, help: str, result: str) -> tuple[Field, ...]:
+    return tuple(
+        number(f"Line {k}", dimension, help, trace=_of_pair(result)) for k in range(1, LINES + 1)
+    )
+
+
+_OF_CASE = "as in the case"
+
+_INPUTS: tuple[TableSpec, ...] = (
+    table(
+        "Tuning", sheet="Tuning", caption="Tuning",
+        help="Quantities that may be chosen, each with values or a range; every combination is tried.",
+        rows=12, row_name=("Element", "Quantity"), short_caption=True,
+        columns=(
+            text("Element", "Element, or the station of an inertia."),
+            choice("Quantity", TUNED, "What of it is tried."),
+            text(
+                "Unit",
+                "Unit of the numbers right of it, such as lbf*in/rad; % or 1 = of what the case says.",
+                blank="1: multiples of what the case says",
+            ),
+            text("Values", "Numbers to try, with semicolons between them: 0.5; 0.8; 1.2."),
+            number("From", "count", "Lowest value of a range, instead of Values."),
+            number("To", "count", "Highest value of a range."),
+            integer("Steps", "How many values the range is given, its ends included; blank = 11."),
+        ),
+    ),
+    table(
+        "Catalogue", sheet="Tuning", caption="Catalogue",
+        help="Couplings on offer, in the maker's numbers; each takes the place of the one in the case.",
+        rows=16, row_name=("Element", "Name"),
+        columns=(
+            text("Element", "The coupling of table Elements that it may replace.", kind="element"),
+            text("Name", "The maker's designation."),
+            choice(
+                "Fitted", ("no", "yes"),
+                "yes for the one whose inertia the stations on sheet Train contain.", blank="no",
+            ),
+            number("Stiffness", "torsional stiffness", "Torsional stiffness."),
+            number(
+                "Inertia", "inertia",
+                "Inertia of the whole coupling: half of it at each end, instead of the fitted one's; given "
+                "for all couplings of an element, or for none.",
+            ),
+            number("Damping", "torsional damping", "Viscous damping across it.", blank=_OF_CASE),
+            number("Loss factor", "ratio", "Hysteretic loss factor.", blank=_OF_CASE),
+            number("Rated torque", "torque", "The maker's rated torque.", blank="not judged"),
+            number("Peak torque limit", "torque", "The maker's peak torque.", blank="not judged"),
+            number("Vibratory limit", "torque", "Allowed vibratory torque.", blank="not judged"),
+        ),
+    ),
+)  # fmt: skip
+
+_RESULTS: tuple[TableSpec, ...] = (
+    table(
+        "TuningResults", sheet="Tuning results", caption="Combinations",
+        help="Every combination as a full start, the best first.",
+        row_name=("Combination",), changes_shown=("Rank", "Allowable starts", "Worst margin"),
+        json_only=(flag("unlimited", "No damage: any number of starts."),),
+        columns=(
+            integer(
+                "Rank", "1 = the best, by the order on the page docs/tuning.md.", trace=_RANK,
+            ),
+            text(
+                "Combination", "What was chosen.",
+                trace=_COMBINATION, width=36.0,
+            ),
+            flag(
+                "As is", "yes for the case as it stands.", "Whether nothing is changed", _PAGE,
+                of_case=_ROWS,
+            ),
+            flag(
+                "Better", "yes where it ranks above the case as it stands.",
+                "Whether it ranks above the case as it stands", _RULES,
+                of_row=("TuningResults.Rank",),
+            ),
+            verdict(
+                "Verdict", "fail where a limit is broken, impossible where there is no such case.",
+                trace=_as(
+                    "Verdicts.Verdict", "The worst verdict of the run, rated torques included",
+                ),
+            ),
+            integer(
+                "Limits broken", "Checks that fail.",
+                trace=_as("Verdicts.Verdict", "Number of checks that fail, rated torques included"),
+            ),
+            number(
+                "Allowable starts", "count", "Of the governing shaft, not divided by StartsFactor.",
+                trace=_ALLOWED_STARTS,
+                format=shown.STARTS, unlimited=True,
+            ),
+            number(
+                "Worst margin", "fraction", "Least separation margin.",
+                trace=_WORST_MARGIN,
+            ),
+            sentence(
+                "Reason", "Why it stands there.",
+                "Limits, governing crossing, starts and stress in words, against the case as it stands",
+                _RULES, of_row=("TuningResults.Rank",), width=54.0,
+            ),
+            text(
+                "Broken", "Which limits are broken.",
+                trace=_as("Verdicts.Check", "Names of the checks that fail"), width=30.0,
+            ),
+            number(
+                "Error", "fraction", "Estimated relative error of the starts.",
+                trace=_as("AllowableStarts.Error"), format=shown.ERROR, printed="Estimated error",
+            ),
+            text(
+                "Governing shaft", "Shaft with the fewest starts.", kind="element",
+                trace=_as("AllowableStarts.Element", "Shaft with the fewest allowable starts"),
+            ),
+            text(
+                "Margin where", "Its mode and excitation.",
+                trace=_as(
+                    "SeparationMargins.Excitation", "Mode and excitation of the worst margin",
+                ),
+            ),
+            number(
+                "Mode 1", "frequency", "First elastic mode.",
+                trace=_as("NaturalFrequencies.Frequency"),
+            ),
+            number(
+                "Mode 2", "frequency", "Second elastic mode.",
+                trace=_as("NaturalFrequencies.Frequency"),
+            ),
+            number(
+                "Mode 3", "frequency", "Third elastic mode.",
+                trace=_as("NaturalFrequencies.Frequency"),
+            ),
+            integer(
+                "Mode crossed", "Mode whose crossing stresses the train most in the start.",
+                trace=_as(
+                    "StartupCrossings.Mode", "Mode with the largest stress range at its crossing",
+                ),
+            ),
+            number(
+                "Percent speed", "fraction", "Speed at which it is crossed, of synchronous.",
+                trace=_as("StartupCrossings.Percent speed", _CROSSING), format=shown.TWO_DECIMALS,
+                printed="Speed",
+            ),
+            number(
+                "Sweep rate", "sweep rate", "How fast 2 × slip frequency falls there.",
+                trace=_as("StartupCrossings.Sweep rate", _CROSSING),
+            ),
+            number(
+                "Average torque", "torque", "Average motor torque there.", us="lbf*ft",
+                trace=_as("StartupCrossings.Average torque", _CROSSING), format=shown.SIGNED,
+            ),
+            number(
+                "Pulsating torque", "torque", "Zero-to-peak, there.", us="lbf*ft",
+                trace=_as("StartupCrossings.Pulsating torque", _CROSSING),
+            ),
+            number(
+                "Peak-to-peak stress", "pressure", "Largest nominal range in the start.",
+                trace=_as(
+                    "StartupPeaks.Peak-to-peak stress", "Of the shaft with the largest range × SCF",
+                ),
+                printed="Stress, pk‑pk",
+            ),
+            number(
+                "Stress with SCF", "pressure", "The same times SCF.",
+                trace=_as(
+                    "StartupPeaks.Peak-to-peak stress", "Nominal range × SCF, the largest",
+                ),
+            ),
+            text(
+                "Stress where", "Its shaft.", kind="element",
+                trace=_as("StartupPeaks.Element", "Shaft with the largest range × SCF"),
+            ),
+            number(
+                "Peak torque over rated", "ratio", "Largest torque at motor speed.",
+                trace=_as("StartupPeaks.Maximum torque", "max |T| · speed ratio / RatedTorque"),
+            ),
+            text(
+                "Torque where", "Its element.", kind="element",
+                trace=_as("StartupPeaks.Element", "Element of the largest torque"),
+            ),
+            number(
+                "Mesh minimum torque", "torque", "Least torque of a mesh.", us="lbf*ft",
+                trace=_as(
+                    "TorqueReversals.Minimum torque", "Least of all meshes, at motor speed",
+                ),
+                format=shown.SIGNED,
+            ),
+            integer(
+                "Impacts", "How often teeth meet again; blank without a clearance model.",
+                trace=_as("TorqueReversals.Impacts", "Sum over all teeth"),
+            ),
+            text(
+                "Outcome", "How the start ended.", "How the start of this combination ended", _RUN,
+                of_case=_ROWS,
+            ),
+            sentence(
+                "Note", "What a reader must know besides, and not of the case as it stands.",
+                "Warnings of the run of this combination that the case as it stands does not have",
+                _RUN, of_case=_ROWS, width=60.0,
+            ),
+        ),
+    ),
+    table(
+        "TuningCrossings", sheet="Tuning crossings", caption="Crossings",
+        help="Where 2 × slip frequency crosses the modes, of the best combinations and as is.",
+        columns=(
+            integer("Rank", "Of the combination.", trace=_RANK),
+            text("Combination", "What was chosen.", trace=_COMBINATION, width=36.0),
+            integer("Mode", "Elastic mode.", trace=_as("StartupCrossings.Mode")),
+            number(
+                "Frequency", "frequency", "Natural frequency.",
+                trace=_as("StartupCrossings.Frequency"),
+            ),
+            number(
+                "Percent speed", "fraction", "Speed of the crossing, of synchronous.",
+                trace=_as("StartupCrossings.Percent speed"), format=shown.TWO_DECIMALS, printed="Speed",
+            ),
+            number("Time", "time", "Time of the crossing.", trace=_as("StartupCrossings.Time")),
+            number(
+                "Average torque", "torque", "Average motor torque there.", us="lbf*ft",
+                trace=_as("StartupCrossings.Average torque"), format=shown.SIGNED,
+            ),
+            number(
+                "Pulsating torque", "torque", "Zero-to-peak, there.", us="lbf*ft",
+                trace=_as("StartupCrossings.Pulsating torque"),
+            ),
+            number(
+                "Load torque", "torque", "Referred to motor speed, there.", us="lbf*ft",
+                trace=_as("StartupCrossings.Load torque"), format=shown.SIGNED,
+            ),
+            number(
+                "Acceleration", "angular acceleration", "Acceleration of the motor there.",
+                trace=_as("StartupCrossings.Acceleration"),
+            ),
+            number(
+                "Sweep rate", "sweep rate", "How fast 2 × slip frequency falls.",
+                trace=_as("StartupCrossings.Sweep rate"),
+            ),
+            text(
+                "Governing element", "Element with the largest stress or torque.", kind="element",
+                trace=_as("StartupCrossings.Governing element"),
+            ),
+            number(
+                "Peak-to-peak torque", "torque", "Its torque range.", us="lbf*ft",
+                trace=_as("StartupCrossings.Peak-to-peak torque"), printed="Torque, pk‑pk",
+            ),
+            number(
+                "Peak-to-peak stress", "pressure", "Its nominal stress range.",
+                trace=_as("StartupCrossings.Peak-to-peak stress"), printed="Stress, pk‑pk",
+            ),
+            number(
+                "Mesh minimum torque", "torque", "Least mesh torque there.", us="lbf*ft",
+                trace=_as("StartupCrossings.Mesh minimum torque"), format=shown.SIGNED,
+            ),
+            sentence(
+                "Note", "What the numbers say, in words.", trace=_as("StartupCrossings.Note"),
+                width=50.0,
+            ),
+        ),
+    ),
+    table(
+        "TuningAxes", sheet="Tuning map", caption="The maps",
+        help="Rows of the maps are options of the first variable, columns those of the second.",
+        workbook_only=True,
+        columns=(
+            text(
+                "First variable", "Down the maps, and along the charts.",
+                "First row of Tuning, or of Catalogue", _CELL, of_case=_ROWS, width=22.0,
+            ),
+            text(
+                "Second variable", "Across the maps: one line of the charts each.",
+                "Second row of Tuning, or element of Catalogue", _CELL, of_case=_ROWS, width=11.0,
+            ),
+            *(
+                text(
+                    f"Line {k}", "Option of the second variable.", "Option of the second variable", _CELL,
+                    of_case=_ROWS, width=11.0,
+                )
+                for k in range(1, LINES + 1)
+            ),
+        ),
+    ),
+    table(
+        "TuningStarts", sheet="Tuning map", caption="Allowable starts",
+        help="Of the best combination in each cell; green many, red few; grey figures where a margin is not kept.",
+        room=MAP_ROWS, workbook_only=True,
+        columns=(
+            _OPTION, _SHARE,
+            *(
+                mixed(
+                    f"Line {k}", "Allowable starts, or words.",
+                    trace=_of_pair("AllowableStarts.Allowable starts"),
+                )
+                for k in range(1, LINES + 1)
+            ),
+        ),
+    ),
+    table(
+        "TuningMargins", sheet="Tuning map", caption="Worst separation margin",
+        help="Worst separation margin of the same combinations; red below the required one.",
+        room=MAP_ROWS, workbook_only=True,
+        columns=(
+            _OPTION, _SHARE, *_lines("fraction", "Worst separation margin.", "SeparationMargins.Margin"),
+            number(
+                "Required", "fraction", "Required margin.",
+                trace=_as("SeparationMargins.Required", "MarginRequired, else by MarginBasis"),
+                format=shown.ONE_DECIMAL,
+            ),
+        ),
+    ),
+    table(
+        "TuningModes", sheet="Tuning map", caption="Modes",
+        help="Of the best combination with each option of the first variable.",
+        room=MAP_ROWS, workbook_only=True,
+        json_only=(flag("unlimited", "No damage: any number of starts."),),
+        columns=(
+            _OPTION, _SHARE,
+            *(
+                number(f"Mode {k}", "frequency", "Elastic mode.", trace=_as("NaturalFrequencies.Frequency"))
+                for k in range(1, MAP_MODES + 1)
+            ),
+            number(
+                "Allowable starts", "count", "Not divided by StartsFactor.", trace=_ALLOWED_STARTS,
+                format=shown.STARTS, unlimited=True,
+            ),
+            number("Worst margin", "fraction", "Least separation margin.", trace=_WORST_MARGIN),
+        ),
+    ),
+    table(
+        "ForbiddenBands", sheet="Tuning map", caption="Forbidden bands",
+        help="No mode may lie between From and To of any excitation.",
+        row_name=("Excitation",),
+        columns=(
+            text(
+                "Excitation", "Name of the excitation.",
+                "Name, as typed or as the usual ones are called", _STEADY,
+                of_case=("Excitations.Name",),
+            ),
+            number(
+                "From", "frequency", "Lowest frequency × (1 − required margin).", _BAND, _STEADY,
+                of_case=("MinimumSpeed", "MarginBasis", "MarginRequired"),
+            ),
+            number(
+                "To", "frequency", "Highest frequency × (1 + required margin).", _BAND, _STEADY,
+                of_case=("MaximumSpeed", "MarginBasis", "MarginRequired"),
+            ),
+            number(
+                "Lowest", "frequency", "Of the excitation, at the lowest speed.",
+                "Order × speed of its station at MinimumSpeed, or its frequency", _STEADY,
+                of_case=("MinimumSpeed", "Excitations.Order", "Excitations.Frequency"),
+            ),
+            number(
+                "Highest", "frequency", "Of the excitation, at the highest speed.",
+                "Order × speed of its station at MaximumSpeed, or its frequency", _STEADY,
+                of_case=("MaximumSpeed", "Excitations.Order", "Excitations.Frequency"),
+            ),
+            text(
+                "Modes inside", "Of the case as it stands.",
+                "Modes whose margin from it is less than required", _STEADY,
+                of_case=("SeparationMargins.Margin",),
+            ),
+            integer(
+                "Combinations clear", "Combinations without a mode inside.",
+                "Combinations all of whose modes keep the margin from it", _PAGE, of_case=_ROWS,
+            ),
+            integer(
+                "Combinations", "Combinations that were calculated.",
+                "Combinations that could be calculated", _PAGE, of_case=_ROWS,
+            ),
+        ),
+    ),
+    table(
+        "TuningLines", sheet="StudyData", caption="Lines of starts",
+        help="Numbers behind the chart of starts: no words.",
+        workbook_only=True,
+        columns=(_SHARE, *_lines("count", "Allowable starts.", "AllowableStarts.Allowable starts")),
+    ),
+    table(
+        "TuningHatch", sheet="StudyData", caption="Hatching",
+        help="Hatching of the forbidden bands.",
+        workbook_only=True,
+        columns=(
+            _SHARE,
+            number(
+                "Frequency", "frequency", "Up and down between the ends of a band.",
+                "Lines between From and To of each band", _CELL,
+                of_row=("ForbiddenBands.From", "ForbiddenBands.To"),
+            ),
+        ),
+    ),
+)  # fmt: skip
+
+#: Rows from one caption to that of the next map: caption, units, header, rows, two blank.
+_STEP = MAP_ROWS + 5
+_FIRST_MAP = 10
+_STARTS, _MARGINS, _MODES, _BANDS = (_FIRST_MAP + k * _STEP for k in range(4))
+
+_SHEETS: tuple[Sheet, ...] = (
+    Sheet(
+        "Tuning",
+        "input",
+        {"A": 1.5, "B": 22, "C": 12, "D": 13, "E": 26, "F:H": 10, "I": 2, "J": 20, "K": 24,
+         "L": 8, "M:S": 11},
+        "S",
+        {"Tuning": "B5", "Catalogue": "J5"},
+        freeze="A8",
+        intro="What may be chosen, for torsionbook tune FILE: every combination of the rows of Tuning "
+        "and of one catalogue row an element is calculated. Blank tables: nothing is tried.",
+    ),
+    Sheet(
+        "Tuning results",
+        "result",
+        {"A": 1.5, "B": 6, "C": 36, "D:E": 7, "F": 20, "G": 8, "H": 12, "I": 9, "J": 54, "K": 30,
+         "L": 9, "M": 22, "N": 28, "O:Q": 9, "R": 8, "S:V": 10.5, "W:X": 10.5, "Y": 22, "Z": 9,
+         "AA": 22, "AB": 11, "AC": 9, "AD": 13, "AE": 60},
+        "J",
+        {"TuningResults": "B7"},
+        freeze="D10",
+        header_rows=9,
+        printed="J",
+        side=0.25,
+        intro="torsionbook tune FILE: every combination of sheet Tuning as a full start, ranked. "
+        "The order and its reasons: docs/tuning.md. All combinations are in the JSON.",
+    ),
+    Sheet(
+        "Tuning map",
+        "result",
+        {"A": 1.5, "B": 26, "C": 16, "D:I": 13, "J": 11, "K": 2, "L:S": 11},
+        "S",
+        {
+            "TuningAxes": "B5",
+            "TuningStarts": f"B{_STARTS}",
+            "TuningMargins": f"B{_MARGINS}",
+            "TuningModes": f"B{_MODES}",
+            "ForbiddenBands": f"B{_BANDS}",
+        },
+        (
+            ChartAt("tuning-starts", f"L{_STARTS}", 640, 350),
+            ChartAt("tuning-margins", f"L{_MARGINS}", 640, 350),
+            ChartAt("tuning-modes", f"L{_MODES}", 640, 350),
+        ),
+        breaks=("L",),
+        row_breaks=(_MARGINS - 1, _BANDS - 1),
+        largest=80,
+        intro="Starts and margins over the first two variables of sheet Tuning, each cell with the "
+        "best of what is left; no mode may lie in a hatched band.",
+    ),
+    Sheet(
+        "Tuning crossings",
+        "result",
+        {"A": 1.5, "B": 6, "C": 36, "D": 6, "E:G": 9, "H:L": 11, "M": 22, "N:P": 12, "Q": 50},
+        "Q",
+        {"TuningCrossings": "B5"},
+        freeze="D8",
+        header_rows=7,
+        breaks=("M",),
+        repeated="B:D",
+        intro="Where 2 × slip frequency crosses the modes, for the best combinations and for "
+        "the case as it stands.",
+    ),
+    Sheet(
+        "StudyData",
+        "result",
+        {"A": 1.5, "B:L": 11},
+        "L",
+        {"TuningLines": "B5", "TuningHatch": "K5"},
+        hidden=True,
+    ),
+)  # fmt: skip
 
 _COLOURS = ("navy", "teal", "gold", "rust", "plum", "grey")
 
@@ -314,7 +569,7 @@ def _modes() -> tuple[Series, ...]:
 _FIRST_VARIABLE = Axis(FirstCell("TuningAxes", "First variable"), number="General")
 _REQUIRED = Series("TuningMargins", "Of as is", "Required", "Required", "rust", 1.5, "dash")
 
-CHARTS = (
+_CHARTS: tuple[ChartSpec, ...] = (
     ChartSpec(
         "tuning-starts", "curves",
         "Allowable starts, a line each option of the second variable (unlimited left out)",
@@ -334,3 +589,20 @@ CHARTS = (
         _modes(), legend=True,
     ),
 )  # fmt: skip
+
+TUNING = StudySpec(
+    key="tuning",
+    order=1,
+    command="tune",
+    sheet="Tuning results",
+    last="J",
+    inputs=_INPUTS,
+    results=_RESULTS,
+    sheets=_SHEETS,
+    charts=_CHARTS,
+    height=84.0,
+    scales=(
+        StudyScale("TuningStarts", "Line 1", f"Line {LINES}", "Required", "TuningMargins"),
+        StudyScale("TuningMargins", "Line 1", f"Line {LINES}", "Required"),
+    ),
+)

@@ -1,0 +1,263 @@
+"""Input tables of a case: names, keys, units, choices, sheets and help texts."""
+
+from __future__ import annotations
+
+from addin.contract.field import TableSpec, choice, integer, number, sentence, table, text
+from engine.case.choices import EffectChoice
+from engine.case.effects import EFFECTS
+
+_CURVE_SPEED = "Speed in % of that station's speed at synchronism, rising within a station."
+
+#: Input tables, in the order in which problems are reported.
+INPUT_TABLES: tuple[TableSpec, ...] = (
+    table(
+        "Stations", sheet="Train", caption="Stations",
+        help="Lumped inertias, each at its own speed.",
+        rows=15, row_name=("Station",),
+        columns=(
+            text("Station", "Name of the station, unique in the train."),
+            sentence("Description", "Free text."),
+            number("Inertia", "inertia", "Polar inertia (WR²) at the station's own speed."),
+            number(
+                "Speed ratio", "ratio", "Speed of the station over the speed of the motor shaft.",
+                blank="1",
+            ),
+            number(
+                "Damping", "torsional damping",
+                "Viscous damping to ground at the station's own speed.", blank="0",
+            ),
+            number(
+                "Running load", "torque",
+                "Torque absorbed in continuous operation, at the station's own speed.",
+                blank="RatedTorque shared in proportion to LoadTorque, when all are blank",
+                us="lbf*ft",
+            ),
+        ),
+    ),
+    table(
+        "Elements", sheet="Train", caption="Elements",
+        help="Shafts, couplings, gear meshes and springs, each at its own shaft's speed.",
+        rows=15, row_name=("Element",),
+        columns=(
+            text("Element", "Name of the element, unique in the train."),
+            choice(
+                "Kind", ("shaft", "coupling", "gear mesh", "spring to ground"),
+                "What the element is.",
+            ),
+            text("From", "Station at the drive end, or ground.", kind="station"),
+            text("To", "Station at the driven end, or ground.", kind="station"),
+            number(
+                "Stiffness", "torsional stiffness",
+                "Torsional stiffness at the shaft's own speed; of a mesh on the From side.",
+                blank="from OD, ID and Length; a gear mesh is rigid",
+            ),
+            number("OD", "length", "Outer diameter, for stiffness from geometry."),
+            number("ID", "length", "Bore, for stiffness from geometry.", blank="0"),
+            number("Length", "length", "Length, for stiffness from geometry."),
+            number(
+                "Shear modulus", "pressure", "Shear modulus, for stiffness from geometry.",
+                si="GPa",
+            ),
+            number(
+                "Density", "density",
+                "Density; when given, the shaft's own inertia is distributed along it.",
+                blank="shaft without inertia of its own",
+            ),
+            number(
+                "Damping", "torsional damping", "Viscous damping across the element.", blank="0",
+            ),
+            number("Loss factor", "ratio", "Hysteretic loss factor of the element.", blank="0"),
+            number(
+                "Stress diameter", "length", "Diameter of the section where stress is judged.",
+                blank="torque only, no stress",
+            ),
+            number(
+                "Stress bore", "length", "Bore of the section where stress is judged.", blank="0",
+            ),
+            number("SCF", "ratio", "Stress concentration factor in torsion.", blank="1"),
+            text("Material", "Row of table Materials.", kind="material"),
+            number("Rated torque", "torque", "The maker's rated torque.", blank="not judged"),
+            number("Peak torque limit", "torque", "The maker's peak torque.", blank="not judged"),
+            number("Reversal limit", "torque", "Allowed reversing torque.", blank="not judged"),
+            number("Vibratory limit", "torque", "Allowed vibratory torque.", blank="not judged"),
+        ),
+    ),
+    table(
+        "Meshes", sheet="Train", caption="Meshes",
+        help="Gear geometry, clearances and bearings of gear meshes and geared couplings.",
+        rows=4, row_name=("Element",),
+        columns=(
+            text("Element", "The gear mesh or geared coupling of table Elements.", kind="element"),
+            number("Pitch radius drive", "length", "Pitch radius on the From side."),
+            number("Pitch radius driven", "length", "Pitch radius on the To side."),
+            number("Pressure angle", "angle", "Normal pressure angle."),
+            number("Helix angle", "angle", "Helix angle.", blank="0"),
+            number("Orientation", "angle", "Angle of the line of centres.", blank="0"),
+            number(
+                "Mesh stiffness", "linear stiffness", "Mesh stiffness along the line of action.",
+                blank="Stiffness of table Elements",
+            ),
+            number(
+                "Mesh damping", "linear damping", "Mesh damping along the line of action.",
+                blank="Damping of table Elements",
+            ),
+            number(
+                "Backlash", "length",
+                "Normal backlash: the total gap between both flanks, square to them; needs a finite mesh "
+                "stiffness.",
+                blank="teeth always touch",
+            ),
+            number(
+                "Angular backlash", "angle",
+                "Total angular clearance of a geared coupling, or of a spring to ground that is a stop.",
+                blank="none",
+            ),
+            number(
+                "Mass drive", "mass",
+                "Mass of the gear on the From side, where it moves on its bearings.",
+                blank="gear does not move sideways",
+            ),
+            number(
+                "Mass driven", "mass",
+                "Mass of the gear on the To side, where it moves on its bearings.",
+                blank="gear does not move sideways",
+            ),
+            number(
+                "Bearing stiffness drive", "linear stiffness",
+                "Stiffness of the From gear's bearings together, the same in all radial directions.",
+                blank="rigid",
+            ),
+            number(
+                "Bearing stiffness driven", "linear stiffness",
+                "Stiffness of the To gear's bearings together, the same in all radial directions.",
+                blank="rigid",
+            ),
+            number(
+                "Bearing damping drive", "linear damping",
+                "Damping of the From gear's bearings together.", blank="0",
+            ),
+            number(
+                "Bearing damping driven", "linear damping",
+                "Damping of the To gear's bearings together.", blank="0",
+            ),
+            choice(
+                "Gear type", ("external", "internal"), "Internal gears keep the sense of rotation.",
+                blank="external",
+            ),
+        ),
+    ),
+    table(
+        "ModeDamping", sheet="Train", caption="Mode damping",
+        help="Damping of single elastic modes, instead of DampingRatio.",
+        rows=10, row_name=("Mode",),
+        columns=(
+            integer("Mode", "Elastic mode, counted from 1."),
+            number("Damping ratio", "fraction", "Damping of the mode as a fraction of critical."),
+        ),
+    ),
+    table(
+        "MotorTorque", sheet="Torque", caption="Motor torque",
+        help="Motor torque against speed at rated voltage, the same curve the maker gives.",
+        rows=30, row_name=("Station", "Speed"), short_caption=True,
+        columns=(
+            text("Station", "Where the motor acts.", kind="station"),
+            number("Speed", "speed fraction", _CURVE_SPEED),
+            number("Average", "torque", "Average torque.", us="%", si="%"),
+            number(
+                "Pulsating", "torque", "Pulsating torque at twice slip frequency, zero-to-peak.",
+                us="%", si="%",
+            ),
+        ),
+    ),
+    table(
+        "LoadTorque", sheet="Torque", caption="Load torque",
+        help="Torque of the driven machines against speed.",
+        rows=40, row_name=("Station", "Speed"), short_caption=True,
+        columns=(
+            text("Station", "Where the load acts.", kind="station"),
+            number("Speed", "speed fraction", _CURVE_SPEED),
+            number("Torque", "torque", "Opposing torque at that station's own speed.", us="lbf*ft"),
+        ),
+    ),
+    table(
+        "TorqueTime", sheet="Torque", caption="Torque against time (optional)",
+        help="Optional: prescribed torque against time, linear between rows.",
+        rows=20, row_name=("Station", "Time"), short_caption=True,
+        columns=(
+            text("Station", "Where the torque acts.", kind="station"),
+            number("Time", "time", "Time, rising within a station."),
+            number("Torque", "torque", "Torque in the running direction.", us="lbf*ft"),
+        ),
+    ),
+    table(
+        "Materials", sheet="Fatigue", caption="Materials",
+        help="Strength of the shaft materials.",
+        rows=5, row_name=("Material",), short_caption=True,
+        columns=(
+            text("Material", "Name of the material."),
+            number("UTS", "pressure", "Ultimate tensile strength."),
+            number(
+                "Yield", "pressure", "Yield strength in tension; half of it in shear is judged.",
+            ),
+            number(
+                "Endurance", "pressure", "Endurance limit (amplitude) in the basis given.",
+                blank="none",
+            ),
+            choice(
+                "Basis", ("torsion", "bending"), "Bending data are halved for torsion.",
+                blank="torsion",
+            ),
+            choice(
+                "Below endurance", ("none", "same slope", "2k-1"),
+                "Damage below the endurance limit.", blank="none",
+            ),
+        ),
+    ),
+    table(
+        "SNPoints", sheet="Fatigue", caption="S-N points (zero-to-peak)",
+        help="S-N line of each material, log-log between the points.",
+        rows=12, row_name=("Material", "Cycles"), short_caption=True,
+        columns=(
+            text("Material", "Row of table Materials.", kind="material"),
+            number(
+                "Cycles", "count", "Cycles to failure, rising within a material.",
+            ),
+            number("Stress", "pressure", "Stress amplitude, zero-to-peak."),
+        ),
+    ),
+    table(
+        "Excitations", sheet="Excitation", caption="Excitations",
+        help="What shakes the train in continuous operation; blank = 1× and 2× of every shaft speed, "
+        "1× and 2× line frequency.",
+        rows=14, row_name=("Name",),
+        columns=(
+            text("Name", "Name of the excitation."),
+            number("Order", "ratio", "Multiple of a station's speed."),
+            text("Of station", "Whose speed.", kind="station", blank="the motor shaft"),
+            number(
+                "Frequency", "frequency", "Fixed frequency, instead of an order.",
+            ),
+            text(
+                "Station", "Where it acts.", kind="station",
+                blank="motor, gears and driven machines in turn",
+            ),
+            number(
+                "Torque", "excitation torque",
+                "Zero-to-peak torque; % means of the torque transmitted there, pu of RatedTorque.",
+                blank="1 % of the torque transmitted there",
+            ),
+        ),
+    ),
+    table(
+        "EffectChoices", sheet="Case", caption="Effect choices",
+        help="Effects forced on or off; a blank choice leaves it to the plan.",
+        rows=len(EFFECTS), row_name=("Effect",), states="Choice",
+        columns=(
+            choice("Effect", tuple(EFFECTS), "Name of the effect."),
+            choice(
+                "Choice", tuple(EffectChoice), "on and off force the effect; auto lets the plan decide.",
+                blank="auto: the row states nothing",
+            ),
+        ),
+    ),
+)  # fmt: skip
