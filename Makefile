@@ -24,7 +24,7 @@ MINUTES := 10
 LOCK :=
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-machines explore check format bench templates wheel smoke lock clean distclean moved
+.PHONY: help demo test test-machines explore check format bench generated templates wheel smoke lock clean distclean moved
 
 help:
 	@echo "make demo           recalculate two example workbooks into build/demo"
@@ -68,6 +68,9 @@ format: $(DEV_READY)
 
 bench: $(DEV_READY)
 	$(PY) -m benchmarks
+
+generated: $(RUN_READY)
+	$(PY) scripts/generated.py
 
 templates: $(RUN_READY)
 	$(PY) -m addin.template.build templates

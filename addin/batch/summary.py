@@ -257,7 +257,7 @@ def _colour(
 
 
 def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]]) -> None:
-    from addin.contract.chart_rows import text_height
+    from addin.contract.sheet import text_height
 
     sheet = book.add_worksheet(SHEETS[1])
     many = f"{len(errors):,} error{'' if len(errors) == 1 else 's'}"

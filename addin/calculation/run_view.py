@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from addin.contract.tables import SHARE_MODES
+from addin.contract.result_tables import SHARE_MODES
 from engine.case.data import CaseData
 
 if TYPE_CHECKING:

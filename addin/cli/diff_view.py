@@ -8,8 +8,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from addin.contract.studies.registry import STUDY_CAPTIONS
-from addin.contract.texts import CAPTIONS
+from addin.contract.tables import table
 from addin.diff.changes import Change, Differences, VerdictChange
 from addin.diff.files import Side
 from addin.diff.wording import change_in_words, in_words, telling
@@ -162,7 +161,7 @@ def _studies(console: Console, found: Differences, everything: bool) -> None:
 
 def _of_table(name: str, changes: Sequence[Change], shown: Sequence[Change]) -> str:
     """Title of a table of results."""
-    parts = [f"{CAPTIONS.get(name) or STUDY_CAPTIONS[name]}: {len(changes)} differences"]
+    parts = [f"{table(name).caption}: {len(changes)} differences"]
     for kind, words in (("row removed", "only in A"), ("row added", "only in B")):
         count = sum(one.kind == kind for one in changes)
         if count:

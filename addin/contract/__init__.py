@@ -1,28 +1,44 @@
 """The one description of inputs and outputs: fields, units, tables, sheets and texts. Data, and look-ups in it.
 
-===============  =================================================================================
-module           responsibility
-===============  =================================================================================
-`result_tables`  where each result comes from: equation, source, and the inputs it was calculated
-                 from
-`field`          what a field and a table of fields are made of: kinds, dimensions, JSON keys
-`shipped`        where the shipped workbooks are: `templates/` in a checkout, inside the package
-                 in a wheel
-`texts`          words on the shipped workbooks: captions, one sentence a sheet, and the sheet
-                 `Notes`
-`version`        the version of torsionbook, as installed
-`problems`       problems with the place where an engineer finds them, and the nearest of known
-                 words
-`sheets`         what stands where on the shipped workbooks, as data: sheets, title block, key
-                 numbers
-`studies`        the tables, sheets and captions of each study
-`tables`         the one table of inputs and outputs: names, keys, units, choices, sheets and help
-                 texts
-`chart_rows`     what the template and the writer agree on beside the fields: live formulas,
-                 facts, columns
-`trace_table`    the page docs/results.md and the rows of sheet `Trace`, made from the table of
-                 fields
-`units`          shown unit ↔ SI: the only home of rpm, psi, lbf*in, degrees, percent and per unit
-`shown_units`    units shown above the columns → what one shown unit is worth in SI
-===============  =================================================================================
+================  ================================================================================
+module            responsibility
+================  ================================================================================
+`chart_tables`    tables of sheet `ChartData` and the words of charts that only a calculation
+                  knows
+`charts`          charts as data: what is drawn, from which columns, with which axes and words
+`live_formulas`   formulas of columns that a reviewer can click on: the spreadsheet program
+                  repeats the result
+`number_formats`  number formats of results on sheets, each by what it shows
+`field`           what a table of inputs or results is made of: columns with kind, dimension,
+                  source and what every room needs of them
+`input_tables`    input tables of a case: names, keys, units, choices, sheets and help texts
+`palette`         colours of the workbook, the report and the page
+`records`         records found in their folder: a new file is a new record, and no list is edited
+`run_facts`       facts of the run that stand in the workbook beside the tables: what live
+                  formulas need
+`scalars`         scalars of sheet `Case`: names, keys, units, choices and help texts
+`sheet`           what a sheet of a workbook is made of: banner, widths, tables and charts by
+                  their places
+`shipped`         where the shipped workbooks are: `templates/` in a checkout, inside the package
+                  in a wheel
+`sources`         where results come from: papers and standards cited, equations and inputs that
+                  many columns share
+`result_tables`   result tables of a calculation: each column with its unit, its source, and how
+                  workbook, verify, diff and report treat it
+`study_spec`      what a study is in workbook and JSON: tables, sheets, and the lines that say
+                  what it found
+`studies`         the tables, sheets and captions of each study
+`tables`          every table of inputs and outputs, and look-ups by name
+`problems`        problems with the place where an engineer finds them, and the nearest of known
+                  words
+`sheets`          what stands where on the shipped workbooks, as data: sheets, title block, key
+                  numbers
+`texts`           words on the shipped workbooks: captions, one sentence a sheet, and the sheet
+                  `Notes`
+`trace_table`     the rows of sheet `Trace`: what each result is, by which equation, from what
+`units`           shown unit ↔ SI: the only home of rpm, psi, lbf*in, degrees, percent and per
+                  unit
+`shown_units`     units shown above the columns → what one shown unit is worth in SI
+`version`         the version of torsionbook, as installed
+================  ================================================================================
 """

@@ -179,6 +179,11 @@ class Field:
         return bool(self.units)
 
     @property
+    def is_sentence(self) -> bool:
+        """Whether it takes the width that other columns leave."""
+        return self.kind == "sentence" or (self.kind == "mixed" and bool(self.width))
+
+    @property
     def format(self) -> str:
         """Number format of a result."""
         return self.own_format or DIMENSIONS[self.dimension].format

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
-from addin.contract.chart_rows import CROSSING_ROWS, ROOMS
 from addin.contract.chart_tables import HISTORIES
+from addin.contract.result_tables import CROSSING_ROWS
+from addin.contract.sheet import ChartAt, Sheet
+from addin.contract.tables import table
 
 __all__ = [
     "BLANK_TEXT",
@@ -57,42 +56,6 @@ STRIP = (
 
 # --- where everything stands ----------------------------------------------------------------------
 
-
-@dataclass(frozen=True)
-class ChartAt:
-    """A chart on a sheet."""
-
-    name: str  #: Key of `charts.CHARTS`.
-    cell: str  #: Its upper left cell. [A1]
-    width: int  #: Size. [pixel]
-    height: int  #: Likewise. [pixel]
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """One sheet as data."""
-
-    name: str  #: Sheet name.
-    #: ``input``, ``live``, ``result`` or ``notes``: colour of the tab and of the banner's word.
-    kind: str
-    widths: Mapping[str, float]  #: Column widths by ranges such as ``B:D``.
-    last: str  #: Last column of the banner.
-    tables: Mapping[str, str]  #: Cell of each table's caption; header and data stand below. [A1]
-    charts: tuple[ChartAt, ...] = ()  #: Its charts.
-    freeze: str = "A4"  #: First cell that scrolls; empty = all of it. [A1]
-    header_rows: int = 3  #: Rows repeated on every page; a chart must begin below them.
-    one_page: bool = False  #: Whether all of it is fitted to one page.
-    hidden: bool = False  #: Whether it holds nothing but numbers behind charts.
-    printed: str = ""  #: Last column on paper; empty = all of them.
-    #: Columns at which another page begins; the print is then as large as the widest page allows,
-    #: not fitted to one page.
-    breaks: tuple[str, ...] = ()
-    repeated: str = ""  #: Columns repeated on every page, such as ``A:C``; empty = none.
-    row_breaks: tuple[int, ...] = ()  #: Rows, counted from 1, at which another page begins.
-    largest: int = 100  #: Scale of a print in pieces at the most. [%]
-    side: float = 0.4  #: Margin left and right of a printed page. [in]
-
-
 #: Row of the cell above each history chart; the chart begins one row below.
 _HISTORY_ROWS = (5, 20, 35)
 
@@ -102,11 +65,11 @@ HISTORY_CHARTS = tuple(
 )
 
 #: Rows below the room of `TorqueReversals`: the chart with the bearing forces beside it.
-_BELOW_REVERSALS = 8 + ROOMS["TorqueReversals"] + 1
+_BELOW_REVERSALS = 8 + table("TorqueReversals").room + 1
 #: First row of the notes of sheet `Reversals`, below chart and bearing forces.
-REVERSAL_NOTES_AT = f"B{_BELOW_REVERSALS + ROOMS['BearingForces'] + 5}"
+REVERSAL_NOTES_AT = f"B{_BELOW_REVERSALS + table('BearingForces').room + 5}"
 #: First row below the room of `Effects`.
-_BELOW_EFFECTS = 8 + ROOMS["Effects"] + 1
+_BELOW_EFFECTS = 8 + table("Effects").room + 1
 EFFECT_NOTES_AT = f"B{_BELOW_EFFECTS}"
 
 
@@ -179,6 +142,8 @@ SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 22, "C": 26, "D": 9, "E": 32, "F": 2, "G": 22, "H": 18, "I": 9, "J": 34},
         "J",
         {"EffectChoices": "B32"},
+        intro="What the case is and how it is calculated. Blue on yellow is typed; the unit stands "
+        "in the cell right of the number.",
     ),
     Sheet(
         "Train",
@@ -186,6 +151,8 @@ SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 21, "C": 22, "D:E": 13, "F": 13, "G:U": 9.5},
         "U",
         {"Stations": "B5", "ModeDamping": "I5", "Elements": "B25", "Meshes": "B45"},
+        intro="The mass-elastic table. Units stand above the headers; a blank cell means what its "
+        "prompt says. Insert table rows where a table is full.",
     ),
     Sheet(
         "Torque",
@@ -200,6 +167,8 @@ SHEETS: tuple[Sheet, ...] = (
             ChartAt("load-typed", "O36", 544, 274),
         ),
         freeze="A8",
+        intro="Torque against speed of the motor and of each driven machine; every curve begins "
+        "with the row of its lowest speed.",
     ),
     Sheet(
         "Fatigue",
@@ -210,6 +179,8 @@ SHEETS: tuple[Sheet, ...] = (
         {"Materials": "B5", "SNPoints": "I5"},
         (ChartAt("sn", "M5", 544, 400),),
         freeze="A8",
+        intro="Strength and S-N lines of the shaft materials. Amplitudes are zero-to-peak; "
+        "nominal stress times SCF is compared with them.",
     ),
     Sheet(
         "Excitation",
@@ -218,6 +189,8 @@ SHEETS: tuple[Sheet, ...] = (
         "J",
         {"Excitations": "B5"},
         freeze="A8",
+        intro="What shakes the train in continuous operation. Leave the table blank for the "
+        "usual: 1× and 2× of every shaft speed, 1× and 2× line frequency.",
     ),
     Sheet(
         "Frequencies",
@@ -229,6 +202,8 @@ SHEETS: tuple[Sheet, ...] = (
         (ChartAt("shapes", "K5", 768, 362),),
         breaks=("K", "W"),
         largest=80,
+        intro="Undamped torsional natural frequencies and mode shapes; rigid-body modes come "
+        "first with frequency 0.",
     ),
     Sheet(
         "Margins",
@@ -240,6 +215,8 @@ SHEETS: tuple[Sheet, ...] = (
         (ChartAt("interference", "K8", 570, 520),),
         freeze="A8",
         header_rows=7,
+        intro="Margin = |f − f_exc| / f_exc, the least over the speeds of continuous operation; "
+        "0 where a line crosses the mode inside them.",
     ),
     Sheet(
         "Steady state",
@@ -249,6 +226,8 @@ SHEETS: tuple[Sheet, ...] = (
         {"SteadyState": "B5"},
         freeze="A8",
         header_rows=7,
+        intro="Response to continuous excitation, by default 1 % zero-to-peak of the "
+        "transmitted torque. Stresses include SCF and are compared with UTS/25.",
     ),
     Sheet(
         "Start-up",
@@ -262,6 +241,9 @@ SHEETS: tuple[Sheet, ...] = (
             ChartAt("pull-in", f"K{40 + CROSSING_ROWS}", 736, 284),
         ),
         one_page=True,
+        intro="The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
+        "are at each element's own speed; a mesh's on its From side. Stresses here are nominal, without "
+        "SCF.",
     ),
     Sheet(
         "Histories",
@@ -271,6 +253,8 @@ SHEETS: tuple[Sheet, ...] = (
         {},
         HISTORY_CHARTS,
         one_page=True,
+        intro="Torque, stress or tooth load against time from rest to EndSpeed (the paper's "
+        "Figures 1, 7 and 8). Each point drawn is calculated; the extremes are kept.",
     ),
     Sheet(
         "Reversals",
@@ -282,6 +266,8 @@ SHEETS: tuple[Sheet, ...] = (
             ChartAt("reversal", f"B{_BELOW_REVERSALS}", 660, 330),
             ChartAt("forces", f"O{_BELOW_REVERSALS + 1}", 620, 310),
         ),
+        intro="Where teeth are unloaded or part in the start: a reversal is one passage of the "
+        "transmitted torque below zero. Torques are those of the From side, at its own speed.",
     ),
     Sheet(
         "Starts",
@@ -292,6 +278,8 @@ SHEETS: tuple[Sheet, ...] = (
         (ChartAt("sn", "K8", 570, 420),),
         freeze="A8",
         header_rows=7,
+        intro="Fatigue damage of one start by rainflow count and Miner's rule; allowable starts "
+        "are 1 / damage. Amplitude = half range times SCF; mean stress is ignored.",
     ),
     Sheet(
         "Effects",
@@ -299,6 +287,8 @@ SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 19, "C": 9, "D": 7, "E:H": 11, "I": 96},
         "I",
         {"Effects": "B5", "Plans": f"H{_BELOW_EFFECTS}"},
+        intro="Which effects this case calls for, and the number that decided each. Force one on or "
+        "off in table EffectChoices on sheet Case.",
     ),
     Sheet(
         "Accuracy",
@@ -307,9 +297,16 @@ SHEETS: tuple[Sheet, ...] = (
         "P",
         {"AccuracyCost": "B9"},
         (ChartAt("accuracy", "H9", 640, 420),),
+        intro="What accuracy costs in time, for this very case on this machine.",
     ),
-    Sheet("Audit", "result", {"A": 1.5, "B": 38, "C": 110}, "C", {"Audit": "B5"}, freeze="A7"),
-    Sheet("Notes", "notes", {"A": 1.5, "B": 28, "C": 122}, "C", {}, freeze="A3"),
+    Sheet(
+        "Audit", "result", {"A": 1.5, "B": 38, "C": 110}, "C", {"Audit": "B5"}, freeze="A7",
+        intro="What was calculated, from which inputs, by which version, method and equations.",
+    ),
+    Sheet(
+        "Notes", "notes", {"A": 1.5, "B": 28, "C": 122}, "C", {}, freeze="A3",
+        intro="How to use this workbook, what it calculates and what its colours mean.",
+    ),
     Sheet(
         "Trace",
         "notes",
@@ -318,6 +315,8 @@ SHEETS: tuple[Sheet, ...] = (
         {},
         freeze="A6",
         header_rows=5,
+        intro="What each number on a result sheet is, by which equation and after which source, and "
+        "what it comes from. Of one cell, with places and values: torsionbook verify FILE --trace 'Sheet!H9'",
     ),
 )  # fmt: skip
 

@@ -8,6 +8,9 @@ from addin.contract.charts import ChartSpec
 from addin.contract.field import IncompleteRecord, TableSpec, complete
 from addin.contract.sheet import Sheet
 
+#: How the sentence of a study begins that was cut short.
+CUT_SHORT = "Cut short by Ctrl-C"
+
 
 @dataclass(frozen=True)
 class StudyScale:

@@ -29,6 +29,7 @@ __all__ = [
     "TEMPLATE_VERSION",
     "TableSpec",
     "WORKBOOK_TABLES",
+    "caption",
     "find_column",
     "find_table",
     "input_table",
@@ -86,6 +87,12 @@ def result_table(name: str) -> TableSpec:
 def table(name: str) -> TableSpec:
     """The table of a name, of inputs or of results."""
     return _TABLES[name]
+
+
+def caption(name: str) -> str:
+    """Caption of a table; of what is no such table, such as the scalars, its name."""
+    spec = _TABLES.get(name)
+    return name if spec is None else spec.caption
 
 
 def find_table(name: str) -> TableSpec | None:

@@ -8,86 +8,11 @@ from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.practice_limits import PRACTICE_LIMITS
 
 __all__ = [
-    "CAPTIONS",
     "CONTACT_LAW",
     "EFFECT_NOTES",
     "NOTES",
     "REVERSAL_NOTES",
-    "SHEET_INTROS",
-    "SHORT_CAPTIONS",
 ]
-
-#: Caption above each table.
-CAPTIONS: Mapping[str, str] = {
-    "Stations": "Stations",
-    "Elements": "Elements",
-    "Meshes": "Meshes",
-    "ModeDamping": "Mode damping",
-    "MotorTorque": "Motor torque",
-    "LoadTorque": "Load torque",
-    "TorqueTime": "Torque against time (optional)",
-    "Materials": "Materials",
-    "SNPoints": "S-N points (zero-to-peak)",
-    "Excitations": "Excitations",
-    "EffectChoices": "Effect choices",
-    "Verdicts": "Verdicts",
-    "NaturalFrequencies": "Natural frequencies",
-    "ModeShapes": "Mode shapes",
-    "SeparationMargins": "Separation margins",
-    "SteadyState": "Steady-state response",
-    "StartupPeaks": "Peaks of the start",
-    "StartupCrossings": "Crossings of 2 × slip frequency",
-    "AllowableStarts": "Allowable starts",
-    "StartCycles": "Cycles of one start",
-    "TorqueReversals": "Torque reversals",
-    "BearingForces": "Bearing forces",
-    "EnergyShares": "Sensitivities",
-    "Effects": "Effects",
-    "Plans": "Plans",
-    "AccuracyCost": "Accuracy and its cost",
-    "Audit": "Audit",
-}
-
-#: Tables with another table close to their right: the caption stands alone.
-SHORT_CAPTIONS = frozenset({"MotorTorque", "LoadTorque", "TorqueTime", "Materials", "SNPoints"})
-
-#: One sentence below the strip of each sheet.
-SHEET_INTROS: Mapping[str, str] = {
-    "Live": "Modes, margins and shaft stiffness of what is typed now, without a start. In cells of "
-    "your own: functions of LiveModel, such as TV_STARTS.",
-    "Case": "What the case is and how it is calculated. Blue on yellow is typed; the unit stands "
-    "in the cell right of the number.",
-    "Train": "The mass-elastic table. Units stand above the headers; a blank cell means what its "
-    "prompt says. Insert table rows where a table is full.",
-    "Torque": "Torque against speed of the motor and of each driven machine; every curve begins "
-    "with the row of its lowest speed.",
-    "Fatigue": "Strength and S-N lines of the shaft materials. Amplitudes are zero-to-peak; "
-    "nominal stress times SCF is compared with them.",
-    "Excitation": "What shakes the train in continuous operation. Leave the table blank for the "
-    "usual: 1× and 2× of every shaft speed, 1× and 2× line frequency.",
-    "Frequencies": "Undamped torsional natural frequencies and mode shapes; rigid-body modes come "
-    "first with frequency 0.",
-    "Margins": "Margin = |f − f_exc| / f_exc, the least over the speeds of continuous operation; "
-    "0 where a line crosses the mode inside them.",
-    "Steady state": "Response to continuous excitation, by default 1 % zero-to-peak of the "
-    "transmitted torque. Stresses include SCF and are compared with UTS/25.",
-    "Start-up": "The start from rest to EndSpeed, or to the end of pull-in or coast-down. Torques "
-    "are at each element's own speed; a mesh's on its From side. Stresses here are nominal, without "
-    "SCF.",
-    "Histories": "Torque, stress or tooth load against time from rest to EndSpeed (the paper's "
-    "Figures 1, 7 and 8). Each point drawn is calculated; the extremes are kept.",
-    "Starts": "Fatigue damage of one start by rainflow count and Miner's rule; allowable starts "
-    "are 1 / damage. Amplitude = half range times SCF; mean stress is ignored.",
-    "Reversals": "Where teeth are unloaded or part in the start: a reversal is one passage of the "
-    "transmitted torque below zero. Torques are those of the From side, at its own speed.",
-    "Effects": "Which effects this case calls for, and the number that decided each. Force one on or "
-    "off in table EffectChoices on sheet Case.",
-    "Accuracy": "What accuracy costs in time, for this very case on this machine.",
-    "Audit": "What was calculated, from which inputs, by which version, method and equations.",
-    "Notes": "How to use this workbook, what it calculates and what its colours mean.",
-    "Trace": "What each number on a result sheet is, by which equation and after which source, and "
-    "what it comes from. Of one cell, with places and values: torsionbook verify FILE --trace 'Sheet!H9'",
-}
 
 #: The damping law of this workbook: formula, and what it shows while ContactLaw is blank.
 CONTACT_LAW: tuple[str, str] = (

@@ -9,7 +9,7 @@ from typing import Any
 from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec, input_table
 from addin.diff.changes import Change, Value
 from addin.diff.units import Units
-from addin.recorded.match_rows import ROW_NAMES, match_rows, row_name
+from addin.recorded.match_rows import match_rows, row_name
 from engine.case.data import ADMINISTRATIVE, TABLES, CaseData
 
 __all__ = ["Renamed", "compare_inputs", "compare_table"]
@@ -156,7 +156,7 @@ def _translated(spec: TableSpec, row: Row, renamed: Renamed) -> dict[str, Any]:
     """A row of the first file under the names of the second."""
     kinds = {one.name: one.kind for one in spec.columns}
     if spec.name in _NAMED:
-        kinds[ROW_NAMES[spec.name][0]] = _NAMED[spec.name]
+        kinds[spec.row_name[0]] = _NAMED[spec.name]
     if spec.name == "Meshes":
         kinds["Element"] = "element"
     return {name: renamed.now(kinds[name], value) for name, value in row.items()}
@@ -166,7 +166,7 @@ def _renamed(
     spec: TableSpec, first: Sequence[Row], second: Sequence[Row], renamed: Renamed
 ) -> dict[str, str]:
     """Rows that are in both under different names: alike in most cells, or in the same place."""
-    key = ROW_NAMES[spec.name][0]
+    key = spec.row_name[0]
     here, there = {row[key] for row in first}, {row[key] for row in second}
     gone = [_translated(spec, row, renamed) for row in first if row[key] and row[key] not in there]
     new = [row for row in second if row[key] and row[key] not in here]
@@ -210,7 +210,7 @@ def _same(before: Value, after: Value) -> bool:
 def _name(spec: TableSpec, row: Row, units: Units) -> str:
     """What a row is called, numbers in the unit shown."""
     shown = []
-    for column in ROW_NAMES[spec.name]:
+    for column in spec.row_name:
         value = row[column]
         if value is not None:
             shown.append(_value_in_words(spec, spec.column(column), value, units))
@@ -220,7 +220,7 @@ def _name(spec: TableSpec, row: Row, units: Units) -> str:
 def _in_words(spec: TableSpec, row: Row, units: Units) -> Iterator[str]:
     for one in spec.columns:
         value = row[one.name]
-        if value is not None and one.name not in ROW_NAMES[spec.name]:
+        if value is not None and one.name not in spec.row_name:
             yield f"{one.name} {_value_in_words(spec, one, value, units)}"
 
 

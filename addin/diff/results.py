@@ -6,13 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from addin.contract.chart_rows import WHOLE_STARTS, workbook_columns
+from addin.contract.live_formulas import WHOLE_STARTS
 from addin.contract.tables import Field, TableSpec, result_table
 from addin.diff.changes import Change, Value, VerdictChange
 from addin.diff.files import COMPARED, Judged
 from addin.diff.inputs import Renamed
 from addin.diff.units import Units
-from addin.recorded.match_rows import ROW_NAMES, match_rows, row_name
+from addin.recorded.match_rows import match_rows, row_name
 from addin.recorded.provenance import DIGEST_ITEM, is_own_of_each_run
 from addin.writing.workbook import VERDICT_UNITS
 
@@ -87,7 +87,7 @@ def compare_rows(
     """
     fields = [
         one
-        for one in workbook_columns(spec)
+        for one in spec.workbook_columns
         if one not in spec.extra_columns and (spec.name, one.name) not in _LEFT_OUT
     ]
     old = [_translated(fields, row, renamed) for row in first if _counts(spec, row)]
@@ -152,7 +152,7 @@ def _is_number(value: object) -> bool:
 def _name(spec: TableSpec, row: Mapping[str, Any]) -> str:
     """What a row is called; a mode is called a mode."""
     shown = []
-    for column in ROW_NAMES[spec.name]:
+    for column in spec.row_name:
         value = row.get(column)
         if value is not None:
             word = "mode " if column == "Mode" else "at " if column == "Applied at" else ""
@@ -166,7 +166,7 @@ def _in_words(
     words = []
     for one in fields:
         value = row.get(one.name)
-        if value is None or value == "" or one.name in ROW_NAMES[spec.name]:
+        if value is None or value == "" or one.name in spec.row_name:
             continue
         unit, factor = units.of_field(spec.name, one, one.name)
         shown = f"{value / factor:.6g} {unit}".rstrip() if _is_number(value) else str(value)

@@ -13,7 +13,6 @@ from addin.diff.changes import Change
 from addin.diff.inputs import Renamed, compare_table
 from addin.diff.results import compare_rows
 from addin.diff.units import Units
-from addin.recorded.match_rows import ROW_NAMES
 from engine.case.study_inputs import STUDY_TABLES
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ __all__ = ["StudyDifferences", "compare_studies"]
 #: Words that follow from the numbers beside them.
 _WORDS = frozenset({"Reason", "Note", "Why", "Broken"})
 #: Result tables that have a name for each row; the others are maps and numbers behind charts.
-_COMPARED = tuple(spec for spec in STUDY_RESULT_TABLES if spec.name in ROW_NAMES)
+_COMPARED = tuple(spec for spec in STUDY_RESULT_TABLES if spec.row_name)
 #: What a combination is in numbers of its case, behind what was chosen; brackets of a maker's name stay.
 _IN_NUMBERS = re.compile(r"(?<=×) \([^()]*\)| \(as is\)$")
 

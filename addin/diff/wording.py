@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
+from addin.contract.tables import find_table
 from addin.diff.changes import Change, Differences, Value
 from addin.diff.files import Side
 from addin.reference.json_schemas import AUDIT_FORMAT
@@ -15,27 +16,6 @@ __all__ = ["as_json", "change_in_words", "in_words", "telling"]
 
 #: Changed results shown of each table unless all are asked for. [count]
 SHOWN = 12
-#: Columns shown unless all are asked for.
-TELLING: Mapping[str, tuple[str, ...]] = {
-    "NaturalFrequencies": ("Frequency", "Largest strain energy"),
-    "SeparationMargins": ("Margin",),
-    "SteadyState": ("Peak-to-peak stress",),
-    "StartupPeaks": ("Maximum torque", "Peak-to-peak stress"),
-    "StartupCrossings": ("Peak-to-peak torque", "Mesh minimum torque"),
-    "AllowableStarts": ("Allowable starts",),
-    "TorqueReversals": ("Minimum torque", "Reversals", "Impacts", "Tooth force"),
-    "Effects": ("On",),
-    "BearingForces": ("Force",),
-    "TuningResults": ("Rank", "Allowable starts", "Worst margin"),
-    "ToleranceStarts": ("P10", "P50", "P90", "Probability"),
-    "ToleranceDrivers": ("Share",),
-    "ToleranceMargins": ("Probability",),
-    "Sensitivities": ("Starts change", "Peak change"),
-    "StartMatrix": ("Outcome", "Allowable starts"),
-    "DamageLedger": ("Used", "Remaining years", "Verdict"),
-    "CalibratedFrequencies": ("After",),
-    "CalibratedParameters": ("Change",),
-}
 #: JSON keys of the kinds of change.
 _KINDS = {
     "changed": "changed",
@@ -103,7 +83,8 @@ def change_in_words(change: Change) -> str:
 
 def telling(name: str, changes: Sequence[Change]) -> list[Change]:
     """The changes of a result table that an engineer asks for first."""
-    columns = TELLING.get(name, ())
+    spec = find_table(name)
+    columns = () if spec is None else spec.changes_shown
     shown = [one for one in changes if one.column in columns and one.kind == "changed"]
     if name == "SeparationMargins":  # the margin nearest to the line
         shown.sort(key=lambda one: min(_size(one.before), _size(one.after)))

@@ -9,8 +9,7 @@ from typing import Any
 
 import xlsxwriter
 
-from addin.contract.studies.registry import STUDY_CAPTIONS
-from addin.contract.texts import CAPTIONS
+from addin.contract.tables import caption
 from addin.diff.changes import Change, Differences
 from addin.diff.files import Side
 from addin.diff.wording import in_words
@@ -157,7 +156,7 @@ def _verdicts(page: Any, formats: _Formats, found: Differences, row: int) -> Non
     first = last = row + 2
     ordered = sorted(found.verdicts, key=lambda one: (one.table != "Verdicts", not one.changed))
     for last, check in enumerate(ordered, first):
-        name = check.row if check.table == "Verdicts" else f"{CAPTIONS[check.table]}: {check.row}"
+        name = check.row if check.table == "Verdicts" else f"{caption(check.table)}: {check.row}"
         page.write_string(last, 0, name, formats.text)
         for k, words in enumerate((check.result_before, check.result_after, check.limit), 1):
             page.write_string(last, k, words, formats.right)
@@ -200,7 +199,7 @@ def _changes(
 
 def _change(page: Any, formats: _Formats, row: int, one: Change) -> None:
     words = formats.quiet if one.administrative else formats.text
-    table = CAPTIONS.get(one.table) or STUDY_CAPTIONS.get(one.table, one.table)
+    table = caption(one.table)
     for k, text in enumerate((table, one.row, one.column, "" if one.unit == "1" else one.unit)):
         page.write_string(row, k, text, words)
     before, after = one.shown(one.before), one.shown(one.after)

@@ -10,63 +10,18 @@ from collections import Counter
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
-__all__ = ["ROW_NAMES", "Pair", "match_rows", "row_name"]
+from addin.contract.tables import find_table
 
-#: Columns that name a row of each table, inputs and results.
-ROW_NAMES: Mapping[str, tuple[str, ...]] = {
-    "Stations": ("Station",),
-    "Elements": ("Element",),
-    "Meshes": ("Element",),
-    "ModeDamping": ("Mode",),
-    "MotorTorque": ("Station", "Speed"),
-    "LoadTorque": ("Station", "Speed"),
-    "TorqueTime": ("Station", "Time"),
-    "Materials": ("Material",),
-    "SNPoints": ("Material", "Cycles"),
-    "Excitations": ("Name",),
-    "EffectChoices": ("Effect",),
-    "Verdicts": ("Check",),
-    "NaturalFrequencies": ("Mode",),
-    "ModeShapes": ("Station",),
-    "SeparationMargins": ("Mode", "Excitation"),
-    "SteadyState": ("Element", "Excitation", "Mode", "Applied at"),
-    "StartupPeaks": ("Element",),
-    "StartupCrossings": ("Mode",),
-    "AllowableStarts": ("Element",),
-    "TorqueReversals": ("Element",),
-    "Effects": ("Effect",),
-    "AccuracyCost": ("Method", "Setting"),
-    "Audit": ("Item",),
-    "StartCycles": ("Amplitude",),
-    "BearingForces": ("Station",),
-    "EnergyShares": ("Quantity", "Of"),
-    "Plans": ("Plan",),
-    "Tuning": ("Element", "Quantity"),
-    "Catalogue": ("Element", "Name"),
-    "Scatter": ("Name", "Quantity"),
-    "StartConditions": ("Condition",),
-    "MeasuredFrequencies": ("Mode",),
-    "MeasuredPeaks": ("Element",),
-    "TuningResults": ("Combination",),
-    "ForbiddenBands": ("Excitation",),
-    "ToleranceStarts": ("Element",),
-    "ToleranceDrivers": ("Factor",),
-    "ToleranceFrequencies": ("Mode",),
-    "ToleranceMargins": ("Mode", "Excitation"),
-    "TolerancePeaks": ("Element",),
-    "Sensitivities": ("Quantity", "Of"),
-    "StartMatrix": ("Condition",),
-    "DamageLedger": ("Element",),
-    "RemainingStarts": ("Element", "Condition"),
-    "FrequencyFit": ("Mode", "Row"),
-    "PeakFit": ("Element", "Row"),
-    "CalibratedFrequencies": ("Mode",),
-    "CalibratedMargins": ("Mode", "Excitation"),
-    "CalibratedParameters": ("Quantity", "Name"),
-}
+__all__ = ["Pair", "match_rows", "row_columns", "row_name"]
 
 #: Places in the first and in the second table; None = no such row there.
 Pair = tuple[int | None, int | None]
+
+
+def row_columns(table: str) -> tuple[str, ...]:
+    """Columns that name a row of a table of inputs or results; empty where rows have no names."""
+    spec = find_table(table)
+    return () if spec is None else spec.row_name
 
 
 def row_name(table: str, row: Mapping[str, Any]) -> tuple[Hashable, ...]:
@@ -84,7 +39,7 @@ def row_name(table: str, row: Mapping[str, Any]) -> tuple[Hashable, ...]:
     tuple
         Words as they are, numbers to 6 significant digits; None for a blank.
     """
-    return tuple(_plain(row.get(column)) for column in ROW_NAMES[table])
+    return tuple(_plain(row.get(column)) for column in row_columns(table))
 
 
 def match_rows(first: Sequence[Hashable], second: Sequence[Hashable]) -> list[Pair]:

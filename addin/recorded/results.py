@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from addin.contract.chart_rows import workbook_columns
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec, result_table
 from addin.writing.workbook import NO_STUDY
@@ -50,7 +49,7 @@ def standing_rows(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> lis
     table = workbook.tables.get(spec.name)
     if table is None:
         return []
-    fields = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
+    fields = [f for f in spec.workbook_columns if f not in spec.extra_columns]
     rows = []
     for number in range(table.data.top, table.data.bottom + 1):
         row: dict[str, Any] = {}
@@ -68,7 +67,7 @@ def _si(spec: TableSpec, one: Field, shown: Any, units: ShownUnits) -> Any:
     """A shown result in SI, as it was before it was written."""
     if isinstance(shown, ErrorValue):
         return shown.code
-    if one.kind == "flag":
+    if one.kind in ("flag", "switch"):
         return {"yes": True, "on": True, "off": False}.get(str(shown), shown)
     if isinstance(shown, float) and one.is_number:
         column = one.name

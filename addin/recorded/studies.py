@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from addin.contract.shown_units import ShownUnits
-from addin.contract.studies.registry import STUDIES, StudyOnSheet
+from addin.contract.studies.registry import STUDIES
+from addin.contract.study_spec import CUT_SHORT, StudySpec
 from addin.contract.tables import STUDY_RESULT_TABLES
 from addin.recorded.results import recorded_fact, standing_rows
 from addin.recorded.study_digests import edited_tables
@@ -27,7 +28,7 @@ _ROWS = re.compile(r"study rows ([0-9a-f]{12})")
 class StudyThere:
     """A study that stands on the sheets of a workbook."""
 
-    on_sheet: StudyOnSheet  #: Which study, its sheet and its command.
+    on_sheet: StudySpec  #: Which study, its sheet and its command.
     sentence: str  #: What it found; who made it, when, from which inputs.
     stamp: str  #: Likewise.
     #: Rows of its result tables by table and header, of tables that the workbook has. [SI]
@@ -78,13 +79,10 @@ def studies_there(read: WorkbookInput, units: ShownUnits) -> tuple[StudyThere, .
     tuple of StudyThere
         Of studies that have been made.
     """
-    from addin.studies.registry import every_study
-    from addin.studies.study import CUT_SHORT
     from engine.case.data import case_digest
     from engine.case.study_inputs import StudyInputs
 
     inputs = StudyInputs() if read.studies is None else read.studies.inputs
-    studies = {study.key: study for study in every_study()}
     digest = case_digest(read.data)
     specs = {spec.name: spec for spec in STUDY_RESULT_TABLES}
     found = []
@@ -95,11 +93,12 @@ def studies_there(read: WorkbookInput, units: ShownUnits) -> tuple[StudyThere, .
         )
         if not (sentence or made):
             continue
-        study = studies[one.key]
-        names = [name for name in (*study.results, *study.charts) if name in specs]
+        names = one.result_names
         tables = {name: standing_rows(read.workbook, specs[name], units) for name in names}
-        rows = rows_digest(study.inputs, inputs)
-        outdated = _outdated(study.inputs, made, digest, stamp, rows) or _unread(study.inputs, read)
+        rows = rows_digest(one.input_names, inputs)
+        outdated = _outdated(one.input_names, made, digest, stamp, rows) or _unread(
+            one.input_names, read
+        )
         edited = edited_tables(read.workbook, (specs[name] for name in names), units, written)
         is_part = sentence.startswith(CUT_SHORT)
         found.append(

@@ -12,7 +12,6 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from addin.contract.chart_rows import workbook_columns
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec
 from addin.xlsx import ErrorValue, Workbook
@@ -52,7 +51,7 @@ def table_digest(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> str:
     if table is None:
         return ""
     columns = table.columns_at
-    ours = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
+    ours = [f for f in spec.workbook_columns if f not in spec.extra_columns]
     places = {f.name: columns[f.name.casefold()] for f in ours if f.name.casefold() in columns}
     worth = {f.name: twelve_digits(_factor(spec, f, units)) for f in ours if f.name in places}
     rows = [

@@ -1,17 +1,11 @@
-"""The function reference docs/functions.md, made from the registry: `python -m addin.reference.functions_page`."""
+"""The page docs/functions.md: the worksheet functions, made from their registry."""
 
 from __future__ import annotations
 
 import inspect
-from pathlib import Path
 
 from addin.worksheet import functions  # noqa: F401  (enters the functions)
 from addin.worksheet.registry import FUNCTIONS, Argument, Function
-
-__all__ = ["PAGE", "reference"]
-
-#: Where the page stands.
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "functions.md"
 
 KINDS = {
     "block": "range with headers and units",
@@ -32,7 +26,7 @@ because a shaft names one.""",
 
 HEAD = """# Worksheet functions
 
-Made from the registry by `python -m addin.reference.functions_page`; do not edit.
+Made from the registry by `make generated`; do not edit.
 
 The same functions answer in every front (desktop Excel, the calculation server, LibreOffice Calc,
 Python), with the same doubles. `TV_MODEL` checks the tables and gives a *handle*, a short
@@ -63,7 +57,7 @@ from another workbook. (Where the format was changed afterwards and the cell sho
 """
 
 
-def reference() -> str:
+def functions_page() -> str:
     """The page."""
     rows = [
         f"| [`{f.name}`](#{f.name.casefold()}) | {_first(f.help)} | {'yes' if f.long else ''} |\n"
@@ -93,7 +87,3 @@ def _named(argument: Argument) -> str:
 def _first(text: str) -> str:
     """The first sentence, or the text to its colon."""
     return text.split(": ")[0].split(". ")[0].rstrip(".")
-
-
-if __name__ == "__main__":
-    PAGE.write_text(reference(), encoding="utf-8")

@@ -1,6 +1,6 @@
 """JSON Schemas of cases, results, verifications, differences and studies, most made from `addin.contract.tables`.
 
-``python -m addin.reference.json_schemas`` writes them into ``addin/schemas``; a test compares.
+``make generated`` writes them into ``addin/reference/schemas``.
 """
 
 from __future__ import annotations
@@ -230,17 +230,21 @@ SCHEMAS = {
 }
 
 
-def write_schemas(folder: Path = SCHEMA_FOLDER) -> None:
-    """Write every schema."""
+def write_schemas(folder: Path = SCHEMA_FOLDER) -> list[Path]:
+    """Write every schema; the files written."""
     from addin.reference.study_schemas import study_schema
     from addin.studies.registry import every_study
 
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     schemas = {name: schema() for name, schema in SCHEMAS.items()}
     schemas |= {study.key: study_schema(study) for study in every_study()}
+    written = []
     for name, schema in schemas.items():
         text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
-        (folder / f"{name}.schema.json").write_text(text, encoding="utf-8", newline="\n")
+        path = folder / f"{name}.schema.json"
+        path.write_text(text, encoding="utf-8", newline="\n")
+        written.append(path)
+    return written
 
 
 def closed_object(properties: dict[str, Any], required: list[str] | None = None) -> dict[str, Any]:
@@ -277,44 +281,19 @@ def _result(spec: Field) -> dict[str, Any]:
     """One result: a number in SI, or words."""
     if spec.kind == "mixed":
         return _described({"type": ["number", "string", "boolean"]}, spec)
-    words = "boolean" if spec.kind == "flag" else "string"
+    words = "boolean" if spec.kind in ("flag", "switch") else "string"
     return _described({"type": spec.kind if spec.is_number else words}, spec)
 
 
 def result_table_schema(table: TableSpec) -> dict[str, Any]:
     """Schema of the rows of a result table."""
     row = closed_object({column.key: _result(column) for column in table.columns})
-    for key in table.json_only:
-        row["properties"][key] = _JSON_ONLY[key]
-    if "unlimited" in table.json_only and "allowable_starts" in row["properties"]:
+    row["properties"] |= {field.key: _result(field) for field in table.json_only}
+    if table.says_unlimited and "allowable_starts" in row["properties"]:
         row["properties"]["allowable_starts"]["type"] = ["number", "null"]
     if table.repeated is not None:
         row["patternProperties"] = {f"^{table.repeated.key}_[1-9][0-9]*$": _result(table.repeated)}
     return {"description": table.help, "type": "array", "items": row}
-
-
-_JSON_ONLY: dict[str, dict[str, Any]] = {
-    "dimension": {
-        "description": "Dimension of result and limit, which are in its SI unit.",
-        "type": "string",
-    },
-    "frequency": {"description": "Natural frequency. [Hz]", "type": "number"},
-    "judged": {"description": "Whether there is an answer.", "type": "boolean"},
-    "used_low": {"description": "Used, at the lower end of its error.", "type": "number"},
-    "used_high": {"description": "Used, at the upper end of its error.", "type": "number"},
-    "yearly_low": {"description": "Yearly, at the lower end of its error.", "type": "number"},
-    "yearly_high": {"description": "Yearly, at the upper end of its error.", "type": "number"},
-    "excitation_before": {"description": "The nearest one before.", "type": "string"},
-    "before": {"description": "What the case says. [SI]", "type": "number"},
-    "after": {"description": "What explains the measurements. [SI]", "type": "number"},
-    "torque_limit": {"description": "Vibratory limit of the element. [N*m]", "type": "number"},
-    "unlimited": {"description": "No damage: any number of starts.", "type": "boolean"},
-    "starts_low": {"description": "Fewest allowable starts within the error.", "type": "number"},
-    "starts_high": {
-        "description": "Most allowable starts within the error; absent = unlimited.",
-        "type": "number",
-    },
-}
 
 
 def _startup() -> dict[str, Any]:
@@ -411,7 +390,3 @@ def problem_schema() -> dict[str, Any]:
     properties["row"] = {"type": ["integer", "null"]}
     properties["found"] = {"type": ["string", "number", "boolean", "null"]}
     return closed_object(properties, required=list(_PROBLEM_KEYS))
-
-
-if __name__ == "__main__":
-    write_schemas()

@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
+from addin.contract import tables as contract
 from addin.contract.problems import shortened
-from addin.contract.studies.registry import STUDY_CAPTIONS
 from addin.contract.tables import STUDY_RESULT_TABLES
-from addin.contract.texts import CAPTIONS
 from addin.diff.changes import Change, Differences, Value, VerdictChange
 from addin.diff.files import COMPARED
 from addin.diff.wording import change_in_words, in_words, telling
@@ -29,7 +28,6 @@ _DIMENSIONS: Mapping[str, Mapping[str, str]] = {
     spec.name: {field.name: field.dimension for field in spec.columns}
     for spec in (*COMPARED, *STUDY_RESULT_TABLES)
 }
-_CAPTIONS = {**CAPTIONS, **STUDY_CAPTIONS}
 
 
 def earlier_name(found: Differences) -> str:
@@ -129,7 +127,7 @@ def _table(caption: str, found: Iterable[Change], with_table: bool = False) -> T
     )
     rows = []
     for one in found:
-        table = (_CAPTIONS.get(one.table, one.table),) if with_table else ()
+        table = (contract.caption(one.table),) if with_table else ()
         unit = pretty_unit(one.unit)
         rows.append(
             (
@@ -179,7 +177,7 @@ def _verdicts(found: Differences) -> Section:
         blocks.append(_judged("Checks before and after", checks))
     if others:
         some = [
-            replace(one, row=f"{CAPTIONS[one.table]}: {one.row}")
+            replace(one, row=f"{contract.caption(one.table)}: {one.row}")
             for one in others[:_OTHER_VERDICTS]
         ]
         table = _judged("Other verdicts that changed", some)
@@ -276,7 +274,7 @@ def _by_table(results: Iterable[Change]) -> tuple[list[Block], int]:
                 if any(one.kind == kind for one in differing)
             ]
             note = f"Rows that have no counterpart: {', '.join(rows)}." if rows else ""
-            blocks.append(replace(_table(_CAPTIONS[table], some), note=note))
+            blocks.append(replace(_table(contract.caption(table), some), note=note))
     return blocks, shown
 
 

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from addin.charts.data import stiffness_of
-from addin.contract.tables import SCALARS
-from addin.contract.texts import CAPTIONS
+from addin.contract import tables as contract
 from addin.report.document import Block, Column, Paragraph, Section, Table
 from addin.report.equations import by
 from addin.report.layout import folded
@@ -67,7 +66,7 @@ def inputs(subject: Subject) -> Section:
 def _case(subject: Subject) -> Section:
     """Scalars; a blank one with what a blank means, or not at all."""
     rows = []
-    for spec in SCALARS:
+    for spec in contract.SCALARS:
         if spec.group == _TITLE_BLOCK:
             continue
         text, unit = entry_text(subject.read.typed.scalars.get(spec.name), spec, subject.shown)
@@ -115,7 +114,9 @@ def _tables(
 ) -> list[Table]:
     rows = subject.read.typed.tables.get(name, [])
     return (
-        input_tables(name, rows, subject.shown, caption or CAPTIONS[name], groups) if rows else []
+        input_tables(name, rows, subject.shown, caption or contract.caption(name), groups)
+        if rows
+        else []
     )
 
 

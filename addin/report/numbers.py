@@ -150,7 +150,7 @@ _DECIMALS = {
 
 
 def _whole(value: float) -> str:
-    from addin.contract.chart_rows import WHOLE_STARTS
+    from addin.contract.live_formulas import WHOLE_STARTS
 
     floor = math.floor(value * (1.0 + WHOLE_STARTS))
     return f"{floor:,}" if floor < _LARGE else engineering(value)

@@ -45,20 +45,6 @@ _SPECS = {
 }
 #: A margin below this is the rounding of a frequency on the line. [1]
 _NOTHING = 1e-7
-#: Columns of sentences, which take the width that is left.
-_SENTENCES = frozenset({"Description", "Where", "Note", "Why", "Reason", "Value"})
-#: Headers as printed, where the name of the contract needs its context.
-_HEADERS = {
-    "CPM": "Frequency",
-    "Percent speed": "Speed",
-    "Largest strain energy": "Largest strain energy in",
-    "Zero-to-peak stress": "Stress, 0‑pk",
-    "Peak-to-peak stress": "Stress, pk‑pk",
-    "Peak-to-peak torque": "Torque, pk‑pk",
-    "Error": "Estimated error",
-    "Error peak": "Error of peaks",
-    "Error starts": "Error of starts",
-}
 
 
 def input_tables(
@@ -132,12 +118,12 @@ def _typed_table(
 
 
 def _column(field: Field, unit: str) -> Column:
-    header = _HEADERS.get(field.name, field.name)
+    header = field.header
     if field.name == "Percent speed":
         unit = f"{unit} of sync."
     if field.name == "Verdict":
         return Column(header, unit, "verdict")
-    if field.name in _SENTENCES:
+    if field.is_sentence:
         return Column(header, unit, "sentence")
     return Column(header, unit, "number" if field.is_number else "text")
 

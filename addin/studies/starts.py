@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from addin.studies.study import CUT_SHORT, CutShort, Found, Study
+from addin.contract.study_spec import CUT_SHORT
+from addin.studies.study import CutShort, Found, Study
 
 if TYPE_CHECKING:
     from addin.workers.parallel_map import Spread

@@ -32,10 +32,6 @@ if TYPE_CHECKING:
 __all__ = ["CutShort", "Found", "Study", "Studied", "made_of", "study_one", "to_json"]
 
 
-#: How the sentence of a study begins that was cut short.
-CUT_SHORT = "Cut short by Ctrl-C"
-
-
 @dataclass(frozen=True)
 class CutShort:
     """How far a study came before Ctrl-C, where a part of it may be told."""

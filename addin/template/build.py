@@ -22,20 +22,13 @@ from xlsxwriter.utility import xl_cell_to_rowcol, xl_col_to_name, xl_rowcol_to_c
 from addin.charts.data import chart_blocks
 from addin.charts.rows import Rows
 from addin.contract import tables as fields
-from addin.contract.chart_rows import (
-    CHANGE_NAME,
-    CHECK_FORMULAS,
-    NOTES_WIDTH,
-    RUN_FACTS,
-    SHAPE_COLUMNS,
-    WRAPPED,
-    plot_name,
-    text_height,
-    workbook_columns,
-)
 from addin.contract.chart_tables import CHART_TABLES, GROUPS, LABELS
 from addin.contract.charts import CHARTS
+from addin.contract.field import SHAPE_COLUMNS
+from addin.contract.live_formulas import CHANGE_NAME
 from addin.contract.palette import SPEED_GROUPS
+from addin.contract.run_facts import RUN_FACTS
+from addin.contract.sheet import NOTES_WIDTH, Sheet, plot_name, text_height
 from addin.contract.sheets import (
     BLANK_TEXT,
     CASE_HALVES,
@@ -52,32 +45,22 @@ from addin.contract.sheets import (
     STRIP,
     TAB_COLOURS,
     TITLE_BLOCK,
-    Sheet,
 )
 from addin.contract.shown_units import shown_units
 from addin.contract.studies.registry import (
     COLOUR_SCALE,
     STUDIES,
-    STUDY_CAPTIONS,
     STUDY_CHARTS,
     STUDY_FACTS,
-    STUDY_INTROS,
-    STUDY_SCALES,
-    STUDY_SHORT_CAPTIONS,
-    STUDY_VERDICTS,
-    StudyScale,
-    study_lines,
     with_studies,
 )
+from addin.contract.study_spec import StudyScale
 from addin.contract.tables import Field, TableSpec
 from addin.contract.texts import (
-    CAPTIONS,
     CONTACT_LAW,
     EFFECT_NOTES,
     NOTES,
     REVERSAL_NOTES,
-    SHEET_INTROS,
-    SHORT_CAPTIONS,
 )
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
 from addin.reading.workbook import read_workbook
@@ -91,7 +74,7 @@ from addin.template.examples import (
     study_rows,
 )
 from addin.template.live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
-from addin.template.styles import Styles, number_format
+from addin.template.styles import Styles
 from addin.template.variants import VARIANTS, Variant
 from engine.case.effects import EFFECTS
 
@@ -120,9 +103,6 @@ _LONGEST_PROMPT = 255
 _NOT_YET = "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
 
 _CHARTS = {**CHARTS, **STUDY_CHARTS}
-_CAPTIONS = {**CAPTIONS, **STUDY_CAPTIONS}
-_SHORT_CAPTIONS = SHORT_CAPTIONS | STUDY_SHORT_CAPTIONS
-_INTROS = {**SHEET_INTROS, **STUDY_INTROS}
 
 #: Without functions.
 PLAIN = VARIANTS["files"]
@@ -298,8 +278,8 @@ class _Builder:
         page.set_row(0, 28)
         page.set_row(1, 18)
         self._banner(page, sheet)
-        if sheet.name in _INTROS:
-            page.write_string(2, 1, _INTROS[sheet.name], self.style("note"))
+        if sheet.intro:
+            page.write_string(2, 1, sheet.intro, self.style("note"))
         if sheet.freeze:
             page.freeze_panes(*xl_cell_to_rowcol(sheet.freeze))
         self._print_set_up(page, sheet)
@@ -387,7 +367,7 @@ class _Builder:
     def _table(self, sheet: Sheet, spec: TableSpec, row: int, left: int) -> None:
         """Caption, units row, header and data of a table, with drop-downs and prompts."""
         page = self.sheets[sheet.name]
-        columns = workbook_columns(spec)
+        columns = spec.workbook_columns
         self._caption(page, row, left, spec)
         has_units = any(field.has_unit for field in columns)
         header = row + (2 if has_units else 1)
@@ -410,7 +390,7 @@ class _Builder:
             {
                 "name": spec.name,
                 "style": None,
-                "autofilter": spec.name in ("SeparationMargins", "SteadyState"),
+                "autofilter": spec.filtered,
                 "columns": [self._column_options(spec, field, is_input) for field in columns],
             },
         )
@@ -430,11 +410,11 @@ class _Builder:
 
     def _caption(self, page: Any, row: int, left: int, spec: TableSpec) -> None:
         caption, note = self.style("caption"), self.style("note")
-        if spec.name in _SHORT_CAPTIONS:  # another table stands close by
-            page.write_string(row, left, _CAPTIONS[spec.name], caption)
+        if spec.short_caption:  # another table stands close by
+            page.write_string(row, left, spec.caption, caption)
             return
         page.write_rich_string(
-            row, left, caption, _CAPTIONS[spec.name], note, f"   {spec.help}", self.style("plain")
+            row, left, caption, spec.caption, note, f"   {spec.help}", self.style("plain")
         )
 
     def _column_options(self, spec: TableSpec, field: Field, is_input: bool) -> dict[str, Any]:
@@ -444,24 +424,23 @@ class _Builder:
             "header_format": self.style(f"header_{kind}"),
             "format": self._cell_style(spec, field, is_input),
         }
-        formula = CHECK_FORMULAS.get((spec.name, field.name))
-        return options | ({"formula": formula} if formula else {})
+        return options | ({"formula": field.formula} if field.formula else {})
 
     def _cell_style(self, spec: TableSpec, field: Field, is_input: bool) -> Any:
         if is_input:
             return self.style("input" if field.is_number else "input_text")
-        if (spec.name, field.name) in WRAPPED:
+        if field.width:
             return self.style("result_wrap")
-        if field.name.startswith("Verdict"):
+        if field.kind == "verdict":
             return self.style("verdict")
         if field in spec.extra_columns:
-            return self.style("check", number_format(field.name, field.dimension))
+            return self.style("check", field.format)
         if field.kind == "mixed":
             return self.style("result_mixed")
-        if field.kind in ("integer", "flag"):
+        if field.kind in ("integer", "flag", "switch"):
             return self.style("result_center")
         if field.is_number:
-            return self.style("result", number_format(field.name, field.dimension))
+            return self.style("result", field.format)
         return self.style("result_text")
 
     def _unit_cell(self, page: Any, spec: TableSpec, field: Field, row: int, column: int) -> None:
@@ -493,7 +472,7 @@ class _Builder:
     ) -> None:
         is_input = spec in fields.EVERY_INPUT
         style = self._cell_style(spec, field, is_input)
-        formula = CHECK_FORMULAS.get((spec.name, field.name))
+        formula = field.formula
         for k, row in enumerate(range(first, last + 1)):
             value = rows[k].get(field.name) if k < len(rows) else None
             if formula:
@@ -720,18 +699,16 @@ class _Builder:
         for study in STUDIES:
             for sheet, last in ((study.sheet, study.last), *study.also):
                 page = self.sheets[sheet]
-                for row, (formula, style, height) in enumerate(study_lines(study), 3):
+                for row, (formula, style, height) in enumerate(study.lines, 3):
                     first = _column(study.first)
                     page.merge_range(row, first, row, _column(last), "", self.style(style))
                     shown = study.not_yet if row == 3 else ""
                     page.write_formula(row, first, formula, self.style(style), shown)
                     page.set_row(row, height)
-        for table, column in STUDY_VERDICTS:
-            place = self.places[table]
-            at = place.columns[column]
-            self._colours(place.sheet, place.first, at, place.last, at)
-        for scale in STUDY_SCALES:
-            self._scale(scale)
+            self._colour_verdicts(study.results)
+        for study in STUDIES:
+            for scale in study.scales:
+                self._scale(scale)
 
     def _scale(self, scale: StudyScale) -> None:
         """Colours of a map: by size, or against the limit in the same row."""
@@ -781,10 +758,7 @@ class _Builder:
 
     def _verdict_colours(self) -> None:
         """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""
-        for table in ("Verdicts", "SeparationMargins", "SteadyState", "TorqueReversals"):
-            place = self.places[table]
-            column = place.columns["Verdict"]
-            self._colours(place.sheet, place.first, column, place.last, column)
+        self._colour_verdicts(fields.RESULT_TABLES)
         self._colours("Summary", 8, 1, 8, 11)
         place = self.places["Effects"]
         column = place.columns["On"]
@@ -794,6 +768,14 @@ class _Builder:
                 {"type": "cell", "criteria": "==", "value": f'"{word}"',
                  "format": self.style(style)},
             )  # fmt: skip
+
+    def _colour_verdicts(self, specs: Sequence[TableSpec]) -> None:
+        for spec in specs:
+            place = self.places[spec.name]
+            for field in spec.columns:
+                if field.kind == "verdict":
+                    at = place.columns[field.name]
+                    self._colours(place.sheet, place.first, at, place.last, at)
 
     def _colours(self, sheet: str, *area: int) -> None:
         for criteria, words, style in (

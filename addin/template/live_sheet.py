@@ -18,7 +18,7 @@ from addin.contract.sheets import Sheet
 from addin.contract.tables import Field
 from addin.reading.typed_case import CaseInput, Entry, Typed
 from addin.template.charts import Place
-from addin.template.styles import Styles, number_format
+from addin.template.styles import Styles
 from addin.template.variants import Variant
 from addin.worksheet.functions import TABLES
 from addin.worksheet.models import MODELS
@@ -54,6 +54,8 @@ LIVE_SHEET = Sheet(
     "P",
     {},
     freeze="A4",
+    intro="Modes, margins and shaft stiffness of what is typed now, without a start. In cells of "
+    "your own: functions of LiveModel, such as TV_STARTS.",
 )  # fmt: skip
 
 
@@ -345,7 +347,7 @@ class LiveSheet:
         if field.kind == "integer":
             return self._style("result_center")
         if field.is_number:
-            return self._style("result", number_format(field.name, field.dimension))
+            return self._style("result", field.format)
         return self._style("result_text")
 
     # ---- shafts ----------------------------------------------------------------------------------
@@ -372,7 +374,7 @@ class LiveSheet:
     def _shaft(self, k: int, values: Sequence[Any]) -> None:
         row = _MARGINS + 1 + k
         cells = [f"${xl_col_to_name(_SHAFT + j)}{row + 1}" for j in range(len(_GEOMETRY) + 1)]
-        large = number_format("", "torsional stiffness")
+        large = fields.DIMENSIONS["torsional stiffness"].format
         formulas: list[tuple[str, Any]] = [
             (self._typed("Element", k, '{0}&""'), self._style("result_text"))
         ]

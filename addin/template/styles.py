@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from addin.contract.palette import PALETTE
-from addin.contract.result_tables import SHARE_MODES
 
 #: Metric-compatible fonts exist on every system, so that nothing is clipped on another computer.
 FONT = "Arial"
@@ -218,103 +217,6 @@ _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "cf_fail": {"bg_color": PALETTE["fail"], "font_color": PALETTE["fail_ink"]},
     "cf_open": {"bg_color": PALETTE["open"], "font_color": PALETTE["grey"]},
 }
-
-_LARGE = "[>=1000]#,##0;[<=-1000]-#,##0;0.000"
-#: For what may be negative: LibreOffice drops the sign of a negative number in any section but the
-#: first, and in that one shows it of itself.
-_SIGNED = "[<1000]#,##0.00;#,##0"
-_SMALL = "[>=0.01]0.00;[>0]0.00000;0.00"
-#: Errors of a study span many decades.
-_STUDIED = "[>=0.01]0.000;[>=0.000001]0.000000;0.0E+00"
-
-#: Number format of a result by its dimension; typed numbers stay as typed.
-_NUMBER_FORMATS: Mapping[str, str] = {
-    "count": "0",
-    "frequency": "0.000",
-    "cycles per minute": "#,##0.0",
-    "fraction": _SMALL,
-    "ratio": "0.0000",
-    "speed": "0.0",
-    "time": "0.000",
-    "calculation time": "[>=100]#,##0;[>=1]0.0;0.00",
-    "deciding number": "[<0.01]0.00000;#,##0.000",
-    "sweep rate": "0.000",
-    "angular acceleration": "0.00",
-}
-
-#: Results whose size says nothing of their dimension.
-_COLUMN_FORMATS: Mapping[str, str] = {
-    "Minimum torque": _SIGNED,
-    "Maximum torque": _SIGNED,
-    "Mesh minimum torque": _SIGNED,
-    "Average torque": _SIGNED,
-    "Load torque": _SIGNED,
-    **dict.fromkeys((f"Share {mode}" for mode in range(1, SHARE_MODES + 1)), "0.0000"),
-    "Damage": "0.000E+00",
-    "Damage check": "0.000E+00",
-    "Damage low": "0.000E+00",
-    "Damage high": "0.000E+00",
-    "Allowed": "0.0000",
-    "Used": "[>=0.001]0.0000;[>0]0.00E+00;0",
-    "Yearly": "[>=0.001]0.0000;[>0]0.00E+00;0",
-    "Left": "0.0000",
-    "Remaining years": "[>=100]#,##0;0.0",
-    "Years low": "[>=100]#,##0;0.0",
-    "Years high": "[>=100]#,##0;0.0",
-    "So far": "General",
-    "Per year": "General",
-    "Loaded starts": "#,##0.0",
-    "Unloaded starts": "#,##0.0",
-    "Remaining starts": "#,##0.0",
-    "Change": "0.00",
-    "Change low": "0.00",
-    "Change high": "0.00",
-    "Margin before": "0.00",
-    "Required before": "0.0",
-    "Reduction": "0.0",
-    "Residual": "0.00",
-    "Residual before": "0.00",
-    "Left-out residual": "0.00",
-    "Pull": "0.00",
-    "Cycles": "#,##0.0",
-    "Cycles to failure": "#,##0",
-    "Allowable starts": "#,##0.0",
-    "Paper count": "#,##0.0",
-    "Starts check": "#,##0.0",
-    "Starts to judge": "#,##0",
-    "Error": "[>=0.01]0.00;[>0]0.00000;0",
-    "Error peak": _STUDIED,
-    "Error starts": _STUDIED,
-    "Percent speed": "0.00",
-    "Percent speed check": "0.00",
-    "Margin": "0.00",
-    "Margin check": "0.00",
-    "Required": "0.0",
-    "Share": "0.0",
-    **dict.fromkeys(
-        (
-            "At P10",
-            "At P90",
-            "Change at P10",
-            "Change at P90",
-            "Peak change",
-            "Peak below",
-            "Peak above",
-            "Starts change",
-            "Starts below",
-            "Starts above",
-        ),
-        "+0.00;-0.00;0.00",
-    ),
-    **dict.fromkeys(("Shift 1", "Shift 2", "Shift 3"), "+0.000;-0.000;0.000"),
-    "Recontact speed": "[>=0.01]0.000;[>0]0.00000;0",
-    "Recontact speed angular": "[>=0.01]0.000;[>0]0.00000;0",
-}
-
-
-def number_format(name: str, dimension: str) -> str:
-    """Number format of a result column."""
-    return _COLUMN_FORMATS.get(name, _NUMBER_FORMATS.get(dimension, _LARGE))
 
 
 class Styles:

@@ -9,31 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from addin.contract.field import ReportedError
+from addin.contract.tables import find_column
 from engine.results.results import Results
 
 __all__ = ["Allowances"]
-
-#: Result columns with the error of the peak torques, and the column whose size it is a share of.
-_OF_PEAKS: Mapping[tuple[str, str], str] = {
-    ("StartupPeaks", "Maximum torque"): "Peak-to-peak torque",
-    ("StartupPeaks", "Minimum torque"): "Peak-to-peak torque",
-    ("StartupPeaks", "Peak-to-peak torque"): "Peak-to-peak torque",
-    ("StartupPeaks", "Peak-to-peak stress"): "Peak-to-peak stress",
-    ("StartupCrossings", "Peak-to-peak torque"): "Peak-to-peak torque",
-    ("StartupCrossings", "Peak-to-peak stress"): "Peak-to-peak stress",
-    ("StartupCrossings", "Mesh minimum torque"): "Mesh minimum torque",
-    ("TorqueReversals", "Minimum torque"): "Minimum torque",
-    ("TorqueReversals", "Margin"): "Margin",
-    ("TorqueReversals", "Tooth force"): "Tooth force",
-    ("TorqueReversals", "Recontact speed"): "Recontact speed",
-    ("TorqueReversals", "Recontact speed angular"): "Recontact speed angular",
-    ("BearingForces", "Force"): "Force",
-    ("StartCycles", "Amplitude"): "Amplitude",
-}
-_OF_STARTS = frozenset({"Damage", "Allowable starts", "Paper count"})
-_OF_FREQUENCIES = frozenset({"Frequency", "CPM"})
-#: Estimates of errors themselves: another version may estimate them otherwise, up to their size.
-_ESTIMATES = frozenset({"Error", "Error peak", "Error starts", "Bound"})
 
 
 class Allowances:
@@ -81,19 +61,24 @@ class Allowances:
         own = row.get(column)
         if isinstance(own, str):
             return self.of_words()
-        if column in _ESTIMATES:
-            return _share(1.0, own)
-        if (table, column) in _OF_PEAKS:
-            return _share(self._peaks, row.get(_OF_PEAKS[table, column]))
-        if table == "AllowableStarts" and column in _OF_STARTS:
-            return _share(self._starts.get(str(row.get("Element"))), own)
-        if table == "StartCycles" and column in ("Damage", "Cycles to failure"):
-            return _share(max(self._starts.values(), default=None), own)
-        if table == "Verdicts" and column == "Result":
-            return self.of_words() and _share(self.of_words(), own)
-        if column in _OF_FREQUENCIES:
-            return _share(self._frequency, own)
-        return None
+        field = find_column(table, column)
+        if field is None or field.error is None:
+            return None
+        return _share(self._error(field.error, row), row.get(field.share_of or column))
+
+    def _error(self, error: ReportedError, row: Mapping[str, Any]) -> float | None:
+        """A reported error, relative. [1]"""
+        if error is ReportedError.PEAKS:
+            return self._peaks
+        if error is ReportedError.STARTS:
+            return self._starts.get(str(row.get("Element")))
+        if error is ReportedError.ALL_STARTS:
+            return max(self._starts.values(), default=None)
+        if error is ReportedError.FREQUENCIES:
+            return self._frequency
+        if error is ReportedError.WORDS:
+            return self.of_words()
+        return 1.0  # another version may estimate an error otherwise, up to its size
 
 
 def _share(error: float | None, size: Any) -> float | None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from addin.contract.problems import CellProblem
+from addin.contract.tables import EVERY_TABLE
 
 __all__ = [
     "AGREEMENTS",
@@ -107,20 +108,9 @@ class Verification:
         return sum(one.of[agreement] for one in self.counts)
 
 
-#: Results in the order in which engineers ask: verdicts, frequencies, margins, steady state, start-up,
-#: reversals, starts, then what explains them, and what is long at the end.
-_ASKED = (
-    ("Verdicts",),
-    ("NaturalFrequencies", "ModeShapes"),
-    ("SeparationMargins",),
-    ("SteadyState",),
-    ("StartupPeaks", "StartupCrossings"),
-    ("TorqueReversals", "BearingForces"),
-    ("AllowableStarts",),
-    ("RunFacts", "Effects", "Plans", "AccuracyCost", "Audit"),
-)
-_RANKS = {table: rank for rank, tables in enumerate(_ASKED) for table in tables}
-_ELSEWHERE, _AT_THE_END = len(_ASKED), len(_ASKED) + 1
+#: Places of the results in the order in which engineers ask for them; facts of the run with what explains.
+_RANKS = {spec.name: spec.rank for spec in EVERY_TABLE if spec.rank is not None} | {"RunFacts": 7}
+_ELSEWHERE, _AT_THE_END = 8, 9
 #: What is said of the file as a whole comes before all results.
 _OF_THE_FILE = frozenset({"digest", "settings", "table missing", "not judged"})
 

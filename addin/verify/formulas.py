@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from addin.contract.chart_rows import CHECK_FORMULAS
 from addin.contract.problems import shortened
 from addin.contract.sheets import (
     BLANK_TEXT,
@@ -18,7 +17,7 @@ from addin.contract.sheets import (
     SHEETS,
     TITLE_BLOCK,
 )
-from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES
+from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, Field
 from addin.verify.compare import Standing, agreement
 from addin.verify.findings import Agreement, Finding
 from addin.verify.structure import plain
@@ -75,7 +74,7 @@ def own_formulas(workbook: Workbook) -> list[OwnFormula]:
         for field in spec.extra_columns if table is not None else ():
             assert table is not None
             if field.name.casefold() in {name.casefold() for name in table.columns}:
-                found += _of_column(workbook, table, spec.columns[0].name, field.name)
+                found += _of_column(workbook, table, spec.columns[0].name, field)
     name = workbook.defined_names.get("OverallVerdict")
     if name is not None and name.sheet is not None and name.rect is not None:
         found.append(
@@ -86,9 +85,9 @@ def own_formulas(workbook: Workbook) -> list[OwnFormula]:
     return [*found, *_lines(workbook)]
 
 
-def _of_column(workbook: Workbook, table: Table, first: str, column: str) -> Iterator[OwnFormula]:
+def _of_column(workbook: Workbook, table: Table, first: str, column: Field) -> Iterator[OwnFormula]:
     """The live column of a result table: a formula in every row that holds a result."""
-    at = table.ref.left + table.column_index(column)
+    at = table.ref.left + table.column_index(column.name)
     named = [
         table.ref.left + k for k, c in enumerate(table.columns) if c.casefold() == first.casefold()
     ]
@@ -96,8 +95,8 @@ def _of_column(workbook: Workbook, table: Table, first: str, column: str) -> Ite
         if named and workbook.shown_value(table.sheet, cell_name(row, named[0])) is None:
             continue
         yield OwnFormula(
-            table.sheet, row, at, CHECK_FORMULAS[table.name, column], f"live column {column}",
-            table.name, column,
+            table.sheet, row, at, column.formula, f"live column {column.name}",
+            table.name, column.name,
         )  # fmt: skip
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Iterator
 
-from addin.contract.chart_rows import workbook_columns
 from addin.contract.problems import shortened
 from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, TableSpec
 from addin.verify.findings import Finding
@@ -68,7 +67,7 @@ def odd_columns(workbook: Workbook) -> Iterator[Finding]:
 
 def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Iterator[Finding]:
     """Columns that are none of ours; with one of ours missing, nobody can say which is which."""
-    ours = {field.name.casefold(): field.name for field in workbook_columns(spec)}
+    ours = {field.name.casefold(): field.name for field in spec.workbook_columns}
     missing = [name for key, name in ours.items() if key not in map(str.casefold, table.columns)]
     part = workbook.sheet_part(table.sheet)
     for k, name in enumerate(table.columns):
@@ -92,7 +91,7 @@ def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Itera
 
 def _as_cells(workbook: Workbook, spec: TableSpec) -> tuple[str, str] | None:
     """Sheet and cell where the headers of a table that is none any more begin."""
-    wanted = [plain(field.name) for field in workbook_columns(spec)[:_TELLING]]
+    wanted = [plain(field.name) for field in spec.workbook_columns[:_TELLING]]
     for sheet in workbook.sheet_names:
         if not workbook.sheet_bytes(sheet):
             continue

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from addin.contract.problems import shortened
-from addin.recorded.match_rows import ROW_NAMES, match_rows, row_name
+from addin.contract.tables import find_column, find_table
+from addin.recorded.match_rows import match_rows, row_columns, row_name
 from addin.recorded.provenance import is_own_of_each_run
 from addin.verify.allowances import Allowances
 from addin.verify.compare import Standing, agreement, is_rounding
@@ -17,24 +18,6 @@ from addin.xlsx import ErrorValue
 
 __all__ = ["Compared", "Expected", "Stands", "compare_tables"]
 
-#: Tables whose numbers come from one run in time; the others from linear algebra alone. A number
-#: of either family differs by chance only if its whole family does.
-_OF_THE_START = frozenset(
-    {
-        "StartupPeaks",
-        "StartupCrossings",
-        "AllowableStarts",
-        "TorqueReversals",
-        "StartCycles",
-        "BearingForces",
-        "AccuracyCost",
-    }
-)
-#: Columns of wall times, which no calculation gives twice.
-_WALL_TIMES = frozenset({("Effects", "Time"), ("AccuracyCost", "Time")})
-#: Tables that another version may word or order otherwise.
-_WORDED = frozenset({"Audit", "Effects", "Plans", "AccuracyCost"})
-_WORDED_COLUMNS = frozenset({"Where", "Note", "Why", "Reason"})
 #: Share of the numbers of a family that must be reproduced for the others to be called edited. [1]
 _REPRODUCED = 0.9
 
@@ -140,11 +123,11 @@ def compare_tables(
             row, there = expected.rows[pair[0]], stands.rows[pair[1]]
             for cell in _compare_row(expected, stands, row, there, allowances, one, known_version):
                 compared.append(replace(cell, scale=scales[cell.column]))
-        numbers[expected.name in _OF_THE_START] += sum(one.of)
+        numbers[_of_the_start(expected.name)] += sum(one.of)
     reproduced = {
         family: count
         and 1.0
-        - sum(not c.is_rounding for c in compared if (c.table in _OF_THE_START) == family) / count
+        - sum(not c.is_rounding for c in compared if _of_the_start(c.table) == family) / count
         >= _REPRODUCED
         for family, count in numbers.items()
     }
@@ -153,11 +136,31 @@ def compare_tables(
     for cell in compared:
         if (cell.table, cell.column) in columns:
             continue
-        sure = bool(same_version and same_inputs and reproduced[cell.table in _OF_THE_START])
+        sure = bool(same_version and same_inputs and reproduced[_of_the_start(cell.table)])
         finding = _finding(cell, within, sure, same_words)
         if finding is not None:
             findings.append(finding)
     return counts, findings
+
+
+def _of_the_start(table: str) -> bool:
+    """Whether a table's numbers come from the run in time; the others from linear algebra alone.
+
+    A number of either family differs by chance only if its whole family does.
+    """
+    spec = find_table(table)
+    return spec is not None and spec.of_the_start
+
+
+def _worded(table: str, column: str = "") -> bool:
+    """Whether another version may word a table or one of its columns otherwise."""
+    spec, field = find_table(table), find_column(table, column)
+    return (spec is not None and spec.worded) or (field is not None and field.kind == "sentence")
+
+
+def _is_wall_time(table: str, column: str) -> bool:
+    field = find_column(table, column)
+    return field is not None and field.wall_time
 
 
 def _scale(rows: Sequence[Mapping[str, Any]], column: str) -> float:
@@ -169,7 +172,7 @@ def _scale(rows: Sequence[Mapping[str, Any]], column: str) -> float:
 def _paired(expected: Expected, stands: Stands) -> list[tuple[int | None, int | None]]:
     """Rows matched by name; those whose very name was changed are matched by their order."""
     plain = [{h: s.value for h, s in row.items()} for row in stands.rows]
-    if expected.name not in ROW_NAMES:
+    if not row_columns(expected.name):
         return match_rows(range(len(expected.rows)), range(len(plain)))
     pairs = match_rows(
         [row_name(expected.name, row) for row in expected.rows],
@@ -184,8 +187,8 @@ def _paired(expected: Expected, stands: Stands) -> list[tuple[int | None, int | 
 
 
 def _name(expected: Expected, row: Mapping[str, Any]) -> str:
-    names = ROW_NAMES.get(expected.name)
-    if names is None:
+    names = row_columns(expected.name)
+    if not names:
         return ""
     shown = (row.get(column) for column in names)
     return ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in shown if v is not None)
@@ -194,7 +197,7 @@ def _name(expected: Expected, row: Mapping[str, Any]) -> str:
 def _one_sided(
     expected: Expected, stands: Stands, pair: tuple[int | None, int | None], same_words: bool
 ) -> Iterable[Finding]:
-    fails = same_words or expected.name not in _WORDED
+    fails = same_words or not _worded(expected.name)
     if pair[0] is not None:
         name = _name(expected, expected.rows[pair[0]])
         if expected.name == "Audit" and is_own_of_each_run(name):
@@ -232,7 +235,7 @@ def _compare_row(
         found = there.get(column)
         if found is None:
             continue
-        if (expected.name, column) in _WALL_TIMES or (
+        if _is_wall_time(expected.name, column) or (
             expected.name == "Audit" and column == "Value" and is_own_of_each_run(name)
         ):
             counts.not_compared += 1
@@ -271,7 +274,7 @@ def _finding(cell: Compared, within: Agreement, sure: bool, same_words: bool) ->
     else:
         fails = cell.agreement > within
         kind, said = "different", f"{_shown(found)} stands here, {_shown(wanted)} follows"
-        worded = cell.table in _WORDED or cell.column in _WORDED_COLUMNS
+        worded = _worded(cell.table, cell.column)
         if fails and worded and not same_words and not cell.is_number:
             fails, said = False, f"{said}, in the words of this version"
         elif not fails:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from addin.contract.chart_rows import workbook_columns
 from addin.contract.tables import (
     INPUT_TABLES,
     RESULT_TABLES,
@@ -18,9 +17,8 @@ from addin.contract.tables import (
     Field,
     TableSpec,
 )
-from addin.contract.trace_table import traced_columns
 from addin.reading.workbook import WorkbookInput
-from addin.recorded.match_rows import ROW_NAMES
+from addin.recorded.match_rows import row_columns
 from addin.writing.recalculate import Unreadable, read_checked
 from addin.xlsx import ErrorValue, Table, Workbook
 from addin.xlsx.references import cell_name, parse_cell, split_sheet
@@ -57,9 +55,9 @@ def traced(source: Path, wanted: str) -> Iterator[str]:
     )
     if not match or spec is None:
         raise ValueError(f"'{wanted}' is no result table; there are {', '.join(_RESULTS)}.")
-    columns = [f for f in traced_columns(spec) if not match[2] or _is(f, match[2], spec)]
+    columns = [f for f in spec.every_column if not match[2] or _is(f, match[2], spec)]
     if not columns:
-        names = ", ".join(f.name for f in traced_columns(spec))
+        names = ", ".join(f.name for f in spec.every_column)
         raise ValueError(f"table {spec.name} has no column '{match[2]}'; it has {names}.")
     for field in columns:
         yield f"{spec.name}[{field.name}]"
@@ -89,14 +87,14 @@ def _cell(traced_workbook: _Traced, wanted: str) -> Iterator[str]:
             continue
         header = table.columns[column - table.ref.left]
         field = next(
-            (f for f in workbook_columns(spec) if f.name.casefold() == header.casefold()), None
+            (f for f in spec.workbook_columns if f.name.casefold() == header.casefold()), None
         )
         if field is None:
             raise ValueError(
                 f"{wanted} is in a column of your own, {header}, of table {spec.name}."
             )
         context = traced_workbook.row_of(table, spec, row)
-        name = ", ".join(str(context[c]) for c in ROW_NAMES[spec.name] if c in context)
+        name = ", ".join(str(context[c]) for c in spec.row_name if c in context)
         shown = traced_workbook.shown(table, column, row)
         yield f"{table.sheet}!{cell_name(row, column)} = {shown}: {spec.name}[{field.name}], row {name}"
         yield from _definition(field)
@@ -196,7 +194,7 @@ class _Traced:
     def _rows(self, name: str, table: Table, context: Mapping[str, Any]) -> list[int]:
         """Rows of a table that the context names; all of them where it names none."""
         rows = range(table.data.top, table.data.bottom + 1)
-        keys = [c for c in ROW_NAMES.get(name, ()) if c in context and c in table.columns]
+        keys = [c for c in row_columns(name) if c in context and c in table.columns]
         if name == "Excitations":
             keys = ["Name"] if "Excitation" in context else []
         spec = _RESULTS.get(name)
@@ -230,7 +228,7 @@ class _Traced:
         unit = ""
         spec = _RESULTS.get(table.name) or _INPUTS[table.name]
         header = table.columns[column - table.ref.left]
-        fields = workbook_columns(spec) if table.name in _RESULTS else spec.columns
+        fields = spec.workbook_columns if table.name in _RESULTS else spec.columns
         if any(f.name == header and f.has_unit for f in fields):
             unit = str(
                 self.workbook.shown_value(table.sheet, cell_name(table.ref.top - 1, column)) or ""

@@ -7,14 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from addin.calculation.calculation import Calculation
-from addin.contract.chart_rows import workbook_columns
 from addin.contract.problems import shortened
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
 from addin.contract.version import RELEASED, product_version
 from addin.reading.workbook import WorkbookInput, read_workbook
 from addin.recorded.provenance import Recorded, of_workbook
 from addin.recorded.studies import studies_there
-from addin.template.styles import number_format
 from addin.verify.allowances import Allowances
 from addin.verify.chart_sources import compare_copies, compare_drawings
 from addin.verify.charts import compare_charts, drawn_elements
@@ -341,8 +339,8 @@ def _without_digits(table: str, stands: Stands) -> Iterator[Finding]:
 def _own_formats(table: str) -> dict[str, str]:
     """Number formats of a result table as shipped: a coarser one in the file allows nothing more."""
     spec = next((one for one in _RESULTS if one.name == table), None)
-    columns = workbook_columns(spec) if spec is not None else ()
-    return {one.name: number_format(one.name, one.dimension) for one in columns if one.is_number}
+    columns = spec.workbook_columns if spec is not None else ()
+    return {one.name: one.format for one in columns if one.is_number}
 
 
 def _facts_compared(

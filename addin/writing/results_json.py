@@ -143,7 +143,7 @@ def storable(value: Any) -> Any:
 
 def _row(row: Mapping[str, Any], spec: TableSpec) -> dict[str, Any]:
     """One row with plain values; absent ones left out, but for the starts of an unlimited shaft."""
-    known = {column.key for column in spec.columns} | set(spec.json_only)
+    known = {column.key for column in spec.columns} | {field.key for field in spec.json_only}
     values: dict[str, Any] = {}
     for key, value in row.items():
         if key not in known and not _is_repeated(key, spec):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import datetime as dt
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,17 +18,10 @@ from addin.calculation.run_view import RunView
 from addin.charts.data import accuracy_block, accuracy_title, chart_blocks
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract import tables as fields
-from addin.contract.chart_rows import (
-    CHECK_FORMULAS,
-    ROOMS,
-    RUN_FACTS,
-    WHOLE_STARTS,
-    WRAPPED,
-    plot_name,
-    text_height,
-    workbook_columns,
-)
 from addin.contract.chart_tables import CHART_TABLES, FORCES, HISTORIES, LABELS, METHODS
+from addin.contract.live_formulas import WHOLE_STARTS
+from addin.contract.run_facts import RUN_FACTS
+from addin.contract.sheet import plot_name, text_height
 from addin.contract.shown_units import ShownUnits, shown_units
 from addin.contract.tables import Field, TableSpec
 from addin.recorded.study_digests import stated_digests, twelve_digits
@@ -78,12 +71,6 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartEvents",
     "ChartAccuracy",
 }
-#: Columns in which no number means that there is no limit.
-_STARTS = frozenset(
-    {"Allowable starts", "Paper count", "Cycles to failure", "Remaining starts", "Remaining years"}
-)
-#: Flags that are shown as on or off; all others as yes or nothing.
-_SWITCHES = frozenset({"On"})
 #: Words on sheet Accuracy until the study has been run.
 NO_STUDY = (
     "Errors are those this calculation estimates, times those it took. Error against time by the "
@@ -410,9 +397,9 @@ def chart_tables(
 def _result_block(
     spec: TableSpec, results: Sequence[Mapping[str, Any]], units: ShownUnits
 ) -> TableData:
-    columns = [f for f in workbook_columns(spec) if f not in spec.extra_columns]
+    columns = [f for f in spec.workbook_columns if f not in spec.extra_columns]
     rows = [[shown_cell(spec, f, row, units) for f in columns] for row in results]
-    formulas = {f.name: CHECK_FORMULAS[spec.name, f.name] for f in spec.extra_columns if rows}
+    formulas = {f.name: f.formula for f in spec.extra_columns if rows}
     return TableData(spec.name, rows, [f.name for f in columns], formulas)
 
 
@@ -437,13 +424,12 @@ def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: Sho
     """
     value = row.get(field.key)
     if value is None:
-        if field.name not in _STARTS:
+        if not field.unlimited:
             return None
         # A row that does not say whether its starts are limited is of no whole start.
-        says = "unlimited" in spec.json_only
-        return "not judged" if says and "unlimited" not in row else "unlimited"
+        return "not judged" if spec.says_unlimited and "unlimited" not in row else "unlimited"
     if isinstance(value, bool):
-        if field.name in _SWITCHES:
+        if field.kind == "switch":
             return "on" if value else "off"
         return "yes" if value else None
     if field.kind == "mixed":
@@ -451,7 +437,7 @@ def shown_cell(spec: TableSpec, field: Field, row: Mapping[str, Any], units: Sho
     if not field.is_number:
         return str(value)
     if not math.isfinite(value):
-        return "unlimited" if field.name in _STARTS else "unbounded"
+        return "unlimited" if field.unlimited else "unbounded"
     name = spec.repeated.name if spec.repeated and field.name not in _names(spec) else field.name
     factor = units.factors.get((spec.name, field.name), units.factor(spec.name, name))
     return int(value) if field.kind == "integer" else float(value) / factor
@@ -621,7 +607,8 @@ def _present(workbook: Workbook, wanted: Sequence[TableData]) -> list[TableData]
 
 def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
     """Some tables have a fixed room; what does not fit is in the JSON only."""
-    if data.name not in ROOMS:
+    spec = fields.find_table(data.name)
+    if spec is None or not spec.room:
         return data
     count = len(data.rows)
     while count > 1 and workbook.obstacles({data.name: count}):
@@ -634,18 +621,27 @@ def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
     return TableData(data.name, data.rows[:count], data.columns, data.formulas)
 
 
+def _wrapped_columns() -> Iterator[tuple[TableSpec, Field]]:
+    """Columns with sentences that wrap, and their tables."""
+    for spec in fields.EVERY_TABLE:
+        for field in spec.columns:
+            if field.width:
+                yield spec, field
+
+
 def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
     """Row heights of tables with sentences that wrap; rows no longer used get the usual one."""
     by_name = {data.name: data for data in written}
     heights: dict[str, list[float]] = {}
-    for (name, column), width in WRAPPED.items():
+    for spec, field in _wrapped_columns():
+        name = spec.name
         data = by_name.get(name)
-        if data is None or data.columns is None or column not in data.columns:
+        if data is None or data.columns is None or field.name not in data.columns:
             continue
-        at = list(data.columns).index(column)
-        spare = ROOMS[name] - len(data.rows) if name in ROOMS else 0
-        texts = [str(row[at] or "") for row in data.rows] + [""] * max(spare, 0)
-        needed = [text_height(text, width) for text in texts]
+        at = list(data.columns).index(field.name)
+        texts = [str(row[at] or "") for row in data.rows]
+        texts += [""] * max(spec.room - len(data.rows), 0)
+        needed = [text_height(text, field.width) for text in texts]
         known = heights.setdefault(name, needed)
         heights[name] = [max(pair) for pair in zip(known, needed, strict=True)]
     for name, needed in heights.items():

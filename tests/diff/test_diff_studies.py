@@ -12,13 +12,12 @@ import pytest
 from typer.testing import CliRunner
 
 from addin.cli.app import app
-from addin.contract.studies.fields import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES
+from addin.contract.tables import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES
 from addin.diff.changes import Differences
 from addin.diff.compare import compare_files
 from addin.diff.studies import _plain
 from addin.diff.wording import as_json
 from addin.reading.case_json import case_to_json
-from addin.recorded.match_rows import ROW_NAMES
 from addin.reference.json_schemas import diff_schema
 from addin.studies.study import study_one
 from addin.studies.tuning import TUNING
@@ -180,4 +179,4 @@ def test_files_without_studies_have_no_part_on_them(tmp_path: Path) -> None:
 def test_every_row_name_is_a_column_of_its_table() -> None:
     for spec in (*STUDY_INPUT_TABLES, *STUDY_RESULT_TABLES):
         names = {one.name for one in spec.columns}
-        assert set(ROW_NAMES.get(spec.name, ())) <= names, spec.name
+        assert set(spec.row_name) <= names, spec.name

@@ -26,7 +26,7 @@ SCHEMAS = {study.key: study_schema(study) for study in every_study()}
 @pytest.mark.parametrize("study", SCHEMAS)
 def test_the_shipped_schemas_are_those_of_the_studies(study: str) -> None:
     text = (SCHEMA_FOLDER / f"{study}.schema.json").read_text(encoding="utf-8")
-    assert json.loads(text) == SCHEMAS[study], "run: python -m addin.reference.json_schemas"
+    assert json.loads(text) == SCHEMAS[study], "run: make generated"
     jsonschema.Draft202012Validator.check_schema(SCHEMAS[study])
 
 

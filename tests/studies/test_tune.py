@@ -81,7 +81,7 @@ def table(path: Path, name: str) -> list[dict[str, Any]]:
 
 def test_the_json_keeps_to_its_shipped_schema(content: dict[str, Any]) -> None:
     schema = json.loads((SCHEMA_FOLDER / "tuning.schema.json").read_text(encoding="utf-8"))
-    assert schema == study_schema(TUNING), "run: python -m addin.reference.json_schemas"
+    assert schema == study_schema(TUNING), "run: make generated"
     jsonschema.Draft202012Validator(schema).validate(content)
     assert content["study"] == "tuning"
     assert len(content["tuning_results"]) == len(content["choices"]) == 3 * 3 + 1

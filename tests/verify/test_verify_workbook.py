@@ -11,10 +11,8 @@ from pathlib import Path
 import pytest
 from cells_of_tables import cell_of, unit_cell_of
 
-from addin.contract.chart_rows import workbook_columns
 from addin.contract.shipped import template_path
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
-from addin.recorded.match_rows import ROW_NAMES
 from addin.recorded.provenance import is_own_of_each_run
 from addin.studies.accuracy import ACCURACY
 from addin.studies.study import study_one
@@ -136,12 +134,12 @@ def test_no_result_anywhere_can_be_edited_unseen(edited, seed):
     def edit(workbook):
         for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
             table = workbook.table(spec.name)
-            owned = [f.name for f in workbook_columns(spec) if f not in spec.extra_columns]
+            owned = [f.name for f in spec.workbook_columns if f not in spec.extra_columns]
             cells = [
                 cell_of(workbook, spec.name, row, column)
                 for row in range(1, table.data.height + 1)
                 for column in owned
-                if column not in ROW_NAMES[spec.name]
+                if column not in spec.row_name
                 and (spec.name, column) not in {("Effects", "Time"), ("AccuracyCost", "Time")}
                 and not (
                     spec.name == "Audit"

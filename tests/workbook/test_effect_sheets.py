@@ -14,9 +14,8 @@ from made_up_run import PLANS, made_up_run
 from test_write_results import rows_of, with_unit
 
 from addin.charts.data import accuracy_block
-from addin.contract.chart_rows import ROOMS
 from addin.contract.shipped import template_path
-from addin.template.styles import number_format
+from addin.contract.tables import table
 from addin.writing.workbook import ANALYSES, NO_STUDY, RunStamp, write_results, write_study
 from addin.xlsx import open_workbook
 
@@ -177,8 +176,14 @@ def test_empty_tables_are_explained(written: Path, tmp_path: Path) -> None:
 
 def test_no_number_format_drops_the_sign_of_a_torque() -> None:
     # LibreOffice shows a negative number without its sign in a section that is not the first
-    for column in ("Minimum torque", "Maximum torque", "Mesh minimum torque"):
-        assert number_format(column, "torque").startswith("[<1000]")
+    for name, column in (
+        ("StartupPeaks", "Minimum torque"),
+        ("StartupPeaks", "Maximum torque"),
+        ("StartupCrossings", "Mesh minimum torque"),
+        ("TuningResults", "Mesh minimum torque"),
+        ("StartMatrix", "Mesh minimum torque"),
+    ):
+        assert table(name).column(column).format.startswith("[<1000]")
 
 
 @pytest.mark.slow
@@ -188,7 +193,7 @@ def test_reversals_beyond_their_room_are_named_and_cut(tmp_path: Path) -> None:
     run = replace(run, tables=dict(run.tables) | {"TorqueReversals": many})
     report = write_results(SOURCE, tmp_path / "out.xlsx", run, STAMP)
     shown = len(rows_of(tmp_path / "out.xlsx", "TorqueReversals"))
-    assert ROOMS["TorqueReversals"] <= shown <= ROOMS["TorqueReversals"] + 1
+    assert table("TorqueReversals").room <= shown <= table("TorqueReversals").room + 1
     assert any("TorqueReversals" in note and "20 rows" in note for note in report.notes)
     assert len(rows_of(tmp_path / "out.xlsx", "BearingForces")) == 2
 

@@ -12,7 +12,7 @@ import pytest
 from openpyxl.utils import range_boundaries
 
 from addin.contract import tables as fields
-from addin.contract.chart_rows import ROOMS, RUN_FACTS, workbook_columns
+from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheets import SHEETS
 from addin.contract.shipped import template_path
 from addin.reading.workbook import read_workbook
@@ -95,7 +95,7 @@ def test_every_table_stands_on_its_sheet_with_its_columns_and_units(
         assert sheet == spec.sheet
         left, header, right, _ = range_boundaries(ref)
         cells = [book[sheet].cell(header, column) for column in range(left, right + 1)]
-        columns = workbook_columns(spec)
+        columns = spec.workbook_columns
         assert [cell.value for cell in cells] == [field.name for field in columns]
         for cell, field in zip(cells, columns, strict=True):
             unit = changed.get((spec.name, field.name), getattr(field, f"unit_{system}"))
@@ -122,7 +122,7 @@ def test_nothing_stands_below_a_result_table(book: openpyxl.Workbook) -> None:
     for spec in fields.RESULT_TABLES:
         sheet, ref = tables[spec.name]
         left, header, right, bottom = range_boundaries(ref)
-        last = header + ROOMS.get(spec.name, 2000)
+        last = header + (spec.room or 2000)
         below = book[sheet].iter_rows(bottom + 1, min(last, book[sheet].max_row), left, right)
         filled = [cell.coordinate for row in below for cell in row if cell.value is not None]
         assert not filled, f"{spec.name}: {filled}"

@@ -1,24 +1,13 @@
-"""The tables, sheets and captions of each study.
+"""One study a file: input tables, result tables, sheets, charts and lines of words; found by the registry.
 
-==================  ==============================================================================
-module              responsibility
-==================  ==============================================================================
-`calibration`       result tables of the calibration, and where each column comes from; part of
-                    `addin.contract.studies.fields`
-`start_matrix`      result tables of the start matrix and its ledger, and where each column comes
-                    from
-`starts_sheets`     what stands where on the sheets of start matrix, damage ledger and calibration
-`tolerance_sheets`  what stands where on the sheets of tolerances and sensitivities; part of
-                    `addin.contract.studies.registry`
-`tolerances`        result tables of tolerances and sensitivities, and their traces; part of
-                    `addin.contract.studies.fields`
-`tuning`            result tables of a tuning study, and where each column comes from; part of
-                    `addin.contract.studies.fields`
-`traces`            where each result of a study comes from; see `addin.contract.result_tables`
-`fields`            tables of the study sheets: what is to be tried, and what became of it
-`tuning_sheets`     what stands where on the result sheets of a tuning study; part of
-                    `addin.contract.studies.registry`
-`registry`          what stands where on the study sheets of a workbook made with ``torsionbook
-                    new --studies``
-==================  ==============================================================================
+===============  =================================================================================
+module           responsibility
+===============  =================================================================================
+`calibration`    calibration against measurements in workbook and JSON
+`registry`       every study, found in this folder, and what is derived from all of them
+`sensitivities`  sensitivities to each quantity in workbook and JSON
+`start_matrix`   the start matrix and its damage ledger in workbook and JSON
+`tolerances`     tolerances, what the scatter of inputs does to the answers, in workbook and JSON
+`tuning`         tuning, the search for a better coupling, shaft or inertia, in workbook and JSON
+===============  =================================================================================
 """

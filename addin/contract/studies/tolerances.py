@@ -285,11 +285,11 @@ _RESULTS: tuple[TableSpec, ...] = (
     ),
 )  # fmt: skip
 
-_STARTS_TABLE, _, _FREQUENCIES, *_ = _RESULTS
+_OF_STARTS, _OF_FREQUENCIES = _RESULTS[0], _RESULTS[2]
 #: Row of the first thing below table `ToleranceStarts`.
-_BELOW_STARTS = 9 + _STARTS_TABLE.room + 2
+_BELOW_STARTS = 9 + _OF_STARTS.room + 2
 #: Row of the captions below table `ToleranceFrequencies`.
-_BELOW_FREQUENCIES = 8 + _FREQUENCIES.room + 2
+_BELOW_FREQUENCIES = 8 + _OF_FREQUENCIES.room + 2
 
 _SHEETS: tuple[Sheet, ...] = (
     Sheet(

@@ -1,0 +1,30 @@
+"""Facts of the run that stand in the workbook beside the tables: what live formulas need."""
+
+from __future__ import annotations
+
+#: Rows of table `RunFacts`, in this order: what live formulas need, written by the calculation.
+RUN_FACTS: tuple[tuple[str, str], ...] = (
+    ("run_Stamp", "Which inputs the results belong to"),
+    ("run_Software", "Software and version"),
+    ("run_Date", "Date of the calculation, UTC"),
+    ("run_SHA256", "SHA-256 of the inputs"),
+    ("run_Outcome", "How the start ended"),
+    ("run_OutcomeWord", "The same in a word or two"),
+    ("run_StartTime", "Duration of the start [s]"),
+    ("run_SynchronousSpeed", "Synchronous speed [rpm]"),
+    ("run_LineFrequency", "Line frequency [Hz]"),
+    ("run_StartsFactor", "Factor on starts"),
+    ("run_HzPerFrequency", "Hz per unit of NaturalFrequencies[Frequency]"),
+    ("run_HzPerExcitation", "Hz per unit of SeparationMargins[Excitation frequency]"),
+    ("run_PaPerUTS", "Pa per unit of Materials[UTS]"),
+    ("run_PaPerAllowable", "Pa per unit of SteadyState[Allowable]"),
+    ("run_GoverningShaft", "Shaft that table StartCycles belongs to"),
+    ("run_SNExponent", "Its S-N exponent k at the endurance limit"),
+    ("run_Endurance", "Its endurance limit in torsion, unit of StartCycles[Amplitude]"),
+    ("run_NmPerMinimum", "N m per unit of TorqueReversals[Minimum torque]"),
+    ("run_NmPerTransmitted", "N m per unit of TorqueReversals[Transmitted torque]"),
+    ("run_ContactLaw", "Damping law of teeth in contact"),
+    ("run_AccuracySentence", "What the wanted accuracy costs"),
+    ("run_AccuracyReference", "What the errors on sheet Accuracy are measured against"),
+    ("run_AccuracyInputs", "Which inputs sheet Accuracy belongs to"),
+)

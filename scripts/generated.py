@@ -1,0 +1,68 @@
+"""Write every file that is derived from the records: `make generated`.
+
+Schemas, the pages of results and functions, and the workbooks in templates/. Nothing of them is edited by
+hand; a test builds them all and names those that are stale.
+
+    python scripts/generated.py [ROOT]
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+#: What the test says to run.
+COMMAND = "make generated"
+#: Folders that hold derived files alone.
+FOLDERS = ("addin/reference/schemas", "templates")
+
+
+def write_generated(root: Path) -> list[Path]:
+    """Write the derived files below a folder.
+
+    Parameters
+    ----------
+    root : Path
+        The checkout, or an empty folder for a comparison. [path]
+
+    Returns
+    -------
+    list of Path
+        Files written, relative to it.
+    """
+    from addin.reference.functions_page import functions_page
+    from addin.reference.json_schemas import write_schemas
+    from addin.reference.results_page import results_page
+    from addin.template.build import build_all
+
+    pages = {"docs/results.md": results_page(), "docs/functions.md": functions_page()}
+    for name, text in pages.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="\n")
+    written = [root / name for name in pages]
+    written += write_schemas(root / "addin/reference/schemas")
+    written += build_all(root / "templates")
+    return [path.relative_to(root) for path in written]
+
+
+def stale_files(root: Path, fresh: Path) -> list[str]:
+    """What differs from the records in a checkout; `fresh` is a folder to build in. [names]"""
+    written = write_generated(fresh)
+    stale = []
+    for name in written:
+        path = root / name
+        if not path.is_file() or path.read_bytes() != (fresh / name).read_bytes():
+            stale.append(name.as_posix())
+    for folder in FOLDERS:
+        there = {path.relative_to(root) for path in (root / folder).iterdir() if path.is_file()}
+        stale += [f"{name.as_posix()} (of no record)" for name in sorted(there - set(written))]
+    return stale
+
+
+if __name__ == "__main__":
+    # The checkout whose records are used is the one that holds this file.
+    sys.path.insert(0, str(ROOT))
+    for name in write_generated(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT):
+        print(name.as_posix())
