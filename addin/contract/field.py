@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
 from types import MappingProxyType
-from typing import TypedDict, Unpack
+from typing import Any, TypedDict, Unpack
 
 from addin.contract import number_formats as shown
 
@@ -273,9 +273,11 @@ class TableSpec:
         return replace(self.repeated, name=name, key=json_key(name))
 
 
-class _Result(TypedDict, total=False):
-    """What a column of results states beside name and help, see `Field`."""
+class _Stated(TypedDict, total=False):
+    """What else a field states, see `Field`."""
 
+    kind: str
+    group: str
     trace: Trace
     of_row: tuple[str, ...]
     of_case: tuple[str, ...]
@@ -300,9 +302,7 @@ def number(
     blank: str = "",
     us: str = "",
     si: str = "",
-    kind: str = "number",
-    group: str = "",
-    **result: Unpack[_Result],
+    **more: Unpack[_Stated],
 ) -> Field:
     """A number.
 
@@ -320,23 +320,24 @@ def number(
         What a blank means. [sentence]
     us, si : str, optional
         Units of the templates, where those of the dimension do not suit. [units]
-    kind : str, optional
-        ``number`` or ``integer``. [word]
-    group : str, optional
-        Block of sheet `Case`. [name]
-    **result
-        What else a column of results states, see `Field`.
+    **more
+        What else it states, see `Field`.
 
     Returns
     -------
     Field
     """
-    usual = DIMENSIONS[dimension]
+    usual = DIMENSIONS.get(dimension)
+    if usual is None:
+        raise IncompleteRecord(
+            f"column {name} has the dimension {dimension!r}, which is none: add it to DIMENSIONS in "
+            "addin/contract/field.py"
+        )
     return _field(
         Field(
             name=name,
             key=json_key(name),
-            kind=kind,
+            kind="number",
             dimension=dimension,
             unit_us=us or usual.unit_us,
             unit_si=si or usual.unit_si,
@@ -344,23 +345,22 @@ def number(
             choices=(),
             default_text=blank,
             help=help,
-            group=group,
         ),
         equation,
         source,
-        result,
+        more,
     )
 
 
-def _field(plain: Field, equation: str, source: str, result: _Result) -> Field:
-    """A field with what it states as a column of results."""
-    stated = dict(result)
+def _field(plain: Field, equation: str, source: str, more: _Stated) -> Field:
+    """A field with all it states."""
+    stated: dict[str, Any] = dict(more)
     of_row, of_case = stated.pop("of_row", ()), stated.pop("of_case", ())
     if equation:
-        stated["trace"] = Trace(equation, source, of_row, of_case)  # type: ignore[arg-type]
+        stated["trace"] = Trace(equation, source, of_row, of_case)
     if "format" in stated:
         stated["own_format"] = stated.pop("format")
-    return replace(plain, **stated)  # type: ignore[arg-type]
+    return replace(plain, **stated)
 
 
 def integer(
@@ -368,12 +368,10 @@ def integer(
     help: str,
     equation: str = "",
     source: str = "",
-    *,
-    group: str = "",
-    **result: Unpack[_Result],
+    **more: Unpack[_Stated],
 ) -> Field:
     """A whole number without unit."""
-    return number(name, "count", help, equation, source, kind="integer", group=group, **result)
+    return replace(number(name, "count", help, equation, source, **more), kind="integer")
 
 
 def text(
@@ -382,17 +380,15 @@ def text(
     equation: str = "",
     source: str = "",
     *,
-    kind: str = "text",
     choices: tuple[str, ...] = (),
     blank: str = "",
-    group: str = "",
-    **result: Unpack[_Result],
+    **more: Unpack[_Stated],
 ) -> Field:
     """Words: free text, a choice, or the name of a station, element or material; see `number`."""
     plain = Field(
         name=name,
         key=json_key(name),
-        kind=kind,
+        kind="text",
         dimension="none",
         unit_us="",
         unit_si="",
@@ -400,9 +396,8 @@ def text(
         choices=choices,
         default_text=blank,
         help=help,
-        group=group,
     )
-    return _field(plain, equation, source, result)
+    return _field(plain, equation, source, more)
 
 
 def choice(
