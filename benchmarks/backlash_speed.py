@@ -17,7 +17,8 @@ from benchmarks.problems import long_start
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow, TorqueTimeRow
 from engine.case.effect import StartEffects
-from engine.run import analyse, calculate_start
+from engine.model.modal_analysis import analyse
+from engine.run import calculate_start
 from engine.start.start import Start
 
 __all__ = [

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from addin.contract.shipped import template_path
 from addin.writing.recalculate import read_checked
 from benchmarks.plots import INK, plt
-from engine.run import analyse, planned_start
+from engine.model.modal_analysis import analyse
+from engine.run import planned_start
 from engine.start.start import Start
 
 __all__ = ["draw_backlash_start"]

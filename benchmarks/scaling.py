@@ -133,7 +133,8 @@ def _measure_memory(what: str, long: float) -> MemoryRow:
     """Run in a fresh process: its largest resident memory cannot be reset."""
     from benchmarks.backlash_speed import start_with_teeth
     from engine.case.effect import StartEffects
-    from engine.run import analyse, calculate_start
+    from engine.model.modal_analysis import analyse
+    from engine.run import calculate_start
 
     case, mesh = start_with_teeth(bearings=False)
     model = analyse(case).reported

@@ -33,7 +33,7 @@ from engine.studies.tolerances.sample import (  # noqa: E402
     plan_tolerances,
     units_of,
 )
-from engine.studies.tolerances.tolerances import Tolerances, gather  # noqa: E402
+from engine.studies.tolerances.tolerances import Tolerances, summarise_sample  # noqa: E402
 from tests.sample_case import sample_case  # noqa: E402
 
 __all__ = ["PAGE", "measured"]
@@ -107,7 +107,7 @@ def whole(design: str, samples: int, jobs: int) -> Whole:
     plan = plan_tolerances(case, ROWS, ToleranceSettings(samples))
     with spread_over(jobs, None, lambda: False) as spread:
         answers = spread(_timed, units_of(plan), _tell_done(plan.n_runs))
-    found = gather(plan, [answer for answer, _ in answers])
+    found = summarise_sample(plan, [answer for answer, _ in answers])
     cpu = time.process_time() - own + sum(spent for _, spent in answers)
     return Whole(design, time.perf_counter() - began, cpu, found)
 

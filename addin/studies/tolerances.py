@@ -42,7 +42,7 @@ def _calculate(
         units_of,
     )
     from engine.studies.tolerances.tables import tolerance_details, tolerance_tables
-    from engine.studies.tolerances.tolerances import gather
+    from engine.studies.tolerances.tolerances import summarise_sample
 
     on_stage("plain run")
     plan = plan_tolerances(case, inputs.scatter, ToleranceSettings(**settings))
@@ -61,7 +61,7 @@ def _calculate(
                 f"{FEWEST_SAMPLES} bound no P10."
             )
         cut = CutShort(drawn, plan.n_samples, _cut_short(drawn, plan.n_samples))
-    found = gather(plan, parts)
+    found = summarise_sample(plan, parts)
     return Found(
         found,
         tolerance_tables(found),

@@ -47,9 +47,9 @@ def _calculate(
     from engine.studies.tuning.tuning import (
         band_rows,
         crossing_rows,
-        gather,
         in_typed_units,
         map_rows,
+        rank_combinations,
         ranked_rows,
         uncalculated_rows,
     )
@@ -66,7 +66,7 @@ def _calculate(
     tried = [one for batch in as_far(spread, calculate_batch, batches, done) for one in batch]
     if not tried:
         raise Cancelled(why=f"None of {len(every):,} combinations was calculated.")
-    result = gather(case, plan, tried)
+    result = rank_combinations(case, plan, tried)
     missing = uncalculated_rows(plan, result)
     ranked, crossings = [*ranked_rows(result), *missing], crossing_rows(result)
     as_typed = in_typed_units(case, result, inputs.units)

@@ -150,7 +150,12 @@ def tv_tune(
     from engine.studies.tuning.checks import tuning_problems
     from engine.studies.tuning.combinations import plan_tuning
     from engine.studies.tuning.evaluate import calculate_combination
-    from engine.studies.tuning.tuning import TuningResult, gather, in_typed_units, ranked_rows
+    from engine.studies.tuning.tuning import (
+        TuningResult,
+        in_typed_units,
+        rank_combinations,
+        ranked_rows,
+    )
 
     found = MODELS.of(model)
     inputs = _read(found, {"Tuning": tuning, "Catalogue": catalogue})
@@ -167,7 +172,7 @@ def tv_tune(
     def calculate() -> TuningResult:
         clock = _Clock("tune")
         tried = clock.each(plan.combinations, lambda one: calculate_combination(found.case, one))
-        return gather(found.case, plan, tried)
+        return rank_combinations(found.case, plan, tried)
 
     result = _kept(found, f"tune {plan.study_digest}", calculate)
     words = {**_usual_units(_system(units, found)), **inputs.units}
@@ -223,7 +228,7 @@ def tv_tolerances(
         units_of,
     )
     from engine.studies.tolerances.tables import tolerance_tables
-    from engine.studies.tolerances.tolerances import gather
+    from engine.studies.tolerances.tolerances import summarise_sample
 
     asked = _one_of("Quantity", quantity or "starts", list(ANSWERS))
     found, plain = _run(model)
@@ -241,7 +246,7 @@ def tv_tolerances(
     def calculate() -> Mapping[str, Any]:
         clock = _Clock("tolerances")
         size = 1 if len(units_of(plan)) == plan.n_runs else 10
-        return tolerance_tables(gather(plan, clock.each(units_of(plan, size), evaluate)))
+        return tolerance_tables(summarise_sample(plan, clock.each(units_of(plan, size), evaluate)))
 
     tables = _kept(found, f"tolerances {plan.digest}", calculate)
     rows = tables[ANSWERS[asked]]

@@ -20,6 +20,7 @@ from engine.model.train import Train
 from engine.start.settings import NEGLIGIBLE, has_start, settings_of
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
+from engine.start.start_model import LARGEST_AMPLIFICATION
 from engine.start.torque_outputs import force_reach, torque_outputs
 
 Floats = NDArray[np.float64]
@@ -36,8 +37,6 @@ SAME_MODE = 0.9
 NEARLY_REACHED = 0.01
 #: Off-diagonal damping below this share of the largest term is rounding.
 COUPLING_ROUNDING = 1e-14
-#: Largest amplification of a mode that the pulsation passes, as in engine.start.start.
-LARGEST_AMPLIFICATION = 20.0
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,7 @@ class Evidence:
     event: StartEvidence | None = None  #: Likewise. [SI]
 
 
-def gather(
+def collect_evidence(
     case: CaseData,
     train: Train,
     modes: Modes,

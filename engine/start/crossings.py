@@ -13,7 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from engine.case.choices import ElementKind
+from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
+from engine.fatigue.stress import shear_stress
+from engine.model.modal_analysis import ModalModel
 from engine.model.modes import ModalDamping, Modes
 from engine.model.train import Train
 from engine.operation.margins import percent_speed
@@ -264,3 +268,42 @@ def _note(p: _Point, ratio: float, line_frequency: float, reverses: bool | None)
     if reverses is not None:
         said.append("Mesh torque reverses." if reverses else "Mesh torque stays positive.")
     return " ".join(said)
+
+
+def crossings_of(case: CaseData, model: ModalModel, start: Start) -> tuple[Crossing, ...]:
+    """Crossings of a start by the falling 2 × slip frequency.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    model : ModalModel
+        Modes that are reported. [SI]
+    start : Start
+        The start. [SI]
+
+    Returns
+    -------
+    tuple of Crossing
+        Empty where the speed of the motor or of its field is not known. [SI]
+    """
+    ratings = case.ratings
+    if start.runup is None or not ratings.line_frequency or not ratings.synchronous_speed:
+        return ()
+    stress = [
+        float(shear_stress(1.0, e.stress_diameter, e.stress_bore or 0.0))
+        if e.stress_diameter
+        else None
+        for e in case.elements
+    ]
+    meshes = [i for i, e in enumerate(case.elements) if e.kind == ElementKind.GEAR_MESH]
+    return start_crossings(
+        model.train,
+        model.modes,
+        model.damping,
+        start,
+        ratings.line_frequency,
+        ratings.synchronous_speed,
+        stress,
+        meshes,
+    )

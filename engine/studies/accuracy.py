@@ -27,14 +27,15 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.choices import RainflowResidue
+from engine.case.choices import Method, RainflowResidue
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.fatigue.allowable_starts import shaft_fatigue
 from engine.model.load import loads_of
+from engine.model.modal_analysis import analyse
 from engine.model.motor import motors_of
 from engine.results.results import AccuracyRow
-from engine.run import NEWMARK, Planned, analyse, calculate_start, planned_start
+from engine.run import PlannedStart, calculate_start, planned_start
 from engine.start.settings import has_start
 from engine.start.simulation import simulate
 from engine.start.start import Start
@@ -137,14 +138,14 @@ def _nothing(case: CaseData) -> AccuracyStudy:
 
 
 def _linear_study(
-    case: CaseData, planned: Planned, rounds: int, tell: Callable[[str], None]
+    case: CaseData, planned: PlannedStart, rounds: int, tell: Callable[[str], None]
 ) -> AccuracyStudy:
     """Both methods on the linear train."""
     ladder = _Ladder(case, planned)
     reference, off = ladder.references(tell)
     rows = [
         *ladder.rows(EXPONENTIAL, EXPONENTIAL, reference, rounds, tell),
-        *ladder.rows(NEWMARK, NEWMARK, reference, rounds, tell),
+        *ladder.rows(Method.NEWMARK, Method.NEWMARK, reference, rounds, tell),
     ]
     text = (
         f"Compared with the exponential step at {REFERENCE * ladder.finest(EXPONENTIAL):.3g} s, "
@@ -152,14 +153,14 @@ def _linear_study(
         + _checked(off)
         + _timed(rounds)
     )
-    sentence = _sentence(case, rows, EXPONENTIAL, NEWMARK, "")
+    sentence = _sentence(case, rows, EXPONENTIAL, Method.NEWMARK, "")
     return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])
 
 
 class _Ladder:
     """Starts of one linear train at fixed steps, over the same time."""
 
-    def __init__(self, case: CaseData, planned: Planned) -> None:
+    def __init__(self, case: CaseData, planned: PlannedStart) -> None:
         self.case, self.train = case, planned.model.train
         self.end = planned.linear.outcome.time
         self.outputs = planned.linear.output_of_element
@@ -167,7 +168,7 @@ class _Ladder:
         self.model = self._model(planned, tolerance)
         self.strict = self._model(planned, 0.1 * tolerance)
 
-    def _model(self, planned: Planned, tolerance: float) -> StartModel:
+    def _model(self, planned: PlannedStart, tolerance: float) -> StartModel:
         m, effects = planned.model, replace(planned.plan.effects, clearances=())
         motors, loads = motors_of(self.case, m.train), loads_of(self.case, m.train)
         return start_model(
@@ -221,7 +222,7 @@ class _Ladder:
 
 
 def _event_study(
-    case: CaseData, planned: Planned, rounds: int, tell: Callable[[str], None]
+    case: CaseData, planned: PlannedStart, rounds: int, tell: Callable[[str], None]
 ) -> AccuracyStudy:
     """The event-driven start at wanted tolerances, and Newmark on the linear train."""
 
@@ -246,7 +247,7 @@ def _event_study(
     if has_start(case):
         ladder = _Ladder(case, planned)
         linear, _ = ladder.references(tell)
-        rows += ladder.rows(NEWMARK, NEWMARK_LINEAR, linear, rounds, tell)
+        rows += ladder.rows(Method.NEWMARK, NEWMARK_LINEAR, linear, rounds, tell)
         papers = (
             "The paper's method has no events: it is studied on the linear train, against the "
             "linear reference. "

@@ -27,10 +27,11 @@ from engine.fatigue.stress import shear_stress
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, operating_range
 from engine.model.links import has_clearance
+from engine.model.modal_analysis import ModalModel, analyse
 from engine.model.modes import modal_damping, modes_of
 from engine.operation.margins import nearest_frequency
 from engine.results.results import Results
-from engine.run import Model, analyse, calculate_start, planned_start
+from engine.run import calculate_start, planned_start
 from engine.start.outcome import StartOutcome
 from engine.start.peaks import worst_outputs
 from engine.start.settings import has_start
@@ -101,7 +102,7 @@ class Recipe:
 class NearTrain:
     """Modes and margins of a train near to the planned one."""
 
-    model: Model  #: Train, modes and damping that are reported. [SI]
+    model: ModalModel  #: Train, modes and damping that are reported. [SI]
     frequency: Floats  #: Wanted elastic frequencies. [Hz] Shape (n_modes,).
     margin: Floats  #: Wanted margins, in the order of `Recipe.margins`. [1] Shape (n_margins,).
 
@@ -240,10 +241,10 @@ def near_train(case: CaseData, recipe: Recipe) -> NearTrain:
     return NearTrain(model, elastic[: recipe.n_modes], margins)
 
 
-def _model(case: CaseData, recipe: Recipe, lateral: bool) -> Model:
+def _model(case: CaseData, recipe: Recipe, lateral: bool) -> ModalModel:
     train = build_train(case, dict(recipe.segments), lateral=lateral)
     modes = modes_of(train)
-    return Model(train, modes, modal_damping(case, train, modes))
+    return ModalModel(train, modes, modal_damping(case, train, modes))
 
 
 def near_start(case: CaseData, recipe: Recipe, near: NearTrain, refined: float = 1.0) -> NearStart:
@@ -305,7 +306,7 @@ def _held(prepared: PreparedStart, held: Held) -> PreparedStart:
     )
 
 
-def replanned_start(case: CaseData) -> tuple[Start, Model]:
+def replanned_start(case: CaseData) -> tuple[Start, ModalModel]:
     """The start of a changed train with a plan of its own.
 
     Parameters
@@ -317,14 +318,14 @@ def replanned_start(case: CaseData) -> tuple[Start, Model]:
     -------
     start : Start
         As `run` would report it. [SI]
-    model : Model
+    model : ModalModel
         The train it was calculated with. [SI]
     """
     planned = planned_start(case, analyse(case))
     return planned.start, planned.model
 
 
-def read_start(case: CaseData, recipe: Recipe, start: Start, model: Model) -> NearStart:
+def read_start(case: CaseData, recipe: Recipe, start: Start, model: ModalModel) -> NearStart:
     """What is asked of a start that was calculated in full.
 
     Parameters
@@ -335,7 +336,7 @@ def read_start(case: CaseData, recipe: Recipe, start: Start, model: Model) -> Ne
         What the plain run decided. [mixed]
     start : Start
         The start. [SI]
-    model : Model
+    model : ModalModel
         The train it was calculated with. [SI]
 
     Returns
@@ -347,7 +348,7 @@ def read_start(case: CaseData, recipe: Recipe, start: Start, model: Model) -> Ne
 
 
 def _read(
-    case: CaseData, recipe: Recipe, model: Model, outcome: StartOutcome, run: SingleRun | Start
+    case: CaseData, recipe: Recipe, model: ModalModel, outcome: StartOutcome, run: SingleRun | Start
 ) -> NearStart:
     """Peaks, reversals and damage of a start."""
     if isinstance(run, Start):

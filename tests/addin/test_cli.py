@@ -21,7 +21,7 @@ from addin.writing import recalculate as recalc
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
 from engine.case.effects import EFFECTS
-from engine.run import COMPILING_EVENTS
+from engine.results.times import COMPILING_EVENTS
 
 ROOT = Path(__file__).resolve().parents[2]
 

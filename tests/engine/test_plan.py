@@ -14,9 +14,17 @@ from engine.case.case import Case
 from engine.case.data import EffectChoiceRow, MeshRow, TorqueTimeRow
 from engine.case.effect import StartEffects
 from engine.case.effects import EFFECTS
-from engine.plan.evidence import BACKLASH_GAIN, ElementMinimum, Evidence, StartEvidence, gather
+from engine.model.modal_analysis import analyse
+from engine.plan.evidence import (
+    BACKLASH_GAIN,
+    ElementMinimum,
+    Evidence,
+    StartEvidence,
+    collect_evidence,
+)
 from engine.plan.plan import first_plan, revised_plan, with_times
-from engine.run import MAX_PLANS, Planned, analyse, planned_start, run
+from engine.results.warnings import MAX_PLANS
+from engine.run import PlannedStart, planned_start, run
 from tests.random_effects import with_bearings, with_dampers, with_judged_shafts
 from tests.random_starts import random_start
 from tests.sample_case import sample_case
@@ -29,7 +37,7 @@ def chosen(case: Case, **choices: str) -> Case:
     return replace(case, effect_choices=rows)
 
 
-def planned(case: Case) -> Planned:
+def planned(case: Case) -> PlannedStart:
     return planned_start(case, analyse(case))
 
 
@@ -323,7 +331,7 @@ def test_prescribed_torques_part_teeth_too():
 
 
 def evidence_of(case: Case) -> Evidence:
-    return gather(case, *prepared(case))
+    return collect_evidence(case, *prepared(case))
 
 
 def test_the_field_is_applied_where_the_rigid_train_comes_to_its_slip():

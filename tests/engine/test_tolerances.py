@@ -28,7 +28,7 @@ from engine.studies.tolerances.sample import (
 from engine.studies.tolerances.tables import tolerance_details, tolerance_tables
 from engine.studies.tolerances.tolerances import (
     Tolerances,
-    gather,
+    summarise_sample,
     tolerances,
 )
 from engine.studies.variation import changed, names_with
@@ -100,7 +100,7 @@ def test_peaks_are_those_of_the_plain_run_whatever_their_sign(case: Case) -> Non
     parts = [evaluate(unit) for unit in units_of(plan)]
     mirrored = tuple(replace(p, maximum=-p.minimum, minimum=-p.maximum) for p in plain.start.peaks)
     other = replace(plan, nominal=replace(plain, start=replace(plain.start, peaks=mirrored)))
-    for same in (gather(plan, parts), gather(other, parts)):
+    for same in (summarise_sample(plan, parts), summarise_sample(other, parts)):
         for p in plain.start.peaks:
             assert p.maximum > -p.minimum > 0.0
             row = same.percentile("peak torque", p.element)
@@ -121,9 +121,9 @@ def test_peaks_are_those_of_the_plain_run_whatever_their_sign(case: Case) -> Non
 @pytest.mark.slow
 def test_the_division_of_the_work_changes_nothing(case: Case) -> None:
     plan = plan_tolerances(case, ROWS, ToleranceSettings(40, 2))
-    whole = gather(plan, [evaluate(u) for u in units_of(plan, 1000)])
+    whole = summarise_sample(plan, [evaluate(u) for u in units_of(plan, 1000)])
     parts = [evaluate(pickle.loads(pickle.dumps(u))) for u in units_of(plan, 7)]
-    in_pieces = gather(plan, parts[::-1])
+    in_pieces = summarise_sample(plan, parts[::-1])
     assert whole.percentiles == in_pieces.percentiles
     assert whole.probabilities == in_pieces.probabilities
     assert whole.drivers == in_pieces.drivers
@@ -253,7 +253,7 @@ def test_every_run_of_a_sample_is_in_the_counts_of_its_outcomes(case: Case) -> N
     assert ended == sum(int(np.sum(part.counted)) for part in parts)
     assert max(counts.values()) > 1
     told = ", ".join(f"{counts[word]} {word}" for word in sorted(counts))
-    got = gather(plan, parts)
+    got = summarise_sample(plan, parts)
     assert any(f"(outcomes of all runs: {told})" in s for s in got.sentences)
     assert got.unfinished == 40 - round(40 * _completed(got))
 
@@ -368,7 +368,7 @@ def test_a_sample_that_reverses_where_the_plan_has_no_gap_is_told(case: Case) ->
     plan = plan_tolerances(gap, rows, settings)
     got = evaluate(units_of(plan, 30)[0])
     assert 0 < np.sum(got.reversed) < 30
-    told = gather(plan, [got])
+    told = summarise_sample(plan, [got])
     assert any(
         "reverses where the plan of the plain run simulates no gap" in s for s in told.sentences
     )
@@ -459,7 +459,7 @@ def test_one_in_fifty_starts_is_calculated_at_half_the_step_however_the_work_is_
     parts = [evaluate(unit) for unit in units_of(plan, 7)]
     rows = [p.first + i for p in parts for i in np.flatnonzero(p.checked) if p.first < 60]
     assert rows == [0, 50]
-    (said,) = (s for s in gather(plan, parts).sentences if "half that step" in s)
+    (said,) = (s for s in summarise_sample(plan, parts).sentences if "half that step" in s)
     worst = float(np.max(whole.by_step[:, 0]))
     assert "tried on 2 of them" in said
     assert 0.0 < worst < 0.01

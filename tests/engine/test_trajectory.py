@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from engine.run import analyse, planned_start
+from engine.model.modal_analysis import analyse
+from engine.run import planned_start
 from engine.start import simulation
 from engine.start.reversals import torque_reversals
 from engine.start.trajectory import Recorder, turning_of

@@ -22,8 +22,8 @@ from engine.studies.tuning.tuning import (
     band_rows,
     best_cases,
     crossing_rows,
-    gather,
     map_rows,
+    rank_combinations,
     ranked_rows,
     tune,
 )
@@ -290,7 +290,7 @@ def test_the_result_does_not_depend_on_who_calculated_what_when(found: TuningRes
         for combination in reversed(plan.combinations):
             yield calculate_combination(CASE, combination)
 
-    again = gather(CASE, plan, backwards())
+    again = rank_combinations(CASE, plan, backwards())
     assert ranked_rows(again) == ranked_rows(found)
     assert map_rows(again) == map_rows(found)
     assert again.sentence == found.sentence

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.run import Planned, analyse, planned_start
+from engine.model.modal_analysis import analyse
+from engine.run import PlannedStart, planned_start
 from engine.start.event_results import ContactRecord
 from engine.start.start import Start
 from tests.hard_cases.corpus import ClearanceCase, FrequencyCase, StartCase
@@ -26,7 +27,7 @@ def frequencies(hard: FrequencyCase) -> Floats:
     return analyse(hard.case()).reported.modes.omega
 
 
-def default_start(hard: StartCase) -> Planned:
+def default_start(hard: StartCase) -> PlannedStart:
     """The start as the plan wants it."""
     return planned_start(hard.case, analyse(hard.case))
 

@@ -53,7 +53,7 @@ def test_a_thousand_stations_by_counting_at_a_few_of_them() -> None:
 
 def test_modes_exactly_at_twice_the_line_and_at_a_fifth_of_a_hertz() -> None:
     case = start_two_line().case
-    from engine.run import analyse
+    from engine.model.modal_analysis import analyse
 
     found = analyse(case).reported.modes.elastic_frequency
     np.testing.assert_allclose(found, [0.2, 120.0], rtol=1e-12)

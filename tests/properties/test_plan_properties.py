@@ -18,7 +18,8 @@ import pytest
 
 from engine.case.case import Case
 from engine.case.data import EffectChoiceRow
-from engine.run import Planned, analyse, judged_starts, planned_start
+from engine.model.modal_analysis import analyse
+from engine.run import PlannedStart, judged_starts, planned_start
 from tests.random_effects import (
     elastic_meshes,
     with_bearings,
@@ -38,7 +39,7 @@ CALCULATED = 2e-5
 class BothWays:
     """One case as planned and with the effect forced on."""
 
-    planned: Planned
+    planned: PlannedStart
     change_peak: float
     change_starts: float
     numerical: float
@@ -49,7 +50,7 @@ def with_choices(case: Case, **choices: str) -> Case:
     return replace(case, effect_choices=rows, tolerance_peak=CALCULATED)
 
 
-def peak_change(a: Planned, b: Planned) -> float:
+def peak_change(a: PlannedStart, b: PlannedStart) -> float:
     """Largest change of an extreme over the larger of the two."""
     other = {p.element: p for p in b.start.peaks}
     sizes = [max(abs(p.maximum), abs(p.minimum)) for p in a.start.peaks]
@@ -63,7 +64,7 @@ def peak_change(a: Planned, b: Planned) -> float:
     return max(changes, default=0.0)
 
 
-def starts_change(case: Case, a: Planned, b: Planned) -> float:
+def starts_change(case: Case, a: PlannedStart, b: PlannedStart) -> float:
     """Largest relative change of the damage of a shaft that has any."""
     first, second = (judged_starts(case, x)[1] for x in (a, b))
     if first is None or second is None:

@@ -15,7 +15,13 @@ from engine.run import run
 from engine.studies.tuning.combinations import plan_tuning
 from engine.studies.tuning.evaluate import answers_of
 from engine.studies.tuning.ranking import merit
-from engine.studies.tuning.tuning import TuningResult, crossing_rows, gather, ranked_rows, tune
+from engine.studies.tuning.tuning import (
+    TuningResult,
+    crossing_rows,
+    rank_combinations,
+    ranked_rows,
+    tune,
+)
 from engine.studies.variation import TUNED, names_with, present
 from tests.random_effects import elastic_meshes, with_clearances, with_dampers
 from tests.random_starts import random_start
@@ -131,7 +137,7 @@ def test_gathering_does_not_depend_on_the_order_of_the_answers(
     found: TuningResult, order: list[int]
 ) -> None:
     tried = [r.tried for r in found.rows]
-    again = gather(GEARED, plan_tuning(GEARED, VALUES), [tried[i] for i in order])
+    again = rank_combinations(GEARED, plan_tuning(GEARED, VALUES), [tried[i] for i in order])
     assert ranked_rows(again) == ranked_rows(found)
 
 

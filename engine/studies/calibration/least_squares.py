@@ -34,9 +34,10 @@ from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
 from engine.errors import ModelError
 from engine.model.build_train import build_train
+from engine.model.modal_analysis import analyse
 from engine.model.modes import Modes, modes_of
 from engine.model.train import Train
-from engine.run import analyse, planned_start
+from engine.run import planned_start
 from engine.studies.scatter import NORMAL, Factor, changes_of
 from engine.studies.variation import INERTIA, STIFFNESS, changed
 
@@ -184,7 +185,7 @@ class FrequencyModel:
     def __init__(self, case: CaseData, unknowns: Unknowns) -> None:
         analysed = analyse(case)
         self.case, self.unknowns = case, unknowns
-        self._segments = dict(analysed.found.segments)
+        self._segments = dict(analysed.subdivided.segments)
         self._lateral = bool(analysed.reported.train.bodies)
         self.base = self._state(case)
 

@@ -36,11 +36,12 @@ from engine.errors import Problem, TorsionError
 from engine.fatigue.allowable_starts import ShaftFatigue
 from engine.fatigue.stress import shear_stress
 from engine.model.load import loads_of
+from engine.model.modal_analysis import analyse
 from engine.model.motor import motors_of
 from engine.model.rigid_runup import rigid_runup
 from engine.operation.margins import percent_speed
 from engine.results.results import Results
-from engine.run import analyse, run
+from engine.run import run
 from engine.start.outcome import Outcome
 from engine.start.settings import has_start, settings_of
 from engine.start.start_fatigue import WHOLE_STARTS, is_counted, judged_shafts

@@ -48,7 +48,7 @@ __all__ = [
     "PercentileRow",
     "ProbabilityRow",
     "Tolerances",
-    "gather",
+    "summarise_sample",
     "tolerances",
 ]
 
@@ -154,7 +154,7 @@ class Tolerances:
 # --- from samples to answers ----------------------------------------------------------------------
 
 
-def gather(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Tolerances:
+def summarise_sample(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Tolerances:
     """The whole result from whatever units were calculated, in any order.
 
     Parameters
@@ -663,4 +663,4 @@ def tolerances(
         done.append(evaluate(unit))
         if on_progress is not None:
             on_progress(unit.first + len(unit.values), plan.n_runs)
-    return gather(plan, done)
+    return summarise_sample(plan, done)

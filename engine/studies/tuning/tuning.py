@@ -4,7 +4,7 @@ The paper ("Philosophy of resonant response location") answers where a mode shou
 own torque curves, acceleration and damping. Here each combination of what may be chosen is started in
 full, so the answer is read off the starts themselves.
 
-`plan_tuning` says what will be calculated, `calculate_combination` is one unit of work, `gather` makes
+`plan_tuning` says what will be calculated, `calculate_combination` is one unit of work, `rank_combinations` makes
 one result of the units, whoever calculated them; `tune` does all three one after the other.
 """
 
@@ -38,7 +38,7 @@ __all__ = [
     "band_rows",
     "best_cases",
     "crossing_rows",
-    "gather",
+    "rank_combinations",
     "in_typed_units",
     "map_rows",
     "ranked_rows",
@@ -123,10 +123,10 @@ def tune(
         done.append(calculate_combination(case, combination))
         if on_progress is not None:
             on_progress(len(done), len(plan.combinations))
-    return gather(case, plan, done)
+    return rank_combinations(case, plan, done)
 
 
-def gather(case: CaseData, plan: TuningPlan, tried: Iterable[Tried]) -> TuningResult:
+def rank_combinations(case: CaseData, plan: TuningPlan, tried: Iterable[Tried]) -> TuningResult:
     """One result of all that was calculated.
 
     Parameters

@@ -1,0 +1,86 @@
+"""What each analysis of a run cost, and how accurate it was."""
+
+from __future__ import annotations
+
+from engine.case.data import CaseData
+from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
+from engine.case.effects import EFFECTS
+from engine.plan.plan import Plan
+from engine.results.results import AccuracyRow
+from engine.start.start import Start
+
+#: Stage in which the loop of runs with events is compiled: its time is no analysis's.
+COMPILING_EVENTS = "compiling the routines for clearances and pull-in, once on this machine"
+
+
+def _totals(spent: list[tuple[str, float]]) -> dict[str, float]:
+    """Wall time of each analysis, its repetitions added up."""
+    total: dict[str, float] = {}
+    for name, wall in spent:
+        total[name] = total.get(name, 0.0) + wall
+    return total
+
+
+def measured_times(plan: Plan, spent: list[tuple[str, float]]) -> dict[str, float]:
+    """Wall time of the effects that have an analysis of their own.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan of the start. [mixed]
+    spent : list of (str, float)
+        Wall time of each analysis, in the order in which they ended. [s]
+
+    Returns
+    -------
+    dict of str to float
+        Effect → wall time. [s]
+    """
+    total = _totals(spent)
+    return {
+        name: total[effect.analysis]
+        for name, effect in EFFECTS.items()
+        if effect.analysis in total and plan.decision(name).on
+    }
+
+
+def accuracy_rows(
+    case: CaseData,
+    start: Start | None,
+    errors: tuple[tuple[str, float | None], ...],
+    spent: list[tuple[str, float]],
+) -> tuple[AccuracyRow, ...]:
+    """Estimated error and time of each analysis of a run.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    start : Start or None
+        The start. [SI]
+    errors : tuple of (str, float or None)
+        Per judged shaft, relative error of its starts; None = unlimited. [1]
+    spent : list of (str, float)
+        Wall time of each analysis, in the order in which they ended. [s]
+
+    Returns
+    -------
+    tuple of AccuracyRow
+        One an analysis, its repetitions added up. [1, s]
+    """
+    total = _totals(spent)
+    last = "start with events" if "start with events" in total else "start"
+    rows = []
+    for name, wall in total.items():
+        if name == COMPILING_EVENTS:
+            continue
+        setting, peak, starts = "", None, None
+        if start is not None and name == last:
+            wanted = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
+            setting = f"{start.method}, tolerance {wanted:.2g}, step {start.step:.3g} s"
+            peak = start.estimated_error
+        if name == "fatigue":
+            setting = f"tolerance {case.tolerance_starts or DEFAULT_TOLERANCE_STARTS:.2g}"
+            starts = max((e for _, e in errors if e is not None), default=None)
+        rows.append(AccuracyRow(name, setting, peak, starts, wall))
+    return tuple(rows)

@@ -1,0 +1,215 @@
+"""Warnings: what a reader must know beside the numbers of a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from engine.case.choices import ElementKind, Method
+from engine.case.data import CaseData
+from engine.case.defaults import DEFAULT_TOLERANCE_STARTS
+from engine.fatigue.allowable_starts import AllowableStarts
+from engine.model.modal_analysis import ModalModel
+from engine.model.motor import motors_of
+from engine.plan.plan import Plan
+from engine.start.outcome import Outcome
+from engine.start.reversals import Reversal
+from engine.start.start import Start
+from engine.start.start_fatigue import judged_shafts
+
+#: A first mode below this frequency, and a start longer than this, look like a wrong unit. [Hz, s]
+LOW_FREQUENCY, LONG_START = 1.0, 60.0
+#: Plans of one run: each new one adds a clearance, and more than these are never seen.
+MAX_PLANS = 5
+
+
+def _unstable_feedback(case: CaseData, model: ModalModel) -> Iterator[str]:
+    """A torque that rises with speed feeds a mode faster than its damping takes energy away."""
+    train, modes, damping = model.train, model.modes, model.damping
+    for motor in motors_of(case, train):
+        rise = float(np.max(motor.average.cubic[:, 1])) / motor.synchronous_speed
+        dof, scale = train.node_dof[motor.station], train.node_scale[motor.station]
+        fed = rise * (modes.shape[dof] * scale) ** 2
+        grown = np.flatnonzero((fed > damping.rate) & (modes.omega > 0.0))
+        if len(grown):
+            mode = int(grown[0])
+            yield (
+                f"The average torque of '{train.stations[motor.station]}' rises with speed faster "
+                f"than the damping of mode {mode - modes.n_rigid + 1} "
+                f"({modes.frequency[mode]:.4g} Hz) takes out: with torque following every "
+                "oscillation of the rotor that mode may grow by itself. Check its damping ratio."
+            )
+
+
+def warnings_of(
+    case: CaseData,
+    model: ModalModel,
+    start: Start | None,
+    starts: AllowableStarts | None,
+    plan: Plan,
+    settled: bool,
+) -> Iterator[str]:
+    """What a reader must know beside the numbers.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    model : ModalModel
+        Modes that are reported. [SI]
+    start : Start or None
+        The start. [SI]
+    starts : AllowableStarts or None
+        Its fatigue. [1]
+    plan : Plan
+        The plan of that start. [mixed]
+    settled : bool
+        False if that plan, too, was found wrong by its run. [flag]
+
+    Yields
+    ------
+    str
+        A warning. [sentence]
+    """
+    modes = model.modes
+    first = modes.elastic_frequency[:1]
+    if len(first) and first[0] < LOW_FREQUENCY:
+        yield (
+            f"The first torsional mode at {first[0]:.3g} Hz is unusually low. Check the units of "
+            "stiffnesses and inertias."
+        )
+    n_elastic = modes.n_modes - modes.n_rigid
+    for row in case.mode_damping:
+        if row.mode is not None and row.mode > n_elastic:
+            yield f"ModeDamping names mode {row.mode}, but the train has {n_elastic} elastic modes."
+    yield from plan.warnings
+    if start is None:
+        yield "No motor torque curve and no prescribed torque: no start was calculated."
+        return
+    tripped = start.outcome.outcome == Outcome.TRIPPED  # its time is that of the coast-down
+    if start.outcome.time > LONG_START and start.runup is not None and not tripped:
+        yield (
+            f"The start takes {start.outcome.time:.0f} s; most take less than {LONG_START:.0f} s. "
+            "Check inertias and torques."
+        )
+    yield from _unstable_feedback(case, model)
+    yield from _run_warnings(start, settled)
+    counted = {e.element for _, e in judged_shafts(case)}
+    for e in case.elements:
+        if e.stress_diameter and e.material and e.element not in counted:
+            yield (
+                f"'{e.element}' has a stress diameter, but its material '{e.material}' has no S-N "
+                "points: its starts were not counted."
+            )
+    if not start.met_tolerance:
+        yield (
+            f"The wanted accuracy of peak torques was not met: estimated error "
+            f"{start.estimated_error:.2g} at a step of {start.step:.3g} s." + _why_not_met(start)
+        )
+    if case.method == Method.NEWMARK and start.method != Method.NEWMARK:
+        yield (
+            "Method newmark has no clearances, field or trip: the start that is reported was "
+            "calculated by the exponential method."
+        )
+    if starts is None and judged_shafts(case):
+        return
+    if starts is None:
+        yield "No shaft has stress diameter, material and S-N points: no starts were counted."
+        return
+    for shaft in starts.shafts:
+        yield from shaft.notes
+    if math.isfinite(case.starts_factor or 1.0) and (case.starts_factor or 1.0) != 1.0:
+        yield f"Allowable starts are divided by StartsFactor {case.starts_factor:g} when judged."
+
+
+def _why_not_met(start: Start) -> str:
+    """What kept a start from a finer step."""
+    if start.is_sensitive or start.sensitivity is None:  # said elsewhere, or a plain start
+        return ""
+    return (
+        " A finer step would take more steps than one calculation is given; raise TolerancePeak, or "
+        "look for modes that ring at every impact."
+    )
+
+
+def starts_accuracy_warnings(
+    case: CaseData, start: Start | None, errors: tuple[tuple[str, float | None], ...]
+) -> Iterator[str]:
+    """Allowable starts that are less accurate than wanted; of a sensitive start that is said.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    start : Start or None
+        The start. [SI]
+    errors : tuple of (str, float or None)
+        Per judged shaft, relative error of its starts; None = unlimited. [1]
+
+    Yields
+    ------
+    str
+        A warning. [sentence]
+    """
+    if start is None or start.is_sensitive:
+        return
+    wanted = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
+    for shaft, error in errors:
+        if error is not None and error > wanted:
+            yield (
+                f"The wanted accuracy of allowable starts of '{shaft}' was not met: estimated error "
+                f"{100.0 * error:.2g} %, wanted {100.0 * wanted:.2g} %."
+            )
+
+
+def pulling_teeth_warnings(
+    case: CaseData, plan: Plan, reversals: tuple[Reversal, ...]
+) -> Iterator[str]:
+    """Teeth without a gap on bearings: a negative torque pulls them along the drive flank.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    plan : Plan
+        The plan of the start. [mixed]
+    reversals : tuple of Reversal
+        Torque reversals of meshes and couplings. [N m]
+
+    Yields
+    ------
+    str
+        A warning. [sentence]
+    """
+    meshes = {e.element for e in case.elements if e.kind == ElementKind.GEAR_MESH}
+    gaps = {m.element for m in case.meshes if m.backlash}
+    for r in reversals:
+        if plan.lateral and r.reversals and r.element in meshes - gaps:
+            yield (
+                f"'{r.element}': the torque falls to {float(f'{r.minimum_torque:.4g}'):,g} N m, but "
+                "with Backlash blank or 0 its teeth cannot part in the calculation: they pull along "
+                "the drive flank instead of pushing on the back flank, and the bearing forces of its "
+                "gears are those of a pull. Give its Backlash in table Meshes to have the teeth part."
+            )
+
+
+def _run_warnings(start: Start, settled: bool) -> Iterator[str]:
+    """What the start itself left open."""
+    if start.uncoupled_dampers:
+        names = ", ".join(f"'{name}'" for name in start.uncoupled_dampers)
+        yield (
+            f"The dampers {names} are so strong for their inertias that they act on each mode for "
+            "itself in the start. Check their damping."
+        )
+    if start.sensitivity is not None and start.sensitivity.sensitive:
+        yield (
+            "Sensitive: a change of the input by 1e-9 may change a peak torque by "
+            f"{start.sensitivity.spread:.2g}; the peaks are one of many equally right answers."
+        )
+    if not settled:
+        yield (
+            f"After {MAX_PLANS} plans the run still reverses torque where no gap is modelled; see "
+            "the reasons of the plans. Force backlash on to model all clearances."
+        )
