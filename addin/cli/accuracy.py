@@ -14,7 +14,7 @@ from addin.contract.problems import printable
 from addin.studies.accuracy import ACCURACY, QUICK_ROUNDS, ROUNDS
 from addin.studies.study import study_one
 from addin.workers.parallel_map import alone
-from engine.studies.accuracy import AccuracyStudy
+from engine.studies.accuracy.accuracy import AccuracyStudy
 
 #: The table on the terminal is at least so wide. [characters]
 TABLE_WIDTH = 110

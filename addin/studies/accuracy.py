@@ -42,7 +42,7 @@ def _calculate(
     from engine.results.tables import accuracy_rows
     from engine.stepping.compiling import is_compiled
     from engine.stepping.linear_loop import advance_start
-    from engine.studies.accuracy import accuracy_study
+    from engine.studies.accuracy.accuracy import accuracy_study
 
     if not is_compiled(advance_start):
         tell(COMPILING)

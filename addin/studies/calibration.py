@@ -30,8 +30,8 @@ def _calculate(
     spread: Spread,
     tell: Callable[[str], None],
 ) -> Found:
-    from engine.studies.calibration.calibration import (
-        calibrate,
+    from engine.studies.calibration.calibration import calibrate
+    from engine.studies.calibration.tables import (
         frequency_rows,
         margin_rows,
         measurement_rows,

@@ -29,16 +29,11 @@ def _calculate(
     on_stage: Callable[[str], None],
 ) -> Found:
     from engine.case.study_inputs import study_digest
-    from engine.studies.sensitivities.sensitivities import (
-        derivative_rows,
-        derivative_units,
-        differences,
-        element_rows,
-        frequency_rows,
-        gather_derivatives,
-        plan_derivatives,
-        tangent_of,
-    )
+    from engine.studies.sensitivities.differences import differences
+    from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
+    from engine.studies.sensitivities.sensitivities import gather_derivatives
+    from engine.studies.sensitivities.tables import derivative_rows, element_rows, frequency_rows
+    from engine.studies.sensitivities.tangent import tangent_of
 
     on_stage("plain run")
     plan = plan_derivatives(case)

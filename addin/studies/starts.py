@@ -13,20 +13,21 @@ if TYPE_CHECKING:
     from engine.case.case import Case
     from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
-    from engine.studies.starts.matrix import ConditionResult, StartCondition
+    from engine.studies.starts.condition_result import ConditionResult
+    from engine.studies.starts.conditions import StartCondition
 
 __all__ = ["STARTS"]
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.studies.starts.matrix import condition_problems
+    from engine.studies.starts.conditions import condition_problems
 
     return condition_problems(case, inputs)
 
 
 def _one(unit: tuple[Case, StartCondition]) -> ConditionResult:
     """One start of the matrix: the unit of work."""
-    from engine.studies.starts.matrix import calculate_condition
+    from engine.studies.starts.condition_result import calculate_condition
 
     return calculate_condition(*unit)
 
@@ -40,7 +41,8 @@ def _calculate(
 ) -> Found:
     from addin.workers.parallel_map import Cancelled, as_far
     from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
-    from engine.studies.starts.matrix import gather_matrix, plan_matrix, start_rows, voltage_rows
+    from engine.studies.starts.matrix import gather_matrix, start_rows, voltage_rows
+    from engine.studies.starts.plan import plan_matrix
 
     plan = plan_matrix(case, inputs, with_standard=bool(settings.get("standard")))
     number = len(plan.units)

@@ -697,8 +697,9 @@ def tv_calibrate(
     modes that are named and peak torques.
     """
     from engine.case.study_inputs import MeasuredFrequencyRow, ScatterRow, StudyInputs
-    from engine.studies.calibration.calibration import calibrate, parameter_rows
+    from engine.studies.calibration.calibration import calibrate
     from engine.studies.calibration.inputs import calibration_problems
+    from engine.studies.calibration.tables import parameter_rows
     from engine.studies.variation import STIFFNESS
 
     found = MODELS.of(model)

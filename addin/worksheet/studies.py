@@ -272,15 +272,11 @@ def tv_sensitivities(model: str, of: str | None, units: str | None, headers: boo
     Frequencies: the relative change over that of the quantity, ± half its share of the energy. Start:
     what + 1 % of each quantity does, by the derivative and in runs at ± 1 %, in at most 30 s.
     """
-    from engine.studies.sensitivities.sensitivities import (
-        derivative_rows,
-        derivative_units,
-        differences,
-        frequency_rows,
-        gather_derivatives,
-        plan_derivatives,
-        tangent_of,
-    )
+    from engine.studies.sensitivities.differences import differences
+    from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
+    from engine.studies.sensitivities.sensitivities import gather_derivatives
+    from engine.studies.sensitivities.tables import derivative_rows, frequency_rows
+    from engine.studies.sensitivities.tangent import tangent_of
 
     asked = _one_of("Of", of or "frequencies", list(FOLLOWING))
     found, plain = _run(model)

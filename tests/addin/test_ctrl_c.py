@@ -52,7 +52,7 @@ def folder(tmp_path) -> Path:
         pytest.param(
             "addin.studies.study.study_one", "accuracy a.xlsx --quick", marks=pytest.mark.slow
         ),
-        ("engine.studies.accuracy.accuracy_study", "accuracy a.xlsx --quick"),
+        ("engine.studies.accuracy.accuracy.accuracy_study", "accuracy a.xlsx --quick"),
         ("addin.verify.file.verify_file", "verify a.xlsx --json a.json"),
         pytest.param(
             "addin.diff.compare.compare_files",

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from engine.case.data import MeshRow, TorqueTimeRow
-from engine.studies.accuracy import AccuracyRow, AccuracyStudy, accuracy_study
-from engine.studies.accuracy import _cost as cost
+from engine.studies.accuracy.accuracy import AccuracyRow, AccuracyStudy, accuracy_study
+from engine.studies.accuracy.accuracy import _cost as cost
 from tests.sample_case import sample_case
 from tests.trains import geared, motor
 

@@ -15,16 +15,16 @@ from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, StationRow
 from engine.case.study_inputs import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
 from engine.run import at_speed
-from engine.studies.calibration.calibration import (
-    Calibration,
-    calibrate,
+from engine.studies.calibration.calibration import calibrate
+from engine.studies.calibration.inputs import calibration_problems, plan_calibration
+from engine.studies.calibration.least_squares import FrequencyModel, maximum_torques, unknowns_of
+from engine.studies.calibration.records import Calibration
+from engine.studies.calibration.tables import (
     frequency_rows,
     margin_rows,
     measurement_rows,
     parameter_rows,
 )
-from engine.studies.calibration.inputs import calibration_problems, plan_calibration
-from engine.studies.calibration.least_squares import FrequencyModel, maximum_torques, unknowns_of
 from engine.studies.scatter import factors_of
 from engine.studies.variation import Change, changed
 from tests.sample_case import sample_case
@@ -593,6 +593,6 @@ def test_rows_are_plain_and_finite(case: Case, frequencies: np.ndarray) -> None:
         assert table
         for row in table:
             for key, value in row.items():
-                assert value is None or type(value) in (str, bool, int, float), key
+                assert value is None or isinstance(value, str | bool | int | float), key
                 assert not isinstance(value, float) or math.isfinite(value), key
     assert pickle.loads(pickle.dumps(found)).sentence == found.sentence

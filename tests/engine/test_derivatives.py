@@ -14,19 +14,16 @@ from engine.model.build_train import build_train
 from engine.model.frequency_derivatives import clusters, frequency_derivatives
 from engine.model.modes import modes_of
 from engine.start.start_fatigue import sn_slope
+from engine.studies.sensitivities.differences import differences
+from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
 from engine.studies.sensitivities.sensitivities import (
     AGREED,
     Derivatives,
-    derivative_rows,
-    derivative_units,
     derivatives,
-    differences,
-    element_rows,
-    frequency_rows,
     gather_derivatives,
-    plan_derivatives,
-    tangent_of,
 )
+from engine.studies.sensitivities.tables import derivative_rows, element_rows, frequency_rows
+from engine.studies.sensitivities.tangent import tangent_of
 from engine.studies.variation import Change, changed
 from tests.sample_case import sample_case
 

@@ -11,15 +11,10 @@ from hypothesis import strategies as st
 
 from engine.case.case import Case
 from engine.case.study_inputs import StartConditionRow, StudyInputs
+from engine.studies.starts.condition_result import NOT_CALCULATED, ConditionResult, ConditionShaft
+from engine.studies.starts.conditions import StartCondition
 from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
-from engine.studies.starts.matrix import (
-    NOT_CALCULATED,
-    ConditionResult,
-    ConditionShaft,
-    StartCondition,
-    StartMatrix,
-    start_matrix,
-)
+from engine.studies.starts.matrix import StartMatrix, start_matrix
 from tests.sample_case import sample_case
 
 

@@ -15,24 +15,25 @@ from engine.case.case import Case
 from engine.case.data import CaseData, EffectChoiceRow, ModeDampingRow
 from engine.case.study_inputs import StartConditionRow, StudyInputs
 from engine.run import run
-from engine.studies.starts.matrix import (
-    LATEST_RESPONSE,
+from engine.studies.starts.condition_result import (
     NOT_CALCULATED,
-    STANDARD_VOLTAGES,
-    TRIP_INSTANTS,
     ConditionResult,
     ConditionShaft,
-    MatrixPlan,
-    StartCondition,
     _row,
     calculate_condition,
+)
+from engine.studies.starts.conditions import (
+    TRIP_INSTANTS,
+    StartCondition,
     condition_case,
     condition_problems,
-    gather_matrix,
+)
+from engine.studies.starts.matrix import gather_matrix, start_matrix, start_rows, voltage_rows
+from engine.studies.starts.plan import (
+    LATEST_RESPONSE,
+    STANDARD_VOLTAGES,
+    MatrixPlan,
     plan_matrix,
-    start_matrix,
-    start_rows,
-    voltage_rows,
 )
 from tests.sample_case import sample_case
 
@@ -341,7 +342,7 @@ def test_of_several_instants_the_worst_stands_in_the_row(case: Case) -> None:
         )
         return ConditionResult(
             one, "tripped", "tripped", shafts=shafts, governing="A" if a >= b else "B",
-            allowable_starts=1.0 / max(a, b), judged=True, note="Tripped.",
+            allowable_starts=1.0 / max(a, b), judged=True, remarks=("Tripped.",),
         )  # fmt: skip
 
     damage = (

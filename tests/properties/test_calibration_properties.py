@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from engine.case.case import Case
 from engine.case.study_inputs import MeasuredFrequencyRow, ScatterRow, StudyInputs
 from engine.run import at_speed
-from engine.studies.calibration.calibration import Calibration, calibrate
+from engine.studies.calibration.calibration import calibrate
 from engine.studies.calibration.least_squares import FrequencyModel, unknowns_of
+from engine.studies.calibration.records import Calibration
 from engine.studies.scatter import factors_of
 from engine.studies.variation import STIFFNESS, names_with
 from tests.strategies import cases

@@ -1,9 +1,15 @@
 """Starts under every combination of conditions, and the damage they add up to. All values in SI.
 
-===============  =================================================================================
-module           responsibility
-===============  =================================================================================
-`matrix`         starts at every voltage, hot and cold, loaded and unloaded, whole and aborted
-`damage_ledger`  damage ledger: what a duty has used of each shaft's life, and what is left
-===============  =================================================================================
+==================  ==============================================================================
+module              responsibility
+==================  ==============================================================================
+`conditions`        kinds of starts as they are typed in `StartConditions`: their checks, and the
+                    case each makes
+`condition_result`  one start of a matrix, calculated: outcome, largest torque, damage and starts
+                    of each judged shaft
+`plan`              which starts a matrix calculates: the conditions that are typed, or the
+                    standard matrix
+`matrix`            starts at every voltage, hot and cold, loaded and unloaded, whole and aborted
+`damage_ledger`     damage ledger: what a duty has used of each shaft's life, and what is left
+==================  ==============================================================================
 """

@@ -18,7 +18,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 
 from engine.case.result_words import Judgement
-from engine.studies.starts.matrix import ConditionResult, ConditionShaft, StartMatrix
+from engine.studies.starts.condition_result import ConditionResult, ConditionShaft
+from engine.studies.starts.matrix import StartMatrix
 
 __all__ = [
     "DamageLedger",

@@ -1,0 +1,96 @@
+"""What a calibration says of parameters, frequencies and measurements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from engine.case.data import CaseData
+from engine.operation.margins import MarginRow
+
+
+@dataclass(frozen=True)
+class CalibratedParameter:
+    """One uncertain quantity, before and after."""
+
+    quantity: str  #: Stiffness, inertia, damping or damping ratio.
+    name: str  #: Whose; several that change together are joined by commas.
+    #: What the case says, and what explains the measurements best; None for several. [SI]
+    before: float | None
+    after: float | None  #: Likewise. [SI]
+    change: float  #: After over before, less 1. [1]
+    change_low: float  #: The same at the ends of its 95 % interval. [1]
+    change_high: float  #: Likewise. [1]
+    prior_deviation: float  #: Standard deviation before and after measuring, over the value. [1]
+    posterior_deviation: float  #: Likewise. [1]
+    reduction: float  #: Share of the variance that the measurements took away. [1]
+    pull: float  #: Change in prior standard deviations. [1]
+    determined: str  #: ``determined``, ``partly`` or ``not determined``.
+    note: str  #: What a reader must know.
+
+
+@dataclass(frozen=True)
+class CalibratedFrequency:
+    """One elastic mode, before and after."""
+
+    mode: int  #: Of the case, counted from 1.
+    calibrated_mode: int  #: Its number after calibration.
+    before: float  #: Calculated frequency. [Hz]
+    after: float  #: Likewise. [Hz]
+    #: Standard deviation of it from the uncertain quantities, over the frequency. [1]
+    prior_deviation: float
+    posterior_deviation: float  #: Likewise. [1]
+    measured: float | None  #: What it was measured as; None = it was not. [Hz, 1]
+    uncertainty: float | None  #: Likewise. [Hz, 1]
+    mac: float  #: How far its shape is that of before: 1 the same, 0 another. [1]
+    known: bool  #: Whether a margin may take it as measured.
+    why: str  #: Why it may or may not.
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One measurement and what became of it."""
+
+    kind: str  #: ``frequency`` or ``peak torque``.
+    row: int  #: Row of its table.
+    of: str  #: Mode or element it was taken for; empty where there is none.
+    measured: float  #: As typed. [Hz or N m]
+    uncertainty: float  #: Standard deviation over it. [1]
+    before: float | None  #: Calculated; None where it was taken for nothing. [Hz or N m]
+    after: float | None  #: Likewise. [Hz or N m]
+    #: Calculated minus measured over the standard deviation, before and after. [1]
+    residual_before: float | None
+    residual: float | None  #: Likewise. [1]
+    #: The residual if all others, and not it, had been used, in its standard deviations. [1]
+    left_out_residual: float | None
+    used: bool  #: Whether it entered the calibration.
+    explained: bool  #: Whether a change within the spread explains it.
+    note: str  #: What to do about it.
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What the measurements say of the case."""
+
+    parameters: tuple[CalibratedParameter, ...]  #: Every uncertain quantity. [rows]
+    frequencies: tuple[CalibratedFrequency, ...]  #: Modes of interest. [rows]
+    measurements: tuple[Measurement, ...]  #: Every measurement, frequencies first. [rows]
+    chi_square: float  #: Least sum of squares of changes and residuals. [1]
+    degrees: int  #: Measurements used, with which it is compared.
+    probability: float  #: That chance alone makes it as large. [1]
+    explained: bool  #: Whether everything measured is explained within the spread.
+    #: Judged margins of the case, and of the calibrated one on its basis. [rows]
+    margins_before: tuple[MarginRow, ...]
+    margins_after: tuple[MarginRow, ...]  #: Likewise. [rows]
+    required_before: float  #: Required margin of each. [1]
+    required_after: float  #: Likewise. [1]
+    basis_before: str  #: ``calculated`` or ``measured``.
+    basis: str  #: Likewise.
+    basis_justified: bool  #: Whether the measurements justify ``measured``.
+    basis_reason: str  #: Why.
+    calibrated: CaseData  #: The calibrated case. [SI]
+    starts: int  #: Starts calculated for the peak torques.
+    complete: bool  #: False where it was stopped before the peak torques were used.
+    sentence: str  #: What it comes to.
+    notes: tuple[str, ...]  #: What was assumed or left out.
+    case_sha256: str  #: Digests of the case and of the rows. [hex]
+    study_sha256: str  #: Likewise. [hex]

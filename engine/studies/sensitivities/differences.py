@@ -1,0 +1,94 @@
+"""Sensitivities by differences: the answers of trains changed up and down by a little."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from engine.errors import ModelError
+from engine.start.start_fatigue import judged_shafts
+from engine.studies.nearby_start import (
+    near_start,
+    near_train,
+)
+from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativeUnit, Floats
+from engine.studies.variation import (
+    Change,
+    changed,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Differences:
+    """Derivatives with respect to one parameter by differences of whole starts."""
+
+    index: int  #: Place in the plan.
+    #: ∂ln(largest torque)/∂ln p of each element, and its error. [1] Shape (n_elements,).
+    peak: Floats
+    peak_error: Floats  #: Likewise. [1] Shape (n_elements,).
+    #: ∂ln(allowable starts)/∂ln p of each judged shaft; 0 where they are unlimited. [1] Shape
+    #: (n_judged,).
+    starts: Floats
+    starts_error: Floats  #: Likewise. [1] Shape (n_judged,).
+    #: ln of the largest torque at − 1 % and + 1 %, over the stated one. [1] Shape (2, n_elements).
+    peak_ends: Floats
+    starts_ends: Floats  #: ln of the starts there, over the stated one. [1] Shape (2, n_judged).
+    trouble: str = ""  #: Why there is none; else empty.
+
+
+# --- differences ----------------------------------------------------------------------------------
+
+
+def differences(unit: DerivativeUnit) -> Differences:
+    """Derivatives with respect to one parameter by central differences of whole starts.
+
+    Parameters
+    ----------
+    unit : DerivativeUnit
+        Which parameter. [names]
+
+    Returns
+    -------
+    Differences
+        Derivatives with their errors. [1]
+    """
+    n, judged = len(unit.case.elements), len(judged_shafts(unit.case))
+    quantity, name = unit.parameter
+    found = []
+    try:
+        for share in (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE):
+            case = changed(unit.case, [Change(quantity, name, 1.0 + share)])
+            found.append(near_start(case, unit.recipe, near_train(case, unit.recipe)))
+    except ModelError as wrong:
+        e, j = np.zeros((2, n)), np.zeros((2, judged))
+        return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, str(wrong))
+    trouble = ""
+    if not all(s.counted for s in found):
+        trouble = "A start with this quantity changed by 1 % does not come to its end."
+    elif any(s.sensitive for s in found):
+        trouble = "A start with this quantity changed by 1 % is sensitive."
+    peak = np.array([_log(s.largest) for s in found])
+    starts = np.array([_log(s.damage, -1.0) for s in found])
+    return Differences(
+        unit.index,
+        *_extrapolated(peak),
+        *_extrapolated(starts),
+        peak[[0, -1]] - peak[3],
+        starts[[0, -1]] - starts[3],
+        trouble,
+    )
+
+
+def _log(values: Floats, power: float = 1.0) -> Floats:
+    """Logarithm of a power; 0 where there is nothing."""
+    return power * np.log(np.where(values > 0.0, values, 1.0))
+
+
+def _extrapolated(found: Floats) -> tuple[Floats, Floats]:
+    """Richardson's derivative from two central differences, and their difference."""
+    _, low_wide, low, _, high, high_wide, _ = found
+    wide = (high_wide - low_wide) / (math.log1p(WIDE) - math.log1p(-WIDE))
+    narrow = (high - low) / (math.log1p(NARROW) - math.log1p(-NARROW))
+    return narrow + (narrow - wide) / 3.0, np.abs(narrow - wide)

@@ -1,0 +1,257 @@
+"""Kinds of starts as they are typed in `StartConditions`: their checks, and the case each makes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from engine.case.checks.find_problems import find_problems
+from engine.case.data import CaseData
+from engine.case.study_inputs import StartConditionRow, StudyInputs
+from engine.errors import Problem
+from engine.start.settings import has_start
+from engine.studies.variation import DAMPING_RATIO, LOAD_TORQUE, Change, changed
+
+TABLE = "StartConditions"
+#: Instants of one period at which a standard trip is tried. [count]
+TRIP_INSTANTS = 8
+#: More load than this is a percent sign forgotten. [1]
+LARGEST_LOAD = 2.0
+#: Scalars of the case that a row changes → the column it is typed in.
+_COLUMN_OF = {
+    "Voltage": "Voltage",
+    "DampingRatio": "Damping ratio",
+    "ModeDamping": "Damping ratio",
+    "TripSpeed": "Trip speed",
+}
+
+
+@dataclass(frozen=True)
+class StartCondition:
+    """One kind of start, blanks filled from the case."""
+
+    name: str  #: Unique in the matrix.
+    voltage: float = 1.0  #: Over the voltage of the torque curves. [1]
+    #: Of all elastic modes; None = what the case says, which may be blank. [1]
+    damping_ratio: float | None = None
+    load: float = 1.0  #: Share of LoadTorque. [1]
+    #: Where it is aborted, of the reference shaft; None = it is not. [rad/s]
+    trip_speed: float | None = None
+    #: The speed gained in the period over which the trip is tried; 0 = this one instant. [rad/s]
+    trip_span: float = 0.0
+    per_year: float = 0.0  #: Duty. [1/year, count]
+    so_far: float = 0.0  #: Likewise. [1/year, count]
+    row: int | None = None  #: Row of `StartConditions`; None = of the standard matrix.
+    why: str = ""  #: Why the standard matrix has it; empty for a row.
+
+    @property
+    def has_duty(self) -> bool:
+        """Whether such starts have happened or will. [flag]"""
+        return self.per_year > 0.0 or self.so_far > 0.0
+
+    @property
+    def instants(self) -> tuple[StartCondition, ...]:
+        """The same with each trip speed that is tried: what is calculated for it. [rad/s]"""
+        if self.trip_speed is None or self.trip_span == 0.0:
+            return (self,)
+        return tuple(
+            replace(
+                self, trip_speed=self.trip_speed + k / TRIP_INSTANTS * self.trip_span, trip_span=0.0
+            )
+            for k in range(TRIP_INSTANTS)
+        )
+
+
+# --- what was typed -------------------------------------------------------------------------------
+
+
+def condition_problems(
+    case: CaseData,
+    studies: StudyInputs,
+    bad_cells: frozenset[tuple[str, int | None, str]] = frozenset(),
+) -> tuple[Problem, ...]:
+    """Everything wrong with `StartConditions`.
+
+    Parameters
+    ----------
+    case : CaseData
+        A checked case. [SI]
+    studies : StudyInputs
+        Its rows. [SI]
+    bad_cells : frozenset of (table, row, column)
+        Cells the reader has already reported; nothing is said of them again. [names]
+
+    Returns
+    -------
+    tuple of Problem
+        Empty if the matrix may be calculated; at most one problem a cell. [count]
+    """
+    found: dict[tuple[str, int | None, str], Problem] = {}
+    for problem in _problems(case, studies.start_conditions):
+        place = (problem.table, problem.row, problem.column)
+        if place not in bad_cells:
+            found.setdefault(place, problem)
+    return tuple(sorted(found.values(), key=lambda p: p.row or 0))
+
+
+def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Problem]:
+    if not has_start(case):
+        yield Problem(
+            TABLE,
+            None,
+            "",
+            None,
+            "a case with a motor torque curve",
+            "the case has no rows in table MotorTorque, so there is no start whose voltage, load or "
+            "trip speed could be changed. Give the motor's torque curve on sheet Torque.",
+        )
+        return
+    names: dict[str, int] = {}
+    for number, row in enumerate(rows, start=1):
+        yield from _name(number, row, names)
+        yield from _numbers(number, row, bool(case.load_torque))
+        yield from _of_the_changed_case(case, number, replace(row, load=None))
+
+
+def _name(number: int, row: StartConditionRow, names: dict[str, int]) -> Iterator[Problem]:
+    if not row.condition:
+        yield Problem(
+            TABLE,
+            number,
+            "Condition",
+            None,
+            "a name",
+            "the cell is blank; it must be a name. Name this kind of start, such as 'weak supply, "
+            "loaded'.",
+        )
+    elif row.condition in names:
+        yield Problem(
+            TABLE,
+            number,
+            "Condition",
+            row.condition,
+            "a name of its own",
+            f"found '{row.condition}', which row {names[row.condition]} has too; it must be a name "
+            "of its own. Rename one, or add up their duty in one row.",
+        )
+    else:
+        names[row.condition] = number
+
+
+def _numbers(number: int, row: StartConditionRow, has_load: bool) -> Iterator[Problem]:
+    """Numbers that no column of the case would check."""
+    for column, value, allowed, most in (
+        ("Load", row.load, "from 0 to 2 (200 % of LoadTorque)", LARGEST_LOAD),
+        ("Per year", row.per_year, "zero or more, and finite", math.inf),
+        ("So far", row.so_far, "zero or more, and finite", math.inf),
+    ):
+        if value is not None and not (math.isfinite(value) and 0.0 <= value <= most):
+            action = "Write 80 % or 0.8." if column == "Load" else "Count such starts."
+            yield Problem(
+                TABLE,
+                number,
+                column,
+                value,
+                allowed,
+                f"found {value:.6g}; it must be {allowed}. {action}",
+            )
+    if row.load not in (None, 1.0) and not has_load:
+        yield Problem(
+            TABLE,
+            number,
+            "Load",
+            row.load,
+            "blank",
+            f"found {row.load:.6g}, but the case has no rows in table LoadTorque that it could be a "
+            "share of. Clear the cell, or give the load curve on sheet Torque.",
+        )
+
+
+def _of_the_changed_case(case: CaseData, number: int, row: StartConditionRow) -> Iterator[Problem]:
+    """What the checks of a case say of the changed one, in the column where it was typed."""
+    for problem in find_problems(condition_case(case, condition_of_row(case, number, row))):
+        column = _COLUMN_OF.get(problem.table) or _COLUMN_OF.get(problem.column)
+        if column is None:
+            continue  # wrong with the case itself, which is told elsewhere
+        said = problem.message
+        if problem.table == "ModeDamping":
+            said = (
+                f"found {row.damping_ratio:.6g}: table ModeDamping is scaled with DampingRatio, and "
+                f"its row {problem.row} then says {problem.found:.6g}, which must be "
+                f"{problem.allowed}. Lower the damping ratio."
+            )
+        found = row.damping_ratio if problem.table == "ModeDamping" else problem.found
+        yield Problem(TABLE, number, column, found, problem.allowed, said, problem.quoted)
+
+
+def condition_of_row(case: CaseData, number: int, row: StartConditionRow) -> StartCondition:
+    """A row with its blanks filled.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    number : int
+        Its row, from 1. [count]
+    row : StartConditionRow
+        What was typed. [SI]
+
+    Returns
+    -------
+    StartCondition
+        Blanks are those of the case. [SI]
+    """
+    voltage = case.voltage or 1.0
+    return StartCondition(
+        name=row.condition or f"row {number}",
+        voltage=voltage if row.voltage is None else row.voltage,
+        damping_ratio=row.damping_ratio,
+        load=1.0 if row.load is None else row.load,
+        trip_speed=case.trip_speed if row.trip_speed is None else row.trip_speed,
+        per_year=row.per_year or 0.0,
+        so_far=row.so_far or 0.0,
+        row=number,
+    )
+
+
+# --- one start ------------------------------------------------------------------------------------
+
+
+def condition_case(case: CaseData, condition: StartCondition) -> CaseData:
+    """The case as a kind of start changes it.
+
+    A damping ratio stands in the place of DampingRatio, and `ModeDamping` is scaled in the same
+    proportion: hot or cold oil changes all modes alike. Where the case states no DampingRatio there
+    is no proportion, and `ModeDamping` stays. Dampers and loss factors stay, too. A trip speed is
+    asked for: an effect choice that forces aborted starts off is not kept beside it.
+
+    Parameters
+    ----------
+    case : CaseData
+        The case. [SI]
+    condition : StartCondition
+        The kind of start. [SI]
+
+    Returns
+    -------
+    CaseData
+        The changed case, not yet checked. [SI]
+    """
+    new = replace(
+        CaseData(**vars(case)), voltage=condition.voltage, trip_speed=condition.trip_speed
+    )
+    if condition.trip_speed is not None:
+        choices = tuple(
+            c for c in new.effect_choices if (c.effect, c.choice) != ("aborted start", "off")
+        )
+        new = replace(new, effect_choices=choices)
+    changes = []
+    if condition.load != 1.0:
+        stations = dict.fromkeys(str(p.station) for p in case.load_torque)
+        changes = [Change(LOAD_TORQUE, name, condition.load) for name in stations]
+    ratio = condition.damping_ratio
+    if ratio is not None and case.damping_ratio:
+        changes.append(Change(DAMPING_RATIO, "", ratio / case.damping_ratio))
+    new = changed(new, changes) if changes else new
+    return new if ratio is None else replace(new, damping_ratio=ratio)
