@@ -11,8 +11,6 @@ from addin.reading.typed_case import CaseInput, Entry, Typed
 from addin.template.examples import Example, Value
 from engine.case.data import TABLES
 
-__all__ = ["MixedUnits", "example_of"]
-
 
 class MixedUnits(Exception):
     """A column that no single unit can hold; the sentence says which."""

@@ -1,4 +1,4 @@
-"""Sheet `Live`: frequencies, margins and shaft stiffness by worksheet functions, as is typed.
+"""Sheet `Live`: frequencies, margins and shaft stiffness by worksheet functions, as inputs are typed.
 
 No start is calculated here: two cells check the inputs and make a model of them, array formulas of
 fixed size show its modes and margins, and a row a shaft shows its stiffness from geometry. Formulas
@@ -23,8 +23,6 @@ from addin.template.variants import Variant
 from addin.worksheet.functions import TABLES
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import call
-
-__all__ = ["LIVE_SHEET", "LiveAnswers", "LiveSheet", "live_answers"]
 
 #: Name of the cell that holds the model shown.
 MODEL_NAME = "LiveModel"

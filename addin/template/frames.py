@@ -1,0 +1,194 @@
+"""Frame of every sheet: widths, banner, strip, print set-up; and the colours of verdicts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
+
+from addin.charts.rows import Rows
+from addin.contract.sheet import Sheet
+from addin.contract.sheets import (
+    KIND_WORDS,
+    STRIP,
+    TAB_COLOURS,
+)
+from addin.template.charts import Place
+from addin.template.examples import (
+    Example,
+)
+from addin.template.styles import Styles
+from addin.template.variants import Variant
+
+_LETTER, _A4 = 1, 9
+#: Width of the paper on its side. [in]
+_PAPER = {"us": 11.0, "si": 11.69}
+#: Programs measure columns a little differently. [1]
+_PRINT_SLACK = 0.94
+#: Room of the overall verdict at the right end of the strip. [characters]
+_VERDICT_WIDTH = 54.0
+#: A last column wider than this leaves no room for the overall verdict. [characters]
+_WIDE = 80.0
+#: Last row but one of a sheet: a print area of whole columns is none to openpyxl.
+_LAST_ROW = 1_048_575
+
+
+class Frames:
+    """Sheets with their frames, and what every part of the builder needs."""
+
+    def __init__(
+        self,
+        workbook: Any,
+        system: str,
+        example: Example,
+        blocks: Mapping[str, Rows],
+        *,
+        provenance: Sequence[tuple[str, str]],
+        variant: Variant,
+        studies: bool = False,
+    ) -> None:
+        self.workbook = workbook
+        self.system = system
+        self.example = example
+        self.blocks = blocks
+        self.provenance = tuple(provenance)
+        self.style = Styles(workbook)
+        self.places: dict[str, Place] = {}
+        self.unit_cells: dict[tuple[str, str], str] = {}
+        self.sheets: dict[str, Any] = {}
+        self.variant = variant
+        self.studies = studies
+        self.scalar_cells: list[tuple[int, int]] = []
+
+    def _frame(self, sheet: Sheet) -> None:
+        """Column widths, banner, strip, freezing and print set-up of a sheet."""
+        page = self.sheets[sheet.name]
+        page.hide_gridlines(2)
+        if sheet.hidden:
+            page.hide()
+        page.set_tab_color(TAB_COLOURS[sheet.kind])
+        for columns, width in sheet.widths.items():
+            page.set_column(columns if ":" in columns else f"{columns}:{columns}", width)
+        page.set_row(0, 28)
+        page.set_row(1, 18)
+        self._banner(page, sheet)
+        if sheet.intro:
+            page.write_string(2, 1, sheet.intro, self.style("note"))
+        if sheet.freeze:
+            page.freeze_panes(*xl_cell_to_rowcol(sheet.freeze))
+        self._print_set_up(page, sheet)
+
+    def _banner(self, page: Any, sheet: Sheet) -> None:
+        """Title and kind of the sheet, then document and overall verdict."""
+        last = column_number(sheet.last)
+        for column in range(1, last + 1):
+            page.write_blank(0, column, None, self.style("banner"))
+            page.write_blank(1, column, None, self.style("strip"))
+        if sheet.name == "Summary":
+            title = "Torsional start-up analysis of a synchronous-motor train"
+            page.write_string(0, 1, title, self.style("banner"))
+            page.write_string(0, last, "torsionbook", self.style("banner_right"))
+            self.workbook.define_name("DocumentStrip", "=Summary!$B$2")
+            page.write_formula(1, 1, STRIP, self.style("strip"), self._strip())
+            return
+        page.write_string(0, 1, sheet.name, self.style("banner"))
+        page.write_string(0, last, KIND_WORDS[sheet.kind], self.style("banner_right"))
+        page.write_formula(1, 1, "=DocumentStrip", self.style("strip"), self._strip())
+        if last < 3 or column_widths(sheet)[last] > _WIDE:  # it would cut the strip short
+            return
+        verdict, first = self.style("strip_right"), first_of_last(sheet, _VERDICT_WIDTH)
+        page.merge_range(1, first, 1, last, "", verdict)
+        page.write_formula(1, first, "=OverallVerdict", verdict, "NOT CALCULATED")
+        cell = xl_rowcol_to_cell(1, first, True, True)
+        for word, style in (("PASS", "cf_pass"), ("ACCEPTED", "cf_accepted"), ("FAIL", "cf_fail")):
+            rule = f'=LEFT({cell},{len(word)})="{word}"'
+            page.conditional_format(
+                1, first, 1, last,
+                {"type": "formula", "criteria": rule, "format": self.style(style)},
+            )  # fmt: skip
+
+    def _strip(self) -> str:
+        """What the strip shows, for its cached value."""
+        document, revision, tag, title = (
+            str(self.example.scalars.get(name, ""))
+            for name in ("Document", "Revision", "Tag", "Title")
+        )
+        gap = "   " if tag and title else ""
+        return f"Document {document or '-'}   Rev. {revision or '-'}   {tag}{gap}{title}"
+
+    def _print_set_up(self, page: Any, sheet: Sheet) -> None:
+        page.set_landscape()
+        page.set_paper(_LETTER if self.system == "us" else _A4)
+        page.set_margins(left=sheet.side, right=sheet.side, top=0.45, bottom=0.6)
+        page.set_footer('&L&"Arial"&8&F&C&"Arial"&8&A&R&"Arial"&8Page &P of &N', {"margin": 0.3})
+        page.repeat_rows(0, sheet.header_rows - 1)
+        if sheet.breaks or sheet.row_breaks:
+            page.set_v_pagebreaks([column_number(letters) for letters in sheet.breaks])
+            page.set_print_scale(_print_scale(sheet, _PAPER[self.system]))
+            page.print_across()
+            if sheet.row_breaks:
+                page.set_h_pagebreaks([row - 1 for row in sheet.row_breaks])
+        else:
+            page.fit_to_pages(1, 1 if sheet.one_page else 0)
+        if sheet.repeated:
+            page.repeat_columns(sheet.repeated)
+        if sheet.printed or sheet.breaks or sheet.row_breaks:
+            page.print_area(f"A1:{sheet.printed or sheet.last}{_LAST_ROW}")
+
+    def _heading(self, page: Any, row: int, words: str) -> None:
+        page.write_string(row, 1, words, self.style("group"))
+        page.write_blank(row, 2, None, self.style("group"))
+
+    def _colours(self, sheet: str, *area: int) -> None:
+        for criteria, words, style in (
+            ("begins with", "pass", "cf_pass"),
+            ("begins with", "accepted", "cf_accepted"),
+            ("begins with", "fail", "cf_fail"),
+            ("begins with", "unbounded", "cf_fail"),
+            ("begins with", "not judged", "cf_open"),
+        ):
+            self.sheets[sheet].conditional_format(
+                *area,
+                {"type": "text", "criteria": criteria, "value": words, "format": self.style(style)},
+            )
+
+
+def column_number(letters: str) -> int:
+    return int(xl_cell_to_rowcol(f"{letters}1")[1])
+
+
+def column_widths(sheet: Sheet) -> dict[int, float]:
+    """Width of each column of a sheet. [characters]"""
+    widths: dict[int, float] = {}
+    for columns, each in sheet.widths.items():
+        begin, _, end = columns.partition(":")
+        widths |= dict.fromkeys(range(column_number(begin), column_number(end or begin) + 1), each)
+    return widths
+
+
+def _print_scale(sheet: Sheet, paper: float) -> int:
+    """Scale at which the widest page of a sheet fits a landscape paper so wide. [%]"""
+    pixels = {k: math.trunc(7.0 * each + 5.0) for k, each in column_widths(sheet).items()}
+    begin, _, end = sheet.repeated.partition(":")
+    repeated = range(column_number(begin), column_number(end) + 1) if sheet.repeated else range(0)
+    edges = [0, *(column_number(letters) for letters in sheet.breaks)]
+    ends = [*edges[1:], column_number(sheet.printed or sheet.last) + 1]
+    widest = max(
+        sum(pixels[k] for k in {*range(first, end), *(repeated if first else ())})
+        for first, end in zip(edges, ends, strict=True)
+    )
+    room = 96.0 * (paper - 2.0 * sheet.side)
+    return min(sheet.largest, math.floor(100.0 * _PRINT_SLACK * room / widest))
+
+
+def first_of_last(sheet: Sheet, width: float) -> int:
+    """First of the last columns of a sheet that together are at least so wide. [characters]"""
+    widths = column_widths(sheet)
+    column = last = column_number(sheet.last)
+    while column > 2 and (
+        column == last or sum(widths[k] for k in range(column, last + 1)) < width
+    ):
+        column -= 1
+    return column

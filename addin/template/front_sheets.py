@@ -1,0 +1,175 @@
+"""Sheets that engineers open first: the scalars of `Case`, the summary, the element of each history chart."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
+
+from addin.contract import tables as fields
+from addin.contract.chart_tables import GROUPS, LABELS
+from addin.contract.palette import SPEED_GROUPS
+from addin.contract.sheet import plot_name
+from addin.contract.sheets import (
+    BLANK_TEXT,
+    CASE_HALVES,
+    HISTORY_CHARTS,
+    KEY_NUMBERS,
+    OVERALL,
+    TITLE_BLOCK,
+)
+from addin.contract.tables import Field
+from addin.template.cell_rules import hint, in_words, input_rule, unit_list
+from addin.template.frames import column_number
+from addin.template.table_cells import Tables
+
+NOT_CALCULATED_YET = (
+    "Not calculated yet. Save and close this workbook, then run: torsionbook recalc FILE"
+)
+
+
+class FrontSheets(Tables):
+    """Scalars, summary and choices."""
+
+    def _case(self) -> None:
+        """Scalars in two halves, each with its name, unit and what a blank means."""
+        page = self.sheets["Case"]
+        page.ignore_errors({"number_stored_as_text": "C6:C13"})
+        for letter, groups in CASE_HALVES:
+            row, left = 4, column_number(letter)
+            for group in groups:
+                members = [f for f in fields.SCALARS if f.group == group]
+                row = self._scalars(page, group, members, row, left)
+
+    def _scalars(self, page: Any, group: str, members: list[Field], row: int, left: int) -> int:
+        """A group of scalars under its heading; the row where the next one begins."""
+        for column in range(left, left + 4):
+            page.write_blank(row, column, None, self.style("group"))
+        page.write_string(row, left, group, self.style("group"))
+        for k, field in enumerate(members, row + 1):
+            self._scalar(page, field, k, left)
+        return row + len(members) + 2
+
+    def _scalar(self, page: Any, field: Field, row: int, left: int) -> None:
+        page.write_string(row, left, in_words(field.name), self.style("label"))
+        value = self.example.scalars.get(field.name)
+        if field.name == "TemplateVersion":
+            value = fields.TEMPLATE_VERSION
+        is_wide = field.group == "Document"  # room for long titles
+        style = self.style(
+            "input" if field.is_number else "input_wide" if is_wide else "input_text"
+        )
+        if value is None:
+            page.write_blank(row, left + 1, None, style)
+        elif field.is_number:
+            page.write_number(row, left + 1, value, style)
+        else:
+            page.write_string(row, left + 1, str(value), style)
+        page.data_validation(row, left + 1, row, left + 1, input_rule(field))
+        self.scalar_cells += [(row, left), (row, left + 2)]
+        cell = xl_rowcol_to_cell(row, left + 1, True, True)
+        self.workbook.define_name(field.name, f"=Case!{cell}")
+        if is_wide:
+            for column in (left + 2, left + 3):
+                page.write_blank(row, column, None, self.style("input_more"))
+            return
+        if field.has_unit:
+            unit = self.example.scalar_units.get(field.name, self._unit(field))
+            page.write_string(row, left + 2, unit, self.style("input_unit"))
+            page.data_validation(row, left + 2, row, left + 2, unit_list(field))
+        else:
+            page.write_blank(row, left + 2, None, self.style("no_unit"))
+        page.write_string(row, left + 3, hint(field), self.style("hint"))
+
+    def _summary(self) -> None:
+        page = self.sheets["Summary"]
+        for row, height in ((2, 5), (7, 5), (8, 24), (9, 5), (11, 24)):
+            page.set_row(row, height)
+        for label, begin, end, words, name in TITLE_BLOCK:
+            page.write_string(label, words, self.style("title_label"))
+            style, value = self.style("title_value"), self._scalar_text(name)
+            if begin != end:
+                page.merge_range(f"{begin}:{end}", "", style)
+            page.write_formula(begin, BLANK_TEXT.format(name), style, value)
+        banner = self.style("verdict_banner")
+        page.merge_range("B9:L9", "", banner)
+        page.write_formula("B9", OVERALL, banner, "NOT CALCULATED")
+        self.workbook.define_name("OverallVerdict", "=Summary!$B$9")
+        page.write_string("B11", "The train", self.style("caption"))
+        self._speed_legend(page, 24)
+        self._key_numbers(page, 26)
+
+    def _scalar_text(self, name: str) -> Any:
+        """Cached value of a title block cell."""
+        if name.startswith("run_"):
+            return NOT_CALCULATED_YET if name == "run_Stamp" else ""
+        return self.example.scalars.get(name, "")
+
+    def _speed_legend(self, page: Any, row: int) -> None:
+        """The speeds of the drawing in their colours, and what the sizes mean."""
+        labels = {str(key): str(text) for key, text in self.blocks["ChartLabels"]}
+        for k in range(GROUPS):
+            key = f"Speed group {k + 1}"
+            cell = f"ChartData!$B${self._label_row(key)}"
+            style = self.workbook.add_format(
+                {"font_name": "Arial", "font_size": 9, "bold": True, "align": "center",
+                 "font_color": SPEED_GROUPS[k][0]}
+            )  # fmt: skip
+            text = labels[key]
+            page.write_formula(
+                row,
+                1 + k,
+                f'=IF(TRIM({cell})="","","■ "&{cell})',
+                style,
+                f"■ {text}" if text.strip() else "",
+            )
+        page.write_string(
+            row + 1,
+            1,
+            "Discs: height ∝ inertia^¼; shafts (pale): ∝ stiffness^¼, each at its own speed; "
+            "gold: gear mesh.",
+            self.style("note"),
+        )
+
+    def _key_numbers(self, page: Any, row: int) -> None:
+        page.write_string(row, 1, "Key numbers", self.style("caption"))
+        for k, (label, formula, unit, where, number) in enumerate(KEY_NUMBERS, row + 1):
+            page.write_string(k, 1, label, self.style("key_label"))
+            page.write_formula(k, 2, formula, self.style("key_value", number), "")
+            unit_style, where_style = self.style("key_unit"), self.style("key_unit")
+            if "[" in unit:
+                table, column = unit.rstrip("]").split("[")
+                cell = self.unit_cells[table, column]
+                text = self._unit(fields.table(table).column(column))
+                page.write_formula(k, 3, f'=IF({cell}="","",{cell})', unit_style, text)
+            else:
+                page.write_string(k, 3, unit, unit_style)
+            page.merge_range(k, 4, k, 5, "", where_style)
+            if where:
+                page.write_formula(k, 4, where, where_style, "")
+
+    def _chosen_elements(self) -> None:
+        """Cells in which the engineer may name the element of each history chart."""
+        page = self.sheets["Histories"]
+        for number, chart in enumerate(HISTORY_CHARTS, 1):
+            row, column = xl_cell_to_rowcol(chart.cell)
+            row -= 1
+            page.write_string(row, column, "Element to draw", self.style("label"))
+            page.merge_range(row, column + 1, row, column + 2, "", self.style("input_text"))
+            page.data_validation(
+                row, column + 1, row, column + 1,
+                {
+                    "validate": "list", "source": "=ElementNames", "show_error": False,
+                    "input_title": "Element of this chart",
+                    "input_message": "Blank = chosen by torsionbook. It is drawn at the next "
+                    "recalculation; what is drawn now stands at the right.",
+                },
+            )  # fmt: skip
+            key = f"History caption {number}"
+            words = self.style("drawn")
+            page.merge_range(row, column + 3, row, column + 5, "", words)
+            text = str(self.blocks["ChartLabels"][LABELS.index(key)][1] or "")
+            drawn = f"=ChartData!$B${self._label_row(key)}"
+            page.write_formula(row, column + 3, drawn, words, text)
+            cell = xl_rowcol_to_cell(row, column + 1, True, True)
+            self.workbook.define_name(plot_name(number), f"=Histories!{cell}")

@@ -1,0 +1,180 @@
+"""Sheets of words and hidden sheets: notes, trace, lists behind drop-downs, chart data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
+
+from addin.contract.chart_tables import CHART_TABLES
+from addin.contract.run_facts import RUN_FACTS
+from addin.contract.sheet import NOTES_WIDTH, text_height
+from addin.contract.studies.registry import (
+    STUDY_FACTS,
+)
+from addin.contract.texts import (
+    NOTES,
+)
+from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
+from addin.template.charts import Place
+from addin.template.front_sheets import NOT_CALCULATED_YET
+from addin.template.result_sheets import ResultSheets
+
+#: Rows of the lists behind the drop-downs.
+_LISTED = 60
+
+
+class ReferenceSheets(ResultSheets):
+    """Notes, trace and hidden sheets."""
+
+    def _notes(self) -> None:
+        """Legend, how to use, equations and, in an example, where its numbers come from."""
+        page = self.sheets["Notes"]
+        row = self._legend(page, 3)
+        blocks = dict(NOTES)
+        if self.provenance:
+            blocks = {"Provenance of this example": self.provenance} | blocks
+        for heading, lines in blocks.items():
+            self._heading(page, row, heading)
+            for k, (term, text) in enumerate(lines, row + 1):
+                page.write_string(k, 1, term, self.style("prose_bold"))
+                page.write_string(k, 2, text, self.style("prose"))
+                page.set_row(k, text_height(text, NOTES_WIDTH))
+            row += len(lines) + 2
+
+    def _trace(self) -> None:
+        """Equation, source and inputs of every result column, from the table of fields."""
+        page, head = self.sheets["Trace"], 4
+        for k, header in enumerate(TRACE_HEADERS, 1):
+            page.write_string(head, k, header, self.style("header_result"))
+        styles = ["prose_bold"] * 3 + ["prose"] * 5
+        widths = (13.0, 24.0, 22.0, 38.0, 56.0, 42.0, 36.0, 40.0)
+        rows = list(trace_rows(studies=self.studies))
+        for row, texts in enumerate(rows, head + 1):
+            for k, (text, style) in enumerate(zip(texts, styles, strict=True), 1):
+                if text:
+                    page.write_string(row, k, text, self.style(style))
+            pairs = zip(texts, widths, strict=True)
+            page.set_row(row, max(text_height(text, width) for text, width in pairs))
+        page.autofilter(head, 1, head + len(rows), len(TRACE_HEADERS))
+        row = head + len(rows) + 2
+        page.merge_range(row, 1, row, 2, "Inputs that go together", self.style("group"))
+        for k, (name, members) in enumerate(trace_groups(), row + 1):
+            page.write_string(k, 2, name, self.style("prose_bold"))
+            page.merge_range(k, 3, k, len(TRACE_HEADERS), members, self.style("prose"))
+            page.set_row(k, text_height(members, sum(widths[2:])))
+
+    def _legend(self, page: Any, row: int) -> int:
+        """What the colours mean; the row at which the next block begins."""
+        self._heading(page, row, "Colours")
+        for k, (style, sample, words) in enumerate(
+            (
+                ("input", "1 234.5", "Typed by the engineer: inputs and the units they are in."),
+                ("result", "1 234.5", "Written by torsionbook; typed values are lost at the next "
+                 "recalculation."),
+                ("check", "1 234.5", "Live formula beside the engine's number, for the reviewer."),
+            ),
+            row + 1,
+        ):  # fmt: skip
+            page.write_string(k, 1, sample, self.style(style))
+            page.write_string(k, 2, words, self.style("prose_beside"))
+        return k + 2
+
+    def _lists(self) -> None:
+        """Hidden: names behind the drop-downs and the facts that live formulas need."""
+        page = self.sheets["Lists"]
+        page.hide()
+        page.set_column("A:D", 28)
+        page.set_column("E:G", 42)
+        lists = (
+            ("StationNames", "Stations", "Station", ("ground",)),
+            ("ElementNames", "Elements", "Element", ()),
+            ("MaterialNames", "Materials", "Material", ()),
+        )
+        for column, (name, table, header, fixed) in enumerate(lists):
+            page.write_string(0, column, name, self.style("caption"))
+            names = [str(row.get(header, "")) for row in self.example.tables.get(table, ())]
+            for k in range(_LISTED):
+                self._listed(page, k, column, f"{table}[{header}]", fixed, names)
+            letter = xl_col_to_name(column)
+            self.workbook.define_name(name, f"=Lists!${letter}$2:${letter}${_LISTED + 1}")
+        self._run_facts(page, 4)
+        if self.studies:
+            self._facts(page, 8, "StudyFacts", STUDY_FACTS, {})
+
+    def _listed(
+        self,
+        page: Any,
+        k: int,
+        column: int,
+        source: str,
+        fixed: tuple[str, ...],
+        names: Sequence[str],
+    ) -> None:
+        if k < len(fixed):
+            page.write_string(k + 1, column, fixed[k], self.style("plain"))
+            return
+        index = k - len(fixed)
+        page.write_formula(
+            k + 1,
+            column,
+            f'=IFERROR(INDEX({source},{index + 1})&"","")',
+            self.style("plain"),
+            names[index] if index < len(names) else "",
+        )
+
+    def _run_facts(self, page: Any, left: int) -> None:
+        page.write_string(0, left, "Written by the calculation", self.style("caption"))
+        self._facts(page, left, "RunFacts", RUN_FACTS, {"run_Stamp": NOT_CALCULATED_YET})
+
+    def _facts(
+        self,
+        page: Any,
+        left: int,
+        table: str,
+        facts: Sequence[tuple[str, str]],
+        shipped: Mapping[str, str],
+    ) -> None:
+        """A table of names, meanings and values, each value with its defined name."""
+        columns = {"Name": left, "Meaning": left + 1, "Value": left + 2}
+        last = 1 + len(facts)
+        page.add_table(
+            1, left, last, left + 2,
+            {"name": table, "style": None, "autofilter": False,
+             "columns": [{"header": name} for name in columns]},
+        )  # fmt: skip
+        self.places[table] = Place("Lists", 2, last, columns)
+        for row, (name, meaning) in enumerate(facts, 2):
+            page.write_string(row, left, name, self.style("plain"))
+            page.write_string(row, left + 1, meaning, self.style("plain"))
+            if name in shipped:
+                page.write_string(row, left + 2, shipped[name], self.style("plain"))
+            cell = xl_rowcol_to_cell(row, left + 2, True, True)
+            self.workbook.define_name(name, f"=Lists!{cell}")
+
+    def _chart_data(self) -> None:
+        """Hidden: one Excel table a chart, side by side, so that each may grow."""
+        page = self.sheets["ChartData"]
+        page.hide()
+        page.write_string(0, 0, "Data behind the charts, rewritten by every calculation",
+                          self.style("caption"))  # fmt: skip
+        left = 0
+        for table in CHART_TABLES:
+            rows = self.blocks[table.name]
+            last = 3 + len(rows)
+            width = len(table.columns)
+            page.write_string(2, left, table.help, self.style("note"))
+            page.add_table(
+                3, left, last, left + width - 1,
+                {"name": table.name, "style": None, "autofilter": False,
+                 "columns": [{"header": name} for name in table.columns]},
+            )  # fmt: skip
+            for k, row in enumerate(rows, 4):
+                for column, value in enumerate(row, left):
+                    if value is not None:
+                        page.write(k, column, value)
+            self.places[table.name] = Place(
+                "ChartData", 4, last, {name: left + k for k, name in enumerate(table.columns)}
+            )
+            left += width + 1

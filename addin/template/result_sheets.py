@@ -1,0 +1,185 @@
+"""What result sheets show besides tables: facts, notes, colours, results of studies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
+
+from addin.contract import tables as fields
+from addin.contract.field import SHAPE_COLUMNS
+from addin.contract.live_formulas import CHANGE_NAME
+from addin.contract.sheet import text_height
+from addin.contract.sheets import (
+    CYCLE_FACTS,
+    CYCLE_FACTS_AT,
+    EFFECT_NOTES_AT,
+    FACT_LINES,
+    REVERSAL_NOTES_AT,
+)
+from addin.contract.studies.registry import (
+    COLOUR_SCALE,
+    STUDIES,
+)
+from addin.contract.study_spec import StudyScale
+from addin.contract.tables import TableSpec
+from addin.contract.texts import (
+    CONTACT_LAW,
+    EFFECT_NOTES,
+    REVERSAL_NOTES,
+)
+from addin.template.frames import column_number
+from addin.template.front_sheets import FrontSheets
+from engine.case.effects import EFFECTS
+
+#: Columns C to Q of sheet `Reversals`, merged. [characters]
+_REVERSAL_NOTES_WIDTH = 138.0
+
+
+class ResultSheets(FrontSheets):
+    """Facts, notes and colours."""
+
+    def _frequencies_note(self) -> None:
+        self.sheets["Frequencies"].write_string(
+            3,
+            10,
+            f"Mode shapes of the first {SHAPE_COLUMNS} elastic modes; further modes are in the "
+            "JSON results.",
+            self.style("note"),
+        )
+
+    def _cycle_facts(self) -> None:
+        """Data of the governing shaft and the sum over its cycles, above table `StartCycles`."""
+        page = self.sheets["Starts"]
+        row, left = xl_cell_to_rowcol(CYCLE_FACTS_AT)
+        page.write_string(row, left, "From the cycles to 1 / q", self.style("caption"))
+        for k, (label, formula, unit, number) in enumerate(CYCLE_FACTS, row + 1):
+            page.merge_range(k, left, k, left + 2, label, self.style("key_label"))
+            value = self.style("check_value", number)
+            page.merge_range(k, left + 3, k, left + 4, "", value)
+            page.write_formula(k, left + 3, formula, value, "")
+            if not unit:
+                page.write_blank(k, left + 5, None, self.style("key_unit"))
+                continue
+            table, column = unit.rstrip("]").split("[")
+            cell = self.unit_cells[table, column]
+            text = self.example.units.get(
+                (table, column), self._unit(fields.table(table).column(column))
+            )
+            page.write_formula(
+                k, left + 5, f'=IF({cell}="","",{cell})', self.style("key_unit"), text
+            )
+
+    def _fact_lines(self) -> None:
+        """Lines of words that the calculation writes into `RunFacts`."""
+        for sheet, first, last, formula, style, height in FACT_LINES:
+            page, shown = self.sheets[sheet], self.style(style)
+            page.merge_range(f"{first}:{last}", "", shown)
+            page.write_formula(first, formula, shown, "")
+            page.set_row(xl_cell_to_rowcol(first)[0], height)
+
+    def _sheet_notes(self) -> None:
+        """How to read the sheets `Reversals` and `Effects`, and what the effects on `Case` are."""
+        page = self.sheets["Reversals"]
+        row, left = xl_cell_to_rowcol(REVERSAL_NOTES_AT)
+        page.write_string(row, left, "How to read this sheet", self.style("caption"))
+        for k, (term, text) in enumerate(REVERSAL_NOTES, row + 1):
+            page.write_string(k, left, term, self.style("prose_bold"))
+            page.merge_range(k, left + 1, k, left + 15, "", self.style("prose"))
+            if text == CONTACT_LAW[0]:
+                page.write_formula(k, left + 1, text, self.style("prose"), CONTACT_LAW[1])
+            else:
+                page.write_string(k, left + 1, text, self.style("prose"))
+            page.set_row(k, text_height(text, _REVERSAL_NOTES_WIDTH))
+        row, left = xl_cell_to_rowcol(EFFECT_NOTES_AT)
+        for k, text in enumerate(EFFECT_NOTES, row + 1):
+            self.sheets["Effects"].write_string(k, left, text, self.style("note"))
+        choices = self.places["EffectChoices"]
+        for k, effect in enumerate(EFFECTS.values(), choices.first):
+            self.sheets[choices.sheet].write_string(
+                k, choices.columns["Choice"] + 1, effect.sentence, self.style("note_beside")
+            )
+
+    def _study_lines(self) -> None:
+        """On each result sheet of a study what it found, and which inputs it belongs to."""
+        for study in STUDIES:
+            for sheet, last in ((study.sheet, study.last), *study.also):
+                page = self.sheets[sheet]
+                for row, (formula, style, height) in enumerate(study.lines, 3):
+                    first = column_number(study.first)
+                    page.merge_range(row, first, row, column_number(last), "", self.style(style))
+                    shown = study.not_yet if row == 3 else ""
+                    page.write_formula(row, first, formula, self.style(style), shown)
+                    page.set_row(row, height)
+            self._colour_verdicts(study.results)
+        for study in STUDIES:
+            for scale in study.scales:
+                self._scale(scale)
+
+    def _scale(self, scale: StudyScale) -> None:
+        """Colours of a map: by size, or against the limit in the same row."""
+        place = self.places[scale.table]
+        judged = self.places[scale.over or scale.table]
+        left, right = place.columns[scale.first], place.columns[scale.last]
+        area = (place.first, left, place.last, right)
+        page = self.sheets[place.sheet]
+        cell = xl_rowcol_to_cell(judged.first, judged.columns[scale.first])
+        limit = xl_rowcol_to_cell(judged.first, judged.columns[scale.limit], col_abs=True)
+
+        def against(sign: str, style: Any) -> dict[str, Any]:
+            rule = f"=AND(ISNUMBER({cell}),{cell}{sign}{limit})"
+            return {"type": "formula", "criteria": rule, "format": style}
+
+        if not scale.over:
+            page.conditional_format(*area, against("<", self.style("cf_fail")))
+            page.conditional_format(*area, against(">=", self.style("cf_pass")))
+            return
+        pale = self.workbook.add_format({"italic": True, "font_color": "#8A8A8A"})
+        page.conditional_format(*area, against("<", pale))
+        self._colours(place.sheet, *area)
+        good = {"type": "cell", "criteria": "==", "value": '"unlimited"'}
+        page.conditional_format(*area, good | {"format": self.style("cf_pass")})
+        page.conditional_format(*area, dict(COLOUR_SCALE))
+
+    def _change_cell(self) -> None:
+        """The change whose shifts of frequency are shown: typed above table `EnergyShares`."""
+        place = self.places["EnergyShares"]
+        page, left = self.sheets[place.sheet], place.columns["Quantity"]
+        row = place.first - 5
+        page.write_string(row, left, "Change", self.style("key_label"))
+        page.write_number(row, left + 1, 0.01, self.style("input", "0.0%"))
+        words = "of one stiffness or inertia at a time; type another"
+        page.write_string(row, left + 2, words, self.style("note_beside"))
+        cell = xl_rowcol_to_cell(row, left + 1, True, True)
+        self.workbook.define_name(CHANGE_NAME, f"='{place.sheet}'!{cell}")
+        if self.studies:
+            place = self.places["FrequencySensitivities"]
+            page, left = self.sheets[place.sheet], place.columns["Quantity"]
+            page.write_string(4, left, "Change of the quantity", self.style("note"))
+            page.write_formula(4, left + 1, f"={CHANGE_NAME}", self.style("check", "0.0%"), 0.01)
+            link = self.style("note_beside")
+            page.write_url(
+                4, left + 2, f"internal:'Frequencies'!{cell}", link, "typed on sheet Frequencies"
+            )
+
+    def _verdict_colours(self) -> None:
+        """Pass green, accepted amber, fail red, not judged grey, wherever a verdict stands."""
+        self._colour_verdicts(fields.RESULT_TABLES)
+        self._colours("Summary", 8, 1, 8, 11)
+        place = self.places["Effects"]
+        column = place.columns["On"]
+        for word, style in (("on", "cf_pass"), ("off", "cf_open")):
+            self.sheets[place.sheet].conditional_format(
+                place.first, column, place.last, column,
+                {"type": "cell", "criteria": "==", "value": f'"{word}"',
+                 "format": self.style(style)},
+            )  # fmt: skip
+
+    def _colour_verdicts(self, specs: Sequence[TableSpec]) -> None:
+        for spec in specs:
+            place = self.places[spec.name]
+            for field in spec.columns:
+                if field.kind == "verdict":
+                    at = place.columns[field.name]
+                    self._colours(place.sheet, place.first, at, place.last, at)

@@ -1,0 +1,150 @@
+"""Tables on the sheets: caption, units, headers, typed rows, formulas beside results."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
+
+from addin.contract import tables as fields
+from addin.contract.chart_tables import LABELS
+from addin.contract.sheet import Sheet
+from addin.contract.tables import Field, TableSpec
+from addin.template.cell_rules import input_rule, trace_prompt, unit_list
+from addin.template.charts import Place
+from addin.template.frames import Frames
+from engine.case.effects import EFFECTS
+
+#: Headers of at most so many letters stand in one line. [characters]
+_SHORT_HEADER = 8
+
+
+class Tables(Frames):
+    """Frames with the tables of the contract on them."""
+
+    def _table(self, sheet: Sheet, spec: TableSpec, row: int, left: int) -> None:
+        """Caption, units row, header and data of a table, with drop-downs and prompts."""
+        page = self.sheets[sheet.name]
+        columns = spec.workbook_columns
+        self._caption(page, row, left, spec)
+        has_units = any(field.has_unit for field in columns)
+        header = row + (2 if has_units else 1)
+        is_input = spec in fields.EVERY_INPUT
+        rows = list(self._typed_rows(spec)) if is_input else []
+        first, last = header + 1, header + max(spec.rows, len(rows))
+        self.places[spec.name] = Place(
+            sheet.name, first, last, {field.name: left + k for k, field in enumerate(columns)}
+        )
+        # A row among those of a table beside it, which began above, stays low where its words allow that.
+        begun = [xl_cell_to_rowcol(cell) for cell in sheet.tables.values()]
+        is_beside = any(above < row and column != left for above, column in begun)
+        if not is_beside or max(len(field.name) for field in columns) > _SHORT_HEADER:
+            page.set_row(header, 38 if has_units else 24)
+        page.add_table(
+            header,
+            left,
+            last,
+            left + len(columns) - 1,
+            {
+                "name": spec.name,
+                "style": None,
+                "autofilter": spec.filtered,
+                "columns": [self._column_options(spec, field, is_input) for field in columns],
+            },
+        )
+        for k, field in enumerate(columns):
+            if field.trace is not None:
+                page.data_validation(header, left + k, header, left + k, trace_prompt(field))
+            if has_units:
+                self._unit_cell(page, spec, field, header - 1, left + k)
+            self._column_cells(page, spec, field, rows, first, last, left + k)
+
+    def _typed_rows(self, spec: TableSpec) -> Sequence[Mapping[str, Any]]:
+        """Rows of an example; every workbook is shipped with the names of the effects."""
+        if spec.name == "EffectChoices":
+            chosen = {row["Effect"]: row for row in self.example.tables.get(spec.name, ())}
+            return [chosen.get(name, {"Effect": name}) for name in EFFECTS]
+        return self.example.tables.get(spec.name, ())
+
+    def _caption(self, page: Any, row: int, left: int, spec: TableSpec) -> None:
+        caption, note = self.style("caption"), self.style("note")
+        if spec.short_caption:  # another table stands close by
+            page.write_string(row, left, spec.caption, caption)
+            return
+        page.write_rich_string(
+            row, left, caption, spec.caption, note, f"   {spec.help}", self.style("plain")
+        )
+
+    def _column_options(self, spec: TableSpec, field: Field, is_input: bool) -> dict[str, Any]:
+        kind = "input" if is_input else "check" if field in spec.extra_columns else "result"
+        options: dict[str, Any] = {
+            "header": field.name,
+            "header_format": self.style(f"header_{kind}"),
+            "format": self._cell_style(spec, field, is_input),
+        }
+        return options | ({"formula": field.formula} if field.formula else {})
+
+    def _cell_style(self, spec: TableSpec, field: Field, is_input: bool) -> Any:
+        if is_input:
+            return self.style("input" if field.is_number else "input_text")
+        if field.width:
+            return self.style("result_wrap")
+        if field.kind == "verdict":
+            return self.style("verdict")
+        if field in spec.extra_columns:
+            return self.style("check", field.format)
+        if field.kind == "mixed":
+            return self.style("result_mixed")
+        if field.kind in ("integer", "flag", "switch"):
+            return self.style("result_center")
+        if field.is_number:
+            return self.style("result", field.format)
+        return self.style("result_text")
+
+    def _unit_cell(self, page: Any, spec: TableSpec, field: Field, row: int, column: int) -> None:
+        self.unit_cells[spec.name, field.name] = (
+            f"'{page.get_name()}'!{xl_rowcol_to_cell(row, column, True, True)}"
+        )
+        if not field.has_unit:
+            page.write_blank(row, column, None, self.style("no_unit"))
+            return
+        unit = self.example.units.get((spec.name, field.name), self._unit(field))
+        if field in spec.extra_columns:
+            page.write_string(row, column, unit, self.style("fixed_unit"))
+            return
+        page.write_string(row, column, unit, self.style("input_unit"))
+        page.data_validation(row, column, row, column, unit_list(field))
+
+    def _unit(self, field: Field) -> str:
+        return str(getattr(field, f"unit_{self.system}"))
+
+    def _column_cells(
+        self,
+        page: Any,
+        spec: TableSpec,
+        field: Field,
+        rows: Sequence[Mapping[str, Any]],
+        first: int,
+        last: int,
+        column: int,
+    ) -> None:
+        is_input = spec in fields.EVERY_INPUT
+        style = self._cell_style(spec, field, is_input)
+        formula = field.formula
+        for k, row in enumerate(range(first, last + 1)):
+            value = rows[k].get(field.name) if k < len(rows) else None
+            if formula:
+                page.write_formula(row, column, formula, style, "")
+            elif value is None:
+                page.write_blank(row, column, None, style)
+            elif isinstance(value, str):
+                page.write_string(row, column, value, style)
+            else:
+                page.write_number(row, column, value, style)
+        if is_input:
+            page.data_validation(first, column, last, column, input_rule(field))
+
+    def _label_row(self, key: str) -> int:
+        """Row of a word in `ChartLabels`, counted from 1."""
+        return self.places["ChartLabels"].first + LABELS.index(key) + 1
