@@ -11,6 +11,7 @@ from benchmarks.problems import Chain, Sweep
 from engine.case.case import Case
 from engine.model.build_train import build_train
 from engine.model.load import loads_of
+from engine.model.modal_train import ModalTrain
 from engine.model.modes import ModalDamping, Modes, modal_damping, modes_of, natural_modes
 from engine.model.motor import motors_of
 from engine.model.train import Train
@@ -83,7 +84,7 @@ def prepare_start(case: Case, tolerance: float | None = None) -> PreparedStart:
     damping = modal_damping(case, train, modes)
     motors, loads = motors_of(case, train), loads_of(case, train)
     model = start_model(
-        case, train, modes, damping, motors, loads, settings.tolerance_peak, LONGEST
+        case, ModalTrain(train, modes, damping), motors, loads, settings.tolerance_peak, LONGEST
     )
     stations = np.array(sorted({m.station for m in motors} | {d.station for d in loads}))
     return PreparedStart(case, train, modes, damping, model, stations, settings.end_speed)

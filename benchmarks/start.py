@@ -128,7 +128,7 @@ def whole_start(exact: Curves, rounds: int) -> WholeStart:
     start = prepare_start(long_start())
 
     def whole() -> Start:
-        return run_start(start.case, start.train, start.modes, start.damping)
+        return run_start(start.case, start)
 
     step = whole().step
     done = interleave(

@@ -15,7 +15,8 @@ from engine.case.effect import StartEffects
 from engine.case.plausibility import implausible
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.model.excitation import excitations_of
-from engine.model.modal_analysis import ModalAnalysis, ModalModel, analyse
+from engine.model.modal_analysis import ModalAnalysis, analyse
+from engine.model.modal_train import ModalTrain
 from engine.model.modes import (
     damped_eigenvalues,
     nodes_of,
@@ -63,7 +64,7 @@ class PlannedStart:
     start: Start  #: The start that is reported, and the linear one, perhaps the same. [SI]
     linear: Start  #: Likewise. [SI]
     plans: tuple[Plan, ...]  #: In the order in which they were made. [mixed]
-    model: ModalModel  #: The train it was calculated with. [SI]
+    model: ModalTrain  #: The train it was calculated with. [SI]
     evidence: Evidence  #: What the plans were made from. [SI]
     settled: bool  #: False if the last plan, too, was found wrong by its run.
 
@@ -186,7 +187,7 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
         margins = separation_margins(case, train, modes, excitations)
         diagram = interference(case, train, modes, excitations)
     with stage("steady state"):
-        steady = steady_state(case, train, modes, damping, excitations, margins)
+        steady = steady_state(case, analysis.reported, excitations, margins)
     return analysis, AtSpeed(
         case=case,
         case_sha256=case_digest(case),
@@ -209,9 +210,7 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
 
 def _evidence(case: CaseData, analysis: ModalAnalysis) -> Evidence:
     """Evidence before the start."""
-    t, c = analysis.torsional, analysis.coupled
-    coupled = None if c is None else (c.train, c.modes, c.damping)
-    return collect_evidence(case, t.train, t.modes, t.damping, coupled)
+    return collect_evidence(case, analysis.torsional, analysis.coupled)
 
 
 def planned_start(
@@ -277,7 +276,7 @@ def _timed(calculate: Callable[[], Start]) -> tuple[Start, float]:
 
 
 def calculate_start(
-    case: CaseData, model: ModalModel, effects: StartEffects, linear: Start | None
+    case: CaseData, model: ModalTrain, effects: StartEffects, linear: Start | None
 ) -> Start:
     """One start with the given effects.
 
@@ -285,7 +284,7 @@ def calculate_start(
     ----------
     case : CaseData
         The case. [SI]
-    model : ModalModel
+    model : ModalTrain
         The train it is calculated with. [SI]
     effects : StartEffects
         What is simulated. [flags]
@@ -298,14 +297,14 @@ def calculate_start(
         Complete, with its error estimates. [SI]
     """
     if linear is not None:
-        return run_event_start(case, model.train, model.modes, model.damping, effects, linear)
+        return run_event_start(case, model, effects, linear)
     if has_start(case):
-        start = run_start(case, model.train, model.modes, model.damping, effects)
+        start = run_start(case, model, effects)
         if start.uncoupled_dampers:  # too strong for explicit forces: the loop with events solves
             plain = replace(effects, clearances=(), pull_in=False, aborted_start=False)
-            return run_event_start(case, model.train, model.modes, model.damping, plain, start)
+            return run_event_start(case, model, plain, start)
         return start
-    return run_prescribed(case, model.train, model.modes, model.damping)
+    return run_prescribed(case, model)
 
 
 def judged_starts(

@@ -8,8 +8,8 @@ import numpy as np
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow
-from engine.model.modes import ModalDamping, Modes, modal_damping, natural_modes
-from engine.model.train import Train
+from engine.model.modal_train import ModalTrain
+from engine.model.modes import natural_modes
 from engine.start.start import Start, run_start
 
 #: Speed, average, pulsating (zero-to-peak) over rated torque: a salient-pole motor. [1]
@@ -63,15 +63,15 @@ def geared(**fields: Any) -> Case:
     return Case(**(given | fields))
 
 
-def prepared(case: Case) -> tuple[Train, Modes, ModalDamping]:
+def prepared(case: Case) -> ModalTrain:
     """Train, modes and damping of a case."""
     found = natural_modes(case)
-    return found.train, found.modes, modal_damping(case, found.train, found.modes)
+    return ModalTrain.of(case, found.train, found.modes)
 
 
 def started(case: Case) -> Start:
     """The start of a case."""
-    return run_start(case, *prepared(case))
+    return run_start(case, prepared(case))
 
 
 def peaks(start: Start) -> dict[str, np.ndarray]:

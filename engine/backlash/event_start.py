@@ -31,7 +31,8 @@ from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.load import loads_of
-from engine.model.modes import ModalDamping, Modes, stated_damping
+from engine.model.modal_train import ModalTrain
+from engine.model.modes import Modes, stated_damping
 from engine.model.motor import electrical_arrays, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
@@ -134,9 +135,7 @@ class _Run:
 
 def run_event_start(
     case: CaseData,
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    modal: ModalTrain,
     effects: StartEffects,
     linear: Start | None = None,
 ) -> Start:
@@ -146,12 +145,8 @@ def run_event_start(
     ----------
     case : CaseData
         The case. [SI]
-    train : Train
-        Its train. [SI]
-    modes : Modes
-        Its modes, all teeth in contact. [SI]
-    damping : ModalDamping
-        Their damping. [SI]
+    modal : ModalTrain
+        Its train, modes and damping, all teeth in contact. [SI]
     effects : StartEffects
         What is simulated. [flags]
     linear : Start, optional
@@ -168,15 +163,16 @@ def run_event_start(
     ModelError
         If the train cannot turn or has no motor, or an effect lacks its data.
     """
+    train = modal.train
     if linear is None and has_start(case):
-        linear = run_start(case, train, modes, damping, replace(effects, clearances=()))
+        linear = run_start(case, modal, replace(effects, clearances=()))
     elif linear is None:
-        linear = run_prescribed(case, train, modes, damping)
+        linear = run_prescribed(case, modal)
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     if linear.runup is None:
-        setup = _prescribed(case, train, modes, damping, effects, linear, tolerance)
+        setup = _prescribed(case, modal, effects, linear, tolerance)
     else:
-        setup = _start(case, train, modes, damping, effects, linear, tolerance)
+        setup = _start(case, modal, effects, linear, tolerance)
     model, step = setup.model, setup.step
 
     first, modelled = step, model.pieces.basis.flanks
@@ -281,14 +277,13 @@ class _Setup:
 
 def _start(
     case: CaseData,
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    modal: ModalTrain,
     effects: StartEffects,
     linear: Start,
     tolerance: float,
 ) -> _Setup:
     """A start with its motors."""
+    train, modes = modal.train, modal.modes
     settings = settings_of(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
     synchronous = case.ratings.synchronous_speed
@@ -302,9 +297,7 @@ def _start(
         script = replace(script, waiting_time=run_length(waited) + LONGEST_SLIP_CYCLE)
     plain = start_model(
         case,
-        train,
-        modes,
-        damping,
+        modal,
         motors,
         loads,
         DROPPED * tolerance,
@@ -326,14 +319,13 @@ def _start(
 
 def _prescribed(
     case: CaseData,
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    modal: ModalTrain,
     effects: StartEffects,
     linear: Start,
     tolerance: float,
 ) -> _Setup:
     """Prescribed torques alone: every mode is kept, and followed where it rings."""
+    train, modes = modal.train, modal.modes
     torques = prescribed_torques(case, train)
     stations = sorted({p.station for p in torques})
     keep = np.ones(modes.n_modes, dtype=np.bool_)

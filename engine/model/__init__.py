@@ -22,9 +22,10 @@ module                   responsibility
                          rotation
 `build_train`            from a case to the arrays of its train
 `modes`                  natural frequencies, mode shapes, energy shares, nodes and modal damping
-`modal_analysis`         a train with its modes and their damping, with gears held or moving on
-                         their bearings
 `frequency_derivatives`  how natural frequencies follow stiffnesses and inertias, from the
                          energies of the modes
+`modal_train`            a train with its modes and their damping: what every response is
+                         calculated with
+`modal_analysis`         natural modes of a case, with gears held or moving on their bearings
 =======================  =========================================================================
 """

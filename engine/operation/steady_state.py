@@ -36,8 +36,8 @@ from engine.case.result_words import Judgement
 from engine.errors import ModelError
 from engine.fatigue.stress import shear_stress
 from engine.model.excitation import Excitation, Place, excitation_places, transmitted_torque
+from engine.model.modal_train import ModalTrain
 from engine.model.modes import (
-    ModalDamping,
     Modes,
     damped_eigenvalues,
     modal_damping_matrix,
@@ -383,9 +383,7 @@ class SteadyState:
 
 def steady_state(
     case: CaseData,
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    modal: ModalTrain,
     excitations: Sequence[Excitation],
     margins: SeparationMargins,
 ) -> SteadyState:
@@ -398,12 +396,8 @@ def steady_state(
     ----------
     case : CaseData
         The case. [SI]
-    train : Train
-        Its train. [SI]
-    modes : Modes
-        Its modes. [SI]
-    damping : ModalDamping
-        Damping of the modes; only where a sweep looks closely depends on it. [1]
+    modal : ModalTrain
+        Its train and modes; the damping only decides where a sweep looks closely. [SI]
     excitations : sequence of Excitation
         What shakes the train. [SI]
     margins : SeparationMargins
@@ -414,13 +408,14 @@ def steady_state(
     SteadyState
         Rows of torque and stress, with verdicts. [N m, Pa]
     """
+    train, modes = modal.train, modal.modes
     transmitted = transmitted_torque(case, train)
     places = {x.name: excitation_places(case, train, transmitted, x) for x in excitations}
     warnings = list(transmitted.warnings) if any(x.torque is None for x in excitations) else []
     silent = [x.name for x in excitations if not places[x.name]]
     if silent:
         warnings.append(f"No forced response to {', '.join(silent)}: its torque is unknown.")
-    poles = _pole_frequencies(train, modes, damping)
+    poles = _pole_frequencies(modal)
     tasks: list[tuple[Excitation, int | None, Floats]] = []
     by_name = {x.name: x for x in excitations}
     for row in margins.not_kept:  # what decides stands first
@@ -465,8 +460,9 @@ def steady_state(
     return SteadyState(tuple(rows), basis, tuple(warnings))
 
 
-def _pole_frequencies(train: Train, modes: Modes, damping: ModalDamping) -> Floats:
+def _pole_frequencies(modal: ModalTrain) -> Floats:
     """Frequencies where a response may peak: natural ones, damped ones, coupled ones. [Hz]"""
+    train, modes, damping = modal
     omega = modes.omega[modes.n_rigid :]
     zeta = damping.ratio[modes.n_rigid :]
     peak = omega * np.sqrt(np.maximum(0.0, 1.0 - 2.0 * zeta**2))

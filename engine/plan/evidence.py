@@ -13,7 +13,8 @@ from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS, LONGEST_START
 from engine.case.effects import choice_of
 from engine.model.load import loads_of
-from engine.model.modes import ModalDamping, Modes
+from engine.model.modal_train import ModalTrain
+from engine.model.modes import Modes
 from engine.model.motor import Motor, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Train
@@ -105,10 +106,8 @@ class Evidence:
 
 def collect_evidence(
     case: CaseData,
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
-    coupled: tuple[Train, Modes, ModalDamping] | None = None,
+    modal: ModalTrain,
+    coupled: ModalTrain | None = None,
 ) -> Evidence:
     """Evidence that needs no start.
 
@@ -116,9 +115,9 @@ def collect_evidence(
     ----------
     case : CaseData
         The case. [SI]
-    train, modes, damping : Train, Modes, ModalDamping
+    modal : ModalTrain
         Without sideways motion of gears. [SI]
-    coupled : tuple of (Train, Modes, ModalDamping), optional
+    coupled : ModalTrain, optional
         The same with it, where bearing data is given. [SI]
 
     Returns
@@ -126,6 +125,7 @@ def collect_evidence(
     Evidence
         Everything but the linear start. [SI]
     """
+    train, modes = modal.train, modal.modes
     ratings = case.ratings
     elastic = modes.elastic_frequency
     motors = motors_of(case, train) if has_start(case) else ()
@@ -150,15 +150,13 @@ def collect_evidence(
         tolerance=_tolerance(case),
         start=bool(motors) or bool(case.torque_time),
         n_modes=modes.n_modes,
-        n_coupled_modes=modes.n_modes if coupled is None else coupled[1].n_modes,
+        n_coupled_modes=modes.n_modes if coupled is None else coupled.modes.n_modes,
         first_frequency=float(elastic[0]) if len(elastic) else None,
         line_frequency=ratings.line_frequency,
-        bearing_number=None
-        if coupled is None
-        else _bearing_number(train, modes, damping, *coupled),
+        bearing_number=None if coupled is None else _bearing_number(modal, coupled),
         coupling=max(
-            _coupling_number(*model, motors, synchronous or 0.0)
-            for model in ((train, modes, damping), coupled)
+            _coupling_number(model, motors, synchronous or 0.0)
+            for model in (modal, coupled)
             if model is not None
         ),
         runup_time=None if runup is None else float(runup.time[-1]),
@@ -204,16 +202,15 @@ def _shock_share(case: CaseData, line_omega: float, motors: Sequence[Motor]) -> 
     return shock * grown / drive if drive > 0.0 else math.inf
 
 
-def _bearing_number(
-    train: Train, modes: Modes, damping: ModalDamping,
-    coupled_train: Train, coupled: Modes, coupled_damping: ModalDamping,
-) -> float:  # fmt: skip
+def _bearing_number(modal: ModalTrain, on_bearings: ModalTrain) -> float:
     """Largest relative change that the bearings make to a mode: frequency, shape or damping.
 
     Modes of any frequency count, since all ring at breaker closing. A mode that is sideways motion
     alone counts with the rotation in it times its resonance. 1 or more where a mode has no
     counterpart.
     """
+    train, modes, damping = modal
+    coupled_train, coupled, coupled_damping = on_bearings
     if train.n_dof > coupled_train.n_dof:
         return 1.0
     overlap = np.abs((modes.shape * train.inertia[:, None]).T @ coupled.shape[: train.n_dof])
@@ -238,15 +235,14 @@ def _bearing_number(
     return worst
 
 
-def _coupling_number(
-    train: Train, modes: Modes, damping: ModalDamping, motors: Sequence[Motor], synchronous: float
-) -> float:
+def _coupling_number(modal: ModalTrain, motors: Sequence[Motor], synchronous: float) -> float:
     """Estimated share of an element's torque that dampers bring by coupling its modes.
 
     Mode j moves with A_j: its static answer to the motor torque, magnified where the pulsation
     passes it; a rigid mode with its speed at synchronism. Through the off-diagonal damping d_ij it
     drives mode i to |d_ij| ω_j A_j / |ω_i² − ω_j²| (a rigid one to |d_ij| v_j / ω_i²).
     """
+    train, modes, damping = modal
     sprung = np.where(train.stiffness > 0.0, train.viscous, 0.0)  # the others are forces anyway
     matrix = (modes.row_twist.T * sprung) @ modes.row_twist
     matrix += modes.shape.T @ (train.ground_damping[:, None] * modes.shape)

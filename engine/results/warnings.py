@@ -11,7 +11,7 @@ from engine.case.choices import ElementKind, Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_STARTS
 from engine.fatigue.allowable_starts import AllowableStarts
-from engine.model.modal_analysis import ModalModel
+from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.plan.plan import Plan
 from engine.start.outcome import Outcome
@@ -25,9 +25,9 @@ LOW_FREQUENCY, LONG_START = 1.0, 60.0
 MAX_PLANS = 5
 
 
-def _unstable_feedback(case: CaseData, model: ModalModel) -> Iterator[str]:
+def _unstable_feedback(case: CaseData, model: ModalTrain) -> Iterator[str]:
     """A torque that rises with speed feeds a mode faster than its damping takes energy away."""
-    train, modes, damping = model.train, model.modes, model.damping
+    train, modes, damping = model
     for motor in motors_of(case, train):
         rise = float(np.max(motor.average.cubic[:, 1])) / motor.synchronous_speed
         dof, scale = train.node_dof[motor.station], train.node_scale[motor.station]
@@ -45,7 +45,7 @@ def _unstable_feedback(case: CaseData, model: ModalModel) -> Iterator[str]:
 
 def warnings_of(
     case: CaseData,
-    model: ModalModel,
+    model: ModalTrain,
     start: Start | None,
     starts: AllowableStarts | None,
     plan: Plan,
@@ -57,7 +57,7 @@ def warnings_of(
     ----------
     case : CaseData
         The case. [SI]
-    model : ModalModel
+    model : ModalTrain
         Modes that are reported. [SI]
     start : Start or None
         The start. [SI]

@@ -17,8 +17,7 @@ from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.fatigue.stress import shear_stress
-from engine.model.modal_analysis import ModalModel
-from engine.model.modes import ModalDamping, Modes
+from engine.model.modal_train import ModalTrain
 from engine.model.train import Train
 from engine.operation.margins import percent_speed
 from engine.start.start import Start
@@ -58,9 +57,7 @@ class Crossing:
 
 
 def start_crossings(
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    modal: ModalTrain,
     start: Start,
     line_frequency: float,
     synchronous_speed: float,
@@ -71,12 +68,8 @@ def start_crossings(
 
     Parameters
     ----------
-    train : Train
-        The train. [SI]
-    modes : Modes
-        Its modes. [SI]
-    damping : ModalDamping
-        Their damping. [SI]
+    modal : ModalTrain
+        Its train, modes and damping. [SI]
     start : Start
         The start. [SI]
     line_frequency : float
@@ -93,6 +86,7 @@ def start_crossings(
     tuple of Crossing
         In rising frequency. [count]
     """
+    train, modes, damping = modal
     runup = start.runup
     if runup is None:
         return ()
@@ -270,14 +264,14 @@ def _note(p: _Point, ratio: float, line_frequency: float, reverses: bool | None)
     return " ".join(said)
 
 
-def crossings_of(case: CaseData, model: ModalModel, start: Start) -> tuple[Crossing, ...]:
+def crossings_of(case: CaseData, model: ModalTrain, start: Start) -> tuple[Crossing, ...]:
     """Crossings of a start by the falling 2 × slip frequency.
 
     Parameters
     ----------
     case : CaseData
         The case. [SI]
-    model : ModalModel
+    model : ModalTrain
         Modes that are reported. [SI]
     start : Start
         The start. [SI]
@@ -298,9 +292,7 @@ def crossings_of(case: CaseData, model: ModalModel, start: Start) -> tuple[Cross
     ]
     meshes = [i for i, e in enumerate(case.elements) if e.kind == ElementKind.GEAR_MESH]
     return start_crossings(
-        model.train,
-        model.modes,
-        model.damping,
+        model,
         start,
         ratings.line_frequency,
         ratings.synchronous_speed,

@@ -13,7 +13,8 @@ from engine.case.choices import Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
 from engine.errors import ModelError
-from engine.model.modes import ModalDamping, Modes
+from engine.model.modal_train import ModalTrain
+from engine.model.modes import Modes
 from engine.model.train import Train
 from engine.start.outcome import Outcome, StartOutcome
 from engine.start.peaks import element_peaks, relative_errors, worst_outputs
@@ -32,19 +33,15 @@ MATTERS = 0.1
 MAX_SAMPLES, MAX_VALUES = 2_000_000, 10_000_000
 
 
-def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDamping) -> Start:
+def run_prescribed(case: CaseData, modal: ModalTrain) -> Start:
     """Response to the prescribed torques, from rest.
 
     Parameters
     ----------
     case : CaseData
         The case. [SI]
-    train : Train
-        Its train. [SI]
-    modes : Modes
-        Its modes. [SI]
-    damping : ModalDamping
-        Their damping; dampers act with their full matrix. [SI]
+    modal : ModalTrain
+        Its train, modes and damping. [SI]
 
     Returns
     -------
@@ -56,6 +53,7 @@ def run_prescribed(case: CaseData, train: Train, modes: Modes, damping: ModalDam
     ModelError
         If neither the table nor MaximumTime says how long to follow the train.
     """
+    train, modes, damping = modal
     torques = prescribed_torques(case, train)
     last = max(float(p.time or 0.0) for p in case.torque_time)
     end = case.maximum_time or last

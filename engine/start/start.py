@@ -21,10 +21,9 @@ from engine.case.defaults import LONGEST_START
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.load import loads_of
-from engine.model.modes import ModalDamping, Modes
+from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.model.rigid_runup import RigidRunup, rigid_runup
-from engine.model.train import Train
 from engine.start.event_results import (
     BearingForce,
     ContactRecord,
@@ -208,9 +207,7 @@ class PreparedStart:
 
 def prepared_start(
     case: CaseData,
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    modal: ModalTrain,
     effects: StartEffects = PLAIN_START,
 ) -> PreparedStart:
     """Everything of a start that does not depend on the step.
@@ -219,12 +216,8 @@ def prepared_start(
     ----------
     case : CaseData
         The case. [SI]
-    train : Train
-        Its train. [SI]
-    modes : Modes
-        Its modes. [SI]
-    damping : ModalDamping
-        Their damping. [SI]
+    modal : ModalTrain
+        Its train, modes and damping. [SI]
     effects : StartEffects, optional
         What is simulated; default the plain start. [flags]
 
@@ -238,6 +231,7 @@ def prepared_start(
     ModelError
         If the train cannot turn (a spring holds it to ground) or has no motor.
     """
+    train, modes = modal.train, modal.modes
     if modes.n_rigid == 0:
         raise ModelError("A train held to ground by a spring cannot start; no rigid mode is left.")
     settings = settings_of(case)
@@ -250,17 +244,13 @@ def prepared_start(
     longest = LONGEST_START if settings.maximum_time is None else settings.maximum_time
     tabled = max((float(p.time or 0.0) + 1.0 for p in case.torque_time), default=0.0)
     maximum = longest if effects.full_length else min(max(run_length(runup), tabled), longest)
-    model = start_model(
-        case, train, modes, damping, motors, loads, settings.tolerance_peak, maximum, effects
-    )
+    model = start_model(case, modal, motors, loads, settings.tolerance_peak, maximum, effects)
     return PreparedStart(model, settings, runup, maximum, longest, synchronous, keeps_history(case))
 
 
 def run_start(
     case: CaseData,
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    modal: ModalTrain,
     effects: StartEffects = PLAIN_START,
 ) -> Start:
     """Calculate the start of a case to the accuracy it asks for.
@@ -272,12 +262,8 @@ def run_start(
     ----------
     case : CaseData
         The case. [SI]
-    train : Train
-        Its train. [SI]
-    modes : Modes
-        Its modes. [SI]
-    damping : ModalDamping
-        Their damping. [SI]
+    modal : ModalTrain
+        Its train, modes and damping. [SI]
     effects : StartEffects, optional
         What is simulated; default the plain start. [flags]
 
@@ -291,7 +277,8 @@ def run_start(
     ModelError
         If the train cannot turn (a spring holds it to ground) or has no motor.
     """
-    prepared = prepared_start(case, train, modes, damping, effects)
+    train = modal.train
+    prepared = prepared_start(case, modal, effects)
     settings, model = prepared.settings, prepared.model
     step = min(_first_step(settings, model.pulsation_omega), model.largest_step)
     prepared, coarse = prepared.to_its_end(step)

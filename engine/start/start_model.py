@@ -14,7 +14,8 @@ from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.load import Load
-from engine.model.modes import ModalDamping, Modes
+from engine.model.modal_train import ModalTrain
+from engine.model.modes import Modes
 from engine.model.motor import Motor, electrical_arrays, through_synchronism, voltage_factor
 from engine.model.train import Train
 from engine.numerics.torque_curve import TorqueCurve
@@ -96,9 +97,7 @@ class StartModel:
 
 def start_model(
     case: CaseData,
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    modal: ModalTrain,
     motors: tuple[Motor, ...],
     loads: tuple[Load, ...],
     tolerance: float,
@@ -118,12 +117,8 @@ def start_model(
     ----------
     case : CaseData
         The case (for prescribed torques). [SI]
-    train : Train
-        Its train. [SI]
-    modes : Modes
-        All its modes. [SI]
-    damping : ModalDamping
-        Damping of each mode. [SI]
+    modal : ModalTrain
+        Its train, modes and damping. [SI]
     motors, loads : tuple
         Motors and driven machines. [SI]
     tolerance : float
@@ -141,6 +136,7 @@ def start_model(
     StartModel
         Arguments of the compiled loop. [SI]
     """
+    train, modes, damping = modal
     timed_names = list(dict.fromkeys(p.station for p in case.torque_time))
     timed_stations = [train.station_index(str(n)) for n in timed_names]
     stations = sorted(
@@ -159,13 +155,11 @@ def start_model(
             [force_reach(train, modes, forces), modes.row_twist[dampers.rows].T], axis=1
         )
         of_stations = _force_sizes(case, train, motors, loads, column, effects)
-        sizes = _with_dampers(of_stations, train, modes, damping, dampers, all_reach, fastest)
+        sizes = _with_dampers(of_stations, modal, dampers, all_reach, fastest)
         outputs = _outputs(train, modes, forces, dampers, uncoupled)
         ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
         keep = _kept_modes(modes, ringing, slow, scale, tolerance, fastest, effects)
-        windows = _windows(
-            modes, damping, ringing, scale, keep, tolerance, fastest, maximum_time, effects
-        )
+        windows = _windows(modal, ringing, scale, keep, tolerance, fastest, maximum_time, effects)
         gains = dampers.viscous * np.sum(all_reach[keep][:, len(index) :] ** 2, axis=0)
         held = _too_strong(dampers, gains, all_reach[keep][:, len(index) :], tolerance, fastest)
         if implicit_dampers or not np.any(held):
@@ -420,9 +414,7 @@ def _force_sizes(
 
 def _with_dampers(
     of_stations: tuple[_ForceSizes, float],
-    train: Train,
-    modes: Modes,
-    damping: ModalDamping,
+    modal: ModalTrain,
     dampers: _Dampers,
     reach: Floats,
     fastest: float,
@@ -433,6 +425,7 @@ def _with_dampers(
     speed across it: of the vibration its modes may reach, and to ground that of the shaft itself.
     It loads no element by more than those forces do, so it has no part in the scale.
     """
+    train, modes, damping = modal
     sizes, reference_torque = of_stations
     n = len(sizes.step)
     drive = np.abs(reach[:, :n]) @ (sizes.step + sizes.smooth)
@@ -504,7 +497,7 @@ def _kept_modes(
 
 
 def _windows(
-    modes: Modes, damping: ModalDamping, ringing: Floats, scale: Floats,
+    modal: ModalTrain, ringing: Floats, scale: Floats,
     keep: NDArray[np.bool_], tolerance: float, fastest: float, maximum_time: float,
     effects: StartEffects,
 ) -> tuple[tuple[float, float], ...]:  # fmt: skip
@@ -514,6 +507,7 @@ def _windows(
     taken out of `keep`, whatever was chosen. Where all modes were asked for there are some that
     ring by next to nothing but so fast that the cubic between two samples would exaggerate it.
     """
+    modes, damping = modal.modes, modal.damping
     windows: list[tuple[float, float]] = []
     usual = usual_step(tolerance, fastest)
     budget = min(MAX_RINGING_STEPS, MAX_VALUES // max(len(scale), 1))

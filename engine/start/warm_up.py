@@ -9,7 +9,8 @@ from __future__ import annotations
 from functools import cache
 
 from engine.case.data import CaseData, ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow
-from engine.model.modes import modal_damping, natural_modes
+from engine.model.modal_train import ModalTrain
+from engine.model.modes import natural_modes
 from engine.start.start import run_start
 
 #: Time of the start that is calculated for it. [s]
@@ -34,4 +35,4 @@ def load_routines() -> None:
         load_torque=(LoadTorqueRow("Load", 0.0, 1e2), LoadTorqueRow("Load", 1.0, 1e3)),
     )
     found = natural_modes(case)
-    run_start(case, found.train, found.modes, modal_damping(case, found.train, found.modes))
+    run_start(case, ModalTrain.of(case, found.train, found.modes))

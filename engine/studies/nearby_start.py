@@ -27,8 +27,9 @@ from engine.fatigue.stress import shear_stress
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, operating_range
 from engine.model.links import has_clearance
-from engine.model.modal_analysis import ModalModel, analyse
-from engine.model.modes import modal_damping, modes_of
+from engine.model.modal_analysis import analyse
+from engine.model.modal_train import ModalTrain
+from engine.model.modes import modes_of
 from engine.operation.margins import nearest_frequency
 from engine.results.results import Results
 from engine.run import calculate_start, planned_start
@@ -102,7 +103,7 @@ class Recipe:
 class NearTrain:
     """Modes and margins of a train near to the planned one."""
 
-    model: ModalModel  #: Train, modes and damping that are reported. [SI]
+    model: ModalTrain  #: Train, modes and damping that are reported. [SI]
     frequency: Floats  #: Wanted elastic frequencies. [Hz] Shape (n_modes,).
     margin: Floats  #: Wanted margins, in the order of `Recipe.margins`. [1] Shape (n_margins,).
 
@@ -241,10 +242,10 @@ def near_train(case: CaseData, recipe: Recipe) -> NearTrain:
     return NearTrain(model, elastic[: recipe.n_modes], margins)
 
 
-def _model(case: CaseData, recipe: Recipe, lateral: bool) -> ModalModel:
+def _model(case: CaseData, recipe: Recipe, lateral: bool) -> ModalTrain:
     train = build_train(case, dict(recipe.segments), lateral=lateral)
     modes = modes_of(train)
-    return ModalModel(train, modes, modal_damping(case, train, modes))
+    return ModalTrain.of(case, train, modes)
 
 
 def near_start(case: CaseData, recipe: Recipe, near: NearTrain, refined: float = 1.0) -> NearStart:
@@ -276,7 +277,7 @@ def near_start(case: CaseData, recipe: Recipe, near: NearTrain, refined: float =
     if recipe.start_lateral != bool(model.train.bodies):
         model = _model(case, recipe, recipe.start_lateral)
     if recipe.start == LINEAR:
-        prepared = prepared_start(case, model.train, model.modes, model.damping, recipe.effects)
+        prepared = prepared_start(case, model, recipe.effects)
         if recipe.held is not None:
             prepared = _held(prepared, recipe.held)
         step = refined * min(recipe.step, prepared.model.largest_step)
@@ -306,7 +307,7 @@ def _held(prepared: PreparedStart, held: Held) -> PreparedStart:
     )
 
 
-def replanned_start(case: CaseData) -> tuple[Start, ModalModel]:
+def replanned_start(case: CaseData) -> tuple[Start, ModalTrain]:
     """The start of a changed train with a plan of its own.
 
     Parameters
@@ -318,14 +319,14 @@ def replanned_start(case: CaseData) -> tuple[Start, ModalModel]:
     -------
     start : Start
         As `run` would report it. [SI]
-    model : ModalModel
+    model : ModalTrain
         The train it was calculated with. [SI]
     """
     planned = planned_start(case, analyse(case))
     return planned.start, planned.model
 
 
-def read_start(case: CaseData, recipe: Recipe, start: Start, model: ModalModel) -> NearStart:
+def read_start(case: CaseData, recipe: Recipe, start: Start, model: ModalTrain) -> NearStart:
     """What is asked of a start that was calculated in full.
 
     Parameters
@@ -336,7 +337,7 @@ def read_start(case: CaseData, recipe: Recipe, start: Start, model: ModalModel) 
         What the plain run decided. [mixed]
     start : Start
         The start. [SI]
-    model : ModalModel
+    model : ModalTrain
         The train it was calculated with. [SI]
 
     Returns
@@ -348,7 +349,7 @@ def read_start(case: CaseData, recipe: Recipe, start: Start, model: ModalModel) 
 
 
 def _read(
-    case: CaseData, recipe: Recipe, model: ModalModel, outcome: StartOutcome, run: SingleRun | Start
+    case: CaseData, recipe: Recipe, model: ModalTrain, outcome: StartOutcome, run: SingleRun | Start
 ) -> NearStart:
     """Peaks, reversals and damage of a start."""
     if isinstance(run, Start):

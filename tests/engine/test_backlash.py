@@ -25,6 +25,7 @@ from engine.case.effect import StartEffects
 from engine.errors import CaseError
 from engine.model.build_train import build_train
 from engine.model.gears import transverse_pressure_angle
+from engine.model.modal_train import ModalTrain
 from engine.model.modes import modes_of
 from engine.start.start import run_start
 from engine.start.time_response import linear
@@ -39,7 +40,7 @@ TOLERANCE = 1e-3
 
 def compared(seed: int, bearings: bool, law: str) -> None:
     case, effects = start_with_clearances(seed, bearings=bearings, end=0.35, share=0.25)
-    found = run_event_start(case, *prepared(case), replace(effects, contact_law=law))
+    found = run_event_start(case, prepared(case), replace(effects, contact_law=law))
     assert found.met_tolerance
     reference = ClearanceReference(case, law)
     end = float(found.trajectory.time[-1])
@@ -94,8 +95,10 @@ def test_teeth_that_never_part_start_like_the_linear_train() -> None:
         motor_torque=tuple(replace(r, pulsating=0.02 * r.pulsating) for r in calm.motor_torque),
     )
     train, modes, damping = prepared(calm)
-    plain = run_start(calm, train, modes, damping)
-    found = run_event_start(calm, train, modes, damping, StartEffects(clearances=("Mesh",)), plain)
+    plain = run_start(calm, ModalTrain(train, modes, damping))
+    found = run_event_start(
+        calm, ModalTrain(train, modes, damping), StartEffects(clearances=("Mesh",)), plain
+    )
     assert found.contacts[0].impacts == 0
     assert found.contacts[0].time_unloaded == 0.0
     for a, b in zip(plain.peaks, found.peaks, strict=True):
@@ -115,11 +118,11 @@ def test_the_torque_of_teeth_does_not_depend_on_whether_their_clearance_is_simul
         contact_law="no adhesion",  # linear as long as nothing parts
     )
     model = prepared(calm)
-    plain = run_start(calm, *model, StartEffects(coupled_damping=True))
+    plain = run_start(calm, model, StartEffects(coupled_damping=True))
     effects = StartEffects(clearances=("Mesh",), coupled_damping=True, contact_law=calm.contact_law)
-    found = run_event_start(calm, *model, effects, plain)
+    found = run_event_start(calm, model, effects, plain)
     tight = replace(calm, meshes=(replace(calm.meshes[0], backlash=None),))
-    elastic = run_start(tight, *prepared(tight), StartEffects(coupled_damping=True))
+    elastic = run_start(tight, prepared(tight), StartEffects(coupled_damping=True))
     assert found.contacts[0].time_unloaded == 0.0
     mesh = [i for i, p in enumerate(plain.peaks) if p.element == "Mesh"][0]
     size = plain.peaks[mesh].maximum
@@ -136,7 +139,7 @@ def test_no_clearance_is_no_clearance() -> None:
 
 def test_tooth_force_and_speed_are_those_of_the_base_circle() -> None:
     case = with_teeth(backlash=2e-4)
-    found = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
+    found = run_event_start(case, prepared(case), StartEffects(clearances=("Mesh",)))
     contact, mesh = found.contacts[0], case.meshes[0]
     assert contact.impacts > 0
     assert contact.time_unloaded > 0.0
@@ -160,7 +163,7 @@ def test_bearings_of_light_gears_carry_the_tooth_force() -> None:
         "bearing_damping_drive": 4e2, "bearing_damping_driven": 4e2,
     }  # fmt: skip
     case = replace(with_teeth(**light), maximum_time=0.3)
-    found = run_event_start(case, *prepared(case), StartEffects())
+    found = run_event_start(case, prepared(case), StartEffects())
     assert found.forces is not None
     base = 0.3 * math.cos(transverse_pressure_angle(case.meshes[0]))
     mesh = next(p for p in found.peaks if p.element == "Mesh")
@@ -181,7 +184,7 @@ def test_chatter_is_sensitive_and_a_calm_start_is_not() -> None:
             for r in with_teeth().motor_torque
         ),
     )
-    found = run_event_start(wild, *prepared(wild), StartEffects(clearances=("Mesh",)))
+    found = run_event_start(wild, prepared(wild), StartEffects(clearances=("Mesh",)))
     assert found.contacts[0].impacts > 50
     assert found.sensitivity is not None
     assert found.sensitivity.sensitive
@@ -269,12 +272,12 @@ def test_all_simulations_of_a_start_share_one_number_of_steps(
         return run
 
     monkeypatch.setattr("engine.backlash.event_start.simulate_events", counted)
-    free = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
+    free = run_event_start(case, prepared(case), StartEffects(clearances=("Mesh",)))
     assert free.halvings >= 1
     assert free.met_tolerance
     *before, last = steps.values()
     monkeypatch.setattr("engine.backlash.event_start.MOST_STEPS_IN_ALL", sum(before) + last // 2)
-    short = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
+    short = run_event_start(case, prepared(case), StartEffects(clearances=("Mesh",)))
     assert short.halvings == free.halvings - 1
     assert not short.met_tolerance
     assert short.estimated_error > case.tolerance_peak
@@ -290,10 +293,10 @@ def test_the_least_tolerance_that_may_be_typed_can_be_met(events: bool) -> None:
         motor_torque=tuple(replace(r, pulsating=0.02 * r.pulsating) for r in calm.motor_torque),
         tolerance_peak=LEAST_TOLERANCE_PEAK,
     )
-    found = run_start(calm, *prepared(calm))
+    found = run_start(calm, prepared(calm))
     if events:
         effects = StartEffects(clearances=("Mesh",))
-        found = run_event_start(calm, *prepared(calm), effects, found)
+        found = run_event_start(calm, prepared(calm), effects, found)
     assert found.met_tolerance
     assert LEAST_PEAK_ERROR * (1.0 - 1e-9) <= found.estimated_error <= LEAST_TOLERANCE_PEAK
     with pytest.raises(CaseError, match="found 1e-07") as refused:
@@ -307,7 +310,7 @@ def test_a_start_that_takes_too_many_steps_is_given_up_once(
 ) -> None:
     case = with_teeth(backlash=2e-4)
     monkeypatch.setattr("engine.backlash.event_simulation.MOST_STEPS", 2500)
-    start = run_event_start(case, *prepared(case), StartEffects(clearances=("Mesh",)))
+    start = run_event_start(case, prepared(case), StartEffects(clearances=("Mesh",)))
     assert start.outcome.outcome == "time out"
     assert "steps" in start.outcome.sentence
     assert (start.halvings, start.met_tolerance) == (0, False)

@@ -20,6 +20,7 @@ from engine.case.case import Case
 from engine.case.data import ElementRow, MotorTorqueRow, StationRow
 from engine.case.effect import StartEffects
 from engine.model.load import loads_of
+from engine.model.modal_train import ModalTrain
 from engine.model.motor import electrical_arrays, has_electrical, motors_of, through_synchronism
 from engine.model.rigid_runup import rigid_runup
 from engine.numerics.torque_curve import torque_curve
@@ -119,7 +120,7 @@ def simulated(
     """Speed and rotor angle after each exponential step; one ends at FIELD_TIME."""
     train, modes, damping = prepared(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
-    model = start_model(case, train, modes, damping, motors, loads, 1e-9, end, FIELD)
+    model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-9, end, FIELD)
     electrical = model.electrical
     electrical[7][:] = polarity
     free, forced = (
@@ -183,7 +184,7 @@ def test_a_tripped_motor_gives_nothing() -> None:
     case = Case(**MACHINE)
     train, modes, damping = prepared(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
-    model = start_model(case, train, modes, damping, motors, loads, 1e-6, 1.0, FIELD)
+    model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-6, 1.0, FIELD)
     model.electrical[3][:] = 0.0
     force, rate = np.zeros(1), np.zeros(1)
     law = (model.curves, model.motors, model.loads, model.timed, model.dampers, model.electrical)
@@ -202,7 +203,7 @@ def test_neutral_arrays_change_no_digit() -> None:
     case = geared(pulsation_phase=0.3)
     train, modes, damping = prepared(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
-    model = start_model(case, train, modes, damping, motors, loads, 1e-6)
+    model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-6)
     assert not has_electrical(model.electrical)
     law = (model.curves, model.motors, model.loads, model.timed, model.dampers)
     results = []
@@ -295,7 +296,7 @@ def test_shock_of_a_two_mass_train(constant: float, monkeypatch: pytest.MonkeyPa
     """Long and very short transients: peaks within their estimated error of scipy's."""
     monkeypatch.setattr(WithShock, "constant", constant)
     case = replace(two_masses(), shock_time_constant=constant)
-    start = run_start(case, *prepared(case), SHOCK)
+    start = run_start(case, prepared(case), SHOCK)
     plain = started(case)
     times = np.linspace(0.0, start.outcome.time, 20_001)
     truth = WithShock(case).run(times[-1], times)[0]
@@ -367,7 +368,7 @@ def errors_of(start: Any, truth: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_coupled_damping_against_the_full_state_space(seed: int) -> None:
     case = strongly_damped(seed)
-    start = run_start(case, *prepared(case), COUPLED)
+    start = run_start(case, prepared(case), COUPLED)
     modal = started(case)
     assert start.uncoupled_dampers == ()
     times = np.linspace(0.0, start.outcome.time, 40_001)
@@ -413,7 +414,7 @@ def test_coupled_damping_where_gears_are_rigid() -> None:
         load_torque=load(rated=RATED),
         damping_ratio=None,
     )
-    start = run_start(case, *prepared(case), COUPLED)
+    start = run_start(case, prepared(case), COUPLED)
     reference = FullyDamped(one_speed)
     times = np.linspace(0.0, start.outcome.time, 40_001)
     states = states_of(reference, times)
@@ -456,7 +457,7 @@ def test_a_damper_far_too_strong_for_its_inertia_stays_modal_and_is_named() -> N
     train, modes, damping = prepared(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
     every = replace(COUPLED, fast_modes=True)
-    model = start_model(case, train, modes, damping, motors, loads, 1e-5, 5.0, every)
+    model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-5, 5.0, every)
     assert "Motor shaft" in model.uncoupled_dampers
     assert set(model.uncoupled_dampers) < {"Motor shaft", "Coupling", "Hub (to ground)"}
     assert len(model.dampers[1]) == 3 - len(model.uncoupled_dampers)
@@ -465,7 +466,7 @@ def test_a_damper_far_too_strong_for_its_inertia_stays_modal_and_is_named() -> N
     np.testing.assert_allclose(
         model.rate + own**2 @ model.dampers[1], damping.rate, rtol=1e-9, atol=1e-9
     )
-    assert run_start(case, train, modes, damping, every).outcome.outcome == "reached"
+    assert run_start(case, ModalTrain(train, modes, damping), every).outcome.outcome == "reached"
 
 
 def test_no_mode_is_dropped_and_no_run_cut_where_that_is_chosen() -> None:
@@ -484,8 +485,8 @@ def test_no_mode_is_dropped_and_no_run_cut_where_that_is_chosen() -> None:
         tolerance_peak=0.02,
     )
     found = prepared(light)
-    few = run_start(light, *found)
-    every = run_start(light, *found, StartEffects(fast_modes=True))
+    few = run_start(light, found)
+    every = run_start(light, found, StartEffects(fast_modes=True))
     assert few.kept_modes < every.kept_modes == found[1].n_modes
     assert few.truncation_error > every.truncation_error == 0.0
     for a, b in zip(few.peaks, every.peaks, strict=True):
@@ -493,7 +494,7 @@ def test_no_mode_is_dropped_and_no_run_cut_where_that_is_chosen() -> None:
     stalled = geared(load_torque=load(rated=RATED / 3.0, curve=((0.0, 0.1), (1.0, 1.5))))
     stalled = replace(stalled, maximum_time=30.0)
     short = started(stalled)
-    long = run_start(stalled, *prepared(stalled), StartEffects(full_length=True))
+    long = run_start(stalled, prepared(stalled), StartEffects(full_length=True))
     assert short.outcome.time < 0.9 * 30.0
     assert long.outcome.time == pytest.approx(30.0, rel=1e-3)
     assert long.outcome.outcome == short.outcome.outcome == "stalled"

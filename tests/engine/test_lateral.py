@@ -13,6 +13,7 @@ from engine.case.data import CaseData, ElementRow, MeshRow, MotorTorqueRow, Stat
 from engine.errors import ModelError
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, transmitted_torque
+from engine.model.modal_train import ModalTrain
 from engine.model.modes import damped_eigenvalues, modal_damping, modes_of, natural_modes, nodes_of
 from engine.operation.margins import separation_margins
 from engine.operation.steady_state import harmonic_response, steady_state
@@ -654,7 +655,7 @@ def test_steady_state_judges_elements_and_an_undamped_sideways_mode_is_no_resona
     across_only = [i for i in range(1, modes.n_modes) if modes.strain_share[:, i].sum() < 1e-12]
     assert len(across_only) == 2
     assert {r.mode for r in margins.rows} == set(range(1, modes.n_modes)) - set(across_only)
-    steady = steady_state(case, train, modes, damping, excitations, margins)
+    steady = steady_state(case, ModalTrain(train, modes, damping), excitations, margins)
     assert {r.element for r in steady.rows} == set(train.elements)
     across = np.array([math.sqrt(BEARING[name] / MASS[name]) for name in "PW"])
     at = harmonic_response(train, modes, across, np.array([1.0, 0, 0, 0, 0]))

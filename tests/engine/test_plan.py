@@ -331,7 +331,7 @@ def test_prescribed_torques_part_teeth_too():
 
 
 def evidence_of(case: Case) -> Evidence:
-    return collect_evidence(case, *prepared(case))
+    return collect_evidence(case, prepared(case))
 
 
 def test_the_field_is_applied_where_the_rigid_train_comes_to_its_slip():
@@ -482,7 +482,7 @@ class Stage:
 
     def calculate(self, case, model, effects, linear):
         if linear is None:
-            return self.real(case, model.train, model.modes, model.damping, effects)
+            return self.real(case, model, effects)
         self.asked.append(effects.clearances)
         wrong = self.lowered[len(self.asked) - 1 : len(self.asked)]
         elements = [model.train.elements[i] for i in np.flatnonzero(linear.output_of_element >= 0)]

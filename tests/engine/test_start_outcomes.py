@@ -12,6 +12,7 @@ from engine.case.case import Case
 from engine.case.data import ElementRow, LoadTorqueRow, MotorTorqueRow, StationRow, TorqueTimeRow
 from engine.errors import TorsionError
 from engine.model.load import loads_of
+from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.start.crossings import start_crossings
 from engine.start.prescribed import run_prescribed
@@ -170,7 +171,7 @@ def test_loads_only_ever_take_energy() -> None:
     )
     train, modes, damping = prepared(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
-    model = start_model(case, train, modes, damping, motors, loads, 1e-6, 3.0)
+    model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-6, 3.0)
     run = simulate(model, 2.5e-4, "exponential", 1e9, 3.0)
     late = run.time > 2.5
     assert np.max(np.abs(run.mean_speed[late])) < 1e-3 * SYNCHRONOUS
@@ -221,7 +222,9 @@ def test_pulsation_has_twice_slip_frequency_whatever_the_poles(poles: int) -> No
     assert case.ratings.synchronous_speed == pytest.approx(synchronous)
     assert start.outcome.time == pytest.approx(usual.outcome.time, rel=0.02)
     train, modes, damping = prepared(case)
-    rows = start_crossings(train, modes, damping, start, 60.0, synchronous, [None] * 3, [1])
+    rows = start_crossings(
+        ModalTrain(train, modes, damping), start, 60.0, synchronous, [None] * 3, [1]
+    )
     for row in rows:
         assert row.percent_speed == pytest.approx(100.0 * (1.0 - row.frequency / 120.0))
         # the crossing is where the vibration is: largest torque soon after it
@@ -262,7 +265,7 @@ def test_a_table_of_torque_is_read_without_missing_its_knots() -> None:
     case = geared(torque_time=rows)
     train, modes, damping = prepared(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
-    model = start_model(case, train, modes, damping, motors, loads, 1e-9, 0.5)
+    model = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-9, 0.5)
     model = replace(model, windows=())
 
     def torque(h: float) -> np.ndarray:
@@ -299,7 +302,7 @@ def test_a_damper_between_two_parts_carries_the_torque() -> None:
     case = fluid_coupling(c)
     train, modes, damping = prepared(case)
     assert modes.n_rigid == 2
-    start = run_start(case, train, modes, damping)
+    start = run_start(case, ModalTrain(train, modes, damping))
     run = start.trajectory
     assert start.outcome.outcome == "reached"
     # slow balance at one moment: T_coupling = c Δω, and J dω/dt of the driven part + load
@@ -393,7 +396,7 @@ def test_prescribed_torque_on_a_link_of_1e16_ends() -> None:
         elements=(replace(base.elements[0], stiffness=1e16), *base.elements[1:]),
         torque_time=(TorqueTimeRow("Motor", 0.0, 100.0), TorqueTimeRow("Motor", 5.0, 0.0)),
     )
-    start = run_prescribed(case, *prepared(case))
+    start = run_prescribed(case, prepared(case))
     assert start.trajectory.n_steps < 200_000
     assert start.kept_modes == 2
     shaft = start.peaks[0]
@@ -426,7 +429,9 @@ def test_modes_near_twice_line_are_flagged(
     case = tuned(frequency)
     train, modes, damping = prepared(case)
     start = started(case)
-    (row,) = start_crossings(train, modes, damping, start, 60.0, SYNCHRONOUS, [None], [])
+    (row,) = start_crossings(
+        ModalTrain(train, modes, damping), start, 60.0, SYNCHRONOUS, [None], []
+    )
     assert ("initial shock" in row.note) is flagged
     assert row.percent_speed == (None if percent is None else pytest.approx(percent, abs=1e-3))
     assert (row.time is None) is (percent is None)
@@ -438,7 +443,9 @@ def test_modes_near_twice_line_are_flagged(
 def test_a_mode_well_above_twice_line_has_no_row() -> None:
     case = tuned(140.0)
     train, modes, damping = prepared(case)
-    assert not start_crossings(train, modes, damping, started(case), 60.0, SYNCHRONOUS, [None], [])
+    assert not start_crossings(
+        ModalTrain(train, modes, damping), started(case), 60.0, SYNCHRONOUS, [None], []
+    )
 
 
 def test_curves_used_here_are_the_tables() -> None:

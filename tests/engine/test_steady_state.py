@@ -21,6 +21,7 @@ from engine.case.result_words import Judgement
 from engine.errors import ModelError
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of
+from engine.model.modal_train import ModalTrain
 from engine.model.modes import modal_damping, modes_of, natural_modes, stated_damping
 from engine.operation.margins import judge, separation_margins
 from engine.operation.steady_state import harmonic_response, steady_state
@@ -53,7 +54,7 @@ def run(case):
     excitations = excitations_of(case, train)
     margins = separation_margins(case, train, modes, excitations)
     damping = modal_damping(case, train, modes)
-    steady = steady_state(case, train, modes, damping, excitations, margins)
+    steady = steady_state(case, ModalTrain(train, modes, damping), excitations, margins)
     return judge(margins, steady.rows), steady
 
 

@@ -16,6 +16,7 @@ import pytest
 
 from engine.backlash.event_start import _beyond, _may_be_overtaken, _together_until, run_event_start
 from engine.model.load import loads_of
+from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.start.peaks import _difference
 from engine.start.settings import settings_of
@@ -32,11 +33,11 @@ def claimed_and_true(seed: int) -> tuple[np.ndarray, np.ndarray, bool]:
     """Claimed and true relative error of every element's peaks; whether the tolerance was met."""
     case = random_start(seed)
     train, modes, damping = prepared(case)
-    start = run_start(case, train, modes, damping)
+    start = run_start(case, ModalTrain(train, modes, damping))
     motors, loads = motors_of(case, train), loads_of(case, train)
     end, h = start.outcome.time, start.step / 8.0
     strict = 0.01 * min(start.estimated_error, 1e-3)
-    model = start_model(case, train, modes, damping, motors, loads, strict, end)
+    model = start_model(case, ModalTrain(train, modes, damping), motors, loads, strict, end)
     finest = simulate(model, h, "exponential", settings_of(case).end_speed, end + h)
     turning = turning_of(finest, min(end, float(finest.time[-1])))
     claimed, true = [], []
@@ -85,10 +86,10 @@ def claimed_and_true_with_teeth(seed: int) -> tuple[np.ndarray, np.ndarray] | No
     """
     case, effects = start_with_clearances(seed, bearings=bool(seed % 2), end=0.35, share=0.05)
     model = prepared(case)
-    start = run_event_start(case, *model, effects)
+    start = run_event_start(case, model, effects)
     if not start.met_tolerance or start.is_sensitive:
         return None
-    strict = run_event_start(replace(case, tolerance_peak=3e-6), *model, effects)
+    strict = run_event_start(replace(case, tolerance_peak=3e-6), model, effects)
     claimed, true = [], []
     for peak, truth in zip(start.peaks, strict.peaks, strict=True):
         size = max(abs(peak.maximum), abs(peak.minimum))
@@ -204,7 +205,7 @@ def test_modes_left_out_count_for_as_much_as_impacts_may_make_of_them() -> None:
 def test_a_start_that_goes_beyond_later_is_sensitive() -> None:
     """Two runs agree to 5e-6 on torques at 0.02 s; other courses after 0.1 s go beyond them by a third."""
     case, effects = start_with_clearances(263, bearings=True, end=0.35, share=0.05)
-    start = run_event_start(case, *prepared(case), effects)
+    start = run_event_start(case, prepared(case), effects)
     assert start.sensitivity is not None
     assert start.sensitivity.sensitive
     assert start.sensitivity.spread > 0.01

@@ -10,6 +10,7 @@ import pytest
 from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow, TorqueTimeRow
 from engine.model.load import loads_of
+from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.start.simulation import simulate
 from engine.start.start_model import start_model
@@ -96,7 +97,9 @@ def by_element(case: Case, response: Trajectory | TimeResponse) -> np.ndarray:
 def start_torque(case: Case) -> tuple[np.ndarray, np.ndarray]:
     train, modes, damping = prepared(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
-    model = replace(start_model(case, train, modes, damping, motors, loads, 1e-9, END), windows=())
+    model = replace(
+        start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-9, END), windows=()
+    )
     run = simulate(model, 2.5e-4, "exponential", 1e9, END)
     return run.time, by_element(case, run)
 

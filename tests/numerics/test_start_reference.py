@@ -20,6 +20,7 @@ from scipy.linalg import eigh
 from engine.case.case import Case
 from engine.case.data import ElementRow, StationRow
 from engine.model.load import NEAR_STANDSTILL, STANDSTILL_TIME, STANDSTILL_ZONE, loads_of
+from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.start.simulation import simulate
 from engine.start.start import run_start
@@ -115,7 +116,7 @@ def simulated(
     """The engine's start at a fixed step, all modes kept unless `tolerance` is wide."""
     train, modes, damping = prepared(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
-    model = start_model(case, train, modes, damping, motors, loads, tolerance, end)
+    model = start_model(case, ModalTrain(train, modes, damping), motors, loads, tolerance, end)
     return simulate(model, h, method, NEVER, end)
 
 
@@ -213,9 +214,9 @@ def test_modes_left_out_cost_no_more_than_their_bound(design: str) -> None:
     case = sample_case(design, end_speed=0.5 * SYNCHRONOUS)
     train, modes, damping = prepared(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
-    few = start_model(case, train, modes, damping, motors, loads, 1.0)
+    few = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1.0)
     assert len(few.stiffness) == 4  # the rigid mode and the three below 2 × line
-    every = start_model(case, train, modes, damping, motors, loads, 1e-9)
+    every = start_model(case, ModalTrain(train, modes, damping), motors, loads, 1e-9)
     assert len(every.stiffness) == modes.n_modes
     end = 2.0
     got = extremes(simulate(few, 2.5e-4, "exponential", NEVER, end), end)
@@ -251,7 +252,7 @@ def test_ringing_of_undamped_fast_modes_is_followed(frequency: float) -> None:
     case = undamped_with_fast_mode(frequency)
     train, modes, damping = prepared(case)
     assert modes.frequency[-1] == pytest.approx(frequency, rel=0.1)
-    start = run_start(case, train, modes, damping)
+    start = run_start(case, ModalTrain(train, modes, damping))
     assert start.met_tolerance
     assert start.kept_modes == 3
     truth = simulated(case, start.step / 8.0, start.outcome.time)

@@ -18,6 +18,7 @@ import pytest
 
 from engine.case.case import Case
 from engine.case.data import GROUND, ElementRow, StationRow, TorqueTimeRow
+from engine.model.modal_train import ModalTrain
 from engine.model.modes import modal_damping
 from engine.start.prescribed import run_prescribed
 from engine.start.time_response import held, linear, of_time, time_response
@@ -227,7 +228,7 @@ def test_a07_step_torque(damped: bool) -> None:
     train, modes, damping = prepared(case)
     peak = data["values"]["peak_damped" if damped else "peak_undamped"]
     # through the table TorqueTime: the answers of a case
-    start = run_prescribed(case, train, modes, damping)
+    start = run_prescribed(case, ModalTrain(train, modes, damping))
     assert start.outcome.outcome == "completed"
     assert start.peaks[0].maximum == pytest.approx(peak, rel=2e-6)
     assert abs(start.peaks[0].maximum - peak) <= start.peaks[0].error + 1e-9 * peak

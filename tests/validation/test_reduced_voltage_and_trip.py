@@ -30,7 +30,7 @@ LINE = 120.0 * math.pi
 
 
 def event_start(case: Case, effects: StartEffects) -> Start:
-    return run_event_start(case, *prepared(case), effects)
+    return run_event_start(case, prepared(case), effects)
 
 
 # --- reduced voltage ------------------------------------------------------------------------------
@@ -51,7 +51,7 @@ def test_torques_go_with_the_square_of_the_voltage() -> None:
 
 
 def _with(case: Case) -> tuple[Any, ...]:
-    return (case, *prepared(case))
+    return case, prepared(case)
 
 
 # --- aborted start --------------------------------------------------------------------------------

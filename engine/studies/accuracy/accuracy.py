@@ -171,9 +171,7 @@ class _Ladder:
     def _model(self, planned: PlannedStart, tolerance: float) -> StartModel:
         m, effects = planned.model, replace(planned.plan.effects, clearances=())
         motors, loads = motors_of(self.case, m.train), loads_of(self.case, m.train)
-        return start_model(
-            self.case, m.train, m.modes, m.damping, motors, loads, tolerance, self.end, effects
-        )
+        return start_model(self.case, m, motors, loads, tolerance, self.end, effects)
 
     def finest(self, method: str) -> float:
         """Finest step of a method that memory allows. [s]"""

@@ -115,7 +115,7 @@ def prepared_nearby_start(case: CaseData, recipe: Recipe) -> PreparedStart:
         With its modes. [SI]
     """
     model = near_train(case, recipe).model
-    return prepared_start(case, model.train, model.modes, model.damping, recipe.effects)
+    return prepared_start(case, model, recipe.effects)
 
 
 def _why_no_start(nominal: Results, recipe: Recipe) -> str:
