@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from engine.case.case import Case
     from engine.case.study_inputs import StudyInputs
     from engine.errors import Problem
-    from engine.studies.tuning.evaluate import Tried
+    from engine.studies.tuning.evaluate import EvaluatedCombination
     from engine.studies.tuning.options import Combination
 
 __all__ = ["SHOWN", "TUNING", "Batch"]
@@ -98,7 +98,7 @@ def _calculate(
     )  # fmt: skip
 
 
-def calculate_batch(batch: Batch) -> list[Tried]:
+def calculate_batch(batch: Batch) -> list[EvaluatedCombination]:
     """Some combinations in one process.
 
     Parameters
@@ -108,7 +108,7 @@ def calculate_batch(batch: Batch) -> list[Tried]:
 
     Returns
     -------
-    list of Tried
+    list of EvaluatedCombination
         In the same order. [SI]
     """
     from engine.studies.tuning.evaluate import calculate_combination

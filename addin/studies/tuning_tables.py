@@ -9,7 +9,7 @@ from addin.contract.studies.tuning import LINES, MAP_MODES, MAP_ROWS
 
 if TYPE_CHECKING:
     from engine.operation.margins import Band
-    from engine.studies.tuning.evaluate import Tried
+    from engine.studies.tuning.evaluate import EvaluatedCombination
     from engine.studies.tuning.options import Option, Variable
     from engine.studies.tuning.tuning import TuningResult
 
@@ -92,7 +92,9 @@ def _axes(
     return row | {f"line_{k}": name for k, name in enumerate([*names, *["–"] * LINES][:LINES], 1)}
 
 
-def _starts(options: list[Row], cells: list[list[Tried | None]], *, in_words: bool) -> list[Row]:
+def _starts(
+    options: list[Row], cells: list[list[EvaluatedCombination | None]], *, in_words: bool
+) -> list[Row]:
     return [
         option
         | {f"line_{k}": _cell(t, in_words) for k, t in enumerate(row, 1)}
@@ -101,7 +103,7 @@ def _starts(options: list[Row], cells: list[list[Tried | None]], *, in_words: bo
     ]
 
 
-def _cell(tried: Tried | None, in_words: bool) -> float | str | None:
+def _cell(tried: EvaluatedCombination | None, in_words: bool) -> float | str | None:
     """Starts of one combination; a chart can draw no words."""
     if tried is None:
         return None
@@ -115,7 +117,7 @@ def _cell(tried: Tried | None, in_words: bool) -> float | str | None:
     return "unlimited" if a.unlimited else "not judged"
 
 
-def _best(result: TuningResult, option: int) -> Tried | None:
+def _best(result: TuningResult, option: int) -> EvaluatedCombination | None:
     """The best combination with an option of the first variable."""
     return next(
         (r.tried for r in result.rows
@@ -124,7 +126,7 @@ def _best(result: TuningResult, option: int) -> Tried | None:
     )  # fmt: skip
 
 
-def _modes(result: TuningResult, tried: Tried | None) -> Row:
+def _modes(result: TuningResult, tried: EvaluatedCombination | None) -> Row:
     """Modes that a start crosses, or that come near: higher ones would flatten the chart."""
     a = None if tried is None else tried.answers
     if a is None:

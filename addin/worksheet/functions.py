@@ -696,11 +696,10 @@ def tv_calibrate(
     have is refused. Sheet Calibration (`torsionbook calibrate`) tells more, and knows inertias,
     modes that are named and peak torques.
     """
-    from engine.case.study_inputs import MeasuredFrequencyRow, ScatterRow, StudyInputs
+    from engine.case.study_inputs import STIFFNESS, MeasuredFrequencyRow, ScatterRow, StudyInputs
     from engine.studies.calibration.calibration import calibrate
     from engine.studies.calibration.inputs import calibration_problems
     from engine.studies.calibration.tables import parameter_rows
-    from engine.studies.variation import STIFFNESS
 
     found = MODELS.of(model)
     typed = [float(v) for line in frequencies for v in line if v is not None]

@@ -14,11 +14,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backlash.contact_systems import ForcePlaces, PieceBasis, Pieces, piece_basis
+from engine.backlash.contact_systems import (
+    ContactSystems,
+    ForceLocations,
+    SharedBasis,
+    shared_basis,
+)
 from engine.backlash.event_simulation import (
     EventModel,
     EventRun,
-    Script,
+    EventSchedule,
     no_machines,
     simulate_events,
     torque_tables,
@@ -30,8 +35,6 @@ from engine.model.motor import electrical_arrays
 from engine.model.train import Flank, Train
 from engine.start.time_response import PrescribedTorque
 from engine.stepping import contact_loop as events
-
-__all__ = ["ClearanceResponse", "clearance_response"]
 
 Floats = NDArray[np.float64]
 
@@ -99,16 +102,16 @@ def clearance_response(
     t = np.asarray(times, dtype=float)
     keep = np.ones(modes.n_modes, dtype=np.bool_)
     stated = np.where(modes.omega > 0.0, damping_ratio, 0.0)
-    basis = piece_basis(train, modes, clearances, keep, stated, damping_ratio)
+    basis = shared_basis(train, modes, clearances, keep, stated, damping_ratio)
     stations = sorted({p.station for p in torques})
-    places = ForcePlaces(
+    places = ForceLocations(
         np.array(stations, dtype=np.int64), np.zeros(0, dtype=np.int64), len(stations), np.zeros(0)
     )
     m = basis.vectors.shape[1]
     q = _in_basis(basis, initial_angle)
     v = _in_basis(basis, initial_speed)
     scale = _response_scale(basis, torques, q, v)
-    pieces = Pieces(
+    pieces = ContactSystems(
         basis,
         places,
         np.zeros(m),
@@ -127,7 +130,7 @@ def clearance_response(
         limited=contact_law == ContactLaw.LIMITED,
         visible=0.0,
     )
-    script = Script(
+    script = EventSchedule(
         maximum_time=float(t[-1] - t[0]), stops=tuple((t - t[0]).tolist()), keep_state=True
     )
     run = simulate_events(
@@ -156,7 +159,7 @@ def _from_first_time(timed: tuple[Any, ...], first: float) -> tuple[Any, ...]:
 
 
 def _response_scale(
-    basis: PieceBasis, torques: Sequence[PrescribedTorque], q: Floats, v: Floats
+    basis: SharedBasis, torques: Sequence[PrescribedTorque], q: Floats, v: Floats
 ) -> float:
     """A torque that this motion is about: what is applied, and what its energy does to a flank.
 
@@ -171,7 +174,7 @@ def _response_scale(
     return scale if scale > 0.0 else 1.0
 
 
-def _in_basis(basis: PieceBasis, station_values: Floats | None) -> Floats:
+def _in_basis(basis: SharedBasis, station_values: Floats | None) -> Floats:
     """Coordinates of given station angles or speeds: Vᵀ M θ."""
     train = basis.train
     value = np.zeros(train.n_dof)
@@ -182,7 +185,7 @@ def _in_basis(basis: PieceBasis, station_values: Floats | None) -> Floats:
     return np.asarray(basis.vectors.T @ (train.inertia * value))
 
 
-def _contacts_at(basis: PieceBasis, q: Floats, v: Floats, limited: bool) -> tuple[int, ...]:
+def _contacts_at(basis: SharedBasis, q: Floats, v: Floats, limited: bool) -> tuple[int, ...]:
     """Contact of each flank in a given state."""
     gaps = [math.inf if f.gap is None else f.gap for f in basis.flanks]
     drive = zip(basis.flanks, basis.drive_rows, [0.0] * len(gaps), strict=True)

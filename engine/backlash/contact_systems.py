@@ -27,8 +27,6 @@ from engine.model.modes import Modes
 from engine.model.train import Flank, Train
 from engine.stepping.contact_loop import FREE
 
-__all__ = ["ForcePlaces", "Piece", "PieceBasis", "Pieces", "piece_basis"]
-
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -39,7 +37,7 @@ RANK = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class PieceBasis:
+class SharedBasis:
     """The basis that all pieces share, and the train in it."""
 
     train: Train  #: The train. [SI]
@@ -75,7 +73,7 @@ class PieceBasis:
 
 
 @dataclass(frozen=True, eq=False)
-class ForcePlaces:
+class ForceLocations:
     """Where torques act, in the order of the forces; those of the flanks come after them."""
 
     #: Stations of motors, loads and prescribed torques, then nodes whose dampers to ground act as
@@ -94,7 +92,7 @@ class ForcePlaces:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class ContactSystem:
     """One linear system."""
 
     loaded: tuple[bool, ...]  #: Whether each flank is: all drive flanks, then all back flanks.
@@ -114,14 +112,14 @@ class Piece:
     output_constant: Floats  #: Element torques of the gaps. [N m] Shape (n_outputs,).
 
 
-def piece_basis(
+def shared_basis(
     train: Train,
     modes: Modes,
     flanks: Sequence[Flank],
     keep: NDArray[np.bool_],
     stated: Floats,
     stated_elsewhere: float,
-) -> PieceBasis:
+) -> SharedBasis:
     """The basis of all pieces.
 
     Parameters
@@ -141,7 +139,7 @@ def piece_basis(
 
     Returns
     -------
-    PieceBasis
+    SharedBasis
         The basis. [SI]
     """
     left = ~keep
@@ -169,7 +167,7 @@ def piece_basis(
         stiff = (added * omega[:, None] ** 2).T @ added
         flexibility = flexibility - added @ np.linalg.solve(stiff, added.T)
     ratio = np.concatenate([stated[keep], np.full(added.shape[1], stated_elsewhere)])
-    return PieceBasis(
+    return SharedBasis(
         train,
         tuple(flanks),
         vectors,
@@ -226,15 +224,15 @@ def _orthonormal(candidates: Sequence[Floats], n: int) -> Floats:
     return np.array(columns).T if columns else np.zeros((n, 0))
 
 
-class Pieces:
+class ContactSystems:
     """The pieces met so far, as growing tables for the compiled loop."""
 
     def __init__(
-        self, basis: PieceBasis, places: ForcePlaces, mean_speed: Floats, shows_scale: Floats
+        self, basis: SharedBasis, places: ForceLocations, mean_speed: Floats, shows_scale: Floats
     ) -> None:
         self.basis = basis
         self.places = places
-        self.pieces: list[Piece] = []
+        self.pieces: list[ContactSystem] = []
         self._keys: list[int] = []
         self._mean = mean_speed
         self._scale = shows_scale
@@ -342,7 +340,7 @@ class Pieces:
         )
         return self._tables
 
-    def _visibility(self, piece: Piece) -> Floats:
+    def _visibility(self, piece: ContactSystem) -> Floats:
         """Largest share of an output's scale that one unit of each mode is."""
         position = np.abs(piece.output_position) / self._scale[:, None]
         flank = np.zeros(position.shape[1])
@@ -365,7 +363,7 @@ class Pieces:
         return np.concatenate([rows, meshes])
 
 
-def _common_reach(basis: PieceBasis, places: ForcePlaces) -> Floats:
+def _common_reach(basis: SharedBasis, places: ForceLocations) -> Floats:
     """Φᵀ of every force in the common basis: at nodes, across rows, on drive and on back flanks."""
     train = basis.train
     dof, scale = train.node_dof[places.nodes], train.node_scale[places.nodes]
@@ -380,7 +378,7 @@ def _common_reach(basis: PieceBasis, places: ForcePlaces) -> Floats:
     )
 
 
-def _make_piece(pieces: Pieces, loaded: tuple[bool, ...]) -> Piece:
+def _make_piece(pieces: ContactSystems, loaded: tuple[bool, ...]) -> ContactSystem:
     """Modes, damping and outputs of one combination of contacts."""
     basis, places = pieces.basis, pieces.places
     train, flanks = basis.train, basis.flanks
@@ -403,11 +401,11 @@ def _make_piece(pieces: Pieces, loaded: tuple[bool, ...]) -> Piece:
     reach = turn.T @ pieces.common_reach
     constant = turn.T @ constant
     outputs = _outputs(pieces, stiffness, back_stiffness, hold, omega, turn, reach, constant)
-    return Piece(loaded, omega**2, rate, turn, reach, constant, viscous, *outputs)
+    return ContactSystem(loaded, omega**2, rate, turn, reach, constant, viscous, *outputs)
 
 
 def _modes_of_piece(
-    basis: PieceBasis, stiffness: Floats, back_stiffness: Floats
+    basis: SharedBasis, stiffness: Floats, back_stiffness: Floats
 ) -> tuple[Floats, Floats]:
     """Frequencies of a piece, rising, and the rotation from its modes to the common basis."""
     m, r = basis.vectors.shape[1], basis.n_rigid
@@ -430,7 +428,7 @@ def _modes_of_piece(
     return np.concatenate([np.zeros(r), sigma]), turn
 
 
-def _nullity(basis: PieceBasis, stiffness: Floats, back_stiffness: Floats) -> int:
+def _nullity(basis: SharedBasis, stiffness: Floats, back_stiffness: Floats) -> int:
     """Free motions of a piece, counted on rows of unit size so that no stiffness enters."""
     train = basis.train
     rows = train.incidence[stiffness > 0.0]
@@ -447,8 +445,8 @@ def _nullity(basis: PieceBasis, stiffness: Floats, back_stiffness: Floats) -> in
 
 
 def _rates(
-    basis: PieceBasis,
-    places: ForcePlaces,
+    basis: SharedBasis,
+    places: ForceLocations,
     stiffness: Floats,
     back_stiffness: Floats,
     omega: Floats,
@@ -480,7 +478,7 @@ def _rates(
 
 
 def _outputs(
-    pieces: Pieces,
+    pieces: ContactSystems,
     stiffness: Floats,
     back_stiffness: Floats,
     hold: Floats,
@@ -523,8 +521,8 @@ def _outputs(
 
 
 def _rigid_mesh(
-    basis: PieceBasis,
-    places: ForcePlaces,
+    basis: SharedBasis,
+    places: ForceLocations,
     mesh: Any,
     on_row: list[Floats],
     omega: Floats,

@@ -13,8 +13,6 @@ from engine.start.event_results import BearingForce, ContactRecord
 from engine.start.start import ForceHistories
 from engine.stepping import contact_loop as events
 
-__all__ = ["bearing_forces", "contact_records", "force_histories"]
-
 Floats = NDArray[np.float64]
 
 

@@ -15,21 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backlash.contact_systems import Piece, Pieces
+from engine.backlash.contact_systems import ContactSystem, ContactSystems
 from engine.errors import InternalError
 from engine.start.time_response import PrescribedTorque
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
 from engine.stepping import contact_loop as events
-
-__all__ = [
-    "EventModel",
-    "EventRun",
-    "Script",
-    "Settled",
-    "no_machines",
-    "simulate_events",
-    "torque_tables",
-]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -46,7 +36,7 @@ MOST_STEPS = 5_000_000
 class EventModel:
     """A start in arrays, with its pieces."""
 
-    pieces: Pieces  #: The pieces met so far; more are made as a run comes to them. [SI]
+    pieces: ContactSystems  #: The pieces met so far; more are made as a run comes to them. [SI]
     curves: tuple[Any, ...]  #: As for the compiled loop. [SI]
     motors: tuple[Any, ...]  #: Likewise. [SI]
     loads: tuple[Any, ...]  #: Likewise. [SI]
@@ -60,7 +50,7 @@ class EventModel:
 
 
 @dataclass(frozen=True)
-class Script:
+class EventSchedule:
     """What a run waits for, and what it does then."""
 
     maximum_time: float  #: When it ends at the latest. [s]
@@ -172,7 +162,7 @@ class _Recorder:
 
 
 def _answers(
-    pieces: Pieces, piece: Piece, q: Floats, v: Floats, f: Floats, fr: Floats
+    pieces: ContactSystems, piece: ContactSystem, q: Floats, v: Floats, f: Floats, fr: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Element torques and rates, bearing forces and mean speed of rows of one piece."""
     torque = (
@@ -201,7 +191,7 @@ def _answers(
 def simulate_events(
     model: EventModel,
     step: float,
-    script: Script,
+    script: EventSchedule,
     initial: tuple[Floats, Floats] | None = None,
     contact: tuple[int, ...] | None = None,
     settled: Settled | None = None,
@@ -214,7 +204,7 @@ def simulate_events(
         The start in arrays. [SI]
     step : float
         Longest step. [s]
-    script : Script
+    script : EventSchedule
         What the run waits for. [SI]
     initial : tuple of (ndarray, ndarray), optional
         Position and velocity in the common basis; default rest. [SI]
@@ -245,7 +235,7 @@ class _Simulation:
         self,
         model: EventModel,
         step: float,
-        script: Script,
+        script: EventSchedule,
         initial: tuple[Floats, Floats] | None,
         contact: tuple[int, ...] | None,
     ) -> None:

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.backlash.contact_systems import ForcePlaces, Pieces, piece_basis
+from engine.backlash.contact_systems import ContactSystems, ForceLocations, shared_basis
 from engine.backlash.contacts import bearing_forces, contact_records, force_histories
 from engine.backlash.event_simulation import (
     EventModel,
     EventRun,
-    Script,
+    EventSchedule,
     Settled,
     no_machines,
     simulate_events,
@@ -45,8 +45,6 @@ from engine.start.settings import NEGLIGIBLE, StartSettings, has_start, keeps_hi
 from engine.start.start import Start, run_start
 from engine.start.start_model import COARSEST_FIRST, MAX_VALUES, StartModel, start_model
 from engine.start.trajectory import Trajectory, read_turning
-
-__all__ = ["clearances_of", "pull_in_outcome", "run_event_start"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -267,7 +265,7 @@ class _Setup:
     """What a run is made from."""
 
     model: EventModel
-    script: Script
+    script: EventSchedule
     step: float
     truncation: Floats
     drops_modes: bool
@@ -331,17 +329,17 @@ def _prescribed(
     keep = np.ones(modes.n_modes, dtype=np.bool_)
     flanks = [f for f in clearances_of(train) if train.elements[f.element] in effects.clearances]
     stated = stated_damping(case, modes)
-    basis = piece_basis(train, modes, flanks, keep, stated, case.damping_ratio or 0.0)
+    basis = shared_basis(train, modes, flanks, keep, stated, case.damping_ratio or 0.0)
     rows = np.flatnonzero(train.viscous > 0.0)
     nodes = np.flatnonzero(train.node_damping > 0.0)
-    places = ForcePlaces(
+    places = ForceLocations(
         np.concatenate([stations, nodes]).astype(np.int64),
         rows,
         len(stations),
         np.concatenate([train.node_damping[nodes], train.viscous[rows]]),
     )
     mean = basis.vectors[train.node_dof[0]] * train.node_scale[0] / train.speed_ratio[0]
-    pieces = Pieces(basis, places, mean, _scale(train, linear))
+    pieces = ContactSystems(basis, places, mean, _scale(train, linear))
     n = places.n_forces
     step = linear.step * 2.0 ** (linear.halvings + 1)
     model = EventModel(
@@ -355,7 +353,7 @@ def _prescribed(
         limited=effects.contact_law == ContactLaw.LIMITED,
         visible=VISIBLE * tolerance,
     )
-    script = Script(maximum_time=linear.outcome.time, keep_all=keeps_history(case))
+    script = EventSchedule(maximum_time=linear.outcome.time, keep_all=keeps_history(case))
     return _Setup(model, script, step, np.zeros(len(pieces.output_element)), False, None, ())
 
 
@@ -365,7 +363,7 @@ def _script(
     settings: StartSettings,
     synchronous: float,
     linear: Start,
-) -> Script:
+) -> EventSchedule:
     """What the run waits for."""
     longest = settings.maximum_time or LONGEST_START
     end_speed: float | None = settings.end_speed
@@ -386,7 +384,7 @@ def _script(
         maximum = min(1.2 * linear.outcome.time + 1.0, longest)
     else:  # where the plain start settled below its end speed, so does this one
         maximum = linear.outcome.time
-    return Script(
+    return EventSchedule(
         maximum_time=maximum,
         end_speed=end_speed,
         field_speed=field_speed,
@@ -411,12 +409,12 @@ def _event_model(
     """The arrays of a plain start with clearances in them."""
     flanks = [f for f in clearances_of(train) if train.elements[f.element] in effects.clearances]
     stated = stated_damping(case, modes)
-    basis = piece_basis(train, modes, flanks, plain.keep, stated, case.damping_ratio or 0.0)
+    basis = shared_basis(train, modes, flanks, plain.keep, stated, case.damping_ratio or 0.0)
     first = int(plain.dampers[0][0]) if len(plain.dampers[0]) else len(plain.force_nodes)
-    places = ForcePlaces(plain.force_nodes, plain.damper_rows, first, plain.dampers[1])
+    places = ForceLocations(plain.force_nodes, plain.damper_rows, first, plain.dampers[1])
     mean = np.zeros(basis.vectors.shape[1])
     mean[: len(plain.mean_speed)] = plain.mean_speed
-    pieces = Pieces(basis, places, mean, _scale(train, linear))
+    pieces = ContactSystems(basis, places, mean, _scale(train, linear))
     n = places.n_forces
     return EventModel(
         pieces=pieces,

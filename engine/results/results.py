@@ -25,8 +25,6 @@ from engine.start.event_results import BearingForce, PullIn, Repeatability
 from engine.start.reversals import Reversal
 from engine.start.start import Start
 
-__all__ = ["AccuracyRow", "AtSpeed", "Results"]
-
 
 @dataclass(frozen=True)
 class AccuracyRow:

@@ -20,18 +20,6 @@ from engine.results.results import AccuracyRow, AtSpeed, Results
 from engine.start.reversals import Reversal
 from engine.start.start_fatigue import is_counted
 
-__all__ = [
-    "accuracy_rows",
-    "effect_rows",
-    "energy_rows",
-    "modal_details",
-    "plan_details",
-    "result_tables",
-    "speed_tables",
-    "reversal_rows",
-    "start_summary",
-]
-
 Row = dict[str, Any]
 
 

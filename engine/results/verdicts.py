@@ -20,8 +20,6 @@ from engine.start.reversals import Reversal
 from engine.start.start import Start
 from engine.start.start_fatigue import WHOLE_STARTS
 
-__all__ = ["Verdict", "verdicts_of"]
-
 
 @dataclass(frozen=True)
 class Verdict:

@@ -2,7 +2,7 @@
 
 Scatter and derivatives ask for thousands of starts of trains that differ a little from one that was
 calculated in full. Nothing is decided anew for them: segments of shafts, plan, step and modes wanted
-are those of the plain run (a `Recipe`). A linear start is simulated once, at the coarser of the two
+are those of the plain run (a `NearbyStartPlan`). A linear start is simulated once, at the coarser of the two
 steps of the plain run, so its step error is the error that the plain run states; a start with events
 is calculated as in the plain run, with its own refinement.
 """
@@ -40,22 +40,6 @@ from engine.start.simulation import SingleRun
 from engine.start.start import PreparedStart, Start, prepared_start
 from engine.start.start_fatigue import COUNTED_STARTS, judged_shafts, sn_curve_of
 
-__all__ = [
-    "LINEAR",
-    "NO_START",
-    "PLANNED",
-    "Held",
-    "NearStart",
-    "NearTrain",
-    "Recipe",
-    "near_start",
-    "near_train",
-    "read_start",
-    "recipe_of",
-    "replanned_start",
-    "unit_stress",
-]
-
 Floats = NDArray[np.float64]
 Turning = tuple[Floats, Floats]
 
@@ -68,7 +52,7 @@ FEWEST_MODES, MOST_MODES = 3, 12
 
 
 @dataclass(frozen=True)
-class Held:
+class FixedDiscretisation:
     """What even the length of steps depends on, held fast so that small differences can be taken."""
 
     #: Until when which frequencies are followed by finer steps. [s, rad/s]
@@ -78,7 +62,7 @@ class Held:
 
 
 @dataclass(frozen=True)
-class Recipe:
+class NearbyStartPlan:
     """What the plain run has decided for all trains near to its own."""
 
     segments: tuple[tuple[str, int], ...]  #: Segments of each shaft that has inertia of its own.
@@ -96,7 +80,7 @@ class Recipe:
     margins: tuple[tuple[int, str], ...]
     gaps: tuple[str, ...]  #: Elements with a clearance that the plan does not simulate.
     #: What is held fast for small differences; None = each start decides for itself. [mixed]
-    held: Held | None = None
+    held: FixedDiscretisation | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +89,7 @@ class NearTrain:
 
     model: ModalTrain  #: Train, modes and damping that are reported. [SI]
     frequency: Floats  #: Wanted elastic frequencies. [Hz] Shape (n_modes,).
-    margin: Floats  #: Wanted margins, in the order of `Recipe.margins`. [1] Shape (n_margins,).
+    margin: Floats  #: Wanted margins, in the order of `NearbyStartPlan.margins`. [1] Shape (n_margins,).
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +102,9 @@ class NearStart:
     minimum: Floats  #: Likewise. [N m] Shape (n_elements,).
     damage: Floats  #: Miner sum of each judged shaft; 0 = none. [1] Shape (n_judged,).
     turning: Mapping[int, Turning]  #: Turning points of each element by its index. [s, N m]
-    reversed: tuple[str, ...]  #: Elements of `Recipe.gaps` whose torque reverses all the same.
+    reversed: tuple[
+        str, ...
+    ]  #: Elements of `NearbyStartPlan.gaps` whose torque reverses all the same.
     sensitive: bool = False  #: Whether a tiny change of the input was found to change its peaks.
 
     @property
@@ -161,7 +147,7 @@ def unit_stress(case: CaseData) -> Floats:
     )
 
 
-def recipe_of(case: CaseData, results: Results) -> Recipe:
+def recipe_of(case: CaseData, results: Results) -> NearbyStartPlan:
     """What a plain run has decided for all trains near to its own.
 
     Parameters
@@ -173,7 +159,7 @@ def recipe_of(case: CaseData, results: Results) -> Recipe:
 
     Returns
     -------
-    Recipe
+    NearbyStartPlan
         How near trains are calculated. [mixed]
     """
     plan, start = results.plans[-1], results.start
@@ -189,7 +175,7 @@ def recipe_of(case: CaseData, results: Results) -> Recipe:
         for e in case.elements
         if has_clearance(meshes.get(e.element)) and e.element not in plan.effects.clearances
     )
-    return Recipe(
+    return NearbyStartPlan(
         segments=results.segments,
         lateral=bool(results.train.bodies),
         start=kind,
@@ -216,14 +202,14 @@ def _wanted_modes(case: CaseData, results: Results) -> int:
     return min(len(elastic), MOST_MODES, max(FEWEST_MODES, reached))
 
 
-def near_train(case: CaseData, recipe: Recipe) -> NearTrain:
+def near_train(case: CaseData, recipe: NearbyStartPlan) -> NearTrain:
     """Modes and margins of a train near to the planned one.
 
     Parameters
     ----------
     case : CaseData
         The case, changed. [SI]
-    recipe : Recipe
+    recipe : NearbyStartPlan
         What the plain run decided. [mixed]
 
     Returns
@@ -242,20 +228,22 @@ def near_train(case: CaseData, recipe: Recipe) -> NearTrain:
     return NearTrain(model, elastic[: recipe.n_modes], margins)
 
 
-def _model(case: CaseData, recipe: Recipe, lateral: bool) -> ModalTrain:
+def _model(case: CaseData, recipe: NearbyStartPlan, lateral: bool) -> ModalTrain:
     train = build_train(case, dict(recipe.segments), lateral=lateral)
     modes = modes_of(train)
     return ModalTrain.of(case, train, modes)
 
 
-def near_start(case: CaseData, recipe: Recipe, near: NearTrain, refined: float = 1.0) -> NearStart:
+def near_start(
+    case: CaseData, recipe: NearbyStartPlan, near: NearTrain, refined: float = 1.0
+) -> NearStart:
     """The start of a train near to the planned one.
 
     Parameters
     ----------
     case : CaseData
         The case, changed. [SI]
-    recipe : Recipe
+    recipe : NearbyStartPlan
         What the plain run decided; its start is not ``none``. [mixed]
     near : NearTrain
         Its modes. [SI]
@@ -292,7 +280,7 @@ def near_start(case: CaseData, recipe: Recipe, near: NearTrain, refined: float =
     return _read(case, recipe, model, start.outcome, start)
 
 
-def _held(prepared: PreparedStart, held: Held) -> PreparedStart:
+def _held(prepared: PreparedStart, held: FixedDiscretisation) -> PreparedStart:
     """The same start with its steps held fast."""
     if tuple(prepared.model.keep.tolist()) != held.keep:
         raise ModelError(
@@ -326,14 +314,16 @@ def replanned_start(case: CaseData) -> tuple[Start, ModalTrain]:
     return planned.start, planned.model
 
 
-def read_start(case: CaseData, recipe: Recipe, start: Start, model: ModalTrain) -> NearStart:
+def read_start(
+    case: CaseData, recipe: NearbyStartPlan, start: Start, model: ModalTrain
+) -> NearStart:
     """What is asked of a start that was calculated in full.
 
     Parameters
     ----------
     case : CaseData
         Its case. [SI]
-    recipe : Recipe
+    recipe : NearbyStartPlan
         What the plain run decided. [mixed]
     start : Start
         The start. [SI]
@@ -349,7 +339,11 @@ def read_start(case: CaseData, recipe: Recipe, start: Start, model: ModalTrain) 
 
 
 def _read(
-    case: CaseData, recipe: Recipe, model: ModalTrain, outcome: StartOutcome, run: SingleRun | Start
+    case: CaseData,
+    recipe: NearbyStartPlan,
+    model: ModalTrain,
+    outcome: StartOutcome,
+    run: SingleRun | Start,
 ) -> NearStart:
     """Peaks, reversals and damage of a start."""
     if isinstance(run, Start):
@@ -379,7 +373,7 @@ def _read(
     )
 
 
-def _damage(case: CaseData, recipe: Recipe, index: int, torque: Floats) -> float:
+def _damage(case: CaseData, recipe: NearbyStartPlan, index: int, torque: Floats) -> float:
     """Miner sum of one shaft, as `engine.fatigue.allowable_starts.shaft_fatigue` counts it."""
     element = case.elements[index]
     curve = sn_curve_of(case, element.material)

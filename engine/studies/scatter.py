@@ -29,26 +29,9 @@ from numpy.typing import NDArray
 
 from engine.case.checks.find_problems import find_problems
 from engine.case.data import CaseData
-from engine.case.study_inputs import ScatterRow
+from engine.case.study_inputs import DAMPING_RATIO, SCATTERED, ScatterRow
 from engine.errors import Problem
-from engine.studies.variation import DAMPING_RATIO, SCATTERED, Change, changed, names_with, why_not
-
-__all__ = [
-    "DISTRIBUTIONS",
-    "EACH",
-    "FROM_TO",
-    "METHODS",
-    "NORMAL",
-    "TOGETHER",
-    "TRIANGULAR",
-    "UNIFORM",
-    "Factor",
-    "changes_of",
-    "factors_of",
-    "sample_size",
-    "sampled",
-    "scatter_problems",
-]
+from engine.studies.variation import Change, names_with, refusal, varied_case
 
 Floats = NDArray[np.float64]
 
@@ -184,7 +167,7 @@ def _row_problems(case: CaseData, number: int, row: ScatterRow) -> Iterator[Prob
             "blank",
             f"the damping ratio belongs to all modes; Name is '{row.name}'. Leave it blank.",
         )
-    elif row.name and (reason := why_not(case, row.name, row.quantity)):
+    elif row.name and (reason := refusal(case, row.name, row.quantity)):
         yield problem("Name", row.name, "a name that has the quantity", reason)
     elif not row.name and not names_with(case, row.quantity):
         yield problem(
@@ -315,7 +298,7 @@ def _end_problems(case: CaseData, rows: Sequence[ScatterRow]) -> Iterator[Proble
     for number, (row, factors) in enumerate(_by_row(case, rows), start=1):
         for column, at in (("From", 0.0), ("To", 1.0)):
             values = [float(factor.at(at)) for factor in factors]
-            wrong = find_problems(changed(case, changes_of(factors, values)))
+            wrong = find_problems(varied_case(case, changes_of(factors, values)))
             if not wrong:
                 continue
             from_to = _distribution(row) == FROM_TO

@@ -21,32 +21,11 @@ from engine.case.study_inputs import (
     INERTIA,
     LOAD_TORQUE,
     PULSATING_TORQUE,
-    SCATTERED,
     SN_LINE,
     STIFFNESS,
     TUNED,
 )
 from engine.model.links import link_of
-
-__all__ = [
-    "AVERAGE_TORQUE",
-    "BACKLASH",
-    "Change",
-    "DAMPING",
-    "DAMPING_RATIO",
-    "DIAMETER",
-    "INERTIA",
-    "LOAD_TORQUE",
-    "PULSATING_TORQUE",
-    "SCATTERED",
-    "SN_LINE",
-    "STIFFNESS",
-    "TUNED",
-    "changed",
-    "names_with",
-    "present",
-    "why_not",
-]
 
 #: What kind of name a quantity belongs to.
 _OWNERS = {
@@ -90,7 +69,7 @@ class Change:
         return None if present is None else self.value * present
 
 
-def changed(case: CaseData, changes: Iterable[Change]) -> CaseData:
+def varied_case(case: CaseData, changes: Iterable[Change]) -> CaseData:
     """A case with quantities changed, one after the other.
 
     Parameters
@@ -98,7 +77,7 @@ def changed(case: CaseData, changes: Iterable[Change]) -> CaseData:
     case : CaseData
         The case; it stays as it is. [SI]
     changes : iterable of Change
-        Of names that have the quantity, see `why_not`. [SI]
+        Of names that have the quantity, see `refusal`. [SI]
 
     Returns
     -------
@@ -127,10 +106,10 @@ def names_with(case: CaseData, quantity: str) -> tuple[str, ...]:
         Elements, stations or materials in the order of their tables; one empty name for the
         damping ratio. [names]
     """
-    return tuple(name for name in _names(case, quantity) if why_not(case, name, quantity) is None)
+    return tuple(name for name in _names(case, quantity) if refusal(case, name, quantity) is None)
 
 
-def present(case: CaseData, name: str, quantity: str) -> float | None:
+def nominal_value(case: CaseData, name: str, quantity: str) -> float | None:
     """What a case says of a quantity; None where it has no single number, such as a curve.
 
     Parameters
@@ -163,7 +142,7 @@ def present(case: CaseData, name: str, quantity: str) -> float | None:
     return link.stiffness if quantity == STIFFNESS else link.viscous
 
 
-def why_not(case: CaseData, name: str, quantity: str, *, relative: bool = True) -> str | None:
+def refusal(case: CaseData, name: str, quantity: str, *, relative: bool = True) -> str | None:
     """Why a quantity of a case cannot be changed.
 
     Parameters
@@ -185,13 +164,13 @@ def why_not(case: CaseData, name: str, quantity: str, *, relative: bool = True) 
     owner = _OWNERS[quantity]
     if owner and name not in _known(case, owner):
         return f"the case has no {owner} '{name}'. Correct the name."
-    if relative and quantity == STIFFNESS and not present(case, name, quantity):
+    if relative and quantity == STIFFNESS and not nominal_value(case, name, quantity):
         return f"'{name}' is a rigid mesh, or has no stiffness. Give it a stiffness on sheet Train first."
-    if relative and quantity == DAMPING and not present(case, name, quantity):
+    if relative and quantity == DAMPING and not nominal_value(case, name, quantity):
         return (
             f"'{name}' has no Damping on sheet Train that could be multiplied. Give it one first."
         )
-    if quantity == INERTIA and not present(case, name, quantity):
+    if quantity == INERTIA and not nominal_value(case, name, quantity):
         return f"station '{name}' has no Inertia on sheet Train. Give it one first."
     if quantity == DIAMETER:
         element = _element(case, name)
@@ -200,7 +179,7 @@ def why_not(case: CaseData, name: str, quantity: str, *, relative: bool = True) 
                 f"the stiffness of '{name}' does not follow from its diameter. Clear its Stiffness on "
                 "sheet Train and give OD, ID, Length and Shear modulus."
             )
-    if quantity == BACKLASH and not present(case, name, quantity):
+    if quantity == BACKLASH and not nominal_value(case, name, quantity):
         return f"'{name}' has no Backlash or Angular backlash in table Meshes. Give it one first."
     if quantity == DAMPING_RATIO and not (case.damping_ratio or case.mode_damping):
         return "DampingRatio is blank or zero on sheet Case. Give it a value first."

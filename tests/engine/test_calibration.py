@@ -26,7 +26,7 @@ from engine.studies.calibration.tables import (
     parameter_rows,
 )
 from engine.studies.scatter import factors_of
-from engine.studies.variation import Change, changed
+from engine.studies.variation import Change, varied_case
 from tests.sample_case import sample_case
 
 
@@ -115,7 +115,7 @@ def test_spread_is_the_prior(row: ScatterRow, deviation: float) -> None:
 def test_from_to_beside_one_is_counted_from_its_middle() -> None:
     case = chain(1e5, 3e5)
     row = ScatterRow("K0", "stiffness", "from-to", None, 1.1, 1.3)
-    true = float(elastic(changed(case, [Change("stiffness", "K0", 1.2)]))[0])
+    true = float(elastic(varied_case(case, [Change("stiffness", "K0", 1.2)]))[0])
     found = calibrate(case, asked(M(None, true), scatter=(row,)))
     assert found.parameters[0].change == pytest.approx(0.2, abs=1e-12)
     assert found.parameters[0].pull == pytest.approx(0.0, abs=1e-12)
@@ -192,7 +192,7 @@ def test_a_perturbed_train_is_found_again(case: Case) -> None:
         ScatterRow("LS coupling", "stiffness", "uniform", 0.4),
         ScatterRow("HS coupling", "stiffness", "uniform", 0.4),
     )
-    true = changed(
+    true = varied_case(
         case,
         [Change("stiffness", "LS coupling", 1.25), Change("stiffness", "HS coupling", 0.85)],
     )
@@ -260,7 +260,7 @@ def test_a_train_together_is_one_unknown(case: Case, frequencies: np.ndarray) ->
 
 
 def test_peak_torques_tell_of_damping(case: Case, frequencies: np.ndarray) -> None:
-    true = changed(case, [Change("damping ratio", "", 1.3)])
+    true = varied_case(case, [Change("damping ratio", "", 1.3)])
     torque = maximum_torques(true)["HS coupling"]
     rows = (
         ScatterRow("HS coupling", "stiffness", "normal", 0.05),

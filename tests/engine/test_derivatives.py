@@ -24,7 +24,7 @@ from engine.studies.sensitivities.sensitivities import (
 )
 from engine.studies.sensitivities.tables import derivative_rows, element_rows, frequency_rows
 from engine.studies.sensitivities.tangent import tangent_of
-from engine.studies.variation import Change, changed
+from engine.studies.variation import Change, varied_case
 from tests.sample_case import sample_case
 
 #: Multiplying all of these by one number multiplies every torque by it and changes no motion.
@@ -56,7 +56,9 @@ def found(short: Case) -> Derivatives:
 
 def _relative_change(case: CaseData, quantity: str, name: str, small: float = 1e-5) -> np.ndarray:
     low, high = (
-        modes_of(build_train(changed(case, [Change(quantity, name, 1.0 + s)]))).elastic_frequency
+        modes_of(
+            build_train(varied_case(case, [Change(quantity, name, 1.0 + s)]))
+        ).elastic_frequency
         for s in (-small, small)
     )
     return np.log(high / low) / (np.log1p(small) - np.log1p(-small))
@@ -89,7 +91,7 @@ def test_half_a_shafts_own_inertia_is_not_the_stations() -> None:
     got = frequency_derivatives(case, train, modes_of(train))
     for name in ("A", "B"):
         low, high = (
-            modes_of(build_train(changed(case, [Change("inertia", name, f)]), {"S": 6}))
+            modes_of(build_train(varied_case(case, [Change("inertia", name, f)]), {"S": 6}))
             for f in (1.0 - 1e-5, 1.0 + 1e-5)
         )
         expected = np.log(high.elastic_frequency / low.elastic_frequency) / 2e-5
@@ -116,7 +118,7 @@ def test_equal_modes_have_one_sided_derivatives() -> None:
     assert "as good as equal" in got.notes[0]
     small = 1e-4
     for n in "ABC":
-        up = modes_of(build_train(changed(case, [Change("stiffness", f"K{n}", 1.0 + small)])))
+        up = modes_of(build_train(varied_case(case, [Change("stiffness", f"K{n}", 1.0 + small)])))
         now = modes_of(train).elastic_frequency
         expected = np.log(up.elastic_frequency / now) / small
         assert got.of("stiffness", f"K{n}") == pytest.approx(expected, abs=2e-4)

@@ -116,7 +116,7 @@ def test_one_without_duty_does_not_matter() -> None:
 
 def test_one_that_was_not_calculated() -> None:
     gone = ConditionResult(
-        StartCondition("gone", per_year=1.0), NOT_CALCULATED, NOT_CALCULATED, note="Stopped."
+        StartCondition("gone", per_year=1.0), NOT_CALCULATED, NOT_CALCULATED, remarks=("Stopped.",)
     )
     row = damage_ledger(matrix(gone, kind("fine", 1e-3, 10))).rows[0]
     assert row.verdict == "not judged"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from engine.backlash.contact_systems import ForcePlaces, Pieces, piece_basis
+from engine.backlash.contact_systems import ContactSystems, ForceLocations, shared_basis
 from engine.backlash.event_start import clearances_of
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 from engine.model.build_train import build_train
@@ -20,17 +20,19 @@ from engine.stepping.contact_loop import BACK, DRIVE, FREE
 from tests.random_clearances import pushed_train
 
 
-def pieces_of(case: CaseData, keep: int | None = None, ratio: float = 0.02) -> tuple[Train, Pieces]:
-    """Pieces of a train with `keep` modes kept (default all) and a torque at every station."""
+def pieces_of(
+    case: CaseData, keep: int | None = None, ratio: float = 0.02
+) -> tuple[Train, ContactSystems]:
+    """ContactSystems of a train with `keep` modes kept (default all) and a torque at every station."""
     train = build_train(case)
     modes = modes_of(train)
     kept = np.arange(modes.n_modes) < (keep or modes.n_modes)
     stated = np.where(modes.omega > 0.0, ratio, 0.0)
-    basis = piece_basis(train, modes, clearances_of(train), kept, stated, ratio)
+    basis = shared_basis(train, modes, clearances_of(train), kept, stated, ratio)
     stations = np.arange(train.n_stations)
-    places = ForcePlaces(stations, np.zeros(0, dtype=np.int64), len(stations), np.zeros(0))
+    places = ForceLocations(stations, np.zeros(0, dtype=np.int64), len(stations), np.zeros(0))
     scale = np.ones(len(train.element_rows) + len(train.rigid_meshes))
-    return train, Pieces(basis, places, np.zeros(basis.vectors.shape[1]), scale)
+    return train, ContactSystems(basis, places, np.zeros(basis.vectors.shape[1]), scale)
 
 
 def contacts(count: int) -> list[tuple[int, ...]]:

@@ -8,7 +8,7 @@ from itertools import pairwise, permutations
 import pytest
 
 from engine.results.verdicts import Verdict
-from engine.studies.tuning.evaluate import Answers, Tried
+from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers
 from engine.studies.tuning.options import Combination, Option, Variable
 from engine.studies.tuning.ranking import is_better, ranked, reason
 
@@ -18,7 +18,7 @@ KEPT = Verdict(
 STARTS = Verdict("Allowable starts", 100.0, 2000.0, "count", "fail", "Shaft")
 STRESS = Verdict("Steady-state stress (peak-to-peak)", 9e7, 3e7, "pressure", "fail", "Shaft")
 
-GOOD = Answers(
+GOOD = KeyAnswers(
     modes=(24.0,),
     worst_margin=0.25,
     margin_where="mode 1 against 1× motor",
@@ -49,9 +49,11 @@ GOOD = Answers(
 VARIABLES = (Variable("C", "stiffness", 1.0, ()),)
 
 
-def _tried(answers: Answers | None, value: float = 1.0, as_is: bool = False) -> Tried:
+def _tried(
+    answers: KeyAnswers | None, value: float = 1.0, as_is: bool = False
+) -> EvaluatedCombination:
     combination = Combination((0,), (Option(f"{value:g}", value),), as_is)
-    return Tried(combination, answers, "" if answers else "OD is smaller than ID.")
+    return EvaluatedCombination(combination, answers, "" if answers else "OD is smaller than ID.")
 
 
 #: From best to worst; each is better than the next by one rule although everything after it is worse.
@@ -115,7 +117,7 @@ def test_equals_are_ordered_by_what_was_chosen_whatever_the_order_of_rows() -> N
         (None, "Cannot be calculated: OD is smaller than ID."),
     ],
 )  # fmt: skip
-def test_the_reason_says_what_decided(answers: Answers | None, says: str) -> None:
+def test_the_reason_says_what_decided(answers: KeyAnswers | None, says: str) -> None:
     before = _tried(replace(GOOD, starts=2000.0, peak_stress=4e8), as_is=True)
     assert says in reason(_tried(answers), before, 5e4)
 

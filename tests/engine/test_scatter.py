@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from engine.case.data import CaseData
-from engine.case.study_inputs import ScatterRow
+from engine.case.study_inputs import SCATTERED, ScatterRow
 from engine.errors import CaseError
 from engine.studies.scatter import (
     Factor,
@@ -19,7 +19,7 @@ from engine.studies.scatter import (
     sampled,
     scatter_problems,
 )
-from engine.studies.variation import SCATTERED, changed, names_with, present
+from engine.studies.variation import names_with, nominal_value, varied_case
 from tests.sample_case import sample_case
 
 KINDS = (
@@ -58,11 +58,11 @@ def test_a_named_row_stands_in_place_of_the_blank_one(case: CaseData) -> None:
 
 def test_together_multiplies_every_name_by_one_number(case: CaseData) -> None:
     factors = factors_of(case, [ScatterRow(None, "inertia", None, 0.05, together="together")])
-    new = changed(case, changes_of(factors, [1.1]))
+    new = varied_case(case, changes_of(factors, [1.1]))
     for name in names_with(case, "inertia"):
-        old = present(case, name, "inertia")
+        old = nominal_value(case, name, "inertia")
         assert old is not None
-        assert present(new, name, "inertia") == 1.1 * old
+        assert nominal_value(new, name, "inertia") == 1.1 * old
 
 
 def test_every_quantity_can_scatter(case: CaseData) -> None:

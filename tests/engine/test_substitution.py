@@ -8,8 +8,9 @@ import pytest
 
 from engine.case.case import Case
 from engine.case.data import CaseData
+from engine.case.study_inputs import SCATTERED, TUNED
 from engine.model.build_train import build_train
-from engine.studies.variation import SCATTERED, TUNED, Change, changed, names_with, present, why_not
+from engine.studies.variation import Change, names_with, nominal_value, refusal, varied_case
 from tests.sample_case import sample_case
 
 
@@ -25,15 +26,17 @@ def _differing_tables(a: CaseData, b: CaseData) -> set[str]:
 def test_a_factor_of_one_changes_nothing(case: CaseData) -> None:
     for quantity in dict.fromkeys((*TUNED, *SCATTERED)):
         for name in names_with(case, quantity):
-            assert _differing_tables(case, changed(case, [Change(quantity, name, 1.0)])) == set()
+            assert (
+                _differing_tables(case, varied_case(case, [Change(quantity, name, 1.0)])) == set()
+            )
 
 
 @pytest.mark.parametrize("relative", [True, False])
 def test_stiffness_of_one_coupling(case: CaseData, relative: bool) -> None:
-    before = present(case, "LS coupling", "stiffness")
+    before = nominal_value(case, "LS coupling", "stiffness")
     assert before is not None
     value = 0.5 if relative else 0.5 * before
-    new = changed(case, [Change("stiffness", "LS coupling", value, relative)])
+    new = varied_case(case, [Change("stiffness", "LS coupling", value, relative)])
     assert _differing_tables(case, new) == {"elements"}
     for old_row, new_row in zip(case.elements, new.elements, strict=True):
         if old_row.element == "LS coupling":
@@ -52,7 +55,7 @@ def test_stiffness_from_geometry_keeps_the_distributed_inertia() -> None:
     case = replace(
         CaseData(**vars(base)), elements=(*base.elements[:i], shaft, *base.elements[i + 1 :])
     )
-    new = changed(case, [Change("stiffness", str(shaft.element), 1.1)])
+    new = varied_case(case, [Change("stiffness", str(shaft.element), 1.1)])
     old_train, new_train = build_train(case), build_train(new)
     assert new_train.inertia == pytest.approx(old_train.inertia, rel=1e-15)
     ratio = new_train.stiffness / old_train.stiffness
@@ -72,18 +75,18 @@ def test_a_diameter_changes_stiffness_by_its_fourth_power_and_the_judged_section
     case = replace(
         CaseData(**vars(base)), elements=(*base.elements[:i], shaft, *base.elements[i + 1 :])
     )
-    new = changed(case, [Change("diameter", str(shaft.element), 1.2)]).elements[i]
+    new = varied_case(case, [Change("diameter", str(shaft.element), 1.2)]).elements[i]
     assert new.od == pytest.approx(0.36)
     assert new.stress_diameter == pytest.approx(0.30)
-    before = present(case, str(shaft.element), "stiffness")
-    after = present(replace(case, elements=(new,)), str(shaft.element), "stiffness")
+    before = nominal_value(case, str(shaft.element), "stiffness")
+    after = nominal_value(replace(case, elements=(new,)), str(shaft.element), "stiffness")
     assert before is not None
     assert after == pytest.approx(before * 1.2**4, rel=1e-12)
 
 
 def test_the_whole_sn_line_moves(case: CaseData) -> None:
     (name,) = names_with(case, "S-N line")[:1]
-    new = changed(case, [Change("S-N line", name, 0.9)])
+    new = varied_case(case, [Change("S-N line", name, 0.9)])
     assert _differing_tables(case, new) == {"sn_points", "materials"}
     for old, row in zip(case.sn_points, new.sn_points, strict=True):
         assert old.stress is not None
@@ -103,10 +106,10 @@ def test_the_whole_sn_line_moves(case: CaseData) -> None:
 def test_what_cannot_be_changed_is_told(
     case: CaseData, name: str, quantity: str, says: str
 ) -> None:
-    assert says in (why_not(case, name, quantity) or "")
+    assert says in (refusal(case, name, quantity) or "")
 
 
 def test_a_changed_case_is_still_a_case(case: CaseData) -> None:
     for quantity in SCATTERED:
         names = names_with(case, quantity)
-        Case(**vars(changed(case, [Change(quantity, name, 1.05) for name in names])))
+        Case(**vars(varied_case(case, [Change(quantity, name, 1.05) for name in names])))

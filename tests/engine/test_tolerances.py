@@ -31,7 +31,7 @@ from engine.studies.tolerances.tolerances import (
     summarise_sample,
     tolerances,
 )
-from engine.studies.variation import changed, names_with
+from engine.studies.variation import names_with, varied_case
 from tests.sample_case import sample_case
 
 ROWS = (
@@ -141,11 +141,11 @@ def test_the_seed_and_the_scatter_are_in_the_digest(case: Case) -> None:
 def test_a_sample_is_the_run_of_the_changed_case(case: Case) -> None:
     """One sample against the conductor itself, which decides and refines everything anew."""
     from engine.studies.scatter import changes_of
-    from engine.studies.variation import changed
+    from engine.studies.variation import varied_case
 
     plan = plan_tolerances(case, ROWS, ToleranceSettings(40, 9))
     got = evaluate(units_of(plan, 1)[0])
-    full = run(Case(**vars(changed(case, changes_of(plan.factors, plan.values[0])))))
+    full = run(Case(**vars(varied_case(case, changes_of(plan.factors, plan.values[0])))))
     n = plan.recipe.n_modes
     assert np.array_equal(got.frequency[0], full.modes.elastic_frequency[:n])
     assert full.start is not None
@@ -436,7 +436,7 @@ def test_what_half_the_step_changes_covers_the_error_of_wide_scatter(case: Case)
     got = evaluate(unit)
     assert got.checked[0]
     true = run(
-        replace(changed(case, changes_of(plan.factors, unit.values[0])), tolerance_peak=1e-6)
+        replace(varied_case(case, changes_of(plan.factors, unit.values[0])), tolerance_peak=1e-6)
     )
     assert true.start is not None
     peaks = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in true.start.peaks}

@@ -11,13 +11,13 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from engine.case.case import Case
-from engine.case.study_inputs import MeasuredFrequencyRow, ScatterRow, StudyInputs
+from engine.case.study_inputs import STIFFNESS, MeasuredFrequencyRow, ScatterRow, StudyInputs
 from engine.run import at_speed
 from engine.studies.calibration.calibration import calibrate
 from engine.studies.calibration.least_squares import FrequencyModel, unknowns_of
 from engine.studies.calibration.records import Calibration
 from engine.studies.scatter import factors_of
-from engine.studies.variation import STIFFNESS, names_with
+from engine.studies.variation import names_with
 from tests.strategies import cases
 
 TRAINS = cases(stations=(2, 8), decades=3, rigid=False)

@@ -12,7 +12,7 @@ from engine.case.data import ElementRow, StationRow
 from engine.model.build_train import build_train
 from engine.model.frequency_derivatives import frequency_derivatives
 from engine.model.modes import modes_of
-from engine.studies.variation import Change, changed
+from engine.studies.variation import Change, varied_case
 
 FEW = settings(max_examples=25, deadline=None)
 
@@ -58,7 +58,7 @@ def test_derivatives_are_those_of_the_frequencies(case):
     small = 1e-5
     for row in frequency_derivatives(case, train, modes).rows:
         low, high = (
-            modes_of(build_train(changed(case, [Change(row.quantity, row.name, 1.0 + s)])))
+            modes_of(build_train(varied_case(case, [Change(row.quantity, row.name, 1.0 + s)])))
             for s in (-small, small)
         )
         slope = np.log(high.elastic_frequency / low.elastic_frequency) / (2.0 * small)

@@ -12,7 +12,7 @@ from engine.case.study_inputs import ScatterRow
 from engine.run import run
 from engine.studies.nearby_start import near_train, recipe_of
 from engine.studies.scatter import changes_of, factors_of, sampled
-from engine.studies.variation import changed
+from engine.studies.variation import varied_case
 
 FEW = settings(max_examples=15, deadline=None)
 ROWS = (ScatterRow(quantity="stiffness", spread=0.0), ScatterRow(quantity="inertia", spread=0.0))
@@ -24,7 +24,7 @@ def test_factors_of_one_give_the_plain_run_bit_for_bit(case):
     plain = run(case)
     recipe = recipe_of(case, plain)
     factors = factors_of(case, ROWS)
-    near = near_train(changed(case, changes_of(factors, np.ones(len(factors)))), recipe)
+    near = near_train(varied_case(case, changes_of(factors, np.ones(len(factors)))), recipe)
     assert np.array_equal(near.model.modes.omega, plain.modes.omega)
     assert np.array_equal(near.model.damping.ratio, plain.damping.ratio)
     kept = [r.margin for r in plain.margins.rows if (r.mode, r.excitation) in recipe.margins]
@@ -51,7 +51,7 @@ def test_small_scatter_of_a_frequency_is_that_of_the_linear_formula(case, seed):
     n = 300
     values = sampled(factors, n, seed)
     frequency = np.array(
-        [near_train(changed(case, changes_of(factors, v)), recipe).frequency for v in values]
+        [near_train(varied_case(case, changes_of(factors, v)), recipe).frequency for v in values]
     )
     wanted = slice(modes.n_rigid, modes.n_rigid + recipe.n_modes)
     strain = {e.element: modes.strain_share[i, wanted] for i, e in enumerate(case.elements)}

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine.case.case import Case
-from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
+from engine.case.study_inputs import TUNED, CatalogueRow, StudyInputs, TuningRow
 from engine.run import run
 from engine.studies.tuning.combinations import plan_tuning
 from engine.studies.tuning.evaluate import answers_of
@@ -22,7 +22,7 @@ from engine.studies.tuning.tuning import (
     ranked_rows,
     tune,
 )
-from engine.studies.variation import TUNED, names_with, present
+from engine.studies.variation import names_with, nominal_value
 from tests.random_effects import elastic_meshes, with_clearances, with_dampers
 from tests.random_starts import random_start
 from tests.trains import geared
@@ -73,7 +73,7 @@ def _has(rows: list[TuningRow], element: str | None, quantity: str) -> bool:
 
 
 def _present(case: Case, name: str, quantity: str) -> float:
-    value = present(case, name, quantity)
+    value = nominal_value(case, name, quantity)
     assert value is not None
     return value
 

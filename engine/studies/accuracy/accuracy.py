@@ -43,8 +43,6 @@ from engine.start.start_fatigue import judged_shafts, sn_curve_of
 from engine.start.start_model import MAX_VALUES, StartModel, start_model
 from engine.start.trajectory import turning_of
 
-__all__ = ["AccuracyRow", "AccuracyStudy", "accuracy_study"]
-
 Floats = NDArray[np.float64]
 Histories = Mapping[int, tuple[Floats, Floats]]
 

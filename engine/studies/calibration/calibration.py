@@ -41,16 +41,16 @@ from engine.run import at_speed
 from engine.studies.calibration.inputs import CalibrationPlan, plan_calibration
 from engine.studies.calibration.least_squares import (
     GATE,
+    CalibrationCancelledError,
     EachStart,
     FrequencyModel,
     PeakModel,
     Reading,
     Solution,
-    Stopped,
     Unknowns,
     best_assignment,
     distances,
-    followed,
+    match_modes_by_mac,
     solve,
     unknowns_of,
 )
@@ -61,7 +61,7 @@ from engine.studies.calibration.records import (
     Measurement,
 )
 from engine.studies.scatter import FROM_TO, NORMAL, Factor
-from engine.studies.variation import present
+from engine.studies.variation import nominal_value
 
 Floats = NDArray[np.float64]
 
@@ -127,7 +127,7 @@ def calibrate(
         peaks = PeakModel(case, unknowns, plan.peaks, each_start, told, should_stop)
         try:
             solution = solve(model, plan.frequencies, solution.modes, peaks, solution.z)
-        except Stopped:
+        except CalibrationCancelledError:
             peaks, complete = None, False
     found = _Found(case, plan, unknowns, model, solution, peaks)
     return found.told(studies, assigned.rivals, complete)
@@ -149,7 +149,7 @@ class _Found:
         self.model, self.solution, self.peaks = model, solution, peaks
         self.covariance = solution.covariance
         self.prior = model.at(np.zeros(unknowns.number))
-        order, _ = followed(model.base.vectors, self.prior.vectors)
+        order, _ = match_modes_by_mac(model.base.vectors, self.prior.vectors)
         self.prior_spread = np.linalg.norm(model.gradient(self.prior), axis=1)[order]
         slope = model.gradient(solution.state)[solution.order]
         self.posterior = np.sqrt(np.einsum("ij,jk,ik->i", slope, self.covariance, slope))
@@ -170,7 +170,7 @@ class _Found:
         probability = _tail(chi_square, degrees)
         explained = bool(measurements) and all(m.explained for m in measurements)
         explained = explained and probability >= IMPROBABLE
-        changed = self.unknowns.changed(case, solution.z)
+        changed = self.unknowns.varied_case(case, solution.z)
         calculated = at_speed(Case(**(vars(changed) | {"margin_basis": "calculated"})))
         frequencies = self._frequencies(calculated.margins)
         doubt = self._doubt(rivals)
@@ -224,7 +224,7 @@ class _Found:
         times = float(self.unknowns.factor(self.solution.z)[j])
         reduction = min(max(1.0 - variance, 0.0), 1.0)
         single = len(factor.names) == 1
-        before = present(self.case, factor.names[0], factor.quantity) if single else None
+        before = nominal_value(self.case, factor.names[0], factor.quantity) if single else None
         return CalibratedParameter(
             quantity=factor.quantity,
             name=", ".join(factor.names) or "all modes",
@@ -389,7 +389,7 @@ class _Found:
     def _why_unused(self, reading: Reading) -> str:
         """The nearest mode it could have been, and what is against it."""
         base = self.model.base
-        order, _ = followed(base.vectors, self.prior.vectors)
+        order, _ = match_modes_by_mac(base.vectors, self.prior.vectors)
         near = distances([reading], self.prior.frequency[order], self.prior_spread)[0]
         candidates = np.flatnonzero(base.modes.twists[base.modes.n_rigid :]).tolist()
         if reading.mode is not None:

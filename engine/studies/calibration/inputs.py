@@ -7,15 +7,22 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from engine.case.data import CaseData
-from engine.case.study_inputs import MeasuredFrequencyRow, MeasuredPeakRow, ScatterRow, StudyInputs
+from engine.case.study_inputs import (
+    DAMPING,
+    DAMPING_RATIO,
+    INERTIA,
+    STIFFNESS,
+    MeasuredFrequencyRow,
+    MeasuredPeakRow,
+    ScatterRow,
+    StudyInputs,
+)
 from engine.errors import Problem
 from engine.model.modes import natural_modes
 from engine.start.settings import has_start
 from engine.studies.calibration.least_squares import PeakReading, Reading
 from engine.studies.scatter import FROM_TO, NORMAL, Factor, factors_of, scatter_problems
-from engine.studies.variation import DAMPING, DAMPING_RATIO, INERTIA, STIFFNESS, names_with
-
-__all__ = ["CalibrationPlan", "DEFAULT_SPREAD", "calibration_problems", "plan_calibration"]
+from engine.studies.variation import names_with
 
 FREQUENCIES, PEAKS = "MeasuredFrequencies", "MeasuredPeaks"
 #: Spread of every stiffness where `Scatter` has none of stiffness or inertia: normal. [1]

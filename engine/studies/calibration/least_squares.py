@@ -32,35 +32,15 @@ from numpy.typing import NDArray
 
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
-from engine.errors import ModelError
+from engine.case.study_inputs import INERTIA, STIFFNESS
+from engine.errors import ModelError, TorsionError
 from engine.model.build_train import build_train
 from engine.model.modal_analysis import analyse
 from engine.model.modes import Modes, modes_of
 from engine.model.train import Train
 from engine.run import planned_start
 from engine.studies.scatter import NORMAL, Factor, changes_of
-from engine.studies.variation import INERTIA, STIFFNESS, changed
-
-__all__ = [
-    "Assigned",
-    "EachStart",
-    "FrequencyModel",
-    "GATE",
-    "PeakModel",
-    "PeakReading",
-    "Reading",
-    "Solution",
-    "State",
-    "Stopped",
-    "Unknowns",
-    "assign",
-    "best_assignment",
-    "distances",
-    "followed",
-    "maximum_torques",
-    "solve",
-    "unknowns_of",
-]
+from engine.studies.variation import varied_case
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -77,7 +57,7 @@ EXACT, NOISY = 1e-12, 1e-5
 NOISY_STEPS = 15
 
 
-class Stopped(Exception):  # noqa: N818 - it is an answer, no error
+class CalibrationCancelledError(TorsionError):
     """Whoever asked for the calibration wants it no more."""
 
 
@@ -110,7 +90,7 @@ class Unknowns:
         """
         return np.asarray(np.exp(self.centre + self.deviation * z))
 
-    def changed(self, case: CaseData, z: Floats) -> CaseData:
+    def varied_case(self, case: CaseData, z: Floats) -> CaseData:
         """The case with its uncertain quantities changed.
 
         Parameters
@@ -125,7 +105,7 @@ class Unknowns:
         CaseData
             The changed case, not yet checked. [SI]
         """
-        return changed(case, changes_of(self.factors, self.factor(z)))
+        return varied_case(case, changes_of(self.factors, self.factor(z)))
 
 
 def unknowns_of(factors: Sequence[Factor]) -> Unknowns:
@@ -208,7 +188,7 @@ class FrequencyModel:
         State
             Its modes. [SI]
         """
-        return self._state(self.unknowns.changed(self.case, z))
+        return self._state(self.unknowns.varied_case(self.case, z))
 
     def gradient(self, state: State) -> Floats:
         """Change of ln f with each unknown, from the energies of the modes.
@@ -239,7 +219,7 @@ class FrequencyModel:
         return found * self.unknowns.deviation
 
 
-def followed(reference: Floats, vectors: Floats) -> tuple[Ints, Floats]:
+def match_modes_by_mac(reference: Floats, vectors: Floats) -> tuple[Ints, Floats]:
     """Which mode of one train is which of another, by shape.
 
     Parameters
@@ -441,13 +421,13 @@ class PeakModel:
 
         Raises
         ------
-        Stopped
+        CalibrationCancelledError
             If `should_stop` says so.
         """
         wanted = {z.tobytes(): z for z in points if z.tobytes() not in self._known}
         if wanted and self._stop is not None and self._stop():
-            raise Stopped
-        cases = [self.unknowns.changed(self.case, z) for z in wanted.values()]
+            raise CalibrationCancelledError
+        cases = [self.unknowns.varied_case(self.case, z) for z in wanted.values()]
         for key, found in zip(wanted, self._each(maximum_torques, cases), strict=True):
             self._known[key] = np.array([_torque(found, r.element) for r in self.readings])
             if self._tell is not None:
@@ -605,7 +585,7 @@ class _Problem:
         return self._reached
 
     def _order(self, state: State) -> Ints:
-        step, _ = followed(self._shapes, state.vectors)
+        step, _ = match_modes_by_mac(self._shapes, state.vectors)
         return np.asarray(step[self._reached])
 
     def residual(self, z: Floats) -> Floats:
@@ -666,7 +646,7 @@ def best_assignment(model: FrequencyModel, readings: Sequence[Reading]) -> Assig
     """
     at = model.at(np.zeros(model.unknowns.number))
     spread = np.linalg.norm(model.gradient(at), axis=1)
-    order, _ = followed(model.base.vectors, at.vectors)
+    order, _ = match_modes_by_mac(model.base.vectors, at.vectors)
     frequency, spread = at.frequency[order], spread[order]
     twists = model.base.modes.twists[model.base.modes.n_rigid :]
     free = [int(m) for m in np.flatnonzero(twists)]

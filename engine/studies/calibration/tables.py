@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from engine.case.study_inputs import INERTIA, STIFFNESS
 from engine.operation.margins import MarginRow
 from engine.studies.calibration.records import Calibration
-from engine.studies.variation import INERTIA, STIFFNESS
 
 
 def parameter_rows(found: Calibration) -> list[dict[str, Any]]:

@@ -14,10 +14,7 @@ from engine.studies.nearby_start import (
     near_train,
 )
 from engine.studies.sensitivities.plan import NARROW, WHOLE, WIDE, DerivativeUnit, Floats
-from engine.studies.variation import (
-    Change,
-    changed,
-)
+from engine.studies.variation import Change, varied_case
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +56,7 @@ def differences(unit: DerivativeUnit) -> Differences:
     found = []
     try:
         for share in (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE):
-            case = changed(unit.case, [Change(quantity, name, 1.0 + share)])
+            case = varied_case(unit.case, [Change(quantity, name, 1.0 + share)])
             found.append(near_start(case, unit.recipe, near_train(case, unit.recipe)))
     except ModelError as wrong:
         e, j = np.zeros((2, n)), np.zeros((2, judged))

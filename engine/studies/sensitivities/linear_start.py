@@ -28,8 +28,6 @@ from engine.start.start_model import StartModel
 from engine.start.torque_outputs import TorqueOutputs
 from engine.stepping.exponential import polynomial_step
 
-__all__ = ["TangentModel", "Watched", "tangent_model", "tangent_torques"]
-
 Floats = NDArray[np.float64]
 
 #: Phase of the pulsation per step. [rad]
@@ -60,7 +58,7 @@ class TangentModel:
 
 
 @dataclass(frozen=True, eq=False)
-class Watched:
+class OutputSensitivity:
     """Torques of one output at given times, and their derivatives."""
 
     torque: Floats  #: Torque. [N m] Shape (n_times,).
@@ -319,7 +317,7 @@ def _moved(
 
 def tangent_torques(
     tangent: TangentModel, watched: Sequence[tuple[int, Floats]], phase: float = PHASE
-) -> tuple[Watched, ...]:
+) -> tuple[OutputSensitivity, ...]:
     """Torques of some outputs at some times, with their derivatives.
 
     Parameters
@@ -333,12 +331,12 @@ def tangent_torques(
 
     Returns
     -------
-    tuple of Watched
+    tuple of OutputSensitivity
         In the same order. [N m]
     """
     model = tangent.model
     p = len(tangent.stiffness)
-    out = [Watched(np.zeros(len(t)), np.zeros((len(t), p))) for _, t in watched]
+    out = [OutputSensitivity(np.zeros(len(t)), np.zeros((len(t), p))) for _, t in watched]
     wanted = sorted(
         (float(time), k, i) for k, (_, times) in enumerate(watched) for i, time in enumerate(times)
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.data import CaseData
+from engine.case.study_inputs import SCATTERED
 from engine.results.results import Results
 from engine.run import run
 from engine.start.start import PreparedStart, prepared_start
@@ -15,15 +16,12 @@ from engine.start.start_fatigue import is_counted
 from engine.studies.nearby_start import (
     LINEAR,
     NO_START,
-    Held,
-    Recipe,
+    FixedDiscretisation,
+    NearbyStartPlan,
     near_train,
     recipe_of,
 )
-from engine.studies.variation import (
-    SCATTERED,
-    names_with,
-)
+from engine.studies.variation import names_with
 
 Floats = NDArray[np.float64]
 Parameter = tuple[str, str]
@@ -42,7 +40,7 @@ class DerivativePlan:
 
     case: CaseData  #: The case. [SI]
     nominal: Results  #: Its plain run. [SI]
-    recipe: Recipe  #: How changed trains are calculated. [mixed]
+    recipe: NearbyStartPlan  #: How changed trains are calculated. [mixed]
     parameters: tuple[Parameter, ...]  #: Quantity and name of each.
     reason: str  #: Why no start is differentiated; empty where one is.
 
@@ -57,7 +55,7 @@ class DerivativeUnit:
     """One parameter to be differentiated by."""
 
     case: CaseData  #: The case. [SI]
-    recipe: Recipe  #: How changed trains are calculated. [mixed]
+    recipe: NearbyStartPlan  #: How changed trains are calculated. [mixed]
     index: int  #: Place in the plan.
     parameter: Parameter  #: Quantity and name.
 
@@ -90,7 +88,7 @@ def plan_derivatives(case: CaseData, *, nominal: Results | None = None) -> Deriv
     if recipe.start == LINEAR:
         assert nominal.start is not None
         prepared, _ = prepared_nearby_start(case, recipe).to_its_end(nominal.start.step)
-        held = Held(
+        held = FixedDiscretisation(
             prepared.model.windows, tuple(prepared.model.keep.tolist()), prepared.maximum_time
         )
         # half the step of the plain run: derivatives carry its error in the phase many times over
@@ -99,14 +97,14 @@ def plan_derivatives(case: CaseData, *, nominal: Results | None = None) -> Deriv
     return DerivativePlan(case, nominal, recipe, parameters, _why_no_start(nominal, recipe))
 
 
-def prepared_nearby_start(case: CaseData, recipe: Recipe) -> PreparedStart:
+def prepared_nearby_start(case: CaseData, recipe: NearbyStartPlan) -> PreparedStart:
     """The linear start of a nearby train, ready to be run.
 
     Parameters
     ----------
     case : CaseData
         The case of that train. [SI]
-    recipe : Recipe
+    recipe : NearbyStartPlan
         What the nominal run fixes for nearby trains. [SI]
 
     Returns
@@ -118,7 +116,7 @@ def prepared_nearby_start(case: CaseData, recipe: Recipe) -> PreparedStart:
     return prepared_start(case, model, recipe.effects)
 
 
-def _why_no_start(nominal: Results, recipe: Recipe) -> str:
+def _why_no_start(nominal: Results, recipe: NearbyStartPlan) -> str:
     if recipe.start == NO_START or nominal.start is None:
         return (
             "No motor torque curve and no prescribed torque: frequencies alone are differentiated."

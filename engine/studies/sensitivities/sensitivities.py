@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.case.data import CaseData, case_digest
+from engine.case.study_inputs import INERTIA, STIFFNESS
 from engine.model.frequency_derivatives import FrequencyDerivatives, frequency_derivatives
 from engine.start.start_fatigue import judged_shafts
 from engine.studies.nearby_start import (
@@ -41,10 +42,6 @@ from engine.studies.sensitivities.plan import (
     plan_derivatives,
 )
 from engine.studies.sensitivities.tangent import TangentDerivatives, tangent_of
-from engine.studies.variation import (
-    INERTIA,
-    STIFFNESS,
-)
 
 #: The two ways agree if they differ by at most this share of the largest derivative of the answer,
 #: beside the error of the differences. The differences carry the step's error in the phase, about

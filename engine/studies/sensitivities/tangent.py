@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from engine.case.choices import BelowEndurance
+from engine.case.study_inputs import SN_LINE
 from engine.fatigue.cycle_counting import counted_history, half_cycle_points
 from engine.fatigue.sn_curve import SNCurve
 from engine.fatigue.stress import shear_stress
@@ -20,7 +21,11 @@ from engine.studies.nearby_start import (
     near_start,
     near_train,
 )
-from engine.studies.sensitivities.linear_start import Watched, tangent_model, tangent_torques
+from engine.studies.sensitivities.linear_start import (
+    OutputSensitivity,
+    tangent_model,
+    tangent_torques,
+)
 from engine.studies.sensitivities.plan import (
     WHOLE,
     DerivativePlan,
@@ -28,11 +33,7 @@ from engine.studies.sensitivities.plan import (
     Parameter,
     prepared_nearby_start,
 )
-from engine.studies.variation import (
-    SN_LINE,
-    Change,
-    changed,
-)
+from engine.studies.variation import Change, varied_case
 
 #: The tangent's models are so far apart: their arrays are smooth, so only rounding is a limit.
 APART = 1e-4
@@ -76,7 +77,7 @@ def tangent_of(plan: DerivativePlan) -> TangentDerivatives | None:
     for quantity, name in moving:
         ends = []
         for factor in (1.0 - APART, 1.0 + APART):
-            other = changed(case, [Change(quantity, name, factor)])
+            other = varied_case(case, [Change(quantity, name, factor)])
             near = near_train(other, recipe)
             ends.append((near.model.modes, prepared_nearby_start(other, recipe).model))
         apart.append((ends[0], ends[1]))
@@ -116,7 +117,7 @@ def _outputs_of(plan: DerivativePlan, prepared: PreparedStart, plain: NearStart)
 def _from_tangent(
     plan: DerivativePlan,
     plain: NearStart,
-    watched: Mapping[int, Watched],
+    watched: Mapping[int, OutputSensitivity],
     moving: Sequence[Parameter],
 ) -> TangentDerivatives:
     """Relative derivatives of peaks and starts from those of the turning points."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 from engine.case.checks.find_problems import find_problems
 from engine.case.data import CaseData
-from engine.case.study_inputs import StartConditionRow, StudyInputs
+from engine.case.study_inputs import DAMPING_RATIO, LOAD_TORQUE, StartConditionRow, StudyInputs
 from engine.errors import Problem
 from engine.start.settings import has_start
-from engine.studies.variation import DAMPING_RATIO, LOAD_TORQUE, Change, changed
+from engine.studies.variation import Change, varied_case
 
 TABLE = "StartConditions"
 #: Instants of one period at which a standard trip is tried. [count]
@@ -253,5 +253,5 @@ def condition_case(case: CaseData, condition: StartCondition) -> CaseData:
     ratio = condition.damping_ratio
     if ratio is not None and case.damping_ratio:
         changes.append(Change(DAMPING_RATIO, "", ratio / case.damping_ratio))
-    new = changed(new, changes) if changes else new
+    new = varied_case(new, changes) if changes else new
     return new if ratio is None else replace(new, damping_ratio=ratio)

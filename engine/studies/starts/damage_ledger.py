@@ -21,16 +21,6 @@ from engine.case.result_words import Judgement
 from engine.studies.starts.condition_result import ConditionResult, ConditionShaft
 from engine.studies.starts.matrix import StartMatrix
 
-__all__ = [
-    "DamageLedger",
-    "LedgerRow",
-    "RemainingStarts",
-    "damage_ledger",
-    "ledger_rows",
-    "remaining_life",
-    "remaining_rows",
-]
-
 
 @dataclass(frozen=True)
 class LedgerRow:

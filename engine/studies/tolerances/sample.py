@@ -24,8 +24,8 @@ from engine.studies.nearby_start import (
     LINEAR,
     NO_START,
     PLANNED,
+    NearbyStartPlan,
     NearStart,
-    Recipe,
     near_start,
     near_train,
     read_start,
@@ -40,18 +40,7 @@ from engine.studies.scatter import (
     sampled,
     scatter_problems,
 )
-from engine.studies.variation import changed
-
-__all__ = [
-    "Evaluated",
-    "TolerancePlan",
-    "ToleranceSettings",
-    "Unit",
-    "evaluate",
-    "plan_tolerances",
-    "tolerance_problems",
-    "units_of",
-]
+from engine.studies.variation import varied_case
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -89,7 +78,7 @@ class TolerancePlan:
     #: Factors of every sample, then of the runs with one factor at its P10 or P90. [1] Shape
     #: (n_samples + 2 n_factors, n_factors).
     values: Floats
-    recipe: Recipe  #: How each is calculated. [mixed]
+    recipe: NearbyStartPlan  #: How each is calculated. [mixed]
     digest: str  #: Of the scatter and the settings. [hash]
 
     @property
@@ -108,7 +97,7 @@ class Unit:
     """One piece of work: some rows of the sample."""
 
     case: CaseData  #: The case as stated. [SI]
-    recipe: Recipe  #: How each sample is calculated. [mixed]
+    recipe: NearbyStartPlan  #: How each sample is calculated. [mixed]
     factors: tuple[Factor, ...]  #: What scatters. [1]
     first: int  #: Row of the first.
     values: Floats  #: Factors. [1] Shape (n, n_factors).
@@ -322,7 +311,7 @@ def evaluate(unit: Unit) -> Evaluated:
     outcomes: dict[str, int] = {}
     troubles: list[str] = []
     for i, values in enumerate(unit.values):
-        case = changed(unit.case, changes_of(unit.factors, values))
+        case = varied_case(unit.case, changes_of(unit.factors, values))
         try:
             near = near_train(case, recipe)
             found.frequency[i], found.margin[i] = near.frequency, near.margin

@@ -22,8 +22,6 @@ from engine.studies.tolerances.tolerances import (
     Tolerances,
 )
 
-__all__ = ["tolerance_details", "tolerance_tables"]
-
 Row = dict[str, Any]
 
 #: What a driven answer is, for the units of its sheet.

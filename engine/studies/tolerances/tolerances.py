@@ -32,7 +32,7 @@ from engine.numerics.sample_statistics import (
 )
 from engine.operation.margins import MARGIN_ROUNDING, required_margin
 from engine.start.start_fatigue import is_counted, judged_shafts
-from engine.studies.nearby_start import LINEAR, NO_START, Recipe, unit_stress
+from engine.studies.nearby_start import LINEAR, NO_START, NearbyStartPlan, unit_stress
 from engine.studies.scatter import METHODS, sample_size
 from engine.studies.tolerances.sample import (
     Evaluated,
@@ -42,15 +42,6 @@ from engine.studies.tolerances.sample import (
     plan_tolerances,
     units_of,
 )
-
-__all__ = [
-    "DriverRow",
-    "PercentileRow",
-    "ProbabilityRow",
-    "Tolerances",
-    "summarise_sample",
-    "tolerances",
-]
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -575,7 +566,9 @@ def _about_the_starts(
         )
 
 
-def _step_sentence(recipe: Recipe, sample: Evaluated, percentiles: Sequence[PercentileRow]) -> str:
+def _step_sentence(
+    recipe: NearbyStartPlan, sample: Evaluated, percentiles: Sequence[PercentileRow]
+) -> str:
     """Step error of each start beside the sampling error of the percentiles."""
     widths = [
         max(p.high - p.value, p.value - p.low) / abs(p.value)

@@ -8,7 +8,17 @@ from collections.abc import Iterator, Sequence
 
 from engine.case.choices import ElementKind
 from engine.case.data import GROUND, CaseData
-from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
+from engine.case.study_inputs import (
+    BACKLASH,
+    DAMPING,
+    DIAMETER,
+    INERTIA,
+    STIFFNESS,
+    TUNED,
+    CatalogueRow,
+    StudyInputs,
+    TuningRow,
+)
 from engine.errors import Problem
 from engine.studies.tuning.options import (
     DEFAULT_STEPS,
@@ -17,18 +27,7 @@ from engine.studies.tuning.options import (
     offered,
     offers_by_element,
 )
-from engine.studies.variation import (
-    BACKLASH,
-    DAMPING,
-    DIAMETER,
-    INERTIA,
-    STIFFNESS,
-    TUNED,
-    present,
-    why_not,
-)
-
-__all__ = ["MAX_COMBINATIONS", "tuning_problems"]
+from engine.studies.variation import nominal_value, refusal
 
 #: Combinations of one study; at some 50 ms each this many take a quarter of an hour. [count]
 MAX_COMBINATIONS = 20_000
@@ -106,11 +105,11 @@ def _tuning_row(case: CaseData, number: int, row: TuningRow) -> Iterator[Problem
         action = "Name it." if row.element is None else _nearest(row.element, known)
         yield _wrong(where("Element"), row.element, what, action)
     else:
-        missing = why_not(case, row.element, quantity, relative=row.relative)
+        missing = refusal(case, row.element, quantity, relative=row.relative)
         if (
             missing is None
             and quantity == DAMPING
-            and present(case, row.element, STIFFNESS) is None
+            and nominal_value(case, row.element, STIFFNESS) is None
         ):
             missing = (
                 f"'{row.element}' is a rigid mesh and cannot have damping. Give it a stiffness."

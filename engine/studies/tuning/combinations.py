@@ -15,8 +15,6 @@ from engine.errors import CaseError
 from engine.studies.tuning.checks import tuning_problems
 from engine.studies.tuning.options import Combination, Variable, variables_of, with_options
 
-__all__ = ["TuningPlan", "plan_tuning"]
-
 
 @dataclass(frozen=True)
 class TuningPlan:

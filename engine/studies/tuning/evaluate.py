@@ -23,14 +23,12 @@ from engine.start.crossings import Crossing
 from engine.start.start_fatigue import is_counted
 from engine.studies.tuning.options import Combination, case_of
 
-__all__ = ["MODES", "Answers", "Tried", "answers_of", "calculate_combination"]
-
 #: Elastic modes that are kept of each combination. [count]
 MODES = 10
 
 
 @dataclass(frozen=True)
-class Answers:
+class KeyAnswers:
     """What one run says of a design."""
 
     modes: tuple[float, ...]  #: Elastic modes, `MODES` at most. [Hz]
@@ -89,15 +87,15 @@ class Answers:
 
 
 @dataclass(frozen=True)
-class Tried:
+class EvaluatedCombination:
     """A combination and what became of it."""
 
     combination: Combination  #: What was chosen. [SI]
-    answers: Answers | None  #: What the run says; None where there is no such case. [SI]
+    answers: KeyAnswers | None  #: What the run says; None where there is no such case. [SI]
     problem: str = ""  #: Why not; empty where it was calculated.
 
 
-def calculate_combination(case: CaseData, combination: Combination) -> Tried:
+def calculate_combination(case: CaseData, combination: Combination) -> EvaluatedCombination:
     """One unit of work of a tuning study: a full run of one combination.
 
     Parameters
@@ -109,15 +107,17 @@ def calculate_combination(case: CaseData, combination: Combination) -> Tried:
 
     Returns
     -------
-    Tried
-        Answers, or the sentence that says why there are none. [SI]
+    EvaluatedCombination
+        KeyAnswers, or the sentence that says why there are none. [SI]
     """
     try:
-        return Tried(combination, answers_of(run(Case(**vars(case_of(case, combination))))))
+        return EvaluatedCombination(
+            combination, answers_of(run(Case(**vars(case_of(case, combination)))))
+        )
     except CaseError as wrong:
-        return Tried(combination, None, " ".join(_told(p.table, p.row, p.column, p.message) for p in wrong.problems))  # fmt: skip
+        return EvaluatedCombination(combination, None, " ".join(_told(p.table, p.row, p.column, p.message) for p in wrong.problems))  # fmt: skip
     except TorsionError as wrong:
-        return Tried(combination, None, str(wrong))
+        return EvaluatedCombination(combination, None, str(wrong))
 
 
 def _told(table: str, row: int | None, column: str, message: str) -> str:
@@ -125,7 +125,7 @@ def _told(table: str, row: int | None, column: str, message: str) -> str:
     return f"{place or table}: {message}"
 
 
-def answers_of(results: Results) -> Answers:
+def answers_of(results: Results) -> KeyAnswers:
     """What a designer compares, out of a complete run.
 
     Parameters
@@ -135,7 +135,7 @@ def answers_of(results: Results) -> Answers:
 
     Returns
     -------
-    Answers
+    KeyAnswers
         Plain numbers and words. [SI]
     """
     case = results.case
@@ -155,7 +155,7 @@ def answers_of(results: Results) -> Answers:
     whole = is_counted(results.start)
     number = starts.starts if starts is not None and whole else None
     checks = (*results.verdicts[1:], *_rated(results))
-    return Answers(
+    return KeyAnswers(
         modes=tuple(float(f) for f in results.modes.elastic_frequency[:MODES]),
         worst_margin=None if worst is None else float(worst.margin),
         margin_where="" if worst is None else f"mode {worst.mode} against {worst.excitation}",

@@ -9,10 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from engine.studies.tuning.combinations import TuningPlan
-from engine.studies.tuning.evaluate import Tried
+from engine.studies.tuning.evaluate import EvaluatedCombination
 from engine.studies.tuning.options import Variable
-
-__all__ = ["TuningMap", "tuning_map"]
 
 
 @dataclass(frozen=True)
@@ -22,12 +20,12 @@ class TuningMap:
     across: Variable  #: The variable along the map. [SI]
     up: Variable | None  #: The one across it; None = a single row. [SI]
     #: One row an option of `up`, one entry an option of `across`; None = not calculated. [SI]
-    cells: tuple[tuple[Tried | None, ...], ...]
+    cells: tuple[tuple[EvaluatedCombination | None, ...], ...]
     best_over: tuple[str, ...]  #: Variables that are at their best in each cell.
 
 
 def tuning_map(
-    plan: TuningPlan, ranked: Sequence[Tried], *, across: int = 0, up: int | None = 1
+    plan: TuningPlan, ranked: Sequence[EvaluatedCombination], *, across: int = 0, up: int | None = 1
 ) -> TuningMap:
     """The best combination of each pair of options.
 
@@ -35,7 +33,7 @@ def tuning_map(
     ----------
     plan : TuningPlan
         What was to be tried. [SI]
-    ranked : sequence of Tried
+    ranked : sequence of EvaluatedCombination
         Combinations, the best first. [SI]
     across, up : int, optional
         The variables of the map; without a second one it has a single row. [indices]
@@ -47,7 +45,7 @@ def tuning_map(
     """
     if up is not None and up >= len(plan.variables):
         up = None
-    best: dict[tuple[int, int], Tried] = {}
+    best: dict[tuple[int, int], EvaluatedCombination] = {}
     for tried in ranked:
         picked = tried.combination.picked
         if picked:
@@ -62,5 +60,7 @@ def tuning_map(
     )
 
 
-def _row(best: Mapping[tuple[int, int], Tried], row: int, length: int) -> tuple[Tried | None, ...]:
+def _row(
+    best: Mapping[tuple[int, int], EvaluatedCombination], row: int, length: int
+) -> tuple[EvaluatedCombination | None, ...]:
     return tuple(best.get((row, i)) for i in range(length))

@@ -14,35 +14,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from engine.case.data import GROUND, CaseData, ElementRow
-from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow, WordUnit
-from engine.studies.variation import (
+from engine.case.study_inputs import (
     BACKLASH,
     DAMPING,
     DIAMETER,
     INERTIA,
     STIFFNESS,
-    Change,
-    changed,
-    present,
+    CatalogueRow,
+    StudyInputs,
+    TuningRow,
+    WordUnit,
 )
-
-__all__ = [
-    "COUPLING",
-    "DEFAULT_STEPS",
-    "UNITS",
-    "Combination",
-    "Offer",
-    "Option",
-    "Variable",
-    "case_of",
-    "element_of",
-    "in_units",
-    "offered",
-    "offers_by_element",
-    "unit_for",
-    "variables_of",
-    "with_options",
-]
+from engine.studies.variation import Change, nominal_value, varied_case
 
 #: What a catalogue changes: the coupling as a whole. [word]
 COUPLING = "coupling"
@@ -162,7 +145,7 @@ def with_options(case: CaseData, options: Sequence[Option]) -> CaseData:
     """
     changes = [o.change for o in options if o.change is not None]
     offers = [o.offer for o in options if o.offer is not None]
-    case = changed(case, sorted(changes, key=lambda c: (c.quantity, c.name)))
+    case = varied_case(case, sorted(changes, key=lambda c: (c.quantity, c.name)))
     for offer in sorted(offers, key=lambda o: str(o.row.element)):
         case = _with_offer(case, offer)
     return case
@@ -212,7 +195,7 @@ def element_of(case: CaseData, name: str | None) -> ElementRow:
 
 def _tuned(case: CaseData, row: TuningRow) -> Variable:
     name, quantity = str(row.element), str(row.quantity)
-    stands = present(case, name, quantity)
+    stands = nominal_value(case, name, quantity)
     options = []
     for number in dict.fromkeys(_numbers(row)):
         value = number * (stands or 0.0) if row.relative else number
@@ -305,7 +288,7 @@ def offered(case: CaseData, name: str, rows: Sequence[CatalogueRow]) -> Variable
         Option(str(r.name), r.stiffness or 0.0, offer=Offer(r, (r.inertia or 0.0) - fitted))
         for r in rows
     ]
-    return Variable(name, COUPLING, present(case, name, STIFFNESS), _sorted(options))
+    return Variable(name, COUPLING, nominal_value(case, name, STIFFNESS), _sorted(options))
 
 
 def _sorted(options: Sequence[Option]) -> tuple[Option, ...]:

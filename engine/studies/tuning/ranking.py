@@ -24,10 +24,8 @@ from types import MappingProxyType
 from engine.case.result_words import Judgement
 from engine.case.study_inputs import WordUnit
 from engine.start.crossings import Crossing
-from engine.studies.tuning.evaluate import Answers, Tried
+from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers
 from engine.studies.tuning.options import Variable
-
-__all__ = ["SAME", "chosen", "is_better", "merit", "ranked", "reason"]
 
 #: The check of separation margins, as `engine.results.verdicts` names it.
 MARGIN_CHECK = "Separation margin"
@@ -45,12 +43,12 @@ _MARGIN_TIERS: dict[str, int] = {
 Merit = tuple[float, ...]
 
 
-def merit(tried: Tried) -> Merit:
+def merit(tried: EvaluatedCombination) -> Merit:
     """What a combination is ranked by, the smaller the better; see the order above.
 
     Parameters
     ----------
-    tried : Tried
+    tried : EvaluatedCombination
         A combination, calculated. [SI]
 
     Returns
@@ -73,12 +71,12 @@ def merit(tried: Tried) -> Merit:
     return (0.0, float(not a.whole), float(len(a.broken)), float(tier), starts, -margin, peak)
 
 
-def is_better(tried: Tried, other: Tried) -> bool:
+def is_better(tried: EvaluatedCombination, other: EvaluatedCombination) -> bool:
     """Whether a combination ranks above another one by what was calculated.
 
     Parameters
     ----------
-    tried, other : Tried
+    tried, other : EvaluatedCombination
         Two combinations, calculated. [SI]
 
     Returns
@@ -89,23 +87,27 @@ def is_better(tried: Tried, other: Tried) -> bool:
     return merit(tried) < merit(other)
 
 
-def ranked(tried: Iterable[Tried], variables: tuple[Variable, ...]) -> tuple[Tried, ...]:
+def ranked(
+    tried: Iterable[EvaluatedCombination], variables: tuple[Variable, ...]
+) -> tuple[EvaluatedCombination, ...]:
     """Combinations in the order of their merit.
 
     Parameters
     ----------
-    tried : iterable of Tried
+    tried : iterable of EvaluatedCombination
         Combinations, calculated, in any order. [SI]
     variables : tuple of Variable
         What they chose from. [SI]
 
     Returns
     -------
-    tuple of Tried
+    tuple of EvaluatedCombination
         The best first. [SI]
     """
 
-    def key(one: Tried) -> tuple[Merit, bool, tuple[tuple[str, str, float, str], ...]]:
+    def key(
+        one: EvaluatedCombination,
+    ) -> tuple[Merit, bool, tuple[tuple[str, str, float, str], ...]]:
         options = one.combination.options
         picks = (
             (v.name, v.quantity, o.value, o.label) for v, o in zip(variables, options, strict=False)
@@ -118,12 +120,12 @@ def ranked(tried: Iterable[Tried], variables: tuple[Variable, ...]) -> tuple[Tri
 # --- words ----------------------------------------------------------------------------------------
 
 
-def chosen(tried: Tried, variables: tuple[Variable, ...]) -> str:
+def chosen(tried: EvaluatedCombination, variables: tuple[Variable, ...]) -> str:
     """What a combination is made of.
 
     Parameters
     ----------
-    tried : Tried
+    tried : EvaluatedCombination
         A combination. [SI]
     variables : tuple of Variable
         What it chose from. [SI]
@@ -144,8 +146,8 @@ def chosen(tried: Tried, variables: tuple[Variable, ...]) -> str:
 
 
 def reason(
-    tried: Tried,
-    as_is: Tried | None,
+    tried: EvaluatedCombination,
+    as_is: EvaluatedCombination | None,
     rated_torque: float | None,
     units: Mapping[tuple[str, str], WordUnit] = MappingProxyType({}),
 ) -> str:
@@ -153,9 +155,9 @@ def reason(
 
     Parameters
     ----------
-    tried : Tried
+    tried : EvaluatedCombination
         A combination, calculated. [SI]
-    as_is : Tried or None
+    as_is : EvaluatedCombination or None
         The case as it stands; None = nothing to compare with. [SI]
     rated_torque : float or None
         RatedTorque. [N m]
@@ -182,7 +184,7 @@ def reason(
     return " ".join(s for s in said if s)
 
 
-def _limits(a: Answers) -> str:
+def _limits(a: KeyAnswers) -> str:
     margin = next((c for c in a.checks if c.check == MARGIN_CHECK), None)
     near = ""
     if margin is not None and isinstance(margin.result, float):
@@ -235,7 +237,7 @@ def _against(now: float, before: float | None, less: str = "less", more: str = "
     return f" ({100.0 * abs(change):.2g} % {less if change < 0.0 else more} than as is)"
 
 
-def _severity(a: Answers, b: Answers | None, stress: WordUnit) -> str:
+def _severity(a: KeyAnswers, b: KeyAnswers | None, stress: WordUnit) -> str:
     """Starts, or without them the peak torque; stress."""
     parts = []
     if a.unlimited:

@@ -27,24 +27,10 @@ from engine.operation.margins import (
     rows_of_bands,
 )
 from engine.studies.tuning.combinations import TuningPlan, plan_tuning
-from engine.studies.tuning.evaluate import Answers, Tried, calculate_combination
+from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers, calculate_combination
 from engine.studies.tuning.maps import TuningMap, tuning_map
 from engine.studies.tuning.options import Combination, Variable, case_of, in_units
 from engine.studies.tuning.ranking import chosen, is_better, ranked, reason
-
-__all__ = [
-    "Ranked",
-    "TuningResult",
-    "band_rows",
-    "best_cases",
-    "crossing_rows",
-    "rank_combinations",
-    "in_typed_units",
-    "map_rows",
-    "ranked_rows",
-    "tune",
-    "uncalculated_rows",
-]
 
 Row = dict[str, Any]
 
@@ -58,7 +44,7 @@ class Ranked:
 
     rank: int  #: 1 = the best.
     combination: str  #: What it is made of.
-    tried: Tried  #: What became of it. [SI]
+    tried: EvaluatedCombination  #: What became of it. [SI]
     better: bool  #: Whether it is better than the case as it stands.
     reason: str  #: Why it stands there.
 
@@ -116,7 +102,7 @@ def tune(
         With every problem of the rows.
     """
     plan = plan_tuning(case, studies)
-    done: list[Tried] = []
+    done: list[EvaluatedCombination] = []
     for combination in plan.combinations:
         if should_stop is not None and should_stop():
             break
@@ -126,7 +112,9 @@ def tune(
     return rank_combinations(case, plan, done)
 
 
-def rank_combinations(case: CaseData, plan: TuningPlan, tried: Iterable[Tried]) -> TuningResult:
+def rank_combinations(
+    case: CaseData, plan: TuningPlan, tried: Iterable[EvaluatedCombination]
+) -> TuningResult:
     """One result of all that was calculated.
 
     Parameters
@@ -135,7 +123,7 @@ def rank_combinations(case: CaseData, plan: TuningPlan, tried: Iterable[Tried]) 
         The case as it stands. [SI]
     plan : TuningPlan
         What was to be tried. [SI]
-    tried : iterable of Tried
+    tried : iterable of EvaluatedCombination
         What was, in any order. [SI]
 
     Returns
@@ -320,7 +308,7 @@ def uncalculated_rows(plan: TuningPlan, result: TuningResult) -> list[Row]:
         named = tuple(
             v.options[i] for v, i in zip(result.variables, one.picked, strict=bool(one.picked))
         )
-        return chosen(Tried(replace(one, options=named), None), result.variables)
+        return chosen(EvaluatedCombination(replace(one, options=named), None), result.variables)
 
     return [
         {
@@ -382,7 +370,7 @@ def _ranked_row(row: Ranked, usual: frozenset[str]) -> Row:
     return told | _judged(a)
 
 
-def _judged(a: Answers) -> Row:
+def _judged(a: KeyAnswers) -> Row:
     """Whether starts are limited; not said where they were not judged."""
     return {"unlimited": a.unlimited} if a.unlimited or a.starts is not None else {}
 
