@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +58,17 @@ class ClearanceResponse:
     run: EventRun  #: Everything at every step. [SI]
 
 
+class ResponseOptions(TypedDict, total=False):
+    """What may be stated of a response beside its train and its torques."""
+
+    damping_ratio: float  #: Of the elastic modes of every contact system; default 0. [1]
+    #: At the first time, in running direction; default zero. [rad] Shape (n_stations,).
+    initial_angle: Floats | None
+    initial_speed: Floats | None  #: Likewise. [rad/s] Shape (n_stations,).
+    contact_law: str  #: One of `engine.case.choices.ContactLaw`; default limited.
+    step: float | None  #: Longest step; default from the fastest mode. [s]
+
+
 def clearance_response(
     train: Train,
     modes: Modes,
@@ -65,11 +76,7 @@ def clearance_response(
     times: Floats,
     *,
     torques: Sequence[PrescribedTorque] = (),
-    damping_ratio: float = 0.0,
-    initial_angle: Floats | None = None,
-    initial_speed: Floats | None = None,
-    contact_law: str = ContactLaw.LIMITED,
-    step: float | None = None,
+    **options: Unpack[ResponseOptions],
 ) -> ClearanceResponse:
     """Follow a train with clearances from given angles and speeds under prescribed torques.
 
@@ -85,20 +92,15 @@ def clearance_response(
         Times wanted, rising; the first is the start. [s]
     torques : sequence of PrescribedTorque, optional
         Torques linear between knots (`engine.start.time_response.linear`), one a station. [N m]
-    damping_ratio : float, optional
-        Stated damping of the elastic modes of every piece. [1]
-    initial_angle, initial_speed : ndarray, shape (n_stations,), optional
-        At the first time, in running direction; default zero. [rad, rad/s]
-    contact_law : str, optional
-        One of `engine.case.choices.ContactLaw`. [word]
-    step : float, optional
-        Longest step; default from the fastest mode. [s]
+    **options : Any
+        Initial state, damping, contact law and step: see `ResponseOptions`. [SI]
 
     Returns
     -------
     ClearanceResponse
         Angles, speeds and torques at `times`, and every event. [SI]
     """
+    damping_ratio = options.get("damping_ratio", 0.0)
     t = np.asarray(times, dtype=float)
     keep = np.ones(modes.n_modes, dtype=np.bool_)
     stated = np.where(modes.omega > 0.0, damping_ratio, 0.0)
@@ -108,8 +110,8 @@ def clearance_response(
         np.array(stations, dtype=np.int64), np.zeros(0, dtype=np.int64), len(stations), np.zeros(0)
     )
     m = basis.vectors.shape[1]
-    q = _in_basis(basis, initial_angle)
-    v = _in_basis(basis, initial_speed)
+    q = _in_basis(basis, options.get("initial_angle"))
+    v = _in_basis(basis, options.get("initial_speed"))
     scale = _response_scale(basis, torques, q, v)
     pieces = ContactSystems(
         basis,
@@ -127,7 +129,7 @@ def clearance_response(
         electrical=electrical_arrays((), CaseData()),
         phase=np.zeros(0),
         sampled=fastest,
-        limited=contact_law == ContactLaw.LIMITED,
+        limited=options.get("contact_law", ContactLaw.LIMITED) == ContactLaw.LIMITED,
         visible=0.0,
     )
     script = EventSchedule(
@@ -135,7 +137,7 @@ def clearance_response(
     )
     run = simulate_events(
         model,
-        step or RESPONSE_ANGLE / fastest,
+        options.get("step") or RESPONSE_ANGLE / fastest,
         script,
         (q, v),
         _contacts_at(basis, q, v, model.limited),
