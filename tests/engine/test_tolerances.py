@@ -20,6 +20,8 @@ from engine.start.start_fatigue import COUNTED_STARTS
 from engine.studies.nearby_start import LINEAR, PLANNED, near_start, near_train, recipe_of
 from engine.studies.scatter import changes_of, factors_of, sampled
 from engine.studies.tolerances.sample import (
+    Evaluated,
+    TolerancePlan,
     ToleranceSettings,
     evaluate,
     plan_tolerances,
@@ -155,7 +157,6 @@ def test_a_sample_is_the_run_of_the_changed_case(case: Case) -> None:
     assert got.starts[0, 0] == pytest.approx(full.starts.starts, rel=0.01)
 
 
-@pytest.mark.slow
 def test_percentiles_rise_and_lie_in_their_intervals(found: Tolerances) -> None:
     for row in found.percentiles:
         values = [p.value for p in row.percentiles]
@@ -187,6 +188,83 @@ def test_probabilities_are_shares_of_the_sample(found: Tolerances, case: Case) -
     every = next(p for p in found.probabilities if p.check == "all margins")
     each = [p.probability for p in found.probabilities if p.check == "margin"]
     assert every.probability <= min(each)
+
+
+@pytest.fixture(scope="module")
+def parts(case: Case) -> tuple[TolerancePlan, list[Evaluated]]:
+    """Thirty samples and the runs with one factor at a time, ten a unit."""
+    plan = plan_tolerances(case, ROWS, ToleranceSettings(30, 5))
+    return plan, [evaluate(unit) for unit in units_of(plan, 10)]
+
+
+@pytest.mark.parametrize("factor", [1.0, 2.5])
+def test_the_starts_factor_divides_what_probabilities_count(
+    parts: tuple[TolerancePlan, list[Evaluated]], factor: float
+) -> None:
+    """Counted by hand: a start is enough where starts / factor ≥ required. Percentiles stay."""
+    plan, units = parts
+    starts = np.concatenate([u.starts[:, 0] for u in units])[:30]
+    required = float(np.median(starts)) / factor * (1.0 + 1e-9)  # half of the samples keep it
+    stated = Case(**(vars(plan.case) | {"starts_factor": factor, "starts_required": required}))
+    got = gather(replace(plan, case=stated), units)
+    row = next(p for p in got.probabilities if p.check == "starts")
+    assert row.probability == sum(s / factor >= required for s in starts) / 30 == 0.5
+    assert row.low < 0.5 < row.high
+    plain = plan.nominal.starts
+    assert plain is not None
+    assert plain.starts is not None
+    assert row.nominal == pytest.approx(plain.starts / factor, rel=1e-12)
+    p50 = got.percentile("allowable starts", "HP compressor shaft")
+    assert p50 is not None
+    assert min(starts) <= p50.percentiles[1].value <= max(starts)
+    assert p50.nominal == pytest.approx(plain.starts, rel=1e-12)  # as calculated, not divided
+
+
+def test_units_in_any_order_and_a_part_of_them(
+    parts: tuple[TolerancePlan, list[Evaluated]],
+) -> None:
+    """The order of the work changes no number; what is missing is told and in no number."""
+    plan, units = parts
+    whole, other = gather(plan, units), gather(plan, pickle.loads(pickle.dumps(units))[::-1])
+    assert whole.percentiles == other.percentiles
+    assert whole.probabilities == other.probabilities
+    assert whole.drivers == other.drivers
+    assert np.array_equal(whole.starts, other.starts)
+    part = gather(plan, units[:2])
+    assert part.samples == 20
+    assert any("Stopped after 20 of 30 samples" in s for s in part.sentences)
+    assert np.array_equal(part.starts, whole.starts[:20])
+    assert all(d.at_low is None and d.at_high is None for d in part.drivers)
+    done: list[tuple[int, int]] = []
+    stopped = tolerances(
+        plan.case, ROWS, plan.settings,
+        on_progress=lambda n, of: done.append((n, of)), should_stop=lambda: bool(done),
+    )  # fmt: skip
+    assert stopped.samples == min(done[0][0], 30)
+    assert done[0][1] == plan.n_runs
+
+
+def test_samples_without_damage_are_told_as_unlimited(
+    parts: tuple[TolerancePlan, list[Evaluated]],
+) -> None:
+    """Two thirds of the samples made unlimited: so is the median, and a tenth at least is not."""
+    plan, units = parts
+
+    def without_damage(unit: Evaluated) -> Evaluated:
+        rows = np.arange(unit.first, unit.first + len(unit.starts))
+        return replace(unit, starts=np.where(rows[:, None] % 3 == 0, unit.starts, np.inf))
+
+    got = gather(plan, [without_damage(unit) for unit in units])
+    row = got.percentile("allowable starts", "HP compressor shaft")
+    assert row is not None
+    assert row.unlimited == pytest.approx(20 / 30)
+    assert [math.isinf(p.value) for p in row.percentiles] == [False, True, True]
+    (told,) = tolerance_tables(got)["ToleranceStarts"]
+    assert (told["p_50"], told["p_90"]) == ("unlimited", "unlimited")
+    assert told["p_10"] == pytest.approx(row.percentiles[0].value)
+    assert told["unlimited"] == pytest.approx(20 / 30)
+    json.dumps(tolerance_details(got), allow_nan=False)
+    assert got.driven == "peak stress"  # where most are unlimited, stress says more
 
 
 @pytest.mark.slow

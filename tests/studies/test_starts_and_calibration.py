@@ -102,7 +102,6 @@ def test_the_start_of_the_case_is_a_row_with_its_own_numbers(folder: Path) -> No
     assert "allowable_starts" not in rows["supply sags to 50 %"]
 
 
-@pytest.mark.slow
 def test_cells_of_the_start_matrix_equal_the_json(folder: Path) -> None:
     found, book = read(folder / "starts.json"), folder / "train.starts.xlsx"
     shown = cells(book, "StartMatrix")
@@ -121,7 +120,6 @@ def test_cells_of_the_start_matrix_equal_the_json(folder: Path) -> None:
     assert len(named(book, "starts_SHA256")) == 64
 
 
-@pytest.mark.slow
 def test_the_ledger_adds_up_from_the_cells(folder: Path) -> None:
     """An engineer's check with the numbers on the sheets: Σ n q by hand."""
     book = folder / "train.starts.xlsx"
@@ -194,7 +192,6 @@ def test_a_train_without_judged_shaft(tmp_path: Path) -> None:
 # --- calibrate ------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 def test_cells_of_the_calibration_equal_the_json(folder: Path) -> None:
     found, book = read(folder / "calibrate.json"), folder / "train.starts.xlsx"
     for cell, row in zip(

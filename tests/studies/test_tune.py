@@ -105,7 +105,6 @@ def test_the_json_is_what_the_engine_finds(content: dict[str, Any], folder: Path
         assert choice["values"] == pytest.approx([o.value for o in options] or [1e5, 4.0, 3e6])
 
 
-@pytest.mark.slow
 def test_cells_of_the_workbook_equal_the_json_in_the_units_shown(
     content: dict[str, Any], folder: Path
 ) -> None:
