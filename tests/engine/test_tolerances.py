@@ -206,7 +206,7 @@ def test_the_starts_factor_divides_what_probabilities_count(
     starts = np.concatenate([u.starts[:, 0] for u in units])[:30]
     required = float(np.median(starts)) / factor * (1.0 + 1e-9)  # half of the samples keep it
     stated = Case(**(vars(plan.case) | {"starts_factor": factor, "starts_required": required}))
-    got = gather(replace(plan, case=stated), units)
+    got = summarise_sample(replace(plan, case=stated), units)
     row = next(p for p in got.probabilities if p.check == "starts")
     assert row.probability == sum(s / factor >= required for s in starts) / 30 == 0.5
     assert row.low < 0.5 < row.high
@@ -225,12 +225,15 @@ def test_units_in_any_order_and_a_part_of_them(
 ) -> None:
     """The order of the work changes no number; what is missing is told and in no number."""
     plan, units = parts
-    whole, other = gather(plan, units), gather(plan, pickle.loads(pickle.dumps(units))[::-1])
+    whole, other = (
+        summarise_sample(plan, units),
+        summarise_sample(plan, pickle.loads(pickle.dumps(units))[::-1]),
+    )
     assert whole.percentiles == other.percentiles
     assert whole.probabilities == other.probabilities
     assert whole.drivers == other.drivers
     assert np.array_equal(whole.starts, other.starts)
-    part = gather(plan, units[:2])
+    part = summarise_sample(plan, units[:2])
     assert part.samples == 20
     assert any("Stopped after 20 of 30 samples" in s for s in part.sentences)
     assert np.array_equal(part.starts, whole.starts[:20])
@@ -254,7 +257,7 @@ def test_samples_without_damage_are_told_as_unlimited(
         rows = np.arange(unit.first, unit.first + len(unit.starts))
         return replace(unit, starts=np.where(rows[:, None] % 3 == 0, unit.starts, np.inf))
 
-    got = gather(plan, [without_damage(unit) for unit in units])
+    got = summarise_sample(plan, [without_damage(unit) for unit in units])
     row = got.percentile("allowable starts", "HP compressor shaft")
     assert row is not None
     assert row.unlimited == pytest.approx(20 / 30)
