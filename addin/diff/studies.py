@@ -13,7 +13,6 @@ from addin.diff.changes import Change
 from addin.diff.inputs import Renamed, compare_table
 from addin.diff.results import compare_rows
 from addin.diff.units import Units
-from engine.case.study_inputs import STUDY_TABLES
 
 if TYPE_CHECKING:
     from addin.diff.files import Side
@@ -103,7 +102,8 @@ def _why_not(sheet: str, pair: Sequence[StudyThere | None]) -> str:
 
 def _rows(side: Side, spec: TableSpec) -> list[dict[str, Any]]:
     """Rows of a study sheet by header."""
-    rows = getattr(side.study_inputs, STUDY_TABLES[spec.name][0])
+    inputs = side.study_inputs
+    rows = () if inputs is None else inputs.rows(spec.name)
     if spec.name != "Tuning":
         return [{one.name: getattr(row, one.attribute) for one in spec.columns} for row in rows]
     return [

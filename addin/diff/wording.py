@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from addin.contract.json_formats import AUDIT_FORMAT
 from addin.contract.tables import find_table
 from addin.diff.changes import Change, Differences, Value
 from addin.diff.files import Side
-from addin.reference.json_schemas import AUDIT_FORMAT
 from addin.writing.results_json import storable
 
 __all__ = ["as_json", "change_in_words", "in_words", "telling"]

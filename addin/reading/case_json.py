@@ -16,6 +16,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.json_formats import CASE_FORMAT
 from addin.contract.problems import CellProblem, nearest, placed, printable, shortened
 from addin.contract.tables import (
     INPUT_TABLES,
@@ -47,10 +48,8 @@ from engine.errors import Problem
 if TYPE_CHECKING:
     from addin.reading.study_inputs import StudiesRead
 
-__all__ = ["FORMAT", "case_to_json", "read_case_json", "typed_value"]
+__all__ = ["case_to_json", "read_case_json", "typed_value"]
 
-#: Value of the key ``format``.
-FORMAT = 1
 
 _LARGEST_FILE = 20 * 2**20
 #: Unknown and repeated keys that are told one by one. [count]
@@ -125,7 +124,7 @@ def case_to_json(data: CaseData) -> dict[str, Any]:
     dict
         Ready for `json.dumps`; blanks are absent.
     """
-    content: dict[str, Any] = {"format": FORMAT}
+    content: dict[str, Any] = {"format": CASE_FORMAT}
     for spec in SCALARS:
         value = getattr(data, spec.attribute)
         if value is not None:
@@ -231,14 +230,14 @@ class _Reading:
         self.studies = {k: content[k] for k in _STUDIES if content.get(k) is not None}
 
     def _read_format(self, found: Any) -> None:
-        if found != FORMAT or isinstance(found, bool):
+        if found != CASE_FORMAT or isinstance(found, bool):
             found = _short(found)
             what = "has no key 'format'" if found is None else f"has format {found!r}"
             self.findings.add(
                 (SCALAR_TABLE, None, "format"),
                 found,
-                f'"format": {FORMAT}',
-                f'the case {what}; this version reads "format": {FORMAT}. Write it at the top.',
+                f'"format": {CASE_FORMAT}',
+                f'the case {what}; this version reads "format": {CASE_FORMAT}. Write it at the top.',
             )
 
     def _note_unknown(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, make_dataclass, replace
 from typing import Any
 
 from addin.contract.problems import CellProblem, shortened
@@ -53,6 +53,22 @@ _RELATIVE = UnitScale(1.0)
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
 #: Most values of one row; a range has fewer by its own check. [count]
 _MOST_VALUES = 200
+
+
+#: Classes of the rows of tables that have none in `engine.case.study_inputs`: a field a column, in SI.
+_ROW_CLASSES: dict[str, type] = {
+    spec.name: make_dataclass(
+        f"{spec.name}Row",
+        [(column.attribute, Any, None) for column in spec.columns],
+        frozen=True,
+        namespace={"__module__": __name__},
+    )
+    for spec in STUDY_INPUT_TABLES
+    if spec.name not in STUDY_TABLES
+}
+globals().update(
+    {row.__name__: row for row in _ROW_CLASSES.values()}
+)  # so that rows can be pickled
 
 
 @dataclass(frozen=True)
@@ -138,16 +154,19 @@ def study_rows(typed: TypedCase, bases: Bases, findings: Findings) -> StudyInput
         The rows. [SI]
     """
     rows: dict[str, Any] = {}
+    others: list[tuple[str, tuple[Any, ...]]] = []
     for spec in STUDY_INPUT_TABLES:
-        key, row_class = STUDY_TABLES[spec.name]
-        if spec.name == "Tuning":
+        key, row_class = STUDY_TABLES.get(spec.name) or ("", _ROW_CLASSES[spec.name])
+        if not key:
+            others.append((spec.name, rows_in_si(spec, row_class, typed, bases, findings)))
+        elif spec.name == "Tuning":
             rows[key] = tuple(
                 _tuning(entries, number, findings)
                 for number, entries in enumerate(typed.tables.get(spec.name, ()), start=1)
             )
         else:
             rows[key] = rows_in_si(spec, row_class, typed, bases, findings)
-    return StudyInputs(**rows)
+    return StudyInputs(**rows, others=tuple(others))
 
 
 #: Quantity → tables and columns of the case or study that hold it, and how their rows are called.

@@ -59,9 +59,9 @@ def rows_digest(tables: Sequence[str], inputs: StudyInputs) -> str:
     str
         64 hexadecimal digits; the same in any unit. [hex]
     """
-    from engine.case.study_inputs import STUDY_TABLES, study_digest
+    from engine.case.study_inputs import study_digest
 
-    return study_digest(*(row for name in tables for row in getattr(inputs, STUDY_TABLES[name][0])))
+    return study_digest(*(row for name in tables for row in inputs.rows(name)))
 
 
 def studies_there(read: WorkbookInput, units: ShownUnits) -> tuple[StudyThere, ...]:

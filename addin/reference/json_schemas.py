@@ -9,22 +9,12 @@ import json
 from pathlib import Path
 from typing import Any
 
+from addin.contract.json_formats import AUDIT_FORMAT, CASE_FORMAT, RESULTS_FORMAT
+from addin.contract.json_shapes import TEXT, closed_object, list_of, whole_object
+from addin.contract.studies.registry import STUDIES
+from addin.contract.study_spec import StudySpec
 from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
-from addin.reading.case_json import FORMAT as CASE_FORMAT
-from addin.writing.results_json import FORMAT as RESULTS_FORMAT
-
-__all__ = [
-    "SCHEMAS",
-    "SCHEMA_FOLDER",
-    "case_schema",
-    "closed_object",
-    "diff_schema",
-    "problem_schema",
-    "result_table_schema",
-    "results_schema",
-    "verify_schema",
-    "write_schemas",
-]
+from engine.start.outcome import Outcome
 
 #: Where the shipped schemas are.
 SCHEMA_FOLDER = Path(__file__).resolve().parent / "schemas"
@@ -105,11 +95,11 @@ def verify_schema() -> dict[str, Any]:
             **_SETTINGS,
         },
         "within": {"description": "What is accepted.", **text},
-        "tables": {"type": "array", "items": _whole(table)},
+        "tables": {"type": "array", "items": whole_object(table)},
         "findings": {
             "description": "What fails first, notes last.",
             "type": "array",
-            "items": _whole(finding),
+            "items": whole_object(finding),
         },
         "errors": {
             "description": "What is wrong with the inputs.",
@@ -126,7 +116,7 @@ def diff_schema() -> dict[str, Any]:
     """Schema of what `torsionbook diff --json` writes."""
     text, flag, count = {"type": "string"}, {"type": "boolean"}, {"type": "integer", "minimum": 0}
     number = {"type": ["number", "null"]}
-    side = _whole(
+    side = whole_object(
         {
             "file": text,
             "revision": {"description": "Tag, document, revision of the title block.", **text},
@@ -158,20 +148,20 @@ def diff_schema() -> dict[str, Any]:
         "shown_unit": {"description": "The unit people are shown; a and b are in SI.", **text},
         "administrative": {"description": "Whether it can change no result.", **flag},
     }
-    changes = {"type": "array", "items": _whole(change)}
+    changes = {"type": "array", "items": whole_object(change)}
     properties = {
         "format": {"const": AUDIT_FORMAT},
         "a": side,
         "b": side,
         "same_inputs": count,
         "same_results": count,
-        "verdicts": {"type": "array", "items": _whole(verdict)},
+        "verdicts": {"type": "array", "items": whole_object(verdict)},
         "inputs": {
             "description": "null where a side is a result JSON, which holds no inputs.",
             "anyOf": [changes, {"type": "null"}],
         },
         "results": changes,
-        "studies": _whole(
+        "studies": whole_object(
             {
                 "notes": {
                     "description": "Studies that are not compared, and why.",
@@ -188,18 +178,33 @@ def diff_schema() -> dict[str, Any]:
     return _schema("torsionbook diff", "What changed between two files.", properties)
 
 
+def study_schema(study: StudySpec) -> dict[str, Any]:
+    """Schema of what a study writes as JSON."""
+    digest = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
+    always: dict[str, Any] = {
+        "format": {"const": RESULTS_FORMAT},
+        "study": {"const": study.key},
+        "case_sha256": digest,
+        "study_sha256": {"description": "Of the rows it was made from."} | digest,
+        "version": TEXT,
+        "sentence": {"description": "What was found, in words.", **TEXT},
+        "warnings": list_of(TEXT),
+        "errors": list_of(problem_schema()),
+    }
+    always |= {spec.key: result_table_schema(spec) for spec in study.json_tables}
+    return {
+        "$schema": _DIALECT,
+        "title": f"torsionbook {study.command}",
+        "description": "Numbers in SI: Hz, rad/s, N m, Pa, s, kg m²; ratios and percentages as 1.",
+        **closed_object(always | study.details, required=list(always)),
+    }
+
+
 def _schema(title: str, description: str, properties: dict[str, Any]) -> dict[str, Any]:
     head = {"$schema": _DIALECT, "title": title, "description": description}
-    return head | _whole(properties)
+    return head | whole_object(properties)
 
 
-def _whole(properties: dict[str, Any]) -> dict[str, Any]:
-    """An object that always has all its keys."""
-    return closed_object(properties, required=list(properties))
-
-
-#: Form of the JSON of `verify` and `diff`.
-AUDIT_FORMAT = 1
 _ANYTHING: dict[str, Any] = {"type": ["number", "string", "boolean", "null"]}
 _SETTINGS: dict[str, Any] = {
     "type": "object",
@@ -232,12 +237,9 @@ SCHEMAS = {
 
 def write_schemas(folder: Path = SCHEMA_FOLDER) -> list[Path]:
     """Write every schema; the files written."""
-    from addin.reference.study_schemas import study_schema
-    from addin.studies.registry import every_study
-
     folder.mkdir(parents=True, exist_ok=True)
     schemas = {name: schema() for name, schema in SCHEMAS.items()}
-    schemas |= {study.key: study_schema(study) for study in every_study()}
+    schemas |= {study.key: study_schema(study) for study in STUDIES}
     written = []
     for name, schema in schemas.items():
         text = json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
@@ -245,14 +247,6 @@ def write_schemas(folder: Path = SCHEMA_FOLDER) -> list[Path]:
         path.write_text(text, encoding="utf-8", newline="\n")
         written.append(path)
     return written
-
-
-def closed_object(properties: dict[str, Any], required: list[str] | None = None) -> dict[str, Any]:
-    """Schema of an object that has these keys and no others."""
-    content: dict[str, Any] = {"type": "object", "properties": properties}
-    if required:
-        content["required"] = required
-    return {**content, "additionalProperties": False}
 
 
 def _described(schema: dict[str, Any], spec: Field) -> dict[str, Any]:
@@ -297,17 +291,6 @@ def result_table_schema(table: TableSpec) -> dict[str, Any]:
 
 
 def _startup() -> dict[str, Any]:
-    outcomes = [
-        "reached",
-        "synchronised",
-        "not synchronised",
-        "tripped",
-        "asynchronous",
-        "stalled",
-        "no breakaway",
-        "time out",
-        "completed",
-    ]
     number = {"type": "number"}
     pull_in = {
         "field_time": {"description": "When the field was applied. [s]", **number},
@@ -325,7 +308,10 @@ def _startup() -> dict[str, Any]:
     }
     return closed_object(
         {
-            "outcome": {"description": "How the start ended.", "enum": outcomes},
+            "outcome": {
+                "description": "How the start ended.",
+                "enum": [str(outcome) for outcome in Outcome],
+            },
             "time": {"description": "When it ended. [s]", "type": "number"},
             "end_speed": {"description": "Speed at the end. [rad/s]", "type": "number"},
             "pull_in": closed_object(pull_in),

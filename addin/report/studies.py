@@ -50,7 +50,7 @@ def studies(subject: Subject, there: Sequence[StudyThere]) -> Section:
 
 
 def _part(subject: Subject, one: StudyThere) -> Section:
-    title, made = _PARTS[one.key]
+    title, made = _PARTS.get(one.key) or (one.on_sheet.sheet, _every_table)
     if one.outdated:
         command = one.on_sheet.command
         said = (
@@ -310,6 +310,16 @@ def _calibration(subject: Subject, one: StudyThere) -> Iterator[Block]:
 def _factor(shown: Shown, table: str, column: str) -> float:
     factor = shown.units.factor(table, column)
     return factor if factor and math.isfinite(factor) else 1.0
+
+
+def _every_table(subject: Subject, one: StudyThere) -> Iterator[Block]:
+    """All of a study that has no part of its own here."""
+    for spec in one.on_sheet.json_tables:
+        columns = [column.name for column in spec.columns]
+        table = standing_table(
+            spec.name, _rows(one, spec.name), subject.shown, spec.caption, columns
+        )
+        yield from _tables(table)
 
 
 _PARTS: Mapping[str, tuple[str, Callable[[Subject, StudyThere], Iterator[Block]]]] = {

@@ -11,25 +11,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from addin.contract.studies.registry import STUDIES
 from addin.server.requests import Refused
 
 __all__ = ["Asked", "COMMANDS", "read_study", "study_of"]
 
 #: Studies that may be asked for, by the names of their commands.
-COMMANDS = ("tune", "tolerances", "sensitivities", "starts", "calibrate")
-#: Most samples of one request. [count]
-MOST_SAMPLES = 100_000
-#: Settings of each study with what they may be.
-_SETTINGS: Mapping[str, Mapping[str, tuple[type, str]]] = {
-    "tolerances": {
-        "samples": (int, f"a whole number from 30 to {MOST_SAMPLES:,}"),
-        "seed": (int, "a whole number, 0 or more"),
-        "method": (str, "lhs or sobol"),
-        "replan": (bool, "true or false"),
-    },
-    "starts": {"standard": (bool, "true or false")},
-}
-_RANGES = {"samples": (30, MOST_SAMPLES), "seed": (0, 2**63 - 1)}
+COMMANDS = tuple(study.command for study in STUDIES)
 
 
 @dataclass(frozen=True)
@@ -57,23 +45,15 @@ def read_study(message: Mapping[str, Any]) -> Asked:
     settings = message.get("settings", {})
     if not isinstance(settings, dict):
         raise Refused(400, 'settings is no object. Give one such as {"samples": 1000}.')
-    allowed = _SETTINGS.get(command, {})
+    study = next(one for one in STUDIES if one.command == command)
+    allowed = {setting.name: setting for setting in study.settings}
     for name, value in settings.items():
         if name not in allowed:
             known = f"are {', '.join(allowed)}" if allowed else "is none"
             raise Refused(400, f"{command} has no setting '{name[:40]}'. There {known}.")
-        if not _fits(name, value, allowed[name][0]):
-            raise Refused(400, f"{name} must be {allowed[name][1]}.")
+        if not allowed[name].fits(value):
+            raise Refused(400, f"{name} must be {allowed[name].allowed}.")
     return Asked(command, case, settings)
-
-
-def _fits(name: str, value: Any, kind: type) -> bool:
-    if type(value) is not kind:  # a flag is no number here
-        return False
-    if isinstance(value, int) and name in _RANGES:
-        least, most = _RANGES[name]
-        return least <= value <= most
-    return name != "method" or value in ("lhs", "sobol")
 
 
 # --- in the processes -----------------------------------------------------------------------------
@@ -90,12 +70,12 @@ def study_of(asked: Asked, tell: Callable[[str], None]) -> dict[str, Any]:
     """
     from addin.contract.version import product_version
     from addin.reading.case_json import read_case_json
-    from addin.studies.registry import every_study
+    from addin.studies.registry import study_of_command
     from addin.studies.study import made_of, to_json
     from addin.workers.parallel_map import alone
     from addin.writing.results_json import errors_to_json
 
-    study = next(one for one in every_study() if one.command == asked.command)
+    study = study_of_command(asked.command)
     tell("reading")
     read = read_case_json(asked.case)
     found, problems, warnings = made_of(study, read, alone(), asked.settings, tell)

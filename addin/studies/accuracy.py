@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from addin.calculation.stages import COMPILING
+from addin.contract.json_formats import RESULTS_FORMAT
+from addin.contract.study_spec import StudySpec
 from addin.studies.study import Found, Study
 
 if TYPE_CHECKING:
@@ -54,11 +56,11 @@ def _calculate(
 def _to_json(found: Found, read: CaseInput, warnings: tuple[str, ...]) -> dict[str, Any]:
     """A study as results JSON of the contract, with the key `accuracy`."""
     from addin.contract.version import product_version
-    from addin.writing.results_json import FORMAT, table_rows
+    from addin.writing.results_json import table_rows
     from engine.case.data import case_digest
 
     return {
-        "format": FORMAT,
+        "format": RESULTS_FORMAT,
         "case_sha256": case_digest(read.data),
         "version": product_version(),
         "warnings": list(warnings),
@@ -93,10 +95,7 @@ def _write(
 
 #: The study of ``torsionbook accuracy``; its sheet is one of every workbook, made with studies or not.
 ACCURACY = Study(
-    key="accuracy",
-    command="accuracy",
-    inputs=(),
-    results=(),
+    spec=StudySpec("accuracy", 0, "accuracy", "Accuracy", "P", (), (), ()),
     check=_check,
     calculate=_calculate,
     write=_write,

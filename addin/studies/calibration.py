@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.studies.calibration import CALIBRATION as CALIBRATION_SPEC
 from addin.studies.study import Found, Study
 
 if TYPE_CHECKING:
@@ -72,16 +73,7 @@ def _calculate(
 
 
 CALIBRATION = Study(
-    key="calibration",
-    command="calibrate",
-    inputs=("Scatter", "MeasuredFrequencies", "MeasuredPeaks"),
-    results=(
-        "FrequencyFit",
-        "PeakFit",
-        "CalibratedFrequencies",
-        "CalibratedMargins",
-        "CalibratedParameters",
-    ),
+    spec=CALIBRATION_SPEC,
     check=_check,
     calculate=_calculate,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.studies.sensitivities import SENSITIVITIES as SENSITIVITIES_SPEC
 from addin.studies.study import Found, Study
 
 if TYPE_CHECKING:
@@ -76,10 +77,7 @@ def _sentence(found: Derivatives) -> str:
 
 #: The study of ``torsionbook sensitivities``.
 SENSITIVITIES = Study(
-    key="sensitivities",
-    command="sensitivities",
-    inputs=(),
-    results=("Sensitivities", "FrequencySensitivities"),
+    spec=SENSITIVITIES_SPEC,
     check=_check,
     calculate=_calculate,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.studies.starts import STARTS as STARTS_SPEC
 from addin.contract.study_spec import CUT_SHORT
 from addin.studies.study import CutShort, Found, Study
 
@@ -94,10 +95,7 @@ def _cut_short(calculated: int, planned: int, has_duty: bool) -> CutShort:
 
 
 STARTS = Study(
-    key="starts",
-    command="starts",
-    inputs=("StartConditions",),
-    results=("StartsByVoltage", "StartMatrix", "DamageLedger", "RemainingStarts"),
+    spec=STARTS_SPEC,
     check=_check,
     calculate=_calculate,
 )

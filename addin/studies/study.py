@@ -12,7 +12,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.problems import CellProblem
+from addin.contract.study_spec import StudySpec
 from addin.writing.recalculate import (
     WORKBOOK_ENDINGS,
     Unreadable,
@@ -64,23 +66,33 @@ class Found:
 class Study:
     """One kind of study."""
 
-    key: str  #: Names it in JSON and in the facts of its sheet, see `study_sheets.STUDIES`.
-    command: str  #: Its command, and the middle of the names of its files.
-    inputs: tuple[str, ...]  #: Study tables that it reads.
-    results: tuple[str, ...]  #: Result tables that it writes, in workbook and JSON.
+    spec: StudySpec  #: Its tables, sheets and command.
     #: Case, inputs and settings → every problem of its rows.
     check: Callable[[Case, StudyInputs, Mapping[str, Any]], Sequence[Problem]]
     #: Case, inputs, settings, `Spread` and what is told the stage → `Found`.
     calculate: Callable[
         [Case, StudyInputs, Mapping[str, Any], Spread, Callable[[str], None]], Found
     ]
-    #: Tables that the workbook alone has: maps, and numbers behind charts.
-    charts: tuple[str, ...] = ()
     #: Input, destination, `Found` and whether locks are ignored → sentences, where it has no
     #: sheets of its own as studies have.
     write: Callable[[CaseInput, Path | None, Found, bool], tuple[str, ...]] | None = None
     #: `Found`, input and warnings → its JSON, where that has another form.
     as_json: Callable[[Found, CaseInput, tuple[str, ...]], dict[str, Any]] | None = None
+
+    @property
+    def key(self) -> str:
+        """Names it in JSON and in the facts of its sheet."""
+        return self.spec.key
+
+    @property
+    def command(self) -> str:
+        """Its command, and the middle of the names of its files."""
+        return self.spec.command
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Input tables that it reads. [names]"""
+        return self.spec.input_names
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,13 +279,13 @@ def to_json(
         result table, the details of the study, and cut_short where it was.
     """
     from addin.contract.version import product_version
-    from addin.writing.results_json import FORMAT, table_rows
+    from addin.writing.results_json import table_rows
     from engine.case.data import case_digest
 
     cut = found.cut_short
     part = {} if cut is None else {"calculated": cut.calculated, "planned": cut.planned}
     return {
-        "format": FORMAT,
+        "format": RESULTS_FORMAT,
         "study": study.key,
         "case_sha256": case_digest(read.data),
         "study_sha256": found.digest,
@@ -310,7 +322,7 @@ def _missing_sheets(read: CaseInput, study: Study) -> list[CellProblem]:
 
     assert isinstance(read, WorkbookInput)
     known = {name.casefold() for name in read.workbook.tables}
-    needed = (*study.inputs, *study.results, *study.charts)
+    needed = (*study.inputs, *study.spec.result_names)
     absent = [name for name in needed if name.casefold() not in known]
     if not absent:
         return []

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.studies.tolerances import TOLERANCES as TOLERANCES_SPEC
 from addin.contract.study_spec import CUT_SHORT
 from addin.studies.study import CutShort, Found, Study
 
@@ -120,19 +121,7 @@ def _number(value: float) -> str:
 
 #: The study of ``torsionbook tolerances``.
 TOLERANCES = Study(
-    key="tolerances",
-    command="tolerances",
-    inputs=("Scatter",),
-    results=(
-        "ToleranceStarts",
-        "ToleranceDrivers",
-        "ToleranceFrequencies",
-        "ToleranceMargins",
-        "TolerancePeaks",
-        "ToleranceDistribution",
-        "ToleranceHistogram",
-        "ToleranceTornado",
-    ),
+    spec=TOLERANCES_SPEC,
     check=_check,
     calculate=_calculate,
 )

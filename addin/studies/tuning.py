@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.studies.tuning import TUNING as TUNING_SPEC
 from addin.contract.study_spec import CUT_SHORT
 from addin.studies.study import CutShort, Found, Study
 
@@ -164,12 +165,4 @@ def _without_blanks(row: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if value is not None}
 
 
-TUNING = Study(
-    "tuning",
-    "tune",
-    ("Tuning", "Catalogue"),
-    ("TuningResults", "TuningCrossings", "ForbiddenBands"),
-    _check,
-    _calculate,
-    ("TuningAxes", "TuningStarts", "TuningMargins", "TuningModes", "TuningLines", "TuningHatch"),
-)
+TUNING = Study(TUNING_SPEC, _check, _calculate)

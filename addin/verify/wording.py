@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from addin.reference.json_schemas import AUDIT_FORMAT
+from addin.contract.json_formats import AUDIT_FORMAT
 from addin.verify.findings import AGREEMENTS, Agreement, Finding, Verification
 from addin.writing.results_json import storable
 

@@ -11,14 +11,13 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
+from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.problems import CellProblem, shortened
 from addin.contract.tables import RESULT_TABLES, TableSpec, result_table
 from engine.errors import InternalError
 
-__all__ = ["FORMAT", "RunResults", "errors_to_json", "results_to_json", "storable", "table_rows"]
+__all__ = ["RunResults", "errors_to_json", "results_to_json", "storable", "table_rows"]
 
-#: Value of the key ``format``.
-FORMAT = 1
 
 _STARTUP = ("outcome", "time", "end_speed", "pull_in", "bearing_forces")
 
@@ -78,7 +77,7 @@ def results_to_json(
         When a row has an unknown key or a number that is not finite.
     """
     content: dict[str, Any] = {
-        "format": FORMAT,
+        "format": RESULTS_FORMAT,
         "case_sha256": run.case_sha256,
         "version": version,
         "outcome": run.outcome,
@@ -125,7 +124,7 @@ def errors_to_json(
 ) -> dict[str, Any]:
     """The JSON object of an input that could not be calculated."""
     return {
-        "format": FORMAT,
+        "format": RESULTS_FORMAT,
         "version": version,
         "warnings": list(warnings),
         "errors": [problem.as_json() for problem in problems],

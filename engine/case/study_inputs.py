@@ -11,6 +11,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 STIFFNESS, DAMPING, INERTIA, DIAMETER = "stiffness", "damping", "inertia", "diameter"
 BACKLASH, DAMPING_RATIO = "backlash", "damping ratio"
@@ -152,10 +153,18 @@ class StudyInputs:
     start_conditions: tuple[StartConditionRow, ...] = ()  #: Likewise. [rows]
     measured_frequencies: tuple[MeasuredFrequencyRow, ...] = ()  #: Likewise. [rows]
     measured_peaks: tuple[MeasuredPeakRow, ...] = ()  #: Likewise. [rows]
+    #: Rows of input tables that have no class here, by table: of studies that bring their own. [rows]
+    others: tuple[tuple[str, tuple[Any, ...]], ...] = ()
     #: What the engineer typed in: element and quantity, or an empty name and the quantity,
     #: ``stress``, ``torque``, ``measured frequency`` or ``measured torque``, → its unit. For words
     #: alone: no number and no digest depends on it. [units]
     units: Mapping[tuple[str, str], WordUnit] = field(default_factory=dict, compare=False)
+
+    def rows(self, table: str) -> tuple[Any, ...]:
+        """The rows of an input table. [SI]"""
+        if table in STUDY_TABLES:
+            return tuple(getattr(self, STUDY_TABLES[table][0]))
+        return dict(self.others).get(table, ())
 
 
 #: Input table of the study sheets → (field of `StudyInputs`, row class).

@@ -9,7 +9,7 @@ from servers import outside
 from websockets.sync.client import connect
 
 from addin.reading.case_json import case_to_json
-from addin.reference.study_schemas import study_schema
+from addin.reference.json_schemas import study_schema
 from addin.studies.registry import every_study
 from addin.studies.study import study_one
 from addin.workers.parallel_map import alone
@@ -60,7 +60,7 @@ def test_a_study_is_that_of_the_command_line(server, tmp_path, command, settings
     source.write_text(json.dumps(CASE), encoding="utf-8")
     study_one(study, source, alone(), settings, json_file=tmp_path / "study.json")
     assert last["value"] == json.loads((tmp_path / "study.json").read_text(encoding="utf-8"))
-    jsonschema.validate(last["value"], study_schema(study))
+    jsonschema.validate(last["value"], study_schema(study.spec))
 
 
 def test_a_study_that_is_cancelled_frees_its_process(server):

@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 from addin.cli import study as studies_commands
 from addin.cli.app import app
 from addin.reading.case_json import case_to_json
-from addin.reference.study_schemas import study_schema
+from addin.reference.json_schemas import study_schema
 from addin.studies.calibration import CALIBRATION
 from addin.studies.sensitivities import SENSITIVITIES
 from addin.studies.starts import STARTS
@@ -67,7 +67,7 @@ def studied(
     done = study_one(study, source, alone(after(units)), settings, json_file=place, **more)
     assert done.problems == ()
     found = json.loads(place.read_text(encoding="utf-8"))
-    jsonschema.validate(found, study_schema(study))
+    jsonschema.validate(found, study_schema(study.spec))
     return done, found
 
 

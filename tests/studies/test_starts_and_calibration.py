@@ -16,8 +16,7 @@ from addin.cli.app import app
 from addin.contract.shipped import template_path
 from addin.reading.case_json import case_to_json
 from addin.reading.workbook import read_workbook
-from addin.reference.json_schemas import SCHEMA_FOLDER
-from addin.reference.study_schemas import study_schema
+from addin.reference.json_schemas import SCHEMA_FOLDER, study_schema
 from addin.studies.calibration import CALIBRATION
 from addin.studies.starts import STARTS
 from engine.run import run
@@ -86,7 +85,7 @@ def test_the_json_keeps_its_schema(folder: Path, name: str) -> None:
     jsonschema.Draft202012Validator.check_schema(schema)
     written = read(folder / f"{'calibrate' if name == 'calibration' else name}.json")
     jsonschema.validate(written, schema)
-    assert schema == study_schema({"starts": STARTS, "calibration": CALIBRATION}[name])
+    assert schema == study_schema({"starts": STARTS, "calibration": CALIBRATION}[name].spec)
 
 
 # --- starts ---------------------------------------------------------------------------------------

@@ -16,8 +16,7 @@ from typer.testing import CliRunner, Result
 from addin.cli.app import app
 from addin.contract.studies.tuning import LINES, MAP_ROWS
 from addin.reading.case_json import case_to_json
-from addin.reference.json_schemas import SCHEMA_FOLDER
-from addin.reference.study_schemas import study_schema
+from addin.reference.json_schemas import SCHEMA_FOLDER, study_schema
 from addin.studies.tuning import TUNING
 from addin.studies.tuning_tables import map_tables, spread_out
 from addin.writing.recalculate import Unreadable, read_checked
@@ -81,7 +80,7 @@ def table(path: Path, name: str) -> list[dict[str, Any]]:
 
 def test_the_json_keeps_to_its_shipped_schema(content: dict[str, Any]) -> None:
     schema = json.loads((SCHEMA_FOLDER / "tuning.schema.json").read_text(encoding="utf-8"))
-    assert schema == study_schema(TUNING), "run: make generated"
+    assert schema == study_schema(TUNING.spec), "run: make generated"
     jsonschema.Draft202012Validator(schema).validate(content)
     assert content["study"] == "tuning"
     assert len(content["tuning_results"]) == len(content["choices"]) == 3 * 3 + 1
@@ -311,4 +310,4 @@ def test_hatching_stays_in_its_bands_and_one_value_has_some_width() -> None:
 def test_every_table_of_the_study_is_written() -> None:
     found = _study(TuningRow(HIGH, "stiffness", values=(1.0,)), motor_torque=(), load_torque=())
     written = {"TuningResults", "TuningCrossings", "ForbiddenBands", *map_tables(found)}
-    assert written == {*TUNING.results, *TUNING.charts}
+    assert written == set(TUNING.spec.result_names)

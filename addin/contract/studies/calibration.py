@@ -18,6 +18,7 @@ from addin.contract.field import (
     text,
     verdict,
 )
+from addin.contract.json_shapes import COUNT, FLAG, NUMBER, TEXT, Shape, described
 from addin.contract.sheet import ChartAt, Sheet
 from addin.contract.study_spec import StudySpec
 
@@ -415,6 +416,21 @@ _CHARTS: tuple[ChartSpec, ...] = (
     ),
 )  # fmt: skip
 
+
+def _details() -> Shape:
+    """What its JSON has beside its tables."""
+    return {
+        "chi_square": described("Least sum of squares.", NUMBER),
+        "degrees": described("Measurements used.", COUNT),
+        "probability": described("That chance makes it as large.", NUMBER),
+        "explained": described("Everything measured is explained.", FLAG),
+        "margin_basis": TEXT,
+        "margin_basis_justified": FLAG,
+        "margin_basis_reason": TEXT,
+        "starts": described("Calculated for the peak torques.", COUNT),
+    }
+
+
 CALIBRATION = StudySpec(
     key="calibration",
     order=5,
@@ -425,6 +441,7 @@ CALIBRATION = StudySpec(
     reads=("Scatter",),
     results=_RESULTS,
     sheets=_SHEETS,
+    details=_details(),
     charts=_CHARTS,
     height=84.0,
 )

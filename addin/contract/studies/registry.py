@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from addin.contract.charts import ChartSpec
+from addin.contract.field import IncompleteRecord
 from addin.contract.records import find_records
 from addin.contract.sheet import Sheet
 from addin.contract.study_spec import StudySpec
 
 _FOUND = find_records(__package__, StudySpec)
 for _path, _study in _FOUND.items():
+    if not _path.endswith(f"/{_study.key}.py"):
+        raise IncompleteRecord(f"{_path} holds study {_study.key}: name the file after the key")
     _study.complete(_path)
 
 #: Every study, in the order of its sheets.

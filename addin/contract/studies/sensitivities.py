@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from addin.contract import number_formats as shown
 from addin.contract.field import TableSpec, Trace, number, sentence, table, text
+from addin.contract.json_shapes import BLANK, NUMBER, TEXT, Shape, closed_object, described, list_of
 from addin.contract.live_formulas import sensitivity_shift
 from addin.contract.sheet import Sheet
 from addin.contract.study_spec import StudySpec
@@ -124,6 +125,27 @@ _SHEETS: tuple[Sheet, ...] = (
     ),
 )  # fmt: skip
 
+
+def _details() -> Shape:
+    """What its JSON has beside its tables."""
+    row = {
+        "quantity": TEXT,
+        "of": TEXT,
+        "element": TEXT,
+        "peak_torque": described("Change of its peak torque for + 1 %.", NUMBER),
+        "peak_error": NUMBER,
+        "allowable_starts": described("Change of its starts for + 1 %.", NUMBER),
+        "starts_error": NUMBER,
+    }
+    return {
+        "sensitivities_of_elements": list_of(closed_object(row)),
+        "largest_difference_of_two_ways": {
+            "description": "Between differences and the tangent of the start; null without one.",
+            **BLANK,
+        },
+    }
+
+
 SENSITIVITIES = StudySpec(
     key="sensitivities",
     order=3,
@@ -133,4 +155,5 @@ SENSITIVITIES = StudySpec(
     inputs=(),
     results=_RESULTS,
     sheets=_SHEETS,
+    details=_details(),
 )

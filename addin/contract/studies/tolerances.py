@@ -15,8 +15,21 @@ from addin.contract.field import (
     table,
     text,
 )
+from addin.contract.json_shapes import (
+    BLANK,
+    COUNT,
+    FLAG,
+    NUMBER,
+    OR_WORD,
+    TEXT,
+    Shape,
+    closed_object,
+    cut_short,
+    described,
+    list_of,
+)
 from addin.contract.sheet import ChartAt, Sheet
-from addin.contract.study_spec import StudySpec
+from addin.contract.study_spec import Setting, StudySpec
 from engine.case.study_inputs import SCATTERED
 
 _SAMPLE = "McKay, Beckman & Conover, Technometrics 21 (1979) 239; docs/tolerances.md"
@@ -378,6 +391,52 @@ _CHARTS: tuple[ChartSpec, ...] = (
     ),
 )  # fmt: skip
 
+
+def _details() -> Shape:
+    """What its JSON has beside its tables."""
+    end = described("Null where more samples would be needed.", OR_WORD)
+    nominal = described("Of the plain run; null where not judged.", OR_WORD)
+    percentile = {
+        "probability": NUMBER,
+        "value": {"description": "A number, or unlimited.", "type": ["number", "string"]},
+        "low": end,
+        "high": end,
+    }
+    answer = {
+        "quantity": TEXT,
+        "of": TEXT,
+        "nominal": nominal,
+        "unlimited": described("Share of the samples without any damage.", NUMBER),
+        "samples": COUNT,
+        "percentiles": list_of(closed_object(percentile)),
+    }
+    share = {
+        "check": TEXT,
+        "of": TEXT,
+        "required": OR_WORD,
+        "nominal": nominal,
+        "probability": described("Share of the samples that meet it.", NUMBER),
+        "low": NUMBER,
+        "high": NUMBER,
+        "samples": COUNT,
+    }
+    content = {
+        "samples": described("Asked for.", COUNT),
+        "seed": COUNT,
+        "method": {"enum": ["lhs", "sobol"]},
+        "replan": FLAG,
+        "samples_planned": COUNT,
+        "samples_calculated": COUNT,
+        "converged": FLAG,
+        "driven": described("The answer whose drivers are told.", TEXT),
+        "explained": described("Share that the ranks explain; null = not told.", BLANK),
+        "sentences": list_of(TEXT),
+        "percentiles": list_of(closed_object(answer)),
+        "probabilities": list_of(closed_object(share)),
+    }
+    return cut_short("Samples.") | {"tolerances": closed_object(content)}
+
+
 TOLERANCES = StudySpec(
     key="tolerances",
     order=2,
@@ -387,6 +446,13 @@ TOLERANCES = StudySpec(
     inputs=_INPUTS,
     results=_RESULTS,
     sheets=_SHEETS,
+    settings=(
+        Setting("samples", int, "a whole number from 30 to 100,000", least=30, most=100_000),
+        Setting("seed", int, "a whole number, 0 or more", least=0, most=2**63 - 1),
+        Setting("method", str, "lhs or sobol", choices=("lhs", "sobol")),
+        Setting("replan", bool, "true or false"),
+    ),
+    details=_details(),
     charts=_CHARTS,
     height=56.0,
 )

@@ -18,6 +18,18 @@ from addin.contract.field import (
     text,
     verdict,
 )
+from addin.contract.json_shapes import (
+    BLANK,
+    COUNT,
+    FLAG,
+    NUMBER,
+    TEXT,
+    Shape,
+    closed_object,
+    cut_short,
+    described,
+    list_of,
+)
 from addin.contract.sheet import ChartAt, Sheet
 from addin.contract.study_spec import StudyScale, StudySpec
 from engine.case.study_inputs import TUNED
@@ -590,6 +602,42 @@ _CHARTS: tuple[ChartSpec, ...] = (
     ),
 )  # fmt: skip
 
+
+def _details() -> Shape:
+    """What its JSON has beside its tables."""
+    option = closed_object({"label": TEXT, "value": NUMBER})
+    variable = {
+        "name": described("Element, or the station of an inertia.", TEXT),
+        "quantity": TEXT,
+        "unit": described("Of the values below; backlash is m or rad.", TEXT),
+        "present": described("What the case says.", NUMBER),
+        "options": list_of(option),
+    }
+    choice = {"rank": COUNT, "values": list_of(BLANK)}
+    window = {"from": NUMBER, "to": described("Absent above the highest band.", NUMBER)}
+    cell = {
+        "across": described("Option of the first variable.", TEXT),
+        "across_value": NUMBER,
+        "up": described("Option of the second variable.", TEXT),
+        "up_value": NUMBER,
+        "rank": described("Of the best combination with both.", COUNT),
+        "limits_broken": COUNT,
+        "allowable_starts": described("Absent where unlimited or not judged.", NUMBER),
+        "unlimited": described("Absent where starts were not judged.", FLAG),
+        "worst_margin": NUMBER,
+    }
+    cells = closed_object(cell) | {"patternProperties": {"^mode_[1-9][0-9]*$": NUMBER}}
+    return {
+        **cut_short("Combinations."),
+        "variables": list_of(closed_object(variable)),
+        "choices": list_of(
+            closed_object(choice), "Values of the variables of each combination, by rank."
+        ),
+        "free_windows": list_of(closed_object(window), "Frequencies that no band forbids. [Hz]"),
+        "tuning_map": list_of(cells),
+    }
+
+
 TUNING = StudySpec(
     key="tuning",
     order=1,
@@ -599,6 +647,7 @@ TUNING = StudySpec(
     inputs=_INPUTS,
     results=_RESULTS,
     sheets=_SHEETS,
+    details=_details(),
     charts=_CHARTS,
     height=84.0,
     scales=(

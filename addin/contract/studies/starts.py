@@ -15,8 +15,9 @@ from addin.contract.field import (
     text,
     verdict,
 )
+from addin.contract.json_shapes import FLAG, NUMBER, TEXT, Shape, cut_short, described
 from addin.contract.sheet import ChartAt, Sheet
-from addin.contract.study_spec import StudySpec
+from addin.contract.study_spec import Setting, StudySpec
 
 _NAME, _METHOD = "Name, as typed", "docs/start-matrix.md"
 _MINER = "Szenasi & von Nimitz 1978, Stress criterion, Figure 3; Miner, J. Applied Mechanics 12 (1945) A-159"
@@ -378,7 +379,19 @@ _CHARTS: tuple[ChartSpec, ...] = (
     ),
 )  # fmt: skip
 
-START_MATRIX = StudySpec(
+
+def _details() -> Shape:
+    """What its JSON has beside its tables."""
+    return {
+        **cut_short("Starts; one that is aborted in the standard matrix is eight."),
+        "standard": described("The standard matrix is in it.", FLAG),
+        "starts_factor": NUMBER,
+        "assumption": described("The rule behind the ledger.", TEXT),
+        "verdict": described("The worst of the ledger.", TEXT),
+    }
+
+
+STARTS = StudySpec(
     key="starts",
     order=4,
     command="starts",
@@ -387,6 +400,8 @@ START_MATRIX = StudySpec(
     inputs=_INPUTS,
     results=_RESULTS,
     sheets=_SHEETS,
+    settings=(Setting("standard", bool, "true or false"),),
+    details=_details(),
     charts=_CHARTS,
     height=70.0,
     also=(("Damage ledger", "L"),),
