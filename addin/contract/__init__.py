@@ -6,6 +6,9 @@ module            responsibility
 `chart_tables`    tables of sheet `ChartData` and the words of charts that only a calculation
                   knows
 `charts`          charts as data: what is drawn, from which columns, with which axes and words
+`json_formats`    numbers of the forms of JSON: raised when a reader of the form before would go
+                  wrong
+`json_shapes`     shapes of JSON objects, as fragments of a JSON Schema
 `live_formulas`   formulas of columns that a reviewer can click on: the spreadsheet program
                   repeats the result
 `number_formats`  number formats of results on sheets, each by what it shows
@@ -27,7 +30,8 @@ module            responsibility
                   workbook, verify, diff and report treat it
 `study_spec`      what a study is in workbook and JSON: tables, sheets, and the lines that say
                   what it found
-`studies`         the tables, sheets and captions of each study
+`studies`         one study a file: input tables, result tables, sheets, charts and lines of
+                  words; found by the registry
 `tables`          every table of inputs and outputs, and look-ups by name
 `problems`        problems with the place where an engineer finds them, and the nearest of known
                   words
