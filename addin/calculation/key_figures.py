@@ -108,13 +108,10 @@ def _peak(results: Results) -> tuple[float | None, float | None, str | None]:
     """Size, size at motor speed over the rated torque, and element of the largest torque."""
     if results.start is None or not results.start.peaks:
         return None, None, None
-    # Torques compare at motor speed.
-    speed = {s.station: s.speed_ratio or 1.0 for s in results.case.stations}
-    ratio = {e.element: speed.get(e.from_) or speed.get(e.to) or 1.0 for e in results.case.elements}
-    sizes = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in results.start.peaks}
-    top = max(sizes, key=lambda name: sizes[name] * ratio[name])
+    peak, torque = results.start.largest_peak(results.case.element_speed_ratios)
+    assert peak is not None
     rated = results.case.ratings.rated_torque
-    return float(sizes[top]), float(sizes[top] * ratio[top] / rated) if rated else None, top
+    return float(peak.size), torque / rated if rated else None, peak.element
 
 
 def _stress(peaks: Iterable[Mapping[str, Any]]) -> tuple[float | None, str | None]:

@@ -35,7 +35,7 @@ from addin.contract.shown_units import ShownUnits
 from engine.case.data import CaseData, ElementRow
 from engine.errors import TorsionError
 from engine.fatigue.sn_curve import sn_curve_for
-from engine.fatigue.stress import shear_stress
+from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.links import shaft_stiffness
 
 #: Most points of a drawn curve that has no spikes.
@@ -375,7 +375,7 @@ def _drawn_quantity(
         load = torque / mesh.pitch_radius_drive / size
         return load, "tangential tooth load", f"Tooth load [{unit}]"
     if element is not None and element.stress_diameter:
-        stress = shear_stress(torque, element.stress_diameter, element.stress_bore or 0.0)
+        stress = torque * stress_of_unit_torque(element)
         place = ("StartupPeaks", "Peak-to-peak stress")
         axis = f"Nominal shear stress [{units.name(*place)}]"
         return stress / units.factor(*place), "nominal shear stress", axis

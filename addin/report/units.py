@@ -142,8 +142,7 @@ def own_speeds(case: CaseData) -> dict[str | None, float]:
     dict
         Element → speed ratio to the motor. [1]
     """
-    ratio = {row.station: row.speed_ratio or 1.0 for row in case.stations}
-    return {e.element: ratio.get(e.from_) or ratio.get(e.to) or 1.0 for e in case.elements}
+    return case.element_speed_ratios
 
 
 def _system(units: Iterable[str]) -> str:

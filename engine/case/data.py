@@ -300,6 +300,17 @@ class CaseData:
             power = torque * speed
         return Ratings(frequency, speed, pairs, power, torque)
 
+    @property
+    def speed_ratios(self) -> dict[str | None, float]:
+        """Speed of each station over that of the reference shaft. [1]"""
+        return {row.station: row.speed_ratio or 1.0 for row in self.stations}
+
+    @property
+    def element_speed_ratios(self) -> dict[str | None, float]:
+        """Speed ratio of the shaft at which each element's torque is stated: its From side. [1]"""
+        ratios = self.speed_ratios
+        return {e.element: ratios.get(e.from_) or ratios.get(e.to) or 1.0 for e in self.elements}
+
 
 def _canonical(value: Any) -> Any:
     """A value as it enters the digest: numbers to 12 significant digits, blanks left out."""

@@ -164,7 +164,7 @@ def _weak_motors(case: CaseData) -> Iterator[str]:
         ("MotorTorque", case.motor_torque),
         ("LoadTorque", case.load_torque),
     ):
-        referred = {s.station: s.speed_ratio or 1.0 for s in case.stations}
+        referred = case.speed_ratios
         key = "average" if name == "MotorTorque" else "torque"
         most = max(
             (abs(getattr(p, key) or 0.0) * referred.get(p.station, 1.0) for p in points),

@@ -27,7 +27,7 @@ from engine.fatigue.cycle_counting import (
 )
 from engine.fatigue.damage import damage_interval, miner_damage, needs_counting, starts_from_damage
 from engine.fatigue.sn_curve import SNCurve
-from engine.fatigue.stress import SHEAR_YIELD_RATIO, in_megapascals, shear_stress
+from engine.fatigue.stress import SHEAR_YIELD_RATIO, in_megapascals, stress_of_unit_torque
 
 Floats = NDArray[np.float64]
 
@@ -119,7 +119,7 @@ def shaft_fatigue(
     if not scf > 0.0:
         raise ModelError(f"SCF of element '{name}' is {scf:.6g}; it must be positive.")
     history = counted_history(torque_turning_points)
-    unit_stress = float(shear_stress(1.0, element.stress_diameter, element.stress_bore or 0.0))
+    unit_stress = stress_of_unit_torque(element)
     local = scf * unit_stress
     peak = unit_stress * float(np.max(np.abs(history)))
     largest = 0.5 * local * float(np.ptp(history))

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from engine.case.data import ElementRow
 from engine.errors import ModelError
 
 Floats = NDArray[np.float64]
@@ -44,6 +45,27 @@ def shear_stress(torque: ArrayLike, diameter: float, bore: float = 0.0) -> Float
         )
     D, d = diameter, bore
     return np.asarray(torque, float) * (16.0 * D / (math.pi * (D**4 - d**4)))
+
+
+def stress_of_unit_torque(element: ElementRow) -> float:
+    """Nominal shear stress of an element over its torque, without any concentration factor.
+
+    Parameters
+    ----------
+    element : ElementRow
+        A shaft with its stress diameter; a blank bore is none. [m]
+
+    Returns
+    -------
+    float
+        Stress of 1 N m. [Pa/(N m)]
+
+    Raises
+    ------
+    ModelError
+        When it has no stress diameter, or a bore that is not smaller.
+    """
+    return float(shear_stress(1.0, element.stress_diameter or 0.0, element.stress_bore or 0.0))
 
 
 def in_megapascals(stress: float) -> str:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.choices import ElementKind
-from engine.case.data import GROUND, CaseData
+from engine.case.data import CaseData
 from engine.errors import ModelError
 from engine.model.train import Train
 
@@ -207,7 +207,9 @@ def transmitted_torque(case: CaseData, train: Train) -> TransmittedTorque:
     share = _motor_shares(case, train, warnings)
     motor = share * float(referred.sum())
     beyond = train.beyond.astype(float) @ (referred - motor)
-    element = beyond / _element_ratio(case, train) * _parallel_shares(case, train)
+    ratios = case.element_speed_ratios
+    own_speed = np.array([ratios[e.element] for e in case.elements])
+    element = beyond / own_speed * _parallel_shares(case, train)
     rated = case.ratings.rated_torque or 0.0
     if not rated:
         warnings.append(
@@ -265,12 +267,6 @@ def _motor_shares(case: CaseData, train: Train, warnings: list[str]) -> Floats:
         warnings.append(f"There is no MotorTorque: '{first}', the first station, counts as motor.")
     share[train.station_index(first)] = 1.0
     return share
-
-
-def _element_ratio(case: CaseData, train: Train) -> Floats:
-    """Speed ratio of each element: of its From station, or To where From is the ground."""
-    ends = [e.to if e.from_ == GROUND else e.from_ for e in case.elements]
-    return np.array([train.speed_ratio[train.station_index(str(name))] for name in ends])
 
 
 def _parallel_shares(case: CaseData, train: Train) -> Floats:

@@ -34,7 +34,7 @@ from engine.case.choices import StressBasis
 from engine.case.data import CaseData, ElementRow
 from engine.case.result_words import Judgement
 from engine.errors import ModelError
-from engine.fatigue.stress import shear_stress
+from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.excitation import Excitation, Place, excitation_places, transmitted_torque
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import (
@@ -581,7 +581,7 @@ def _vibratory_limit(case: CaseData, element: ElementRow) -> _Limit:
     """
     per_torque = None
     if element.stress_diameter:
-        nominal = float(shear_stress(1.0, element.stress_diameter, element.stress_bore or 0.0))
+        nominal = stress_of_unit_torque(element)
         per_torque = nominal * (element.scf or 1.0)
     uts = next((m.uts for m in case.materials if m.material == element.material and m.uts), None)
     allowable = uts / STRESS_DIVISOR if uts and per_torque is not None else None

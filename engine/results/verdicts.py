@@ -142,11 +142,7 @@ def _outcome(case: CaseData, start: Start) -> Verdict:
 
 def _peak_limits(case: CaseData, start: Start) -> Iterator[Verdict]:
     limits = {e.element: e.peak_torque_limit for e in case.elements if e.peak_torque_limit}
-    rows = [
-        (max(abs(p.maximum), abs(p.minimum)), limits[p.element], p.element)
-        for p in start.peaks
-        if p.element in limits
-    ]
+    rows = [(p.size, limits[p.element], p.element) for p in start.peaks if p.element in limits]
     if rows:
         torque, limit, element = max(rows, key=lambda r: r[0] / (r[1] or 1.0))
         verdict = Judgement.PASS if torque <= (limit or 0.0) else Judgement.FAIL

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
-from engine.fatigue.stress import shear_stress
+from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.modal_train import ModalTrain
 from engine.model.train import Train
 from engine.operation.margins import percent_speed
@@ -225,7 +225,7 @@ def _power_ratio(train: Train, element: int) -> float:
 
 def _largest(start: Start) -> float:
     """Largest torque of the whole start."""
-    return max((max(abs(p.maximum), abs(p.minimum)) for p in start.peaks), default=0.0)
+    return max((p.size for p in start.peaks), default=0.0)
 
 
 def _note(p: _Point, ratio: float, line_frequency: float, reverses: bool | None) -> str:
@@ -284,12 +284,7 @@ def crossings_of(case: CaseData, model: ModalTrain, start: Start) -> tuple[Cross
     ratings = case.ratings
     if start.runup is None or not ratings.line_frequency or not ratings.synchronous_speed:
         return ()
-    stress = [
-        float(shear_stress(1.0, e.stress_diameter, e.stress_bore or 0.0))
-        if e.stress_diameter
-        else None
-        for e in case.elements
-    ]
+    stress = [stress_of_unit_torque(e) if e.stress_diameter else None for e in case.elements]
     meshes = [i for i, e in enumerate(case.elements) if e.kind == ElementKind.GEAR_MESH]
     return start_crossings(
         model,

@@ -38,10 +38,14 @@ class ElementPeak:
         return self.maximum - self.minimum
 
     @property
+    def size(self) -> float:
+        """The larger magnitude of the extremes. [N m]"""
+        return max(abs(self.maximum), abs(self.minimum))
+
+    @property
     def relative_error(self) -> float:
         """Error over the larger magnitude of the extremes. [1]"""
-        size = max(abs(self.maximum), abs(self.minimum))
-        return self.error / size if size > 0.0 else 0.0
+        return self.error / self.size if self.size > 0.0 else 0.0
 
 
 def worst_outputs(
@@ -131,7 +135,7 @@ def relative_errors(peaks: tuple[ElementPeak, ...], truncation: Floats) -> tuple
     truncation : float
         Largest relative truncation. [1]
     """
-    sizes = np.array([max(abs(p.maximum), abs(p.minimum)) for p in peaks])
+    sizes = np.array([p.size for p in peaks])
     floor = np.maximum(sizes, NEGLIGIBLE * np.max(sizes, initial=0.0))
     floor = np.where(floor > 0.0, floor, np.inf)
     errors = np.array([p.error for p in peaks])

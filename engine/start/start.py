@@ -10,6 +10,7 @@ output, a cubic between samples, so a peak between two samples is not missed.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -109,6 +110,26 @@ class Start:
     def is_sensitive(self) -> bool:
         """Whether it was found that a tiny change of the input changes its peaks. [flag]"""
         return self.sensitivity is not None and self.sensitivity.sensitive
+
+    def largest_peak(
+        self, speed_ratios: Mapping[str | None, float]
+    ) -> tuple[ElementPeak | None, float]:
+        """The peak of the element with the largest torque, compared at motor speed.
+
+        Parameters
+        ----------
+        speed_ratios : mapping of str to float
+            Speed of each element over motor speed. [1]
+
+        Returns
+        -------
+        peak : ElementPeak or None
+            Its peak; None without any. [N m]
+        torque : float
+            Its larger magnitude, referred to motor speed. [N m]
+        """
+        peak = max(self.peaks, key=lambda p: p.size * speed_ratios[p.element], default=None)
+        return peak, 0.0 if peak is None else float(peak.size * speed_ratios[peak.element])
 
     def turning_of_element(self) -> dict[int, tuple[Floats, Floats]]:
         """Turning points by element index: times and torques. [s, N m]"""

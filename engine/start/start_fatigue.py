@@ -18,7 +18,7 @@ from engine.fatigue.allowable_starts import (
 )
 from engine.fatigue.damage import needs_counting
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
-from engine.fatigue.stress import shear_stress
+from engine.fatigue.stress import stress_of_unit_torque
 from engine.start.outcome import Outcome
 from engine.start.start import Start
 
@@ -195,9 +195,7 @@ def stress_over_endurance(case: CaseData, start: Start) -> tuple[float, bool] | 
         assert element.stress_diameter is not None
         curve = sn_curve_of(case, element.material)
         history, _, error = _histories(start, index, str(element.element))
-        unit = (element.scf or 1.0) * float(
-            shear_stress(1.0, element.stress_diameter, element.stress_bore or 0.0)
-        )
+        unit = (element.scf or 1.0) * stress_of_unit_torque(element)
         half = 0.5 * unit * float(max(history.max(), 0.0) - min(history.min(), 0.0))
         wanted = wanted or needs_counting(half, curve, unit * error)
         if curve.endurance > 0.0:

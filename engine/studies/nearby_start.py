@@ -23,7 +23,7 @@ from engine.case.effect import StartEffects
 from engine.errors import InternalError, ModelError
 from engine.fatigue.cycle_counting import count_cycles, counted_history
 from engine.fatigue.damage import miner_damage
-from engine.fatigue.stress import shear_stress
+from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, operating_range
 from engine.model.links import has_clearance
@@ -137,14 +137,7 @@ def unit_stress(case: CaseData) -> Floats:
     ndarray, shape (n_elements,)
         Stress over torque. [Pa/(N m)]
     """
-    return np.array(
-        [
-            float(shear_stress(1.0, e.stress_diameter, e.stress_bore or 0.0))
-            if e.stress_diameter
-            else 0.0
-            for e in case.elements
-        ]
-    )
+    return np.array([stress_of_unit_torque(e) if e.stress_diameter else 0.0 for e in case.elements])
 
 
 def recipe_of(case: CaseData, results: Results) -> NearbyStartPlan:
@@ -377,9 +370,7 @@ def _damage(case: CaseData, recipe: NearbyStartPlan, index: int, torque: Floats)
     """Miner sum of one shaft, as `engine.fatigue.allowable_starts.shaft_fatigue` counts it."""
     element = case.elements[index]
     curve = sn_curve_of(case, element.material)
-    local = (element.scf or 1.0) * float(
-        shear_stress(1.0, element.stress_diameter or 0.0, element.stress_bore or 0.0)
-    )
+    local = (element.scf or 1.0) * stress_of_unit_torque(element)
     history = counted_history(torque)
     if (
         not recipe.always_count

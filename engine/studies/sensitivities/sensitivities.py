@@ -147,9 +147,7 @@ def gather_derivatives(
     peak = None
     if element is not None and nominal.start is not None:
         name = case.elements[element].element
-        peak = max(
-            max(abs(p.maximum), abs(p.minimum)) for p in nominal.start.peaks if p.element == name
-        )
+        peak = max(p.size for p in nominal.start.peaks if p.element == name)
     limit = None
     if shaft is not None and nominal.starts is not None:
         limit = nominal.starts.shafts[shaft].allowable_starts
@@ -192,7 +190,7 @@ def _governing(plan: DerivativePlan) -> tuple[int | None, int | None]:
     if nominal.starts is not None and nominal.starts.governing in names:
         element = names.index(str(nominal.starts.governing))
         return element, judged.index(element)
-    largest = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in nominal.start.peaks}
+    largest = {p.element: p.size for p in nominal.start.peaks}
     unit = unit_stress(case)
     weight = unit if np.any(unit) else np.ones(len(unit))
     element = int(np.argmax([w * largest.get(n, 0.0) for w, n in zip(weight, names, strict=True)]))

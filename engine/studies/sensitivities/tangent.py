@@ -12,7 +12,7 @@ from engine.case.choices import BelowEndurance
 from engine.case.study_inputs import SN_LINE
 from engine.fatigue.cycle_counting import counted_history, half_cycle_points
 from engine.fatigue.sn_curve import SNCurve
-from engine.fatigue.stress import shear_stress
+from engine.fatigue.stress import stress_of_unit_torque
 from engine.start.start import PreparedStart
 from engine.start.start_fatigue import judged_shafts, sn_curve_of
 from engine.studies.nearby_start import (
@@ -137,9 +137,7 @@ def _from_tangent(
     edge = np.zeros(len(judged))
     for j, (element, row) in enumerate(judged):
         curve = sn_curve_of(case, row.material)
-        local = (row.scf or 1.0) * float(
-            shear_stress(1.0, row.stress_diameter or 0.0, row.stress_bore or 0.0)
-        )
+        local = (row.scf or 1.0) * stress_of_unit_torque(row)
         by_stress, by_line, edge[j] = _damage_slope(
             curve, local, plain.turning[element][1], watched[element].derivative
         )

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from engine.case.case import Case
 from engine.case.choices import ElementKind
-from engine.case.data import GROUND, CaseData, ElementRow
+from engine.case.data import CaseData
 from engine.errors import TorsionError
 from engine.fatigue.allowable_starts import ShaftFatigue
-from engine.fatigue.stress import shear_stress
+from engine.fatigue.stress import stress_of_unit_torque
 from engine.results.results import Results
 from engine.run import run
 from engine.start.outcome import Outcome
@@ -155,19 +155,8 @@ def _outcome_words(
 def _largest_torque(results: Results) -> tuple[float | None, str | None]:
     """Largest torque of any element, referred to the reference shaft, and where. [N m]"""
     assert results.start is not None
-    rows = {str(e.element): e for e in results.case.elements}
-    ratio = {str(s.station): s.speed_ratio or 1.0 for s in results.case.stations}
-    found = [
-        (max(abs(p.maximum), abs(p.minimum)) * _ratio(rows[p.element], ratio), p.element)
-        for p in results.start.peaks
-    ]
-    return max(found, default=(None, None))
-
-
-def _ratio(element: ElementRow, ratio: dict[str, float]) -> float:
-    """Speed ratio of the shaft that an element's torque is stated at: that of its From side."""
-    end = element.from_ if element.from_ != GROUND else element.to
-    return ratio.get(str(end), 1.0)
+    peak, torque = results.start.largest_peak(results.case.element_speed_ratios)
+    return (None, None) if peak is None else (torque, peak.element)
 
 
 def _shafts(case: CaseData, results: Results) -> tuple[ConditionShaft, ...]:
@@ -181,7 +170,7 @@ def _shafts(case: CaseData, results: Results) -> tuple[ConditionShaft, ...]:
     for _, e in judged_shafts(case):
         name = str(e.element)
         shaft: ShaftFatigue | None = counted.get(name)
-        stress = float(shear_stress(span[name], e.stress_diameter or 0.0, e.stress_bore or 0.0))
+        stress = span[name] * stress_of_unit_torque(e)
         if shaft is None:
             found.append(ConditionShaft(name, stress, 0.0, 0.0, 0.0, None, False, False, False))
             continue

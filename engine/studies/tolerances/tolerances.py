@@ -278,7 +278,7 @@ def _percentile_rows(plan: TolerancePlan, sample: Evaluated) -> Iterator[Percent
     if recipe.start == NO_START or nominal.start is None:
         return
     whole, unit = known & sample.counted, unit_stress(plan.case)
-    peaks = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in nominal.start.peaks}
+    peaks = {p.element: p.size for p in nominal.start.peaks}
     stands = is_counted(nominal.start)  # else its peaks are those of a part of a start
     for quantity, factor in (("peak torque", np.ones(len(unit))), (STRESS, unit)):
         for i, e in enumerate(plan.case.elements):
@@ -393,7 +393,7 @@ def _settling(
 def _worst_stress(plan: TolerancePlan) -> int:
     """Element with the largest nominal stress in the plain run."""
     assert plan.nominal.start is not None
-    peaks = {p.element: max(abs(p.maximum), abs(p.minimum)) for p in plan.nominal.start.peaks}
+    peaks = {p.element: p.size for p in plan.nominal.start.peaks}
     unit = unit_stress(plan.case)
     stress = [unit[i] * peaks.get(str(e.element), 0.0) for i, e in enumerate(plan.case.elements)]
     return int(np.argmax(stress))

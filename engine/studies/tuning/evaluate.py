@@ -14,7 +14,7 @@ from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.errors import CaseError, TorsionError
-from engine.fatigue.stress import shear_stress
+from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.excitation import transmitted_torque
 from engine.results.results import Results
 from engine.results.verdicts import Verdict
@@ -139,7 +139,7 @@ def answers_of(results: Results) -> KeyAnswers:
         Plain numbers and words. [SI]
     """
     case = results.case
-    ratio = _speed_of_elements(case)
+    ratio = case.element_speed_ratios
     worst = results.margins.worst
     stress, stress_scf, stressed = _stress(results)
     torque, torqued = _peak(results, ratio)
@@ -184,12 +184,6 @@ def answers_of(results: Results) -> KeyAnswers:
     )
 
 
-def _speed_of_elements(case: CaseData) -> Mapping[str | None, float]:
-    """Speed of each element over that of the reference shaft; a mesh counts at its From side."""
-    speed = {s.station: s.speed_ratio or 1.0 for s in case.stations}
-    return {e.element: speed.get(e.from_) or speed.get(e.to) or 1.0 for e in case.elements}
-
-
 def _governing(crossings: Iterable[Crossing], ratio: Mapping[str | None, float]) -> int | None:
     """Mode of the crossing with the largest stress range, else with the largest torque range."""
 
@@ -210,7 +204,7 @@ def _stress(results: Results) -> tuple[float | None, float | None, str]:
     for p in results.start.peaks:
         e = rows[p.element]
         if e.stress_diameter:
-            nominal = float(shear_stress(p.peak_to_peak, e.stress_diameter, e.stress_bore or 0.0))
+            nominal = p.peak_to_peak * stress_of_unit_torque(e)
             found.append((nominal * (e.scf or 1.0), nominal, p.element))
     if not found:
         return None, None, ""
@@ -220,14 +214,10 @@ def _stress(results: Results) -> tuple[float | None, float | None, str]:
 
 def _peak(results: Results, ratio: Mapping[str | None, float]) -> tuple[float | None, str]:
     """Largest torque at motor speed, and its element."""
-    if results.start is None or not results.start.peaks:
+    if results.start is None:
         return None, ""
-    sizes = {
-        p.element: max(abs(p.maximum), abs(p.minimum)) * ratio[p.element]
-        for p in results.start.peaks
-    }
-    top = max(sizes, key=lambda name: sizes[name])
-    return float(sizes[top]), top
+    peak, torque = results.start.largest_peak(ratio)
+    return (None, "") if peak is None else (torque, peak.element)
 
 
 def _starts_error(results: Results, starts: float | None) -> float | None:
