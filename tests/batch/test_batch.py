@@ -480,7 +480,8 @@ def test_two_batches_on_one_folder(few, tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a signal to a group is not sent there")
-@pytest.mark.parametrize("times", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("times", [1, 2])
 def test_ctrl_c_ends_it_cleanly_and_resume_completes(tmp_path, times):
     for number in range(10):
         make_train(tmp_path / "in" / f"t{number}.xlsx", number)
@@ -604,7 +605,7 @@ def test_an_unreadable_file_is_told_by_its_name_in_the_batch(tmp_path):
     assert str(tmp_path) not in errors.to_csv()
 
 
-@pytest.mark.slow
+@pytest.mark.first_ones(1)
 @pytest.mark.parametrize("last", [False, True])
 def test_ctrl_c_while_the_last_file_runs_interrupts_nothing(few, tmp_path, last):
     from addin.cli import batch as commands
