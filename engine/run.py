@@ -31,7 +31,7 @@ from engine.plan.evidence import (
 )
 from engine.plan.plan import Plan, first_plan, revised_plan, with_times
 from engine.results.results import AtSpeed, Results
-from engine.results.times import COMPILING_EVENTS, accuracy_rows, measured_times
+from engine.results.times import COMPILING_EVENTS, accuracy_of_analyses, measured_times
 from engine.results.verdicts import verdicts_of
 from engine.results.warnings import (
     MAX_PLANS,
@@ -152,7 +152,7 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
         bearing_forces=() if start is None else start.bearing_forces,
         pull_in=None if start is None else start.pull_in,
         sensitivity=None if start is None else start.sensitivity,
-        accuracy=accuracy_rows(case, start, errors, spent),
+        accuracy=accuracy_of_analyses(case, start, errors, spent),
     )
 
 

@@ -12,8 +12,8 @@ from typing import Any
 from addin.calculation.audit import Stamp, audit_rows
 from addin.calculation.run_view import RunView, view_of
 from engine.case.case import Case
+from engine.results.details import modal_details, plan_details
 from engine.results.results import Results
-from engine.results.tables import modal_details, plan_details
 from engine.run import run
 
 __all__ = ["Calculation", "calculate", "shown"]

@@ -65,7 +65,8 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
     RunView
         What the workbook shows.
     """
-    from engine.results.tables import energy_rows, plan_details, result_tables, start_summary
+    from engine.results.details import energy_rows, plan_details, start_summary
+    from engine.results.tables import result_tables
 
     start = results.start
     effects = results.plans[-1].effects if results.plans else None

@@ -41,7 +41,7 @@ def _calculate(
     tell: Callable[[str], None],
 ) -> Found:
     from engine.case.study_inputs import study_digest
-    from engine.results.tables import accuracy_rows
+    from engine.results.tables import accuracy_cost
     from engine.stepping.compiling import is_compiled
     from engine.stepping.linear_loop import advance_start
     from engine.studies.accuracy.accuracy import accuracy_study
@@ -49,7 +49,7 @@ def _calculate(
     if not is_compiled(advance_start):
         tell(COMPILING)
     found = accuracy_study(case, rounds=settings.get("rounds", ROUNDS), on_progress=tell)
-    tables = {"AccuracyCost": list(accuracy_rows(found.rows))}
+    tables = {"AccuracyCost": list(accuracy_cost(found.rows))}
     return Found(found, tables, found.sentence, study_digest())
 
 

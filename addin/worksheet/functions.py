@@ -161,7 +161,8 @@ def speed_results(case: Case) -> Mapping[str, Any]:
         Tables by name, and modes. [SI]
     """
     from engine.operation.margins import forbidden_bands, rows_of_bands
-    from engine.results.tables import modal_details, speed_tables
+    from engine.results.details import modal_details
+    from engine.results.tables import speed_tables
     from engine.run import at_speed
 
     found = at_speed(case)

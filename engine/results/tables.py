@@ -1,7 +1,8 @@
 """Results as the result tables of the contract: rows of plain values under their JSON keys.
 
 SI throughout, percentages as fractions (also `percent_speed`); CPM alone is in the unit of its name.
-None stands for blank. Workbook and JSON are both written from these rows.
+None stands for blank. Workbook and JSON are both written from these rows. Each table has one function,
+of its name in small letters; a new column is a key in that function's rows.
 """
 
 from __future__ import annotations
@@ -13,11 +14,8 @@ from typing import Any
 import numpy as np
 
 from engine.fatigue.stress import shear_stress
-from engine.model.frequency_derivatives import frequency_derivatives
 from engine.operation.margins import percent_speed
-from engine.plan.decision import EffectDecision
 from engine.results.results import AccuracyRow, AtSpeed, Results
-from engine.start.reversals import Reversal
 from engine.start.start_fatigue import is_counted
 
 Row = dict[str, Any]
@@ -37,25 +35,23 @@ def result_tables(results: Results) -> Mapping[str, list[Row]]:
         Table name → rows with JSON keys. [SI]
     """
     return {
-        "Verdicts": [asdict(v) for v in results.verdicts],
+        "Verdicts": verdicts(results),
         **speed_tables(results),
-        "StartupPeaks": _peaks(results),
-        "StartupCrossings": [
-            asdict(c) | {"percent_speed": _fraction(c.percent_speed)} for c in results.crossings
-        ],
-        "TorqueReversals": reversal_rows(results.reversals),
-        "AllowableStarts": _starts(results),
-        "Effects": effect_rows(results.plans[-1].decisions if results.plans else ()),
-        "AccuracyCost": accuracy_rows(results.accuracy),
+        "StartupPeaks": startup_peaks(results),
+        "StartupCrossings": startup_crossings(results),
+        "TorqueReversals": torque_reversals(results),
+        "AllowableStarts": allowable_starts(results),
+        "Effects": effects(results),
+        "AccuracyCost": accuracy_cost(results.accuracy),
     }
 
 
-def speed_tables(found: AtSpeed) -> dict[str, list[Row]]:
+def speed_tables(results: AtSpeed) -> dict[str, list[Row]]:
     """The result tables that need no start.
 
     Parameters
     ----------
-    found : AtSpeed
+    results : AtSpeed
         Modes, margins and forced response. [SI]
 
     Returns
@@ -64,150 +60,25 @@ def speed_tables(found: AtSpeed) -> dict[str, list[Row]]:
         Table name → rows with JSON keys. [SI]
     """
     return {
-        "NaturalFrequencies": _frequencies(found),
-        "ModeShapes": _mode_shapes(found),
-        "SeparationMargins": [_margin_row(r) for r in found.margins.rows],
-        "SteadyState": [asdict(r) for r in found.steady.rows],
+        "NaturalFrequencies": natural_frequencies(results),
+        "ModeShapes": mode_shapes(results),
+        "SeparationMargins": separation_margins(results),
+        "SteadyState": steady_state(results),
     }
 
 
-def start_summary(results: Results) -> Row | None:
-    """Outcome of the start.
-
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    dict or None
-        Keys outcome, time [s], end_speed [rad/s] and sentence, pull_in and bearing_forces where
-        they were simulated; None if nothing was started.
-    """
-    if results.start is None:
-        return None
-    summary = asdict(results.start.outcome)
-    if results.pull_in is not None:
-        summary["pull_in"] = asdict(results.pull_in)
-    if results.bearing_forces:
-        summary["bearing_forces"] = [asdict(one) for one in results.bearing_forces]
-    return summary
-
-
-def plan_details(results: Results) -> Row:
-    """Plans and sensitivity of the run.
-
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    dict
-        Key ``plans``: number [count] and reason of each plan, the reported one last. Key
-        ``sensitivity``, where it was tried: spread [1] and sensitive.
-    """
-    details: Row = {
-        "plans": [{"number": plan.number, "reason": plan.reason} for plan in results.plans]
-    }
-    if results.sensitivity is not None:
-        details["sensitivity"] = asdict(results.sensitivity)
-    return details
-
-
-def energy_rows(results: AtSpeed, most_modes: int) -> list[Row]:
-    """Energy shares of every stiffness and inertia, from which frequencies follow a small change.
-
-    ∂ln f/∂ln k = ½ × share of the strain energy, ∂ln f/∂ln J = −½ × share of the kinetic energy
-    (`engine.model.frequency_derivatives`, where modes as good as equal are treated as well).
-
-    Parameters
-    ----------
-    results : AtSpeed
-        A complete run, or one without a start. [SI]
-    most_modes : int
-        Elastic modes that are told. [count]
-
-    Returns
-    -------
-    list of dict
-        quantity, of, share_1, share_2, …: stiffnesses first, in the order of the case. [1]
-    """
-    found = frequency_derivatives(results.case, results.train, results.modes)
-    return [
-        {
-            "quantity": row.quantity,
-            "of": row.name,
-            **{
-                f"share_{k}": 2.0 * abs(value)
-                for k, value in enumerate(row.value[:most_modes].tolist(), 1)
-            },
-        }
-        for row in found.rows
-    ]
-
-
-def modal_details(results: AtSpeed) -> Row:
-    """What the sheets have no table for: energy shares, nodes, damped eigenvalues.
-
-    Parameters
-    ----------
-    results : AtSpeed
-        A complete run, or one without a start. [SI]
-
-    Returns
-    -------
-    dict
-        Key ``modes``: per elastic mode its frequency [Hz], the share of strain energy of each
-        element and of kinetic energy of each station [1], and its nodes as element and position
-        from the From end [1]; of gears on bearings also ``bearing_strain_energy`` and
-        ``sideways_kinetic_energy`` by station [1]. Key ``damped_eigenvalues``, where dampers couple the modes: real
-        and imaginary parts [1/s].
-    """
-    train, modes = results.train, results.modes
-    rows = []
-    for r in range(modes.n_rigid, modes.n_modes):
-        number = r - modes.n_rigid + 1
-        rows.append(
-            {
-                "mode": number,
-                "frequency": float(modes.frequency[r]),
-                "strain_energy": dict(
-                    zip(train.elements, modes.strain_share[:, r].tolist(), strict=True)
-                ),
-                "kinetic_energy": dict(
-                    zip(train.stations, modes.kinetic_share[:, r].tolist(), strict=True)
-                ),
-                "nodes": [
-                    {"element": n.element, "position": n.position}
-                    for n in results.nodes
-                    if n.mode == number
-                ],
-            }
-            | _sideways(results, r)
-        )
-    details: Row = {"modes": rows}
-    if results.eigenvalues is not None:
-        details["damped_eigenvalues"] = [
-            {"real": float(v.real), "imaginary": float(v.imag)} for v in results.eigenvalues
-        ]
-    return details
-
-
-def reversal_rows(reversals: Iterable[Reversal]) -> list[Row]:
+def torque_reversals(results: Results) -> list[Row]:
     """Rows of `TorqueReversals`.
 
     Parameters
     ----------
-    reversals : iterable of Reversal
-        One a gear mesh or geared coupling. [SI]
+    results : Results
+        A complete run. [SI]
 
     Returns
     -------
     list of dict
-        Its fields under their names, the sentence as ``note``. [SI]
+        One a gear mesh or geared coupling, its sentence as ``note``. [SI]
     """
     keys = (
         "element",
@@ -227,26 +98,65 @@ def reversal_rows(reversals: Iterable[Reversal]) -> list[Row]:
         "recontact_speed_angular",
         "model",
     )
-    return [{key: getattr(one, key) for key in keys} | {"note": one.sentence} for one in reversals]
+    return [
+        {key: getattr(reversal, key) for key in keys} | {"note": reversal.sentence}
+        for reversal in results.reversals
+    ]
 
 
-def effect_rows(decisions: Iterable[EffectDecision]) -> list[Row]:
-    """Rows of `Effects`.
+def effects(results: Results) -> list[Row]:
+    """Rows of `Effects`: the decisions of the plan whose run is reported.
 
     Parameters
     ----------
-    decisions : iterable of EffectDecision
-        Those of the plan whose run is reported. [SI]
+    results : Results
+        A complete run. [SI]
 
     Returns
     -------
     list of dict
         One an effect. [SI]
     """
-    return [asdict(one) for one in decisions]
+    decisions = results.plans[-1].decisions if results.plans else ()
+    return [asdict(decision) for decision in decisions]
 
 
-def accuracy_rows(rows: Iterable[AccuracyRow]) -> list[Row]:
+def verdicts(results: Results) -> list[Row]:
+    """Rows of `Verdicts`.
+
+    Parameters
+    ----------
+    results : Results
+        A complete run. [SI]
+
+    Returns
+    -------
+    list of dict
+        One a check, the overall one first. [SI]
+    """
+    return [asdict(verdict) for verdict in results.verdicts]
+
+
+def startup_crossings(results: Results) -> list[Row]:
+    """Rows of `StartupCrossings`.
+
+    Parameters
+    ----------
+    results : Results
+        A complete run. [SI]
+
+    Returns
+    -------
+    list of dict
+        One a mode that the falling 2 × slip frequency crosses. [SI]
+    """
+    return [
+        asdict(crossing) | {"percent_speed": _fraction(crossing.percent_speed)}
+        for crossing in results.crossings
+    ]
+
+
+def accuracy_cost(rows: Iterable[AccuracyRow]) -> list[Row]:
     """Rows of `AccuracyCost`.
 
     Parameters
@@ -271,27 +181,23 @@ def accuracy_rows(rows: Iterable[AccuracyRow]) -> list[Row]:
     ]
 
 
-def _sideways(results: AtSpeed, mode: int) -> Row:
-    """Energy shares of the gears on bearings; nothing where there are none."""
-    bodies = [results.train.stations[b.station] for b in results.train.bodies]
-    if not bodies:
-        return {}
-    modes = results.modes
-    return {
-        "bearing_strain_energy": dict(
-            zip(bodies, modes.bearing_share[:, mode].tolist(), strict=True)
-        ),
-        "sideways_kinetic_energy": dict(
-            zip(bodies, modes.sideways_share[:, mode].tolist(), strict=True)
-        ),
-    }
-
-
 def _fraction(percent: float | None) -> float | None:
     return None if percent is None else percent / 100.0
 
 
-def _frequencies(results: AtSpeed) -> list[Row]:
+def natural_frequencies(results: AtSpeed) -> list[Row]:
+    """Rows of `NaturalFrequencies`.
+
+    Parameters
+    ----------
+    results : AtSpeed
+        A complete run, or one without a start. [SI]
+
+    Returns
+    -------
+    list of dict
+        One a mode, rigid ones first. [SI]
+    """
     modes, line = results.modes, results.case.ratings.line_frequency
     train = results.train
     names = [*train.elements, *(f"bearing of {train.stations[b.station]}" for b in train.bodies)]
@@ -316,8 +222,19 @@ def _frequencies(results: AtSpeed) -> list[Row]:
     return rows
 
 
-def _mode_shapes(results: AtSpeed) -> list[Row]:
-    """Twist of each station in its physical sense, the largest of a mode = 1."""
+def mode_shapes(results: AtSpeed) -> list[Row]:
+    """Rows of `ModeShapes`: twist of each station in its physical sense, the largest of a mode = 1.
+
+    Parameters
+    ----------
+    results : AtSpeed
+        A complete run, or one without a start. [SI]
+
+    Returns
+    -------
+    list of dict
+        One a station. [SI]
+    """
     train, modes = results.train, results.modes
     n = train.n_stations
     angle = (train.node_matrix() @ modes.shape)[:n] * train.sense[:n, None]
@@ -330,13 +247,56 @@ def _mode_shapes(results: AtSpeed) -> list[Row]:
     return rows
 
 
-def _margin_row(row: Any) -> Row:
-    out = asdict(row)
-    out["frequency"] = out.pop("mode_frequency")
-    return out
+def separation_margins(results: AtSpeed) -> list[Row]:
+    """Rows of `SeparationMargins`: margins and what the forced response made of them.
+
+    Parameters
+    ----------
+    results : AtSpeed
+        A complete run, or one without a start. [SI]
+
+    Returns
+    -------
+    list of dict
+        One a row, under the keys of the JSON. [SI]
+    """
+    rows = []
+    for margin in results.margins.rows:
+        row = asdict(margin)
+        row["frequency"] = row.pop("mode_frequency")
+        rows.append(row)
+    return rows
 
 
-def _peaks(results: Results) -> list[Row]:
+def steady_state(results: AtSpeed) -> list[Row]:
+    """Rows of `SteadyState`: the forced response of each element to each excitation.
+
+    Parameters
+    ----------
+    results : AtSpeed
+        A complete run, or one without a start. [SI]
+
+    Returns
+    -------
+    list of dict
+        One a row, under the keys of the JSON. [SI]
+    """
+    return [asdict(row) for row in results.steady.rows]
+
+
+def startup_peaks(results: Results) -> list[Row]:
+    """Rows of `StartupPeaks`.
+
+    Parameters
+    ----------
+    results : Results
+        A complete run. [SI]
+
+    Returns
+    -------
+    list of dict
+        One an element; none without a start. [SI]
+    """
     start, synchronous = results.start, results.case.ratings.synchronous_speed
     if start is None:
         return []
@@ -360,7 +320,19 @@ def _peaks(results: Results) -> list[Row]:
     return rows
 
 
-def _starts(results: Results) -> list[Row]:
+def allowable_starts(results: Results) -> list[Row]:
+    """Rows of `AllowableStarts`.
+
+    Parameters
+    ----------
+    results : Results
+        A complete run. [SI]
+
+    Returns
+    -------
+    list of dict
+        One a judged shaft. [SI]
+    """
     starts = results.starts
     if starts is None:
         return []

@@ -44,7 +44,7 @@ def measured_times(plan: Plan, spent: list[tuple[str, float]]) -> dict[str, floa
     }
 
 
-def accuracy_rows(
+def accuracy_of_analyses(
     case: CaseData,
     start: Start | None,
     errors: tuple[tuple[str, float | None], ...],

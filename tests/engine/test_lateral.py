@@ -17,7 +17,8 @@ from engine.model.modal_train import ModalTrain
 from engine.model.modes import damped_eigenvalues, modal_damping, modes_of, natural_modes, nodes_of
 from engine.operation.margins import separation_margins
 from engine.operation.steady_state import harmonic_response, steady_state
-from engine.results.tables import modal_details, result_tables
+from engine.results.details import modal_details
+from engine.results.tables import result_tables
 from engine.run import run
 from engine.start.time_response import linear, time_response
 from engine.start.torque_outputs import torque_outputs
