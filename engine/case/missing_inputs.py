@@ -71,13 +71,13 @@ def _has_torque(case: CaseData) -> bool:
 def _missing_for_stress(case: CaseData, what: str) -> str:
     """Which input keeps every element from being judged; empty if one can be."""
     if what == "UTS":
-        known = {row.material for row in case.materials if row.uts}
+        with_data = {row.material for row in case.materials if row.uts}
         needed = "the UTS of its Material in table Materials"
     else:
-        known = {row.material for row in case.sn_points}
+        with_data = {row.material for row in case.sn_points}
         needed = "points of its Material in table SNPoints"
     with_diameter = [row for row in case.elements if row.stress_diameter]
-    if any(row.material in known for row in with_diameter):
+    if any(row.material in with_data for row in with_diameter):
         return ""
     if not with_diameter:
         return "no element has a Stress diameter"

@@ -163,37 +163,37 @@ def _notes(
     shaft: ShaftFatigue, curve: SNCurve, scf: float, shear_yield: float | None
 ) -> tuple[str, ...]:
     """The sentences a reader must see beside the numbers of one shaft."""
-    said: list[str] = []
+    notes: list[str] = []
     name, peak = shaft.element, shaft.peak_nominal_stress
     if not shaft.counted:
-        said.append(
+        notes.append(
             f"{name}: no cycle can exceed an amplitude of {in_megapascals(shaft.largest_amplitude)}, not "
             f"above the endurance limit {in_megapascals(curve.endurance)}: no cycle damages, none is counted."
         )
     if shaft.above_first_point:
-        said.append(
+        notes.append(
             f"{name}: {shaft.above_first_point:g} cycles a start lie above the first S-N point "
             f"({in_megapascals(float(curve.stress[0]))}); their life is its slope extended upwards, not "
             "test data. Add S-N points at higher stress."
         )
     if shear_yield is not None and peak > shear_yield:
-        said.append(
+        notes.append(
             f"{name}: the nominal peak {in_megapascals(peak)} is above the shear yield Yield/2 = "
             f"{in_megapascals(shear_yield)} (maximum shear theory): the shaft yields, and starts counted "
             "from elastic stress do not hold."
         )
     elif shear_yield is not None and scf * peak > shear_yield:
-        said.append(
+        notes.append(
             f"{name}: SCF times the nominal peak, {in_megapascals(scf * peak)}, is above the shear yield "
             f"Yield/2 = {in_megapascals(shear_yield)}: local yielding at the notch (a note, not a verdict)."
         )
     if (shaft.damage_low == 0.0) != (shaft.damage_high == 0.0):
-        said.append(
+        notes.append(
             f"{name}: within the error of the history every cycle may lie at or below the "
             f"endurance limit {in_megapascals(curve.endurance)}, so the interval of the starts ends at "
             "unlimited."
         )
-    return tuple(said)
+    return tuple(notes)
 
 
 @dataclass(frozen=True, eq=False)

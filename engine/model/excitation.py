@@ -110,12 +110,12 @@ def excitations_of(case: CaseData, train: Train) -> tuple[Excitation, ...]:
     """
     if not case.excitations:
         return _shaft_speeds(case, train) + _line_frequencies(case)
-    found = []
+    excitations = []
     for number, row in enumerate(case.excitations, start=1):
         ratio = 1.0
         if row.of_station is not None:
             ratio = float(train.speed_ratio[train.station_index(row.of_station)])
-        found.append(
+        excitations.append(
             Excitation(
                 row.name or f"Excitation {number}",
                 row.order,
@@ -127,7 +127,7 @@ def excitations_of(case: CaseData, train: Train) -> tuple[Excitation, ...]:
                 row.torque_share,
             )
         )
-    return tuple(found)
+    return tuple(excitations)
 
 
 def _shaft_speeds(case: CaseData, train: Train) -> tuple[Excitation, ...]:
@@ -143,14 +143,14 @@ def _shaft_speeds(case: CaseData, train: Train) -> tuple[Excitation, ...]:
         elif name in gears and shafts[same[0]][1] not in gears:
             shafts[same[0]] = (shafts[same[0]][0], name)
     shafts.sort(key=lambda shaft: abs(shaft[0] - 1.0) > SAME_RATIO)  # the reference shaft first
-    found = []
+    speeds = []
     for ratio, name in shafts:
         reference = abs(ratio - 1.0) <= SAME_RATIO
         for order in DEFAULT_ORDERS:
             title = f"{order}× {'motor' if reference else name} speed"
             of_station = None if reference else name
-            found.append(Excitation(title, float(order), ratio, of_station))
-    return tuple(found)
+            speeds.append(Excitation(title, float(order), ratio, of_station))
+    return tuple(speeds)
 
 
 def _line_frequencies(case: CaseData) -> tuple[Excitation, ...]:
@@ -339,8 +339,8 @@ def excitation_places(
         places = {i: places.get(i) or _adjoining(case, train, transmitted, i)}
     share = DEFAULT_SHARE if excitation.torque_share is None else excitation.torque_share
     torques = {
-        i: share * there if excitation.torque is None else excitation.torque
-        for i, there in places.items()
+        i: share * share_by_station if excitation.torque is None else excitation.torque
+        for i, share_by_station in places.items()
     }
     return tuple(Place(i, abs(torque)) for i, torque in torques.items() if torque)
 
@@ -351,19 +351,19 @@ def _default_places(
     """Motors, gears and driven machines with the torque transmitted there, by station."""
     machine_names = {p.station for p in case.load_torque}
     machine_names |= {s.station for s in case.stations if s.running_load}
-    there: dict[int, float] = {}
+    share_by_station: dict[int, float] = {}
     for i in np.flatnonzero((transmitted.rated != 0.0) | (transmitted.motor != 0.0)).tolist():
-        there[i] = float(transmitted.rated[i] or transmitted.motor[i])
+        share_by_station[i] = float(transmitted.rated[i] or transmitted.motor[i])
     for e, torque in zip(case.elements, transmitted.element.tolist(), strict=True):
         if e.kind == ElementKind.GEAR_MESH:
             a, b = train.station_index(str(e.from_)), train.station_index(str(e.to))
             back = float(train.speed_ratio[a] / train.speed_ratio[b])
-            there[a] = max(there.get(a, 0.0), abs(torque))
-            there[b] = max(there.get(b, 0.0), abs(torque) * back)
+            share_by_station[a] = max(share_by_station.get(a, 0.0), abs(torque))
+            share_by_station[b] = max(share_by_station.get(b, 0.0), abs(torque) * back)
     for i, name in enumerate(train.stations):
         if name in machine_names:
-            there[i] = max(there.get(i, 0.0), abs(float(transmitted.load[i])))
-    return there
+            share_by_station[i] = max(share_by_station.get(i, 0.0), abs(float(transmitted.load[i])))
+    return share_by_station
 
 
 def _adjoining(case: CaseData, train: Train, transmitted: TransmittedTorque, station: int) -> float:

@@ -90,14 +90,14 @@ def clusters(frequency: Floats, nearer_than: float) -> list[list[int]]:
     list of list of int
         Indices of each run of two or more. [indices]
     """
-    found: list[list[int]] = []
+    groups: list[list[int]] = []
     for i in range(1, len(frequency)):
         if frequency[i] - frequency[i - 1] <= nearer_than * frequency[i]:
-            if found and found[-1][-1] == i - 1:
-                found[-1].append(i)
+            if groups and groups[-1][-1] == i - 1:
+                groups[-1].append(i)
             else:
-                found.append([i - 1, i])
-    return found
+                groups.append([i - 1, i])
+    return groups
 
 
 def frequency_derivatives(case: CaseData, train: Train, modes: Modes) -> FrequencyDerivatives:

@@ -60,7 +60,7 @@ def _teeth(
     """The meshes of the gears on bearings, in the order of the elements."""
     meshes = {m.element: m for m in case.meshes}
     row_of = {element: row for row, (element, *_) in enumerate(a.rows)}
-    found = []
+    teeth = []
     for i, start, end in a.edges:
         e = case.elements[i]
         if e.kind != ElementKind.GEAR_MESH or not {start, end} & data.keys():
@@ -81,8 +81,8 @@ def _teeth(
         )
         radius = mesh.pitch_radius_drive * line_of_action(mesh)[0]
         sign = 1.0 if from_drives else -1.0
-        found.append(_Teeth(row_of[i], sign, driver, driven, radius, normals))
-    return found
+        teeth.append(_Teeth(row_of[i], sign, driver, driven, radius, normals))
+    return teeth
 
 
 def add_bodies(
@@ -177,7 +177,7 @@ def flanks_of(
         In the order of the rows. [SI]
     """
     meshes = {m.element: m for m in case.meshes}
-    found = []
+    flanks = []
     for row, (i, stiffness, viscous, _, _) in enumerate(a.rows):
         if i == NO_ELEMENT or stiffness <= 0.0:
             continue
@@ -197,5 +197,5 @@ def flanks_of(
             cos_t, share = line_of_action(mesh)
             radius, normal_factor = mesh.pitch_radius_drive * cos_t, 1.0 / math.sqrt(share)
             gap = mesh.backlash * normal_factor / radius if mesh.backlash else None
-        found.append(Flank(i, row, drive, back, gap, stiffness, viscous, radius, normal_factor))
-    return tuple(found)
+        flanks.append(Flank(i, row, drive, back, gap, stiffness, viscous, radius, normal_factor))
+    return tuple(flanks)

@@ -327,7 +327,7 @@ def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:
     own = train.row_element[train.element_rows]
     rows_of = np.bincount(own, minlength=len(train.elements))
     first = np.concatenate([[0], np.cumsum(rows_of)])
-    found = []
+    nodes = []
     for row, element in enumerate(train.row_element):
         ends = np.flatnonzero(train.node_incidence[row])
         factors = train.node_incidence[row, ends]
@@ -340,8 +340,8 @@ def nodes_of(train: Train, modes: Modes) -> tuple[Node, ...]:
         crossing[: modes.n_rigid] = False
         for mode in np.flatnonzero(crossing):
             place = (row - first[element] + a[mode] / (a[mode] - b[mode])) / rows_of[element]
-            found.append((int(mode) - modes.n_rigid + 1, int(element), float(place)))
-    return tuple(Node(mode, train.elements[e], place) for mode, e, place in sorted(found))
+            nodes.append((int(mode) - modes.n_rigid + 1, int(element), float(place)))
+    return tuple(Node(mode, train.elements[e], place) for mode, e, place in sorted(nodes))
 
 
 @dataclass(frozen=True, eq=False)

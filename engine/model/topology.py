@@ -196,9 +196,9 @@ def senses_of_rotation(a: Assembly, n: int, reference: int, flips: Mapping[int, 
                 stack.append(other)
     if len(a.ratio) > n:
         for _, _, _, _, entries in a.rows:  # inner nodes turn with the shaft they divide
-            known = [node for node in entries if sense[node] != 0.0]
+            turning = [node for node in entries if sense[node] != 0.0]
             for node in entries:
-                if sense[node] == 0.0 and known:
-                    sense[node] = sense[known[0]]
+                if sense[node] == 0.0 and turning:
+                    sense[node] = sense[turning[0]]
     sense[sense == 0.0] = 1.0
     return sense

@@ -138,9 +138,9 @@ class Train:
         Dampers without a spring, and elements with a clearance: teeth part when their whole torque
         is zero, and what they pass on must not depend on whether they are simulated as parting.
         """
-        shown = self.stiffness <= 0.0
-        shown[[f.drive_row for f in self.flanks if f.gap]] = True
-        return np.asarray(shown)
+        included = self.stiffness <= 0.0
+        included[[f.drive_row for f in self.flanks if f.gap]] = True
+        return np.asarray(included)
 
     @property
     def element_rows(self) -> Ints:

@@ -135,9 +135,9 @@ def rank_regression(inputs: Floats, answer: Floats) -> RankRegression | None:
     inverse = np.linalg.pinv(together.T @ together / n)
     scale = np.sqrt(np.maximum(np.diag(inverse)[:-1] * inverse[-1, -1], 1e-300))
 
-    def all_inputs(found: Floats) -> Floats:
+    def all_inputs(values: Floats) -> Floats:
         whole = np.zeros(d)
-        whole[varies] = found
+        whole[varies] = values
         return whole
 
     return RankRegression(

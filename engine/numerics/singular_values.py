@@ -78,10 +78,10 @@ def singular_triplets(D: Floats, count: int) -> tuple[Floats, Floats, Floats, st
     InternalError
         If fewer than `count` values differ from zero.
     """
-    found = _chain(D, count) if count >= LONG_CHAIN else None
-    found = found or _plain(D, count)
-    if found is not None:
-        return found
+    triplets = _chain(D, count) if count >= LONG_CHAIN else None
+    triplets = triplets or _plain(D, count)
+    if triplets is not None:
+        return triplets
     u, sigma, v = _rising(*_jacobi(D), count)
     if not (np.all(np.isfinite(sigma)) and sigma[0] > 0.0):
         raise InternalError(
@@ -141,22 +141,22 @@ def _contradictions(tree: list[_Hanging], sigma: Floats) -> NDArray[np.int64]:
 def _corrected(D: Floats, sigma: Floats) -> Floats:
     """Singular values (rising) that the counts contradict are bisected; the others stay."""
     tree = _leaves_first(D)
-    wrong = _contradictions(tree, sigma) if tree is not None else np.zeros(0, dtype=np.int64)
-    if tree is None or not len(wrong):
+    contradicting = _contradictions(tree, sigma) if tree is not None else np.zeros(0, dtype=np.int64)
+    if tree is None or not len(contradicting):
         return sigma
-    low, high = sigma[wrong], sigma[wrong]
+    low, high = sigma[contradicting], sigma[contradicting]
     for reach in (1e-11, 1e-8, 1e-4, 1e-1, 1e1, 1e4, 1e8):
-        low = np.where(_count_below(tree, low) > wrong, low / (1.0 + reach), low)
-        high = np.where(_count_below(tree, high) <= wrong, high * (1.0 + reach), high)
+        low = np.where(_count_below(tree, low) > contradicting, low / (1.0 + reach), low)
+        high = np.where(_count_below(tree, high) <= contradicting, high * (1.0 + reach), high)
     for _ in range(MAX_BISECTIONS):
         wide = high > 2.0 * low
         middle = np.where(wide, np.sqrt(low) * np.sqrt(high), low + 0.5 * (high - low))
         if np.all((middle <= low) | (middle >= high)):
             break
-        above = _count_below(tree, middle) > wrong
+        above = _count_below(tree, middle) > contradicting
         low, high = np.where(above, low, middle), np.where(above, middle, high)
     sigma = sigma.copy()
-    sigma[wrong] = 0.5 * (low + high)
+    sigma[contradicting] = 0.5 * (low + high)
     return sigma
 
 

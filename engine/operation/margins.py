@@ -122,11 +122,11 @@ def separation_margins(
     """
     required = required_margin(case)
     speeds = operating_range(case)
-    known = [x for x in excitations if x.frequency is not None or speeds is not None]
+    judged = [x for x in excitations if x.frequency is not None or speeds is not None]
     rows = []
     twists = modes.twists[modes.n_rigid :]  # no torque drives a mode of sideways motion alone
     for mode, f in enumerate(modes.elastic_frequency.tolist(), start=1):
-        for x in known if twists[mode - 1] else ():
+        for x in judged if twists[mode - 1] else ():
             f_exc = nearest_frequency(x, f, speeds)
             margin = abs(f - f_exc) / f_exc
             speed = None
@@ -134,7 +134,7 @@ def separation_margins(
                 speed = 2.0 * math.pi * f_exc / (x.order * x.ratio)
             row = MarginRow(mode, f, x.name, speed, f_exc, margin, required, Judgement.PASS)
             rows.append(row if row.kept else replace(row, verdict=Judgement.FAIL))
-    return SeparationMargins(tuple(rows), required, speeds, _warnings(case, excitations, known))
+    return SeparationMargins(tuple(rows), required, speeds, _warnings(case, excitations, judged))
 
 
 def nearest_frequency(
@@ -163,18 +163,18 @@ def nearest_frequency(
 
 
 def _warnings(
-    case: CaseData, excitations: Sequence[Excitation], known: Sequence[Excitation]
+    case: CaseData, excitations: Sequence[Excitation], judged: Sequence[Excitation]
 ) -> tuple[str, ...]:
-    left_out = [x.name for x in excitations if x not in known]
-    found = []
+    left_out = [x.name for x in excitations if x not in judged]
+    warnings = []
     if left_out:
-        found.append(
+        warnings.append(
             f"No margin from {', '.join(left_out)}: the operating speed is unknown. Give "
             "SynchronousSpeed, or LineFrequency and Poles, or MinimumSpeed and MaximumSpeed."
         )
     if not case.excitations and case.ratings.line_frequency is None:
-        found.append("No margin from the line frequency: it is unknown. Give LineFrequency.")
-    return tuple(found)
+        warnings.append("No margin from the line frequency: it is unknown. Give LineFrequency.")
+    return tuple(warnings)
 
 
 class JudgedResponse(Protocol):
@@ -261,13 +261,13 @@ def forbidden_bands(case: CaseData, excitations: Sequence[Excitation]) -> tuple[
         In rising frequency. [Hz]
     """
     required, speeds = required_margin(case), operating_range(case)
-    found = []
+    bands = []
     for x in excitations:
         if x.frequency is None and speeds is None:
             continue
         low, high = (x.frequency_at(speed) for speed in speeds or (0.0, 0.0))
-        found.append(Band(x.name, low * (1.0 - required), high * (1.0 + required), low, high))
-    return tuple(sorted(found, key=lambda b: (b.from_, b.to, b.excitation)))
+        bands.append(Band(x.name, low * (1.0 - required), high * (1.0 + required), low, high))
+    return tuple(sorted(bands, key=lambda b: (b.from_, b.to, b.excitation)))
 
 
 def free_windows(bands: Sequence[Band]) -> tuple[Window, ...]:
@@ -283,12 +283,12 @@ def free_windows(bands: Sequence[Band]) -> tuple[Window, ...]:
     tuple of Window
         In rising frequency, the last one open above. [Hz]
     """
-    found, reached = [], 0.0
+    windows, reached = [], 0.0
     for band in sorted(bands, key=lambda b: b.from_):
         if band.from_ > reached:
-            found.append(Window(reached, band.from_))
+            windows.append(Window(reached, band.from_))
         reached = max(reached, band.to)
-    return (*found, Window(reached, None))
+    return (*windows, Window(reached, None))
 
 
 def rows_of_bands(

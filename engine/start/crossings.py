@@ -97,7 +97,7 @@ def start_crossings(
         if modes.frequency[r] <= highest and modes.twists[r]
     ]
     frequencies = [float(modes.frequency[r]) for r in below]
-    found = []
+    crossings = []
     for i, r in enumerate(below):
         f = frequencies[i]
         percent = percent_speed(f, line_frequency)
@@ -116,7 +116,7 @@ def start_crossings(
         reverses = None if lowest is None else lowest < -NOTABLE_REVERSAL * _largest(start)
         note = _note(crossing, float(damping.ratio[r]), line_frequency, reverses)
         passed = crossing.time is not None
-        found.append(
+        crossings.append(
             Crossing(
                 mode=r - modes.n_rigid + 1,
                 frequency=f,
@@ -134,7 +134,7 @@ def start_crossings(
                 note=note,
             )
         )
-    return tuple(found)
+    return tuple(crossings)
 
 
 @dataclass(frozen=True)
@@ -230,38 +230,38 @@ def _largest(start: Start) -> float:
 
 def _note(p: _Point, ratio: float, line_frequency: float, reverses: bool | None) -> str:
     """The paper's reasons in words."""
-    said = []
+    notes = []
     if p.frequency >= 2.0 * line_frequency * (1.0 - INITIAL_SHOCK_ZONE):
-        said.append(
+        notes.append(
             f"Within 10 % of 2 × line ({2 * line_frequency:.0f} Hz): the initial shock and the first "
             "revolutions excite this mode; move it."
         )
     if p.frequency > 2.0 * line_frequency:
-        return " ".join([*said, "The pulsation itself stays below it."])
+        return " ".join([*notes, "The pulsation itself stays below it."])
     if p.time is None:
-        return " ".join([*said, "Not reached: the start ends before this speed."])
+        return " ".join([*notes, "Not reached: the start ends before this speed."])
     steady = 1.0 / (2.0 * ratio) if ratio > 0.0 else math.inf
     swept = LEWIS_FACTOR * p.frequency / math.sqrt(p.sweep_rate) if p.sweep_rate > 0.0 else math.inf
     if swept < 0.8 * steady:
-        said.append(
+        notes.append(
             f"Sweep of {p.sweep_rate:.1f} Hz/s limits the build-up to about {swept:.0f} × static "
             f"(steady resonance {steady:.0f} ×): acceleration helps here."
         )
     elif math.isfinite(steady):
-        said.append(
+        notes.append(
             f"Sweep of {p.sweep_rate:.1f} Hz/s is slow (undamped limit {swept:.0f} ×): damping sets the "
             f"build-up, near {steady:.0f} × static."
         )
     else:
-        said.append("No damping and no sweep: the build-up is not limited.")
-    said.append(
+        notes.append("No damping and no sweep: the build-up is not limited.")
+    notes.append(
         f"Pulsating torque is {p.pulsating / p.average:.0%} of the average there."
         if p.average > 0.0
         else "The average torque is not positive there."
     )
     if reverses is not None:
-        said.append("Mesh torque reverses." if reverses else "Mesh torque stays positive.")
-    return " ".join(said)
+        notes.append("Mesh torque reverses." if reverses else "Mesh torque stays positive.")
+    return " ".join(notes)
 
 
 def crossings_of(case: CaseData, model: ModalTrain, start: Start) -> tuple[Crossing, ...]:

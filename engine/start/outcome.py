@@ -154,8 +154,8 @@ def run_length(runup: RigidRunup) -> float:
     i = int(np.flatnonzero(runup.speed <= 0.98 * runup.equilibrium)[-1])
     gap = runup.equilibrium - float(runup.speed[i])
     approach = runup.inertia * gap / float(runup.net[i])
-    left = max(math.log(gap / (0.002 * runup.equilibrium)), 0.0)
-    return 1.1 * (float(runup.time[i]) + approach * left) + 2.0
+    time_constants = max(math.log(gap / (0.002 * runup.equilibrium)), 0.0)
+    return 1.1 * (float(runup.time[i]) + approach * time_constants) + 2.0
 
 
 def start_settled(

@@ -65,13 +65,13 @@ def passages(time: Floats, load_angle: Floats) -> Floats:
         Rising times, between samples on straight lines. [s]
     """
     well = np.floor((load_angle + math.pi) / (2.0 * math.pi))
-    found: list[float] = []
+    times: list[float] = []
     for i in np.flatnonzero(well[1:] != well[:-1]):
         low, high = sorted((well[i], well[i + 1]))
         edges = (2.0 * np.arange(low + 1.0, high + 1.0) - 1.0) * math.pi
         share = (edges - load_angle[i]) / (load_angle[i + 1] - load_angle[i])
-        found += sorted(time[i] + share * (time[i + 1] - time[i]))
-    return np.array(found)
+        times += sorted(time[i] + share * (time[i + 1] - time[i]))
+    return np.array(times)
 
 
 def judge_pull_in(
@@ -128,18 +128,18 @@ def _from(
 
 def _swings(time: Floats, slip: Floats) -> Floats:
     """Zero crossings of slip while it swings visibly."""
-    found = _crossings(time, slip)
-    if len(found) < 2:
-        return found
-    between = np.searchsorted(time, found)
+    crossings = _crossings(time, slip)
+    if len(crossings) < 2:
+        return crossings
+    between = np.searchsorted(time, crossings)
     sizes = np.array([np.max(np.abs(part)) for part in np.split(slip, between)[1:] if len(part)])
-    if len(sizes) < len(found):  # two crossings between two samples: too fine to be a swing
-        return found[: len(sizes)]
+    if len(sizes) < len(crossings):  # two crossings between two samples: too fine to be a swing
+        return crossings[: len(sizes)]
     # a crossing counts if there was a visible swing before it or is one after it
     visible = sizes > VISIBLE_SWING * sizes.max()
     seen = visible.copy()
     seen[1:] |= visible[:-1]
-    return found[: int(np.flatnonzero(seen)[-1]) + 1]
+    return crossings[: int(np.flatnonzero(seen)[-1]) + 1]
 
 
 def _rests(time: Floats, angle: Floats, slip: Floats, field_slip: float) -> bool:

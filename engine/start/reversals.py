@@ -198,9 +198,9 @@ def _verdict(
 
 def _numbers(count: int, first: float, longest: float, slip: float | None) -> str:
     """Count, time and slip frequency in words."""
-    said = f"{count} reversal{'s' if count > 1 else ''} from {first:.3f} s on, "
-    said += f"the longest {1e3 * longest:.3g} ms"
-    return said if slip is None else f"{said}, deepest at 2 × slip {slip:.3g} Hz"
+    sentence = f"{count} reversal{'s' if count > 1 else ''} from {first:.3f} s on, "
+    sentence += f"the longest {1e3 * longest:.3g} ms"
+    return sentence if slip is None else f"{sentence}, deepest at 2 × slip {slip:.3g} Hz"
 
 
 def _practice(element: ElementRow) -> str:

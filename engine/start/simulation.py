@@ -66,15 +66,15 @@ def simulate(
     t, flag = 0.0, kernels.PENDING
     electrical = model.electrical if has_electrical(model.electrical) else None
     coefficients = exponential_step if method == Method.EXPONENTIAL else newmark_step
-    for left, h in _step_plan(model, step, maximum_time):
+    for remaining, h in _step_plan(model, step, maximum_time):
         free, forced = (
             np.ascontiguousarray(a.transpose(1, 2, 0))
             for a in coefficients(model.stiffness, model.rate, h)
         )
         reach = np.ascontiguousarray(model.reach.T)
         force, rate = _forces_at(model, t, t + 0.5 * h, q, v, phase)
-        while left > 0 and flag == kernels.PENDING:
-            count = min(CHUNK, left)
+        while remaining > 0 and flag == kernels.PENDING:
+            count = min(CHUNK, remaining)
             out = [
                 np.empty((count, n)),
                 np.empty((count, n)),
@@ -97,7 +97,7 @@ def simulate(
             recorder.add(times, out_v @ model.mean_speed, *torques, np.empty((0, done)))
             steps += done
             t += h * done
-            left -= done
+            remaining -= done
         if flag != kernels.PENDING:
             break
     return recorder.trajectory(flag == kernels.REACHED, steps)[0]

@@ -263,8 +263,8 @@ def _too_strong(
         if dampers.needed[i]:
             continue
         # the sum bounds the rate of all together; where it is not good enough, the exact norm
-        left = ~held & ~dampers.needed
-        if gains[left].sum() <= most or _joint_rate(reach[:, left], dampers.viscous[left]) <= most:
+        explicit = ~held & ~dampers.needed
+        if gains[explicit].sum() <= most or _joint_rate(reach[:, explicit], dampers.viscous[explicit]) <= most:
             break
         held[i] = True
     return held
@@ -553,11 +553,11 @@ def _with_breakaway(
 
 def _merged(windows: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
     """In falling frequency and rising time, without those that others cover."""
-    kept: list[tuple[float, float]] = []
+    merged: list[tuple[float, float]] = []
     for until, omega in sorted(windows, key=lambda w: -w[1]):
-        if not kept or until > kept[-1][0]:
-            kept.append((until, omega))
-    return tuple(kept)
+        if not merged or until > merged[-1][0]:
+            merged.append((until, omega))
+    return tuple(merged)
 
 
 def _curve_arrays(curves: list[TorqueCurve]) -> tuple[Any, ...]:

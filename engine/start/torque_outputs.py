@@ -94,9 +94,9 @@ def torque_outputs(
     own = train.element_rows
     element = [train.row_element[own]]
     sign = train.orientation[element[0]][:, None]
-    elastic, shown = train.stiffness[own, None] > 0.0, train.viscous_shown[own, None]
+    elastic, viscous_included = train.stiffness[own, None] > 0.0, train.viscous_shown[own, None]
     position = sign * np.where(elastic, modes.row_torque[own], 0.0)
-    velocity = sign * np.where(shown, train.viscous[own, None] * modes.row_twist[own], 0.0)
+    velocity = sign * np.where(viscous_included, train.viscous[own, None] * modes.row_twist[own], 0.0)
     rows_q, rows_v = [position], [velocity]
     rows_f = [np.zeros((len(own), reach.shape[1]))]
     for mesh in train.rigid_meshes:

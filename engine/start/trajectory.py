@@ -87,10 +87,10 @@ class Recorder:
             self._take_turning(block)
         self._last = block if self._last is None else _joined([self._last, block])
         self._last = tuple(a[..., -2:].copy() for a in self._last)
-        kept = tuple(a[..., self._offset :: self._stride] for a in block)
+        thinned = tuple(a[..., self._offset :: self._stride] for a in block)
         self._offset = (self._offset - len(time)) % self._stride
-        self._blocks.append(tuple(a.copy() for a in kept) if self._stride > 1 else kept)
-        self._samples += len(kept[0])
+        self._blocks.append(tuple(a.copy() for a in thinned) if self._stride > 1 else thinned)
+        self._samples += len(thinned[0])
         while self._samples > self._most:
             self._thin()
 
@@ -99,8 +99,8 @@ class Recorder:
         assert self._turning is not None
         before = [] if self._last is None else [tuple(a[..., -1:] for a in self._last)]
         time, _, torque, rate, _ = _joined([*before, block])
-        for found, y, slope in zip(self._turning, torque, rate, strict=True):
-            found.append(kernels.turning_points(time, y, slope))
+        for turning, y, slope in zip(self._turning, torque, rate, strict=True):
+            turning.append(kernels.turning_points(time, y, slope))
 
     def _thin(self) -> None:
         """Keep every second sample of those that are kept."""

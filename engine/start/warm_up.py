@@ -34,5 +34,5 @@ def load_routines() -> None:
         ),
         load_torque=(LoadTorqueRow("Load", 0.0, 1e2), LoadTorqueRow("Load", 1.0, 1e3)),
     )
-    found = natural_modes(case)
-    run_start(case, ModalTrain.of(case, found.train, found.modes))
+    subdivided = natural_modes(case)
+    run_start(case, ModalTrain.of(case, subdivided.train, subdivided.modes))

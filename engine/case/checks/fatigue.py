@@ -47,19 +47,19 @@ def check_materials(case: CaseData) -> Iterator[Problem]:
 def check_sn_points(case: CaseData) -> Iterator[Problem]:
     """S-N points: known materials, lines that fall, endurance at or below the lowest stress."""
     table = "SNPoints"
-    known = {m.material for m in case.materials if m.material}
+    materials = {m.material for m in case.materials if m.material}
     curves: dict[str, list[tuple[int, float, float]]] = {}
     for row, p in enumerate(case.sn_points, start=1):
         if p.material is None:
             yield blank_cell(table, row, "Material", "a material of table Materials", "Choose it.")
-        elif p.material not in known:
+        elif p.material not in materials:
             yield wrong_value(
                 table,
                 row,
                 "Material",
                 p.material,
                 "a material of table Materials",
-                suggestion(p.material, known),
+                suggestion(p.material, materials),
             )
         for column, value, unit in (("Cycles", p.cycles, ""), ("Stress", p.stress, "Pa")):
             if value is None:

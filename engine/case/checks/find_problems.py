@@ -54,15 +54,15 @@ def find_problems(
     tuple of Problem
         Empty if the case may be calculated; one problem a cell, the first found. [count]
     """
-    found: list[Problem] = []
-    told = set(bad_cells)
+    problems: list[Problem] = []
+    reported = set(bad_cells)
     for p in (p for check in CHECKS for p in check(case)):
         place = (p.table, p.row, p.column)
-        if place not in told:
-            found.append(p)
-            told.add(place)
-    spoilt = {"Stations", "Elements"} & ({p.table for p in found} | {b[0] for b in bad_cells})
-    if not spoilt:
-        found.extend(check_connected(case))
+        if place not in reported:
+            problems.append(p)
+            reported.add(place)
+    unusable = {"Stations", "Elements"} & ({p.table for p in problems} | {b[0] for b in bad_cells})
+    if not unusable:
+        problems.extend(check_connected(case))
     order = {name: i for i, name in enumerate(("Case", *TABLES))}
-    return tuple(sorted(found, key=lambda p: (order.get(p.table, 99), p.row or 0)))
+    return tuple(sorted(problems, key=lambda p: (order.get(p.table, 99), p.row or 0)))

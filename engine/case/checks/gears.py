@@ -254,21 +254,21 @@ def _angular_clearance(row: int, m: MeshRow, element_row: int, e: ElementRow) ->
                 unit,
             )
     if e.stiffness == 0 and m.angular_backlash:
-        found = (m.angular_backlash, "rad")
-        yield _clearance_without_stiffness((row, "Angular backlash"), found, element_row, e, "Ends")
+        clearance = (m.angular_backlash, "rad")
+        yield _clearance_without_stiffness((row, "Angular backlash"), clearance, element_row, e, "Ends")
 
 
 def _clearance_without_stiffness(
-    cell: tuple[int, str], found: tuple[float, str], element_row: int, e: ElementRow, what: str
+    cell: tuple[int, str], clearance: tuple[float, str], element_row: int, e: ElementRow, what: str
 ) -> Problem:
     """A clearance in an element that has nothing to meet again with."""
     return Problem(
         "Meshes",
         cell[0],
         cell[1],
-        found[0],
+        clearance[0],
         "used with a positive stiffness",
-        f"found {number_text(*found)}, but Stiffness of '{e.element}' (table Elements, row {element_row}) is 0. "
+        f"found {number_text(*clearance)}, but Stiffness of '{e.element}' (table Elements, row {element_row}) is 0. "
         f"{what} that part need a stiffness to meet again: type it, or clear the "
         f"{cell[1].lower()}.",
     )
@@ -369,10 +369,10 @@ def _whole_body(station: str, gear: dict[str, tuple[int, str, float]]) -> Iterat
 
 
 def _pushed_body(
-    element_row: int, e: ElementRow, found: tuple[int, MeshRow] | None, data: str
+    element_row: int, e: ElementRow, mesh: tuple[int, MeshRow] | None, data: str
 ) -> Iterator[Problem]:
     """The mesh of a gear on bearings: it needs a line of action and a finite stiffness."""
-    if found is None:
+    if mesh is None:
         yield Problem(
             "Meshes",
             None,
@@ -383,7 +383,7 @@ def _pushed_body(
             "its row with the Pitch radius drive and the Orientation, or clear the bearing data.",
         )
         return
-    row, m = found
+    row, m = mesh
     if m.pitch_radius_drive is None:
         yield Problem(
             "Meshes",

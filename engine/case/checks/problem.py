@@ -13,8 +13,8 @@ from engine.errors import Problem, Quoted
 
 def number_text(value: object, unit: str = "") -> str:
     """A value as it stands in a sentence."""
-    shown = f"{value:.6g}" if isinstance(value, (int, float)) else f"'{value}'"
-    return f"{shown} {unit}".rstrip()
+    text = f"{value:.6g}" if isinstance(value, (int, float)) else f"'{value}'"
+    return f"{text} {unit}".rstrip()
 
 
 def wrong_value(
@@ -155,13 +155,13 @@ def check_names(
             first[name] = row
 
 
-def suggestion(name: str, known: set[str]) -> str:
+def suggestion(name: str, names: set[str]) -> str:
     """The known name most like a mistyped one."""
     import difflib
 
-    if len(known) > 200:  # comparing each of thousands of wrong names with thousands would not end
+    if len(names) > 200:  # comparing each of thousands of wrong names with thousands would not end
         return "Correct the name, or add its row."
-    folded = {k.casefold(): k for k in sorted(known)}
+    folded = {k.casefold(): k for k in sorted(names)}
     close = difflib.get_close_matches(name.casefold(), list(folded), n=1)
     return f"Did you mean '{folded[close[0]]}'?" if close else "Correct the name, or add its row."
 
@@ -170,10 +170,10 @@ def check_station(
     case: CaseData, table: str, row: int, station: str | None, column: str = "Station"
 ) -> Iterator[Problem]:
     """A station that is named and known."""
-    known = {s.station for s in case.stations if s.station}
+    stations = {s.station for s in case.stations if s.station}
     if station is None:
         yield blank_cell(table, row, column, "a station of table Stations", "Choose it.")
-    elif station not in known:
+    elif station not in stations:
         yield wrong_value(
-            table, row, column, station, "a station of table Stations", suggestion(station, known)
+            table, row, column, station, "a station of table Stations", suggestion(station, stations)
         )

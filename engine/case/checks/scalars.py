@@ -278,14 +278,14 @@ def _speed_range(case: CaseData) -> Iterator[Problem]:
     low = low if low is not None else synchronous
     high = high if high is not None else synchronous
     if low and high and low > high * (1 + 1e-12):
-        name, found = ("MinimumSpeed", case.minimum_speed)
-        if found is None:
-            name, found = ("MaximumSpeed", case.maximum_speed)
+        name, speed = ("MinimumSpeed", case.minimum_speed)
+        if speed is None:
+            name, speed = ("MaximumSpeed", case.maximum_speed)
         yield wrong_value(
             "Case",
             None,
             name,
-            found,
+            speed,
             "at most MaximumSpeed" if name == "MinimumSpeed" else "at least MinimumSpeed",
             f"The range is {low:.6g} rad/s to {high:.6g} rad/s; where one of them is blank it is "
             "the synchronous speed.",

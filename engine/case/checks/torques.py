@@ -197,12 +197,12 @@ def check_excitations(case: CaseData) -> Iterator[Problem]:
     yield from check_names(table, "Name", [x.name for x in case.excitations], "an excitation")
     for row, x in enumerate(case.excitations, start=1):
         if (x.order is None) == (x.frequency is None):
-            found = "both" if x.order is not None else None
+            typed = "both" if x.order is not None else None
             yield Problem(
                 table,
                 row,
                 "Order",
-                found,
+                typed,
                 "either an Order or a Frequency",
                 "an excitation needs either an Order (multiple of a shaft speed) or a Frequency, "
                 "not both and not "

@@ -80,20 +80,20 @@ def check_stations(case: CaseData) -> Iterator[Problem]:
 
 def _ends(case: CaseData, row: int, e: ElementRow) -> Iterator[Problem]:
     """From and To: present, known, different, at most one of them ground."""
-    known = {s.station for s in case.stations if s.station}
+    stations = {s.station for s in case.stations if s.station}
     for column, name in (("From", e.from_), ("To", e.to)):
         if name is None:
             if column == "To" and e.kind == ElementKind.SPRING_TO_GROUND:
                 continue
             yield blank_cell("Elements", row, column, "a station of table Stations", "Choose it.")
-        elif name != GROUND and name not in known:
+        elif name != GROUND and name not in stations:
             yield wrong_value(
                 "Elements",
                 row,
                 column,
                 name,
                 "a station of table Stations or the word ground",
-                suggestion(name, known | {GROUND}),
+                suggestion(name, stations | {GROUND}),
             )
     if e.from_ is not None and e.from_ == e.to:
         yield wrong_value(
