@@ -18,7 +18,7 @@ from engine.model.train import Train
 from engine.start.settings import settings_of
 from engine.start.simulation import simulate
 from engine.start.start_model import StartModel, start_model
-from engine.start.time_response import TimeResponse, linear, of_time, time_response
+from engine.start.time_response import TimeResponse, linear, time_response, torque_from_function
 from engine.start.trajectory import Trajectory
 
 __all__ = ["PreparedStart", "build_and_solve", "prepare_start", "response", "run_steps"]
@@ -39,7 +39,7 @@ def response(train: Train, torque: Sweep, station: int, step: float, kind: str) 
     if kind == "linear":
         prescribed = linear(station, times, torque(times))
     else:
-        prescribed = of_time(station, torque)
+        prescribed = torque_from_function(station, torque)
     return time_response(train, modes_of(train), [prescribed], times)
 
 

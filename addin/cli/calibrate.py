@@ -23,7 +23,7 @@ from addin.reading.case_json import case_to_json
 from addin.studies.calibration import CALIBRATION
 from addin.studies.study import Found
 from addin.writing.recalculate import of_file, write_json
-from engine.case.study_inputs import MEASURED_FREQUENCY, MEASURED_TORQUE, WordUnit
+from engine.case.study_inputs import MEASURED_FREQUENCY, MEASURED_TORQUE, DisplayUnit
 
 #: The table on the terminal is at least so wide. [characters]
 _WIDTH = 110
@@ -86,9 +86,9 @@ def _write_case(path: Path, found: Found) -> None:
     typer.echo(f"written: {path}")
 
 
-def _in_unit(value: float | None, unit: WordUnit) -> str:
+def _in_unit(value: float | None, unit: DisplayUnit) -> str:
     """A measured or calculated number in the unit that was typed."""
-    return "–" if value is None else unit.told(value, 4)
+    return "–" if value is None else unit.format(value, 4)
 
 
 def _show(found: Found) -> None:
@@ -96,8 +96,8 @@ def _show(found: Found) -> None:
     from rich.table import Table
 
     units = {
-        "frequency": found.units.get(("", MEASURED_FREQUENCY), WordUnit("Hz", 1.0)),
-        "peak torque": found.units.get(("", MEASURED_TORQUE), WordUnit("N m", 1.0)),
+        "frequency": found.units.get(("", MEASURED_FREQUENCY), DisplayUnit("Hz", 1.0)),
+        "peak torque": found.units.get(("", MEASURED_TORQUE), DisplayUnit("N m", 1.0)),
     }
     table = Table(show_edge=False, pad_edge=False)
     for header in ("Measured", "Row"):

@@ -10,7 +10,7 @@ from addin.cli.terminal import list_problems
 from addin.contract.problems import printable
 from addin.studies.registry import of_studies
 from addin.writing.recalculate import Unreadable, read_checked
-from engine.case.missing_inputs import unanswered
+from engine.case.missing_inputs import missing_inputs
 from engine.case.plausibility import implausible
 
 
@@ -33,7 +33,7 @@ def check(files: Files) -> None:
             list_problems(file, problems)
         else:
             typer.echo(f"{file}: no errors.")
-            if open_answers := unanswered(read.case()):  # type: ignore[union-attr]
+            if open_answers := missing_inputs(read.case()):  # type: ignore[union-attr]
                 typer.echo(f"  Not answered yet. {' '.join(open_answers)}")
     if wrong:
         raise typer.Exit(WRONG_INPUT)

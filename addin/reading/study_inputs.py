@@ -33,9 +33,9 @@ from engine.case.study_inputs import (
     MEASURED_TORQUE,
     STIFFNESS,
     STUDY_TABLES,
+    DisplayUnit,
     StudyInputs,
     TuningRow,
-    WordUnit,
 )
 from engine.errors import Problem
 
@@ -183,7 +183,7 @@ _TYPED_IN = {
 }
 
 
-def units_for_words(typed: TypedCase, case: TypedCase) -> dict[tuple[str, str], WordUnit]:
+def units_for_words(typed: TypedCase, case: TypedCase) -> dict[tuple[str, str], DisplayUnit]:
     """The units that the engineer typed, for the words of a study.
 
     Parameters
@@ -195,10 +195,10 @@ def units_for_words(typed: TypedCase, case: TypedCase) -> dict[tuple[str, str], 
 
     Returns
     -------
-    dict of (str, str) to WordUnit
+    dict of (str, str) to DisplayUnit
         See `StudyInputs`: the unit of a row of `Tuning` first, then that of its cell in the case. [units]
     """
-    found: dict[tuple[str, str], WordUnit] = {}
+    found: dict[tuple[str, str], DisplayUnit] = {}
     for quantity, places in _TYPED_IN.items():
         for table, column, named in places:
             for row in (*case.tables.get(table, ()), *typed.tables.get(table, ())):
@@ -219,8 +219,8 @@ def units_for_words(typed: TypedCase, case: TypedCase) -> dict[tuple[str, str], 
     return found
 
 
-def _word_unit(name: str, scale: UnitScale) -> WordUnit:
-    return WordUnit(name.replace("*", " ").replace("^2", "²"), scale.factor)
+def _word_unit(name: str, scale: UnitScale) -> DisplayUnit:
+    return DisplayUnit(name.replace("*", " ").replace("^2", "²"), scale.factor)
 
 
 def _ratings(case: TypedCase) -> Any:

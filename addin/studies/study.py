@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from addin.reading.typed_case import CaseInput
     from addin.workers.parallel_map import Spread
     from engine.case.case import Case
-    from engine.case.study_inputs import StudyInputs, WordUnit
+    from engine.case.study_inputs import DisplayUnit, StudyInputs
     from engine.errors import Problem
 
 __all__ = ["CutShort", "Found", "Study", "Studied", "made_of", "study_one", "to_json"]
@@ -59,7 +59,7 @@ class Found:
     charts: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
     cut_short: CutShort | None = None  #: How far it came, if it did not come to its end.
     #: What the engineer typed in, for the terminal; see `StudyInputs`. [units]
-    units: Mapping[tuple[str, str], WordUnit] = field(default_factory=dict)
+    units: Mapping[tuple[str, str], DisplayUnit] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from addin.worksheet.functions import (
 )
 from addin.worksheet.models import MODELS, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
-from engine.case.study_inputs import DAMPING, DIAMETER, INERTIA, STIFFNESS, StudyInputs, WordUnit
+from engine.case.study_inputs import DAMPING, DIAMETER, INERTIA, STIFFNESS, DisplayUnit, StudyInputs
 from engine.errors import ModelError, Problem
 
 __all__ = ["MOST_COMBINATIONS", "MOST_SAMPLES", "TIME_LIMIT"]
@@ -112,7 +112,7 @@ def _read(model: Model, blocks: Mapping[str, Block | None]) -> StudyInputs:
     return inputs
 
 
-def _usual_units(system: str) -> dict[tuple[str, str], WordUnit]:
+def _usual_units(system: str) -> dict[tuple[str, str], DisplayUnit]:
     """The units of the template, for words; those that a row is typed in go before."""
     found = {}
     for quantity, dimension in (
@@ -120,7 +120,7 @@ def _usual_units(system: str) -> dict[tuple[str, str], WordUnit]:
         (DIAMETER, "length"), ("stress", "pressure"), ("torque", "torque"),
     ):  # fmt: skip
         unit, size = _si(dimension, system)
-        found["", quantity] = WordUnit(unit.replace("*", " ").replace("^2", "²"), size)
+        found["", quantity] = DisplayUnit(unit.replace("*", " ").replace("^2", "²"), size)
     return found
 
 

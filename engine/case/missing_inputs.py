@@ -13,7 +13,7 @@ from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 
 
-def unanswered(case: CaseData) -> tuple[str, ...]:
+def missing_inputs(case: CaseData) -> tuple[str, ...]:
     """Answers that cannot be given, in the order in which they are asked.
 
     Parameters

@@ -119,13 +119,13 @@ class MeasuredPeakRow:
 
 
 @dataclass(frozen=True)
-class WordUnit:
+class DisplayUnit:
     """A unit in which a sentence names a quantity."""
 
     name: str  #: As it stands in the sentence. [unit]
     size: float  #: What one of it is worth. [SI]
 
-    def told(self, value: float, digits: int = 6) -> str:
+    def format(self, value: float, digits: int = 6) -> str:
         """A number with the unit.
 
         Parameters
@@ -158,7 +158,7 @@ class StudyInputs:
     #: What the engineer typed in: element and quantity, or an empty name and the quantity,
     #: ``stress``, ``torque``, ``measured frequency`` or ``measured torque``, → its unit. For words
     #: alone: no number and no digest depends on it. [units]
-    units: Mapping[tuple[str, str], WordUnit] = field(default_factory=dict, compare=False)
+    units: Mapping[tuple[str, str], DisplayUnit] = field(default_factory=dict, compare=False)
 
     def rows(self, table: str) -> tuple[Any, ...]:
         """The rows of an input table. [SI]"""

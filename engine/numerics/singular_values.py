@@ -141,7 +141,9 @@ def _contradictions(tree: list[_Hanging], sigma: Floats) -> NDArray[np.int64]:
 def _corrected(D: Floats, sigma: Floats) -> Floats:
     """Singular values (rising) that the counts contradict are bisected; the others stay."""
     tree = _leaves_first(D)
-    contradicting = _contradictions(tree, sigma) if tree is not None else np.zeros(0, dtype=np.int64)
+    contradicting = (
+        _contradictions(tree, sigma) if tree is not None else np.zeros(0, dtype=np.int64)
+    )
     if tree is None or not len(contradicting):
         return sigma
     low, high = sigma[contradicting], sigma[contradicting]

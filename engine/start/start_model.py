@@ -264,7 +264,10 @@ def _too_strong(
             continue
         # the sum bounds the rate of all together; where it is not good enough, the exact norm
         explicit = ~held & ~dampers.needed
-        if gains[explicit].sum() <= most or _joint_rate(reach[:, explicit], dampers.viscous[explicit]) <= most:
+        if (
+            gains[explicit].sum() <= most
+            or _joint_rate(reach[:, explicit], dampers.viscous[explicit]) <= most
+        ):
             break
         held[i] = True
     return held

@@ -36,7 +36,7 @@ _SPACING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class PrescribedTorque:
-    """Torque at one station as a function of time; make it by `held`, `linear` or `of_time`."""
+    """Torque at one station as a function of time; make it by `held`, `linear` or `torque_from_function`."""
 
     station: int  #: Station.
     #: Times between which the torque is one polynomial; empty for a callable. [s] Shape (n,).
@@ -97,7 +97,7 @@ def linear(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
     return PrescribedTorque(station, t, value)
 
 
-def of_time(station: int, function: Callable[[Floats], Floats]) -> PrescribedTorque:
+def torque_from_function(station: int, function: Callable[[Floats], Floats]) -> PrescribedTorque:
     """Torque given by a smooth function of time.
 
     Parameters

@@ -96,7 +96,9 @@ def torque_outputs(
     sign = train.orientation[element[0]][:, None]
     elastic, viscous_included = train.stiffness[own, None] > 0.0, train.viscous_shown[own, None]
     position = sign * np.where(elastic, modes.row_torque[own], 0.0)
-    velocity = sign * np.where(viscous_included, train.viscous[own, None] * modes.row_twist[own], 0.0)
+    velocity = sign * np.where(
+        viscous_included, train.viscous[own, None] * modes.row_twist[own], 0.0
+    )
     rows_q, rows_v = [position], [velocity]
     rows_f = [np.zeros((len(own), reach.shape[1]))]
     for mesh in train.rigid_meshes:

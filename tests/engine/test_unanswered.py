@@ -9,7 +9,7 @@ from sample_case import sample_case
 
 from engine.case.case import Case
 from engine.case.data import ElementRow, ExcitationRow, LoadTorqueRow, StationRow
-from engine.case.missing_inputs import unanswered
+from engine.case.missing_inputs import missing_inputs
 from engine.results.tables import result_tables
 from engine.run import run
 
@@ -45,7 +45,7 @@ LOAD = (LoadTorqueRow("Fan", 0.0, 5.0), LoadTorqueRow("Fan", 1.0, 50.0))
 def test_margins_and_forced_response_are_missing_where_it_is_said(given):
     case = Case(**{"stations": STATIONS, "elements": SHAFT, "damping_ratio": 0.02} | given)
     tables = result_tables(run(case))
-    said = " ".join(unanswered(case))
+    said = " ".join(missing_inputs(case))
     assert ("No natural frequencies" in said) == (not case.elements)
     assert ("o separation margins" in said) == (not tables["SeparationMargins"])
     assert ("o forced response" in said) == (not tables["SteadyState"])
@@ -55,7 +55,7 @@ def test_margins_and_forced_response_are_missing_where_it_is_said(given):
 def test_a_complete_case_answers_everything():
     case = sample_case("modified", starts_required=100)
     said = ("No verdict on torque reversals: no element has a Reversal limit.",)
-    assert unanswered(case) == said
+    assert missing_inputs(case) == said
 
 
 def judged(case: Case) -> dict[str, str]:
@@ -77,7 +77,7 @@ def test_what_a_start_needs_besides_the_motor():
         ({"motor_torque": ()}, ("No start: table MotorTorque is empty",)),
     ):
         case = replace(whole, **({"elements": limited} | change))
-        found = unanswered(case)
+        found = missing_inputs(case)
         assert len(found) == len(said), found
         assert all(words in one for words, one in zip(said, found, strict=True))
         verdicts = judged(case)

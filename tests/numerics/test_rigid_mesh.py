@@ -14,7 +14,7 @@ from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.start.simulation import simulate
 from engine.start.start_model import start_model
-from engine.start.time_response import TimeResponse, held, of_time, time_response
+from engine.start.time_response import TimeResponse, held, time_response, torque_from_function
 from engine.start.trajectory import Trajectory
 from tests.trains import RATED, geared, load, prepared
 
@@ -130,7 +130,7 @@ def test_under_a_smooth_prescribed_torque(make, with_dampers: bool) -> None:
 
     def response(c: Case) -> np.ndarray:
         train, modes, _ = prepared(c)
-        gentle = of_time(0, lambda x: 500.0 * (1.0 - np.cos(2.0 * np.pi * 20.0 * x)))
+        gentle = torque_from_function(0, lambda x: 500.0 * (1.0 - np.cos(2.0 * np.pi * 20.0 * x)))
         r = time_response(train, modes, [gentle], t)
         assert r.coupled is with_dampers
         return by_element(c, r)
@@ -166,7 +166,7 @@ def test_rate_of_the_recovered_torque() -> None:
     )
     train, modes, _ = prepared(case)
     t = np.linspace(0.0, 0.1, 2001)
-    wave = of_time(1, lambda x: 300.0 * np.sin(150.0 * x))
+    wave = torque_from_function(1, lambda x: 300.0 * np.sin(150.0 * x))
     r = time_response(train, modes, [wave], t)
     slope = np.gradient(r.torque, t, axis=1, edge_order=2)
     np.testing.assert_allclose(

@@ -11,7 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from engine.case.case import Case
-from engine.start.time_response import TimeResponse, held, linear, of_time, time_response
+from engine.start.time_response import (
+    TimeResponse,
+    held,
+    linear,
+    time_response,
+    torque_from_function,
+)
 from tests.strategies import cases
 from tests.trains import prepared
 
@@ -171,7 +177,9 @@ def test_callables_converge_with_the_fourth_power(case: Case, seed: int, ratio: 
     )
     train, modes, _ = prepared(case)
     omega, phase = rng.uniform(50.0, 500.0), rng.uniform(0.0, 6.0)
-    push = of_time(int(rng.integers(len(case.stations))), lambda t: np.sin(omega * t + phase))
+    push = torque_from_function(
+        int(rng.integers(len(case.stations))), lambda t: np.sin(omega * t + phase)
+    )
     damping = np.where(modes.omega > 0.0, ratio, 0.0)
 
     def at(n: int) -> np.ndarray:

@@ -21,7 +21,7 @@ from engine.case.data import GROUND, ElementRow, StationRow, TorqueTimeRow
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import modal_damping
 from engine.start.prescribed import run_prescribed
-from engine.start.time_response import held, linear, of_time, time_response
+from engine.start.time_response import held, linear, time_response, torque_from_function
 from engine.stepping.linear_loop import turning_points
 from tests.trains import prepared
 from tests.validation.cases import case_path, load_case
@@ -92,7 +92,7 @@ def test_t03_modelica_first_every_row() -> None:
     keep = np.concatenate([[True], np.diff(table[:, 0]) > 0.0])  # event instants come twice
     table = table[keep]
     train, modes, _ = prepared(train_of(data["model"]))
-    torque = of_time(0, lambda t: 10.0 * np.sin(2.0 * np.pi * 5.0 * t))
+    torque = torque_from_function(0, lambda t: 10.0 * np.sin(2.0 * np.pi * 5.0 * t))
     r = time_response(train, modes, [torque], table[:, 0])
     assert r.coupled  # one damper to ground is not proportional
     allowed = data["tolerance"]["abs"]
@@ -113,7 +113,9 @@ def test_t03_torque_in_the_ideal_gear_is_in_equilibrium() -> None:
     train, modes, _ = prepared(train_of(data["model"]))
     t = np.linspace(0.0, 1.0, 20_001)
     sine = 10.0 * np.sin(2.0 * np.pi * 5.0 * t)
-    r = time_response(train, modes, [of_time(0, lambda x: 10.0 * np.sin(2 * np.pi * 5 * x))], t)
+    r = time_response(
+        train, modes, [torque_from_function(0, lambda x: 10.0 * np.sin(2 * np.pi * 5 * x))], t
+    )
     mesh = next(i for i, e in enumerate(r.output_element) if train.elements[e].startswith("Mesh"))
     acceleration = np.gradient(r.station_speed[0], t, edge_order=2)
     at_motor = sine - 0.1 * acceleration
@@ -180,7 +182,7 @@ def test_a06_sweep_through_resonance(row: dict[str, float]) -> None:
         return time_response(
             train,
             modes,
-            [of_time(0, lambda x: w0 * w0 * drive(0.5 * rate * x * x))],
+            [torque_from_function(0, lambda x: w0 * w0 * drive(0.5 * rate * x * x))],
             t,
             damping_ratio=damping.structural,
         )

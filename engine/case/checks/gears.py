@@ -255,7 +255,9 @@ def _angular_clearance(row: int, m: MeshRow, element_row: int, e: ElementRow) ->
             )
     if e.stiffness == 0 and m.angular_backlash:
         clearance = (m.angular_backlash, "rad")
-        yield _clearance_without_stiffness((row, "Angular backlash"), clearance, element_row, e, "Ends")
+        yield _clearance_without_stiffness(
+            (row, "Angular backlash"), clearance, element_row, e, "Ends"
+        )
 
 
 def _clearance_without_stiffness(

@@ -175,5 +175,10 @@ def check_station(
         yield blank_cell(table, row, column, "a station of table Stations", "Choose it.")
     elif station not in stations:
         yield wrong_value(
-            table, row, column, station, "a station of table Stations", suggestion(station, stations)
+            table,
+            row,
+            column,
+            station,
+            "a station of table Stations",
+            suggestion(station, stations),
         )

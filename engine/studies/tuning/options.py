@@ -21,9 +21,9 @@ from engine.case.study_inputs import (
     INERTIA,
     STIFFNESS,
     CatalogueRow,
+    DisplayUnit,
     StudyInputs,
     TuningRow,
-    WordUnit,
 )
 from engine.studies.variation import Change, nominal_value, varied_case
 
@@ -200,23 +200,25 @@ def _tuned(case: CaseData, row: TuningRow) -> Variable:
     for number in dict.fromkeys(_numbers(row)):
         value = number * (stands or 0.0) if row.relative else number
         change = Change(quantity, name, number, row.relative)
-        options.append(Option(_label(change, value, WordUnit(UNITS[quantity], 1.0)), value, change))
+        options.append(
+            Option(_label(change, value, DisplayUnit(UNITS[quantity], 1.0)), value, change)
+        )
     return Variable(name, quantity, stands, _sorted(options))
 
 
-def _label(change: Change, value: float, unit: WordUnit) -> str:
-    told = unit.told(value)
+def _label(change: Change, value: float, unit: DisplayUnit) -> str:
+    told = unit.format(value)
     return f"{change.value:.6g} × ({told})" if change.relative else told
 
 
-def in_units(variable: Variable, units: Mapping[tuple[str, str], WordUnit]) -> Variable:
+def in_units(variable: Variable, units: Mapping[tuple[str, str], DisplayUnit]) -> Variable:
     """A variable whose options are named in the units that the engineer typed.
 
     Parameters
     ----------
     variable : Variable
         Named in SI. [SI]
-    units : mapping of (str, str) to WordUnit
+    units : mapping of (str, str) to DisplayUnit
         As in `StudyInputs`. [units]
 
     Returns
@@ -235,20 +237,20 @@ def in_units(variable: Variable, units: Mapping[tuple[str, str], WordUnit]) -> V
 
 
 def unit_for(
-    units: Mapping[tuple[str, str], WordUnit], name: str, quantity: str
-) -> WordUnit | None:
+    units: Mapping[tuple[str, str], DisplayUnit], name: str, quantity: str
+) -> DisplayUnit | None:
     """The unit of a quantity: that of its row, else the usual one of the workbook.
 
     Parameters
     ----------
-    units : mapping of (str, str) to WordUnit
+    units : mapping of (str, str) to DisplayUnit
         As in `StudyInputs`. [units]
     name, quantity : str
         Element or station, and what of it. [names]
 
     Returns
     -------
-    WordUnit or None
+    DisplayUnit or None
         None where nothing was typed. [unit]
     """
     return units.get((name, quantity)) or units.get(("", quantity))

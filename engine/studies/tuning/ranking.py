@@ -22,14 +22,14 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
 from engine.case.result_words import Judgement
-from engine.case.study_inputs import WordUnit
+from engine.case.study_inputs import DisplayUnit
 from engine.start.crossings import Crossing
 from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers
 from engine.studies.tuning.options import Variable
 
 #: The check of separation margins, as `engine.results.verdicts` names it.
 MARGIN_CHECK = "Separation margin"
-_MEGAPASCAL, _NEWTON_METRE = WordUnit("MPa", 1e6), WordUnit("N m", 1.0)
+_MEGAPASCAL, _NEWTON_METRE = DisplayUnit("MPa", 1e6), DisplayUnit("N m", 1.0)
 #: Changes smaller than this share are told as "as is". [1]
 SAME = 0.005
 #: Margins kept by themselves, accepted, not kept; a case without excitations keeps them.
@@ -149,7 +149,7 @@ def reason(
     tried: EvaluatedCombination,
     as_is: EvaluatedCombination | None,
     rated_torque: float | None,
-    units: Mapping[tuple[str, str], WordUnit] = MappingProxyType({}),
+    units: Mapping[tuple[str, str], DisplayUnit] = MappingProxyType({}),
 ) -> str:
     """Why a combination stands where it stands, against the case as it is.
 
@@ -161,7 +161,7 @@ def reason(
         The case as it stands; None = nothing to compare with. [SI]
     rated_torque : float or None
         RatedTorque. [N m]
-    units : mapping of (str, str) to WordUnit, optional
+    units : mapping of (str, str) to DisplayUnit, optional
         Of stress and torque, as in `StudyInputs`; default MPa and N m. [units]
 
     Returns
@@ -210,10 +210,12 @@ def _percent(share: float) -> str:
     return f"{round(100.0 * share, 1):g} %"
 
 
-def _crossing(c: Crossing, before: Crossing | None, rated: float | None, torque: WordUnit) -> str:
+def _crossing(
+    c: Crossing, before: Crossing | None, rated: float | None, torque: DisplayUnit
+) -> str:
     """Where the worst mode is crossed, and what it meets there."""
     pulsating = c.pulsating_torque or 0.0
-    size = f"{_percent(pulsating / rated)} of rated" if rated else torque.told(pulsating, 4)
+    size = f"{_percent(pulsating / rated)} of rated" if rated else torque.format(pulsating, 4)
     text = f"Mode {c.mode} at {c.frequency:.4g} Hz governs the start: crossed"
     if c.percent_speed is not None:
         text += f" at {_percent(0.01 * c.percent_speed)} speed"
@@ -237,7 +239,7 @@ def _against(now: float, before: float | None, less: str = "less", more: str = "
     return f" ({100.0 * abs(change):.2g} % {less if change < 0.0 else more} than as is)"
 
 
-def _severity(a: KeyAnswers, b: KeyAnswers | None, stress: WordUnit) -> str:
+def _severity(a: KeyAnswers, b: KeyAnswers | None, stress: DisplayUnit) -> str:
     """Starts, or without them the peak torque; stress."""
     parts = []
     if a.unlimited:
@@ -248,7 +250,7 @@ def _severity(a: KeyAnswers, b: KeyAnswers | None, stress: WordUnit) -> str:
             text += _times(a.starts / b.starts)
         parts.append(text)
     if a.peak_stress is not None:
-        text = f"largest stress {stress.told(a.peak_stress, 3)} peak-to-peak"
+        text = f"largest stress {stress.format(a.peak_stress, 3)} peak-to-peak"
         parts.append(text + ("" if b is None else _against(a.peak_stress, b.peak_stress)))
     elif a.peak_over_rated is not None:
         text = f"largest torque {a.peak_over_rated:.3g} × rated"

@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from engine.case.data import CaseData, case_digest
-from engine.case.study_inputs import StudyInputs, WordUnit
+from engine.case.study_inputs import DisplayUnit, StudyInputs
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of
 from engine.operation.margins import (
@@ -162,7 +162,7 @@ def rank_combinations(
 
 
 def in_typed_units(
-    case: CaseData, result: TuningResult, units: Mapping[tuple[str, str], WordUnit]
+    case: CaseData, result: TuningResult, units: Mapping[tuple[str, str], DisplayUnit]
 ) -> TuningResult:
     """The same result, its words in the units that the engineer typed.
 
@@ -172,7 +172,7 @@ def in_typed_units(
         The case as it stands. [SI]
     result : TuningResult
         The study. [SI]
-    units : mapping of (str, str) to WordUnit
+    units : mapping of (str, str) to DisplayUnit
         As in `StudyInputs`. [units]
 
     Returns
