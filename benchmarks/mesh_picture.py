@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from addin.contract.shipped import template_path
-from addin.writing.recalculate import read_checked
+from addin.reading.one_file import read_checked
 from benchmarks.plots import INK, plt
 from engine.model.modal_analysis import analyse
 from engine.run import planned_start

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from addin.contract.shipped import template_path
-from addin.writing.recalculate import read_checked
+from addin.reading.one_file import read_checked
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, StationRow
 

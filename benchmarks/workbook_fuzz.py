@@ -686,7 +686,8 @@ def sentence_fault(text: str) -> str:
 
 def verdict_on(data: bytes, suffix: str, folder: Path, patience: float = PATIENCE) -> Outcome:
     """Take one file through the whole path of a recalculation and see that nothing is amiss."""
-    from addin.writing.recalculate import Unreadable, read_checked, recalculate
+    from addin.reading.one_file import Unreadable, read_checked
+    from addin.writing.recalculate import recalculate
 
     source, target = folder / f"train{suffix}", folder / f"train.out{suffix}"
     target_json = folder / "train.results.json"

@@ -88,7 +88,7 @@ class Record:
     stamp: Stamp = Stamp(0, 0, "")  #: The state that was calculated.
     case_sha256: str = ""  #: Digest of the case; empty if it could not be read. [hexadecimal]
     same_as: str = ""  #: File whose calculation these results are; empty for its own.
-    #: Fields of `addin.calculation.key_figures.Headline`; empty unless done. [SI]
+    #: Fields of `addin.calculation.key_figures.KeyFigures`; empty unless done. [SI]
     results: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()  #: What the engineer should know.
     #: Problems in the form of the contract, and ``cell``.
@@ -107,12 +107,12 @@ class Record:
     @property
     def verdict(self) -> str:
         """The overall verdict, and how many checks have none; empty unless done. [words]"""
-        from addin.calculation.key_figures import told_verdict
+        from addin.calculation.key_figures import verdict_text
 
         results = self.results
         if not results:
             return ""
-        return told_verdict(str(results.get("verdict")), int(results.get("not_judged", 0)))
+        return verdict_text(str(results.get("verdict")), int(results.get("not_judged", 0)))
 
     @property
     def settled(self) -> bool:

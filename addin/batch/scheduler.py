@@ -353,8 +353,8 @@ class Batch:
 
     def _with_errors(self, record: Record) -> Record:
         """A file without results: its errors as JSON, staged, so that no earlier results stay there."""
-        from addin.writing.recalculate import write_json
         from addin.writing.results_json import errors_to_json
+        from addin.xlsx.whole_files import write_json
 
         self._numbers += 1
         staged = self.folder.staging / f"{self._numbers}-errors.json"
@@ -431,13 +431,13 @@ class Batch:
             raise Stopped(_no_journal(wrong)) from wrong
 
     def _not_written(self, record: Record, wrong: OSError) -> Record:
-        from addin.writing.recalculate import of_file
+        from addin.reading.one_file import file_problem
 
         place = self.folder.place(result_name(record.name))
         if isinstance(wrong, PermissionError):
             sentence = f"{place} could not be replaced; it is probably open in Excel. Close it there and run again with --resume."
         else:
-            sentence = of_file(place, wrong).message
+            sentence = file_problem(place, wrong).message
         return failed(record.name, record.source, outcome_of(wrong), sentence, stamp=record.stamp)
 
     def _crashed(self, one: Input, answer: Crashed) -> Record:

@@ -527,9 +527,9 @@ def _shown(column: Varied, entry: Typed | str | None) -> Any:
 
 def _reason(problem: Problem, columns: Sequence[Varied], typed: TypedCase) -> str:
     """What is wrong in a row, by its column where it is one of the table's."""
-    from addin.reading.typed_case import told_as_typed
+    from addin.reading.typed_case import in_typed_units
 
-    told = told_as_typed(problem, typed)
+    told = in_typed_units(problem, typed)
     place = (problem.table, problem.row, problem.column)
     for column in columns:
         if column.place == place:
@@ -541,12 +541,12 @@ def _reason(problem: Problem, columns: Sequence[Varied], typed: TypedCase) -> st
 
 def _answers(case: Any) -> dict[str, Any]:
     """The numbers of one case."""
-    from addin.calculation.key_figures import headline
+    from addin.calculation.key_figures import key_figures
     from engine.results.tables import result_tables
     from engine.run import run
 
     results = run(case)
-    found = headline(results, result_tables(results)["StartupPeaks"])
+    found = key_figures(results, result_tables(results)["StartupPeaks"])
     modes = {f"mode_{n}_Hz": f for n, f in enumerate(found.frequencies, start=1)}
     return {
         "outcome": DONE,
@@ -659,7 +659,7 @@ def run_programme(
 
 
 def _base(path: Path, folder: OutFolder) -> TypedCase:
-    from addin.writing.recalculate import Unreadable, read_checked
+    from addin.reading.one_file import Unreadable, read_checked
 
     read = read_checked(path)
     if isinstance(read, Unreadable) or read.problems:

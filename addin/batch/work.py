@@ -29,8 +29,9 @@ from addin.batch.records import (
 from addin.contract.problems import printable
 
 if TYPE_CHECKING:
+    from addin.reading.one_file import Unreadable
     from addin.reading.typed_case import CaseInput
-    from addin.writing.recalculate import Recalculated, Unreadable
+    from addin.writing.recalculate import RecalculationOutcome
     from engine.case.data import CaseData
     from engine.results.results import Results
 
@@ -107,7 +108,7 @@ class Calculated:
 
 def examine(task: Examine) -> Examined:
     """Read a file and find what it holds."""
-    from addin.writing.recalculate import read_checked
+    from addin.reading.one_file import read_checked
     from engine.case.data import case_digest
 
     began = time.perf_counter()
@@ -186,7 +187,8 @@ def _calculated_from_bytes(task: Work) -> Calculated:
 
 def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
     from addin.batch.inputs import result_name
-    from addin.writing.recalculate import read_checked, recalculate
+    from addin.reading.one_file import read_checked
+    from addin.writing.recalculate import PreparedInput, recalculate
     from engine.case.data import case_digest
 
     began = time.perf_counter()
@@ -205,9 +207,7 @@ def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
         json_file=staging / Path(task.json).name if task.json else None,
         overrides=task.overrides,
         ignore_lock=task.ignore_lock or task.may_be_open,
-        read=read,
-        known=known,
-        history=task.history,
+        prepared=PreparedInput(read, known, task.history),
     )
     seconds = time.perf_counter() - began
     if done.calculation is None or done.problems:
@@ -253,8 +253,10 @@ def _known(task: Work) -> Results | None:
     return None if content is None else pickle.loads(content)
 
 
-def _done(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: float) -> Record:
-    from addin.calculation.key_figures import headline
+def _done(
+    task: Work, done: RecalculationOutcome, stamp: Stamp, digest: str, seconds: float
+) -> Record:
+    from addin.calculation.key_figures import key_figures
     from addin.contract.version import product_version
 
     assert done.calculation is not None
@@ -266,7 +268,7 @@ def _done(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: fl
         stamp=stamp,
         case_sha256=digest,
         same_as=task.same_as,
-        results=asdict(headline(done.calculation.results, peaks)),
+        results=asdict(key_figures(done.calculation.results, peaks)),
         warnings=done.warnings,
         seconds=seconds,
         version=product_version(),
@@ -313,7 +315,9 @@ def _wrong(
     )
 
 
-def _failed(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: float) -> Record:
+def _failed(
+    task: Work, done: RecalculationOutcome, stamp: Stamp, digest: str, seconds: float
+) -> Record:
     """The record of a file that was read but not calculated or written."""
     return Record(
         task.name,
@@ -330,9 +334,9 @@ def _failed(task: Work, done: Recalculated, stamp: Stamp, digest: str, seconds: 
 
 def refused(task: Work | Examine, wrong: Exception) -> Record:
     """The record of a file that cannot be used at all."""
-    from addin.writing.recalculate import of_file
+    from addin.reading.one_file import file_problem
 
-    sentence = of_file(Path(task.source), wrong).message
+    sentence = file_problem(Path(task.source), wrong).message
     return failed(task.name, task.source, outcome_of(wrong), sentence)
 
 

@@ -16,8 +16,6 @@ from addin.contract.version import product_version
 from engine.plan.decision import EffectDecision
 from engine.results.results import Results
 
-__all__ = ["EQUATIONS", "Stamp", "audit_rows"]
-
 #: Libraries whose numbers or files enter the result.
 LIBRARIES = ("numpy", "scipy", "numba", "rainflow", "pint", "lxml", "formualizer")
 

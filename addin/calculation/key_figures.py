@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from typing import Any
-
-    from engine.results.results import Results
-
-__all__ = ["MODES", "NOT_JUDGED", "Headline", "headline", "told_verdict"]
+from engine.results.results import Results
+from engine.start.start_fatigue import is_counted
 
 #: The verdict of a check that could not be made.
 NOT_JUDGED = "not judged"
@@ -21,7 +17,7 @@ MODES = 3
 
 
 @dataclass(frozen=True)
-class Headline:
+class KeyFigures:
     """What one looks at first; None where the case does not call for it."""
 
     tag: str | None  #: Of the title block.
@@ -48,14 +44,14 @@ class Headline:
     not_judged: int  #: Checks without a verdict.
 
 
-def told_verdict(verdict: str, not_judged: int) -> str:
+def verdict_text(verdict: str, not_judged: int) -> str:
     """An overall verdict in words, as sheet Summary says it."""
     if not not_judged or verdict == NOT_JUDGED:
         return verdict
     return f"{verdict}, {not_judged} {NOT_JUDGED}"
 
 
-def headline(results: Results, peaks: Iterable[Mapping[str, Any]]) -> Headline:
+def key_figures(results: Results, peaks: Iterable[Mapping[str, Any]]) -> KeyFigures:
     """The few numbers of a calculation.
 
     Parameters
@@ -67,11 +63,9 @@ def headline(results: Results, peaks: Iterable[Mapping[str, Any]]) -> Headline:
 
     Returns
     -------
-    Headline
+    KeyFigures
         What a summary shows. [SI]
     """
-    from engine.start.start_fatigue import is_counted
-
     worst = results.margins.worst
     torque, over_rated, at = _peak(results)
     stress, stressed = _stress(peaks)
@@ -80,7 +74,7 @@ def headline(results: Results, peaks: Iterable[Mapping[str, Any]]) -> Headline:
     not_judged = starts is not None and not is_counted(results.start)
     if not_judged:
         starts = None
-    return Headline(
+    return KeyFigures(
         tag=results.case.tag,
         title=results.case.title,
         frequencies=tuple(float(f) for f in results.modes.elastic_frequency[:MODES]),

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from addin.calculation.run_view import RunView
+from addin.calculation.calculation import RunView
 from addin.charts.effects import (
     event_rows,
     pull_in_rows,

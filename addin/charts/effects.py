@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from addin.calculation.run_view import RunView
+from addin.calculation.calculation import RunView
 from addin.charts.rows import Cell, Floats, Rows, decimate, plain, side_by_side
 from addin.contract.chart_tables import EVENTS, FORCES
 from addin.contract.shown_units import ShownUnits

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from addin.calculation.run_view import RunView
+from addin.calculation.calculation import RunView
 from addin.charts.data import governing_shaft
 from engine.errors import TorsionError
 from engine.fatigue.sn_curve import sn_curve_for

@@ -26,9 +26,9 @@ from addin.cli import status
 from addin.cli.overrides import case_overrides
 from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed
 from addin.contract.version import product_version
+from addin.reading.one_file import file_problem
 from addin.workers.cluster import Cluster, ClusterRefused
 from addin.workers.pool import Pool, Workers
-from addin.writing.recalculate import of_file
 
 _AGAIN = "Run again with --resume to go on."
 _SEND = ("auto", "files", "bytes")
@@ -416,7 +416,7 @@ def _summarised(
     try:
         return write_summary(book, records, heading)
     except OSError as wrong:
-        sentence = of_file(book, wrong).message
+        sentence = file_problem(book, wrong).message
         typer.echo(f"The summary was not written: {sentence} Run again with --resume.", err=True)
         return ()
 

@@ -20,9 +20,10 @@ from addin.cli.status import Refused
 from addin.cli.study import run_study
 from addin.cli.terminal import refuse_no_place
 from addin.reading.case_json import case_to_json
+from addin.reading.one_file import file_problem
 from addin.studies.calibration import CALIBRATION
 from addin.studies.study import Found
-from addin.writing.recalculate import of_file, write_json
+from addin.xlsx.whole_files import write_json
 from engine.case.study_inputs import MEASURED_FREQUENCY, MEASURED_TORQUE, DisplayUnit
 
 #: The table on the terminal is at least so wide. [characters]
@@ -82,7 +83,7 @@ def _write_case(path: Path, found: Found) -> None:
     try:
         write_json(path, case_to_json(found.result.calibrated))
     except OSError as wrong:
-        raise Refused(of_file(path, wrong).message) from wrong
+        raise Refused(file_problem(path, wrong).message) from wrong
     typer.echo(f"written: {path}")
 
 

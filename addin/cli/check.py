@@ -8,8 +8,8 @@ from addin.cli.options import Files
 from addin.cli.status import WRONG_INPUT
 from addin.cli.terminal import list_problems
 from addin.contract.problems import printable
+from addin.reading.one_file import Unreadable, read_checked
 from addin.studies.registry import of_studies
-from addin.writing.recalculate import Unreadable, read_checked
 from engine.case.missing_inputs import missing_inputs
 from engine.case.plausibility import implausible
 

@@ -14,7 +14,8 @@ from addin.diff.compare import compare_files
 from addin.diff.files import CannotBeCompared
 from addin.diff.wording import as_json
 from addin.diff.workbook import write_book
-from addin.writing.recalculate import of_file, write_json
+from addin.reading.one_file import file_problem
+from addin.xlsx.whole_files import write_json
 
 
 def diff(
@@ -60,7 +61,7 @@ def diff(
                 written.append(target)
                 write(found, target)
     except OSError as wrong:
-        typer.echo(of_file(written[-1], wrong).message, err=True)
+        typer.echo(file_problem(written[-1], wrong).message, err=True)
         raise typer.Exit(WRONG_INPUT) from wrong
     show(found, everything)
     for path in written:

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from addin.contract.tables import table
 from addin.diff.changes import Change, Differences, VerdictChange
-from addin.diff.files import Side
+from addin.diff.files import ComparedFile
 from addin.diff.wording import change_in_words, in_words, telling
 
 #: Width below which tables are not squeezed. [characters]
@@ -31,7 +31,7 @@ def show(found: Differences, everything: bool = False) -> None:
     _studies(console, found, everything)
 
 
-def _about(letter: str, side: Side) -> Text:
+def _about(letter: str, side: ComparedFile) -> Text:
     text = Text(f"{letter}  {side.source}", style="bold")
     if side.revision:
         text.append(f"   {side.revision}", style="")

@@ -10,7 +10,8 @@ import typer
 from addin.cli.status import WRONG_INPUT, Refused
 from addin.cli.terminal import list_problems
 from addin.reading.case_json import case_to_json
-from addin.writing.recalculate import Unreadable, of_file, read_checked, write_json
+from addin.reading.one_file import Unreadable, file_problem, read_checked
+from addin.xlsx.whole_files import write_json
 
 
 def export(
@@ -28,5 +29,5 @@ def export(
     try:
         write_json(case, case_to_json(read.data))
     except OSError as wrong:
-        raise Refused(of_file(case, wrong).message) from wrong
+        raise Refused(file_problem(case, wrong).message) from wrong
     typer.echo(f"{case} is written.")

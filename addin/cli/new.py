@@ -16,11 +16,11 @@ from addin.cli.terminal import list_problems
 from addin.contract.shipped import template_path
 from addin.excel.errors import ExcelError
 from addin.excel.workbook import install
+from addin.reading.one_file import Unreadable, file_problem, read_checked
 from addin.template.build import build_template
 from addin.template.examples import Example
 from addin.template.filled import MixedUnits, example_of
 from addin.template.variants import VARIANTS, Variant
-from addin.writing.recalculate import Unreadable, of_file, read_checked
 
 
 def new(
@@ -87,7 +87,7 @@ def new(
     try:
         make_workbook(file, "us" if example else units, filled, chosen, studies=studies)
     except OSError as wrong:
-        raise Refused(of_file(file, wrong).message) from wrong
+        raise Refused(file_problem(file, wrong).message) from wrong
     except ExcelError as wrong:
         raise Refused(f"{file}: {wrong}") from wrong
     typer.echo(f"{file} is ready. Fill in the yellow cells, then: torsionbook recalc {file}")

@@ -10,14 +10,14 @@ from typing import Annotated, Any
 
 import typer
 
-from addin.calculation.key_figures import headline
+from addin.calculation.key_figures import key_figures
 from addin.cli.options import Files
 from addin.cli.overrides import case_overrides
 from addin.cli.status import WRONG_INPUT
 from addin.cli.terminal import list_problems, progress, refuse_clashes
 from addin.contract.problems import printable
 from addin.writing.history_file import history_stems
-from addin.writing.recalculate import Recalculated, beside, recalculate
+from addin.writing.recalculate import PreparedInput, RecalculationOutcome, beside, recalculate
 
 
 def recalc(
@@ -56,7 +56,7 @@ def recalc(
     targets = [_targets(file, out, json, len(files) > 1) for file in files]
     refuse_clashes(files, targets, in_place)
     histories = _histories(files, targets, in_place)
-    done: list[Recalculated] = []
+    done: list[RecalculationOutcome] = []
     with progress() as tell:
         for file, (target, json_file), history in zip(files, targets, histories, strict=True):
             done.append(
@@ -97,7 +97,7 @@ def _recalculate(
     ignore_lock: bool,
     tell: Callable[[str], None],
     history: str,
-) -> Recalculated:
+) -> RecalculationOutcome:
 
     return recalculate(
         file,
@@ -107,7 +107,7 @@ def _recalculate(
         overrides=overrides,
         ignore_lock=ignore_lock,
         on_stage=lambda stage: tell(f"{file.name}: {stage}"),
-        history=history,
+        prepared=PreparedInput(history=history),
     )
 
 
@@ -123,7 +123,7 @@ def _histories(
     return [Path(one).name if stems[one] == one else "" for one in results]
 
 
-def _overall(one: Recalculated) -> str:
+def _overall(one: RecalculationOutcome) -> str:
     if one.calculation is None:
         return "not calculated"
     return next(v.verdict for v in one.calculation.results.verdicts)
@@ -133,7 +133,7 @@ def _overall(one: Recalculated) -> str:
 TABLE_WIDTH = 110
 
 
-def _summary(done: Sequence[Recalculated]) -> None:
+def _summary(done: Sequence[RecalculationOutcome]) -> None:
     """The end of a run: file, first modes, worst margin, peak, start, starts, verdict."""
     shown = [one for one in done if one.calculation is not None]
     if not shown:
@@ -162,11 +162,11 @@ def _summary(done: Sequence[Recalculated]) -> None:
             typer.echo(f"written: {path}")
 
 
-def _summary_cells(one: Recalculated) -> list[str]:
+def _summary_cells(one: RecalculationOutcome) -> list[str]:
     assert one.calculation is not None
 
     calculation = one.calculation
-    shown = headline(calculation.results, calculation.tables.get("StartupPeaks", ()))
+    shown = key_figures(calculation.results, calculation.tables.get("StartupPeaks", ()))
     modes = ", ".join(f"{f:.4g}" for f in shown.frequencies)
     margin, peak, starts = "–", "–", "–"
     if shown.margin is not None:

@@ -10,8 +10,8 @@ import typer
 
 from addin.cli.status import WRONG_INPUT, failed
 from addin.cli.terminal import list_problems, progress
+from addin.reading.one_file import file_problem
 from addin.report.make import report as make
-from addin.writing.recalculate import of_file
 
 #: What each form of the report is made with; matplotlib draws the figures of both.
 PACKAGES = {"pdf": ("typst", "matplotlib"), "docx": ("docx", "matplotlib")}
@@ -64,7 +64,7 @@ def report(
                 on_stage=lambda stage: tell(f"{file.name}: {stage}"),
             )
     except OSError as wrong:
-        raise failed(of_file(next(iter(wanted.values())), wrong).message) from wrong
+        raise failed(file_problem(next(iter(wanted.values())), wrong).message) from wrong
     for sentence in done.notes:
         typer.echo(f"{file}: note: {sentence}", err=True)
     if done.problems:

@@ -23,7 +23,7 @@ from addin.contract.problems import printable
 from addin.reading.case_json import case_to_json
 from addin.studies.study import Found
 from addin.studies.tuning import TUNING
-from addin.writing.recalculate import write_json
+from addin.xlsx.whole_files import write_json
 from engine.studies.tuning.tuning import best_cases
 
 

@@ -8,11 +8,12 @@ from typing import Annotated
 import typer
 
 from addin.cli.status import WRONG_INPUT
+from addin.reading.one_file import file_problem
 from addin.verify.file import verify_file
 from addin.verify.findings import Agreement
 from addin.verify.trace import traced
 from addin.verify.wording import as_json, lines
-from addin.writing.recalculate import of_file, write_json
+from addin.xlsx.whole_files import write_json
 
 _WITHIN = {"bits": 0, "digits": 1, "error": 2}
 
@@ -76,7 +77,7 @@ def verify(
             try:
                 write_json(target, as_json(found))
             except OSError as wrong:
-                typer.echo(of_file(target, wrong).message, err=True)
+                typer.echo(file_problem(target, wrong).message, err=True)
                 passed = False
     if not passed:
         raise typer.Exit(WRONG_INPUT)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from addin.contract import tables as fields
@@ -23,6 +23,33 @@ class ShownUnits:
     def factor(self, table: str, column: str) -> float:
         """The SI value of one shown unit; 1 where there is no unit."""
         return self.factors.get((table, column), 1.0)
+
+
+def template_units(system: str, tables: Iterable[fields.TableSpec]) -> dict[tuple[str, str], str]:
+    """The units above the columns of a blank template, by table and column.
+
+    Parameters
+    ----------
+    system : str
+        ``US`` or ``SI``. [word]
+    tables : iterable of TableSpec
+        The tables that are asked for.
+    """
+    return {
+        (table.name, field.name): field.unit_us if system == "US" else field.unit_si
+        for table, field in _columns(tables)
+        if field.has_unit
+    }
+
+
+def _columns(
+    tables: Iterable[fields.TableSpec],
+) -> Iterator[tuple[fields.TableSpec, fields.Field]]:
+    """Every column of the tables, the repeated one once."""
+    for table in tables:
+        repeated = () if table.repeated is None else (table.repeated,)
+        for field in (*table.columns, *repeated, *table.extra_columns):
+            yield table, field
 
 
 def shown_units(
@@ -47,17 +74,15 @@ def shown_units(
     factors: dict[tuple[str, str], float] = {}
     used = dict(names)
     problems: list[str] = []
-    for table in fields.EVERY_TABLE:
-        repeated = () if table.repeated is None else (table.repeated,)
-        for field in (*table.columns, *repeated, *table.extra_columns):
-            key = (table.name, field.name)
-            if not field.has_unit or not names.get(key):
-                continue
-            try:
-                factors[key] = _factor(names[key], field, rated_torque)
-            except UnitError as problem:
-                used[key] = field.si
-                problems.append(f"Table {table.name}, column {field.name}: {problem.message}")
+    for table, field in _columns(fields.EVERY_TABLE):
+        key = (table.name, field.name)
+        if not field.has_unit or not names.get(key):
+            continue
+        try:
+            factors[key] = _factor(names[key], field, rated_torque)
+        except UnitError as problem:
+            used[key] = field.si
+            problems.append(f"Table {table.name}, column {field.name}: {problem.message}")
     return ShownUnits(used, factors), problems
 
 

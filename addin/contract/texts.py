@@ -14,6 +14,11 @@ __all__ = [
     "REVERSAL_NOTES",
 ]
 
+#: Words on sheet Accuracy until the study has been run.
+NO_STUDY = (
+    "Errors are those this calculation estimates, times those it took. Error against time by the "
+    "exponential and by the paper's method, for this very case: torsionbook accuracy FILE"
+)
 #: The damping law of this workbook: formula, and what it shows while ContactLaw is blank.
 CONTACT_LAW: tuple[str, str] = (
     '="In this workbook: "&IF(run_ContactLaw="",IF(ContactLaw="","limited",ContactLaw),'

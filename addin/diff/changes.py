@@ -5,13 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from addin.diff.files import Side
-    from addin.diff.studies import StudyDifferences
-
-__all__ = ["Change", "Differences", "Value", "VerdictChange"]
+from addin.diff.files import ComparedFile
 
 #: A number in SI, words, a flag, or None for a blank.
 Value = None | bool | float | str
@@ -84,11 +79,28 @@ class VerdictChange:
 
 
 @dataclass(frozen=True)
+class StudyDifferences:
+    """What differs in the studies of two files."""
+
+    notes: tuple[str, ...] = ()  #: What is not compared, or only in part, and why.
+    #: Rows of the study sheets; results of studies that both files have of their own inputs.
+    inputs: tuple[Change, ...] = ()
+    results: tuple[Change, ...] = ()  #: Likewise.
+    same_inputs: int = 0  #: Quantities that are the same in both.
+    same_results: int = 0  #: Likewise.
+
+    @property
+    def anything(self) -> bool:
+        """Whether there is anything to be told."""
+        return bool(self.notes or self.inputs or self.results)
+
+
+@dataclass(frozen=True)
 class Differences:
     """Two files side by side."""
 
-    first: Side  #: The files.
-    second: Side  #: Likewise.
+    first: ComparedFile  #: The files.
+    second: ComparedFile  #: Likewise.
     #: All checks of table `Verdicts`, then those of other tables whose verdict changed.
     verdicts: tuple[VerdictChange, ...]
     inputs: tuple[Change, ...] | None  #: None where a side has no inputs (a result JSON).

@@ -6,13 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from addin.diff.changes import Change, Differences
-from addin.diff.files import Side, read_side
+from addin.diff.files import ComparedFile, read_compared_file
 from addin.diff.inputs import Renamed, compare_inputs
 from addin.diff.results import compare_results, compare_verdicts
 from addin.diff.studies import compare_studies
 from addin.diff.units import Units
-
-__all__ = ["compare_files", "compare_sides"]
 
 
 def compare_files(
@@ -29,11 +27,14 @@ def compare_files(
     CannotBeCompared
         When one of them cannot be read or calculated.
     """
-    sides = [read_side(one, recalculate=recalculate, on_stage=on_stage) for one in (first, second)]
-    return compare_sides(*sides)
+    sides = [
+        read_compared_file(one, recalculate=recalculate, on_stage=on_stage)
+        for one in (first, second)
+    ]
+    return compare_read_files(*sides)
 
 
-def compare_sides(first: Side, second: Side) -> Differences:
+def compare_read_files(first: ComparedFile, second: ComparedFile) -> Differences:
     """Two sides that have been read."""
     # a case JSON is in SI, which nobody chose: workbooks alone say how numbers are shown
     units = Units([(s.typed, s.units) for s in (second, first) if s.units is not None])
@@ -56,7 +57,7 @@ def compare_sides(first: Side, second: Side) -> Differences:
     )
 
 
-def _settings(first: Side, second: Side) -> list[Change]:
+def _settings(first: ComparedFile, second: ComparedFile) -> list[Change]:
     """Settings of the command line with which the results were calculated."""
     names = dict.fromkeys([*first.settings, *second.settings])
     return [

@@ -13,19 +13,17 @@ from addin.contract.problems import CellProblem
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES, TableSpec
 from addin.contract.units import UnitError, parse_unit
+from addin.reading.one_file import Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput, TypedCase
 from addin.reading.workbook import WorkbookInput
-from addin.recorded.provenance import of_results_json, of_workbook
-from addin.recorded.results import standing_rows
-from addin.recorded.studies import StudyThere, studies_there
+from addin.recorded.provenance import json_provenance, workbook_provenance
+from addin.recorded.results import recorded_rows
+from addin.recorded.studies import RecordedStudy, recorded_studies
 from addin.verify.json_file import header_rows, read_results_json
-from addin.writing.recalculate import Unreadable, of_file, read_checked
-from addin.writing.recalculate_case import calculated_again
+from addin.writing.recalculate import recalculate_case
 from addin.writing.workbook import read_shown_units
 from engine.case.data import CaseData, case_digest
 from engine.case.study_inputs import StudyInputs
-
-__all__ = ["CannotBeCompared", "COMPARED", "Judged", "Side", "read_side", "side_of"]
 
 #: Result tables that are compared; wall times and the study of accuracy are no results of the train.
 COMPARED: tuple[TableSpec, ...] = (
@@ -54,7 +52,7 @@ class CannotBeCompared(Exception):
 
 
 @dataclass(frozen=True)
-class Judged:
+class RoundedNumber:
     """A number of table `Verdicts`, which a workbook shows in words with few digits."""
 
     number: float  #: It. [SI]
@@ -63,7 +61,7 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Side:
+class ComparedFile:
     """One of the two files."""
 
     source: Path  #: The file.
@@ -78,7 +76,7 @@ class Side:
     settings: Mapping[str, Any] = field(default_factory=dict)
     #: Rows of its study sheets; None of a result JSON. [SI]
     study_inputs: StudyInputs | None = None
-    studies: tuple[StudyThere, ...] = ()  #: Studies that stand in a workbook. [SI]
+    studies: tuple[RecordedStudy, ...] = ()  #: Studies that stand in a workbook. [SI]
 
     @property
     def revision(self) -> str:
@@ -93,12 +91,12 @@ class Side:
         return ", ".join(part for part in parts if part)
 
 
-def read_side(
+def read_compared_file(
     source: Path,
     *,
     recalculate: bool = False,
     on_stage: Callable[[str], None] | None = None,
-) -> Side:
+) -> ComparedFile:
     """Read one of the two files.
 
     Raises
@@ -110,7 +108,7 @@ def read_side(
         try:
             return _of_results(source, read_results_json(source))
         except OSError as wrong:
-            raise CannotBeCompared(source, (of_file(source, wrong),)) from wrong
+            raise CannotBeCompared(source, (file_problem(source, wrong),)) from wrong
         except ValueError:
             pass  # a case, or no JSON at all: the reader of cases says which
     read = read_checked(source)
@@ -122,28 +120,28 @@ def read_side(
     return with_studies(side, read)
 
 
-def with_studies(side: Side, read: CaseInput) -> Side:
+def with_studies(side: ComparedFile, read: CaseInput) -> ComparedFile:
     """A side with its study sheets.
 
     Parameters
     ----------
-    side : Side
+    side : ComparedFile
         Inputs and results.
     read : CaseInput
         The input they are of. [SI]
 
     Returns
     -------
-    Side
+    ComparedFile
         With the rows of its study tables, and of a workbook the studies that stand in it.
     """
     asked = StudyInputs() if read.studies is None else read.studies.inputs
     if isinstance(read, WorkbookInput) and side.units is not None:
-        return replace(side, study_inputs=asked, studies=studies_there(read, side.units))
+        return replace(side, study_inputs=asked, studies=recorded_studies(read, side.units))
     return replace(side, study_inputs=asked)
 
 
-def _of_results(source: Path, content: Mapping[str, Any]) -> Side:
+def _of_results(source: Path, content: Mapping[str, Any]) -> ComparedFile:
     tables = {
         spec.name: header_rows(spec, [r for r in content.get(spec.key, ()) if isinstance(r, dict)])
         for spec in COMPARED
@@ -152,7 +150,7 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> Side:
     startup = content.get("startup")
     if isinstance(startup, dict) and isinstance(startup.get("bearing_forces"), list):
         tables["BearingForces"] = header_rows(_spec("BearingForces"), startup["bearing_forces"])
-    return Side(
+    return ComparedFile(
         source,
         None,
         None,
@@ -161,7 +159,7 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> Side:
         "as they stand in the file, which holds no inputs",
         f"torsionbook {content.get('version', '')}".strip(),
         str(content.get("case_sha256") or ""),
-        of_results_json(content).settings,
+        json_provenance(content).settings,
     )
 
 
@@ -170,14 +168,14 @@ def _of_workbook(
     read: WorkbookInput,
     recalculate: bool,
     on_stage: Callable[[str], None] | None,
-) -> Side:
+) -> ComparedFile:
     units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
-    tables = {spec.name: standing_rows(read.workbook, spec, units) for spec in COMPARED}
+    tables = {spec.name: recorded_rows(read.workbook, spec, units) for spec in COMPARED}
     tables["Verdicts"] = [_with_judged(row) for row in tables["Verdicts"]]
-    recorded = of_workbook(read.workbook)
+    recorded = workbook_provenance(read.workbook)
     digest = case_digest(read.data)
     if recorded.digest == digest and not recalculate:
-        return Side(
+        return ComparedFile(
             source, read.data, read.typed, units, tables,
             "as they stand in the file, whose recorded digest is that of its inputs",
             recorded.software, digest, recorded.settings,
@@ -198,21 +196,21 @@ def _calculated(
     settings: Mapping[str, Any],
     why: str,
     on_stage: Callable[[str], None] | None,
-) -> Side:
-    run, problems = calculated_again(read, settings, on_stage)
+) -> ComparedFile:
+    run, problems = recalculate_case(read, settings, on_stage)
     if run is None:
         raise CannotBeCompared(source, problems)
-    return side_of(source, read, run, units, why, settings)
+    return compared_file(source, read, run, units, why, settings)
 
 
-def side_of(
+def compared_file(
     source: Path,
     read: CaseInput,
     run: Calculation,
     units: ShownUnits | None,
     results_from: str,
     settings: Mapping[str, Any] | None = None,
-) -> Side:
+) -> ComparedFile:
     """A side whose results have been calculated.
 
     Parameters
@@ -232,7 +230,7 @@ def side_of(
 
     Returns
     -------
-    Side
+    ComparedFile
         Inputs and results.
     """
     tables = {
@@ -242,7 +240,7 @@ def side_of(
     }
     forces = (run.startup or {}).get("bearing_forces") or ()
     tables["BearingForces"] = header_rows(_spec("BearingForces"), list(forces))
-    return Side(
+    return ComparedFile(
         source, read.data, read.typed, units, _plain_tables(tables), results_from,
         run.stamp.software, run.case_sha256, dict(settings or {}),
     )  # fmt: skip
@@ -253,7 +251,7 @@ def _spec(name: str) -> TableSpec:
 
 
 def _plain_tables(tables: Mapping[str, list[dict[str, Any]]]) -> dict[str, Rows]:
-    """Rows with Python's own numbers, and verdicts' numbers as `Judged`."""
+    """Rows with Python's own numbers, and verdicts' numbers as `RoundedNumber`."""
     return {name: [_plain_row(name, row) for row in rows] for name, rows in tables.items()}
 
 
@@ -263,7 +261,7 @@ def _plain_row(table: str, row: Mapping[str, Any]) -> dict[str, Any]:
         for column in ("Result", "Limit"):
             value = plain.get(column)
             if isinstance(value, int | float) and not isinstance(value, bool):
-                plain[column] = Judged(float(value), 0.0, "")
+                plain[column] = RoundedNumber(float(value), 0.0, "")
     for column in ("Allowable starts", "Paper count"):
         if table == "AllowableStarts" and plain.get(column) is None:
             # a row that does not say whether its starts are limited is of no whole start
@@ -287,7 +285,7 @@ _DIMENSIONS = ("fraction", "frequency", "pressure", "torque", "time", "speed")
 def _judged(shown: Any) -> Any:
     """A judged number out of words such as ``12.34 %``; words without one stay words."""
     if isinstance(shown, float):
-        return Judged(shown, 0.0, f"{shown:,.10g}")
+        return RoundedNumber(shown, 0.0, f"{shown:,.10g}")
     match = _NUMBER_AND_UNIT.fullmatch(str(shown).strip())
     if match is None:
         return shown
@@ -300,5 +298,5 @@ def _judged(shown: Any) -> Any:
         except UnitError:
             continue
         if not scale.base:
-            return Judged(number * scale.factor, half * scale.factor, str(shown))
-    return shown if unit else Judged(number, half, str(shown))
+            return RoundedNumber(number * scale.factor, half * scale.factor, str(shown))
+    return shown if unit else RoundedNumber(number, half, str(shown))

@@ -12,8 +12,6 @@ from addin.diff.units import Units
 from addin.recorded.match_rows import match_rows, row_name
 from engine.case.data import ADMINISTRATIVE, TABLES, CaseData
 
-__all__ = ["Renamed", "compare_inputs", "compare_table"]
-
 #: Share of the stated cells that must be the same for a row under another name to be the same row. [1]
 _ALIKE = 0.7
 #: Where an element stands: another element in its place has taken it over.

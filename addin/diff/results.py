@@ -8,15 +8,14 @@ from typing import Any
 
 from addin.contract.live_formulas import WHOLE_STARTS
 from addin.contract.tables import Field, TableSpec, result_table
+from addin.contract.units import USUAL
 from addin.diff.changes import Change, Value, VerdictChange
-from addin.diff.files import COMPARED, Judged
+from addin.diff.files import COMPARED, RoundedNumber
 from addin.diff.inputs import Renamed
 from addin.diff.units import Units
 from addin.recorded.match_rows import match_rows, row_name
 from addin.recorded.provenance import DIGEST_ITEM, is_own_of_each_run
 from addin.writing.workbook import VERDICT_UNITS
-
-__all__ = ["compare_results", "compare_rows", "compare_verdicts"]
 
 #: Relative size of what rounding, other units and other processors change. [1]
 _ROUNDING = 1e-9
@@ -234,21 +233,19 @@ def compare_verdicts(
 
 def _guessed(*rows: Mapping[str, Any]) -> str:
     """Dimension of a judged number from the words of a workbook; empty when nothing tells it."""
-    from addin.contract.units import USUAL
-
     for row in rows:
         for column in ("Result", "Limit"):
             value = row.get(column)
-            unit = value.words.rpartition(" ")[2] if isinstance(value, Judged) else ""
+            unit = value.words.rpartition(" ")[2] if isinstance(value, RoundedNumber) else ""
             for dimension in VERDICT_UNITS:
                 if unit in USUAL[dimension] and unit != "1":
                     return dimension
     return ""
 
 
-def _judged_in_words(value: Value | Judged, dimension: str, units: Units) -> str:
+def _judged_in_words(value: Value | RoundedNumber, dimension: str, units: Units) -> str:
     """A judged number in the unit shown, with as many digits as a workbook shows."""
-    if not isinstance(value, Judged):
+    if not isinstance(value, RoundedNumber):
         return str(value or "")
     if dimension not in VERDICT_UNITS:
         return (

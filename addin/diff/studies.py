@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.contract.studies.registry import STUDIES
 from addin.contract.tables import STUDY_INPUT_TABLES, STUDY_RESULT_TABLES, TableSpec
-from addin.diff.changes import Change
+from addin.diff.changes import Change, StudyDifferences
+from addin.diff.files import ComparedFile
 from addin.diff.inputs import Renamed, compare_table
 from addin.diff.results import compare_rows
 from addin.diff.units import Units
-
-if TYPE_CHECKING:
-    from addin.diff.files import Side
-    from addin.recorded.studies import StudyThere
-
-__all__ = ["StudyDifferences", "compare_studies"]
+from addin.recorded.studies import RecordedStudy
 
 #: Words that follow from the numbers beside them.
 _WORDS = frozenset({"Reason", "Note", "Why", "Broken"})
@@ -28,24 +23,9 @@ _COMPARED = tuple(spec for spec in STUDY_RESULT_TABLES if spec.row_name)
 _IN_NUMBERS = re.compile(r"(?<=×) \([^()]*\)| \(as is\)$")
 
 
-@dataclass(frozen=True)
-class StudyDifferences:
-    """What differs in the studies of two files."""
-
-    notes: tuple[str, ...] = ()  #: What is not compared, or only in part, and why.
-    #: Rows of the study sheets; results of studies that both files have of their own inputs.
-    inputs: tuple[Change, ...] = ()
-    results: tuple[Change, ...] = ()  #: Likewise.
-    same_inputs: int = 0  #: Quantities that are the same in both.
-    same_results: int = 0  #: Likewise.
-
-    @property
-    def anything(self) -> bool:
-        """Whether there is anything to be told."""
-        return bool(self.notes or self.inputs or self.results)
-
-
-def compare_studies(first: Side, second: Side, units: Units, renamed: Renamed) -> StudyDifferences:
+def compare_studies(
+    first: ComparedFile, second: ComparedFile, units: Units, renamed: Renamed
+) -> StudyDifferences:
     """What differs in the studies of two files."""
     inputs: list[Change] = []
     same_inputs = 0
@@ -89,7 +69,7 @@ def compare_studies(first: Side, second: Side, units: Units, renamed: Renamed) -
     return StudyDifferences(tuple(notes), tuple(inputs), tuple(results), same_inputs, same_results)
 
 
-def _why_not(sheet: str, pair: Sequence[StudyThere | None]) -> str:
+def _why_not(sheet: str, pair: Sequence[RecordedStudy | None]) -> str:
     """Why the results of a study are not compared; empty where they are."""
     for letter, one in zip("AB", pair, strict=True):
         if one is None:
@@ -100,7 +80,7 @@ def _why_not(sheet: str, pair: Sequence[StudyThere | None]) -> str:
     return ""
 
 
-def _rows(side: Side, spec: TableSpec) -> list[dict[str, Any]]:
+def _rows(side: ComparedFile, spec: TableSpec) -> list[dict[str, Any]]:
     """Rows of a study sheet by header."""
     inputs = side.study_inputs
     rows = () if inputs is None else inputs.rows(spec.name)

@@ -9,8 +9,6 @@ from addin.contract.tables import DIMENSIONS, SCALAR_TABLE, Field
 from addin.contract.units import UnitError, parse_unit
 from addin.reading.typed_case import Typed, TypedCase
 
-__all__ = ["Units"]
-
 
 class Units:
     """Units and their worth, by table and column.

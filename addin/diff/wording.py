@@ -9,10 +9,8 @@ from typing import Any
 from addin.contract.json_formats import AUDIT_FORMAT
 from addin.contract.tables import find_table
 from addin.diff.changes import Change, Differences, Value
-from addin.diff.files import Side
+from addin.diff.files import ComparedFile
 from addin.writing.results_json import storable
-
-__all__ = ["as_json", "change_in_words", "in_words", "telling"]
 
 #: Changed results shown of each table unless all are asked for. [count]
 SHOWN = 12
@@ -130,7 +128,7 @@ def as_json(found: Differences) -> dict[str, Any]:
     }
 
 
-def _side(side: Side) -> dict[str, Any]:
+def _side(side: ComparedFile) -> dict[str, Any]:
     return {
         "file": str(side.source),
         "revision": side.revision,

@@ -11,10 +11,8 @@ import xlsxwriter
 
 from addin.contract.tables import caption
 from addin.diff.changes import Change, Differences
-from addin.diff.files import Side
+from addin.diff.files import ComparedFile
 from addin.diff.wording import in_words
-
-__all__ = ["write_book"]
 
 _HEADERS = ("Table", "Row", "Quantity", "Unit", "A", "B", "B − A", "(B − A) / A", "What")
 _WIDTHS = (21, 36, 21, 10, 20, 20, 14, 11, 50)
@@ -166,7 +164,7 @@ def _verdicts(page: Any, formats: _Formats, found: Differences, row: int) -> Non
     _colours(page, formats, first, last, 4, 5)
 
 
-def _about(side: Side) -> list[str]:
+def _about(side: ComparedFile) -> list[str]:
     settings = ", ".join(f"{name} = {value}" for name, value in side.settings.items())
     return [str(side.source), side.revision or "–", side.digest or "–", side.software,
             side.results_from, settings or "none"]  # fmt: skip

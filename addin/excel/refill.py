@@ -13,12 +13,14 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from addin.contract.problems import CellProblem
-from addin.writing.recalculate import recalculate
+from addin.reading.one_file import read_checked
+from addin.reading.workbook import WorkbookInput
+from addin.writing.recalculate import PreparedInput, recalculate
 from addin.xlsx import ErrorValue, Formula, Table, Workbook
 from addin.xlsx.references import Rect, parse_range
 
@@ -44,16 +46,6 @@ class Results:
     def cells(self) -> int:
         """How many cells that are."""
         return sum(rect.width * rect.height for _, rect, _ in self.blocks)
-
-
-@dataclass
-class _Collected:
-    """The results, once the copy has them."""
-
-    found: Results = field(default_factory=lambda: Results((), ()))
-
-    def take(self, workbook: Workbook) -> None:
-        self.found = results_of(workbook)
 
 
 def results_of(workbook: Workbook) -> Results:
@@ -82,24 +74,27 @@ def refill(book: Any) -> None:
     """
     started = time.perf_counter()
     app = book.app
-    collected = _Collected()
     with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
         copy = Path(folder, book.name)
         book.api.SaveCopyAs(str(copy))
+        _tell(app, "reading")
+        read = read_checked(copy)
         done = recalculate(
             copy,
             destination=Path(folder, "results", book.name),
             ignore_lock=True,
             on_stage=lambda stage: _tell(app, stage),
-            on_written=collected.take,
+            prepared=PreparedInput(read),
         )
         if done.problems:
             _tell(app, "the inputs have errors; nothing was written")
             app.alert(_told(done.problems), TITLE, mode="critical")
             return
+        assert isinstance(read, WorkbookInput), copy
+        results = results_of(read.workbook)
         histories = [path for path in done.written if path.name != book.name]
         notes = [*done.warnings, *_kept(histories, book)]
-    locked = _protected(book, collected.found)
+    locked = _protected(book, results)
     if locked:
         _tell(app, "nothing was written")
         app.alert(
@@ -110,7 +105,7 @@ def refill(book: Any) -> None:
         )
         return
     with _quiet(app):
-        _fill(book, collected.found, lambda text: _tell(app, text))
+        _fill(book, results, lambda text: _tell(app, text))
     took = time.perf_counter() - started
     _tell(app, f"results written in {took:.1f} s. A macro cannot be undone in Excel.")
     if notes:

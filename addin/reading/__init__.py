@@ -3,13 +3,14 @@
 ==============  ==================================================================================
 module          responsibility
 ==============  ==================================================================================
-`cells`         one cell of a workbook → a number, words, nothing, or a sentence on what is wrong
+`cells`         one cell of a workbook: a number, words, nothing, or a sentence on what is wrong
                 with it
-`study_inputs`  what is typed on the study sheets → `StudyInputs`; wrong cells there spoil no
-                plain calculation
-`typed_case`    A case as typed → `CaseData`: units resolved, per unit and percent of what they
+`typed_case`    a case as typed to `CaseData`: units resolved, per unit and percent of what they
                 refer to
-`case_json`     case JSON ↔ `CaseData`
-`workbook`      workbook → `CaseData`, and every problem with the cell where it is corrected
+`study_inputs`  what is typed on the study sheets to `StudyInputs`; wrong cells there spoil no
+                plain calculation
+`case_json`     case JSON to `CaseData`, and back
+`workbook`      workbook to `CaseData`, and every problem with the cell where it is corrected
+`one_file`      any input file to `CaseInput`, or why it cannot be opened
 ==============  ==================================================================================
 """

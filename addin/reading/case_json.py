@@ -14,7 +14,7 @@ import stat
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.contract.json_formats import CASE_FORMAT
 from addin.contract.problems import CellProblem, nearest, placed, printable, shortened
@@ -28,28 +28,24 @@ from addin.contract.tables import (
     input_table,
 )
 from addin.contract.units import UnitError, UnitScale, parse_unit
+from addin.reading.study_inputs import studies_read
 from addin.reading.typed_case import (
     LONGEST_WORDS,
     CaseInput,
     Entry,
     Findings,
     Place,
+    StudiesRead,
     Typed,
     TypedCase,
     all_problems,
+    in_typed_units,
     to_case_data,
-    told_as_typed,
     too_many_rows,
     word_entry,
 )
 from engine.case.data import TABLES, CaseData
 from engine.errors import Problem
-
-if TYPE_CHECKING:
-    from addin.reading.study_inputs import StudiesRead
-
-__all__ = ["case_to_json", "read_case_json", "typed_value"]
-
 
 _LARGEST_FILE = 20 * 2**20
 #: Unknown and repeated keys that are told one by one. [count]
@@ -373,8 +369,6 @@ class _Reading:
         """The keys of the studies, where there are any: read apart, so that they spoil no case."""
         if not self.studies:
             return None
-        from addin.reading.study_inputs import studies_read
-
         apart = _Reading()
         for key, rows in self.studies.items():
             apart._read_rows(_STUDIES[key].name, rows)
@@ -437,7 +431,7 @@ def _located(problem: Problem, typed: TypedCase) -> CellProblem:
     is_scalar = problem.table == SCALAR_TABLE
     sheet = SCALAR_SHEET if is_scalar else input_table(problem.table).sheet
     path = _path(problem.table, problem.row, problem.column)
-    return placed(told_as_typed(problem, typed), sheet, path, "key")
+    return placed(in_typed_units(problem, typed), sheet, path, "key")
 
 
 def _path(table: str, row: int | None, column: str) -> str:

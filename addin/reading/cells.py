@@ -10,11 +10,6 @@ from addin.contract.problems import shortened
 from addin.contract.tables import Field
 from addin.xlsx import ErrorValue
 
-__all__ = [
-    "Cell", "Fault", "is_date_format", "is_percent_format", "number_in_text", "read_number",
-    "read_text", "read_unit",
-]  # fmt: skip
-
 Constant = None | bool | int | float | str | ErrorValue
 
 

@@ -7,21 +7,23 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection
-from dataclasses import dataclass, make_dataclass, replace
+from dataclasses import make_dataclass, replace
 from typing import Any
 
 from addin.contract.problems import CellProblem, shortened
 from addin.contract.tables import STUDY_INPUT_TABLES
 from addin.contract.units import UnitError, UnitScale, parse_unit
 from addin.reading.typed_case import (
-    Bases,
     Entry,
     Findings,
+    PerUnitBases,
     Place,
+    StudiesRead,
     Typed,
     TypedCase,
     ratios_of,
     rows_in_si,
+    to_case_data,
 )
 from engine.case.data import CaseData
 from engine.case.study_inputs import (
@@ -38,8 +40,6 @@ from engine.case.study_inputs import (
     TuningRow,
 )
 from engine.errors import Problem
-
-__all__ = ["StudiesRead", "studies_read", "study_rows", "units_for_words"]
 
 #: Dimensions that a unit of a quantity may have beside a ratio.
 _DIMENSIONS = {
@@ -69,29 +69,6 @@ _ROW_CLASSES: dict[str, type] = {
 globals().update(
     {row.__name__: row for row in _ROW_CLASSES.values()}
 )  # so that rows can be pickled
-
-
-@dataclass(frozen=True)
-class StudiesRead:
-    """What is typed on the study sheets."""
-
-    inputs: StudyInputs  #: What could be read. [SI]
-    tables: frozenset[str]  #: Study tables that the input has.
-    problems: tuple[Problem, ...]  #: Cells that cannot be read; checks of a study come on top.
-    warnings: tuple[str, ...]  #: What the engineer should know.
-    bad: frozenset[Place]  #: Places of which nothing more is to be said. [places]
-    locate: Callable[[Problem], CellProblem]  #: A problem with its cell and the number as typed.
-    typed: TypedCase  #: Every entry of the study tables. [as typed]
-
-    def told(
-        self, tables: Collection[str], found: Collection[Problem] = ()
-    ) -> tuple[CellProblem, ...]:
-        """Everything wrong in some of the tables, in the order of the tables."""
-        unread = [one for one in self.problems if one.table in tables]
-        more = [one for one in found if (one.table, one.row, one.column) not in self.bad]
-        order = {spec.name: i for i, spec in enumerate(STUDY_INPUT_TABLES)}
-        both = sorted((*unread, *more), key=lambda p: (order.get(p.table, -1), p.row or 0))
-        return tuple(self.locate(one) for one in both)
 
 
 def studies_read(
@@ -124,7 +101,7 @@ def studies_read(
     StudiesRead
     """
     ratings = _ratings(case)
-    bases = Bases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(case))
+    bases = PerUnitBases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(case))
     return StudiesRead(
         replace(study_rows(typed, bases, findings), units=units_for_words(typed, case)),
         frozenset(tables),
@@ -136,14 +113,14 @@ def studies_read(
     )
 
 
-def study_rows(typed: TypedCase, bases: Bases, findings: Findings) -> StudyInputs:
+def study_rows(typed: TypedCase, bases: PerUnitBases, findings: Findings) -> StudyInputs:
     """The rows of all study tables in SI.
 
     Parameters
     ----------
     typed : TypedCase
         What is typed in them. [as typed]
-    bases : Bases
+    bases : PerUnitBases
         What relative units refer to. [SI]
     findings : Findings
         Takes what cannot be read. [problems]
@@ -225,8 +202,6 @@ def _word_unit(name: str, scale: UnitScale) -> DisplayUnit:
 
 def _ratings(case: TypedCase) -> Any:
     """Ratings of a case as far as they can be read; its own problems are told elsewhere."""
-    from addin.reading.typed_case import to_case_data
-
     data: CaseData = to_case_data(
         TypedCase(dict(case.scalars), {"Stations": case.tables.get("Stations", [])}), Findings()
     )

@@ -8,12 +8,19 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import Any, TypeGuard
 
 from addin.contract.problems import CellProblem, nearest, printable, shortened
-from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
+from addin.contract.tables import (
+    INPUT_TABLES,
+    SCALAR_TABLE,
+    SCALARS,
+    STUDY_INPUT_TABLES,
+    Field,
+    TableSpec,
+)
 from addin.contract.units import (
     RATED_TORQUE,
     STATION_SPEED,
@@ -24,27 +31,8 @@ from addin.contract.units import (
 from engine.case.case import Case
 from engine.case.checks.find_problems import find_problems
 from engine.case.data import GROUND, TABLES, CaseData, Ratings
+from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem, Quoted
-
-if TYPE_CHECKING:
-    from addin.reading.study_inputs import StudiesRead
-
-__all__ = [
-    "Bases",
-    "CaseInput",
-    "Entry",
-    "Findings",
-    "Place",
-    "Typed",
-    "TypedCase",
-    "all_problems",
-    "ratios_of",
-    "rows_in_si",
-    "told_as_typed",
-    "to_case_data",
-    "too_many_rows",
-    "word_entry",
-]
 
 #: Longest name, title or remark. [characters]
 LONGEST_WORDS = 1_000
@@ -138,6 +126,29 @@ class Findings:
 
 
 @dataclass(frozen=True)
+class StudiesRead:
+    """What is typed on the study sheets."""
+
+    inputs: StudyInputs  #: What could be read. [SI]
+    tables: frozenset[str]  #: Study tables that the input has.
+    problems: tuple[Problem, ...]  #: Cells that cannot be read; checks of a study come on top.
+    warnings: tuple[str, ...]  #: What the engineer should know.
+    bad: frozenset[Place]  #: Places of which nothing more is to be said. [places]
+    locate: Callable[[Problem], CellProblem]  #: A problem with its cell and the number as typed.
+    typed: TypedCase  #: Every entry of the study tables. [as typed]
+
+    def problems_of(
+        self, tables: Collection[str], checked: Collection[Problem] = ()
+    ) -> tuple[CellProblem, ...]:
+        """Everything wrong in some of the tables, in the order of the tables."""
+        unread = [problem for problem in self.problems if problem.table in tables]
+        more = [p for p in checked if (p.table, p.row, p.column) not in self.bad]
+        order = {spec.name: i for i, spec in enumerate(STUDY_INPUT_TABLES)}
+        both = sorted((*unread, *more), key=lambda p: (order.get(p.table, -1), p.row or 0))
+        return tuple(self.locate(problem) for problem in both)
+
+
+@dataclass(frozen=True)
 class CaseInput:
     """A case as read, from a workbook or from JSON."""
 
@@ -185,7 +196,7 @@ def all_problems(data: CaseData, findings: Findings) -> list[Problem]:
     return sorted(problems, key=lambda p: (order.get(p.table, -1), p.row or 0))
 
 
-def told_as_typed(problem: Problem, typed: TypedCase) -> Problem:
+def in_typed_units(problem: Problem, typed: TypedCase) -> Problem:
     """A problem of the engine with the number in the unit in which it was typed.
 
     Parameters
@@ -303,7 +314,7 @@ def _folded(word: str) -> str:
 
 
 @dataclass(frozen=True)
-class Bases:
+class PerUnitBases:
     """What relative units refer to; None where it is not known."""
 
     rated_torque: float | None  #: Of `Ratings`. [N m]
@@ -338,7 +349,7 @@ class Bases:
         return number / full if full > 0.0 else None
 
 
-_NO_BASES = Bases(None, None, {})
+_NO_BASES = PerUnitBases(None, None, {})
 
 #: Sizes in SI beyond which a number is a slip, and products of two would overflow.
 _SMALLEST, _LARGEST = 1e-30, 1e30
@@ -386,7 +397,7 @@ def to_case_data(typed: TypedCase, findings: Findings) -> CaseData:
     scalars = _scalars(absolute, _NO_BASES, findings)
     ratings = CaseData(**scalars).ratings  # type: ignore[arg-type]
     _refuse_circular(typed, findings)
-    bases = Bases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(typed))
+    bases = PerUnitBases(ratings.rated_torque, ratings.synchronous_speed, ratios_of(typed))
     relative = {n: e for n, e in typed.scalars.items() if n not in absolute and n != "RatedTorque"}
     scalars |= _scalars(relative, bases, findings)
     _silence_followers(ratings, findings)
@@ -434,7 +445,7 @@ def ratios_of(typed: TypedCase) -> dict[str, float | None]:
 
 
 def _scalars(
-    entries: Mapping[str, Entry], bases: Bases, findings: Findings
+    entries: Mapping[str, Entry], bases: PerUnitBases, findings: Findings
 ) -> dict[str, float | str | None]:
     values: dict[str, float | str | None] = {}
     for spec in SCALARS:
@@ -449,7 +460,7 @@ def _scalars(
 
 
 def rows_in_si(
-    spec: TableSpec, row_class: type, typed: TypedCase, bases: Bases, findings: Findings
+    spec: TableSpec, row_class: type, typed: TypedCase, bases: PerUnitBases, findings: Findings
 ) -> tuple[Any, ...]:
     """The rows of one table in SI.
 
@@ -461,7 +472,7 @@ def rows_in_si(
         Its rows.
     typed : TypedCase
         Everything typed. [as typed]
-    bases : Bases
+    bases : PerUnitBases
         What relative units refer to. [SI]
     findings : Findings
         Takes every number that cannot be resolved. [problems]
@@ -504,7 +515,7 @@ def _value(
     entry: Entry,
     spec: Field,
     place: Place,
-    bases: Bases,
+    bases: PerUnitBases,
     station: str | None,
     findings: Findings,
 ) -> float | str | None:
@@ -536,7 +547,7 @@ def _value(
 
 
 def _note_unresolved(
-    places: list[Place], entry: Typed, findings: Findings, bases: Bases = _NO_BASES
+    places: list[Place], entry: Typed, findings: Findings, bases: PerUnitBases = _NO_BASES
 ) -> None:
     """One problem for all cells of a column that refer to something unknown."""
     names, sentence = _SOURCES[entry.scale.base]

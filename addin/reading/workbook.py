@@ -13,9 +13,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from addin.contract.problems import CellProblem, nearest, placed
+from addin.contract.shipped import template_path
 from addin.contract.tables import (
     INPUT_TABLES,
     SCALAR_SHEET,
@@ -37,16 +37,18 @@ from addin.reading.cells import (
     read_text,
     read_unit,
 )
+from addin.reading.study_inputs import studies_read
 from addin.reading.typed_case import (
     CaseInput,
     Entry,
     Findings,
     Place,
+    StudiesRead,
     Typed,
     TypedCase,
     all_problems,
+    in_typed_units,
     to_case_data,
-    told_as_typed,
     too_many_rows,
     word_entry,
 )
@@ -54,11 +56,6 @@ from addin.xlsx import DefinedName, Table, Workbook, open_workbook
 from addin.xlsx.references import Rect, cell_name, parse_cell, whole_number
 from addin.xlsx.xml_part import main
 from engine.errors import Problem
-
-if TYPE_CHECKING:
-    from addin.reading.study_inputs import StudiesRead
-
-__all__ = ["Locations", "WorkbookInput", "read_workbook"]
 
 #: Names this product has beyond the contract; a workbook without them reads as blank there.
 _OPTIONAL = frozenset({"RainflowResidue", "Gear type", "ContactLaw"})
@@ -75,8 +72,6 @@ _LISTED = 12
 @lru_cache(maxsize=1)
 def _own_names() -> frozenset[str]:
     """Names of the product itself, which stand for something else; without capitals."""
-    from addin.contract.shipped import template_path
-
     names = set(open_workbook(template_path("blank_us.xlsx"), read_only=True).defined_names)
     return frozenset(name.casefold() for name in names | {one.name for one in SCALARS})
 
@@ -248,8 +243,6 @@ class _Reading:
         present = [one for one in STUDY_INPUT_TABLES if one.name.casefold() in self.tables]
         if not present:
             return None
-        from addin.reading.study_inputs import studies_read
-
         apart = _Reading(self.workbook)
         for table in present:
             apart._read_table(table)
@@ -669,7 +662,7 @@ def _number_formats(workbook: Workbook) -> list[str]:
 def _located(problem: Problem, typed: TypedCase, locations: Locations) -> CellProblem:
     """A problem with rows as the engineer counts them, its cell, and the number as typed."""
     sheet, cell = locations.cell(problem.table, problem.row, problem.column)
-    told = told_as_typed(problem, typed)
+    told = in_typed_units(problem, typed)
     row = None if told.row is None else locations.table_row(told.table, told.row)
     kind = "unit cell" if row is None and told.table != SCALAR_TABLE else "cell"
     return placed(replace(told, row=row, message=_renumbered(told, locations)), sheet, cell, kind)

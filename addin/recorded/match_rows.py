@@ -12,8 +12,6 @@ from typing import Any
 
 from addin.contract.tables import find_table
 
-__all__ = ["Pair", "match_rows", "row_columns", "row_name"]
-
 #: Places in the first and in the second table; None = no such row there.
 Pair = tuple[int | None, int | None]
 

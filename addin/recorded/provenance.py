@@ -9,17 +9,8 @@ from typing import Any
 
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import SCALARS, json_key, result_table
-from addin.recorded.results import standing_rows
+from addin.recorded.results import recorded_rows
 from addin.xlsx import Workbook
-
-__all__ = [
-    "DIGEST_ITEM",
-    "Recorded",
-    "is_own_of_each_run",
-    "of_results_json",
-    "of_workbook",
-    "rows_of",
-]
 
 #: Items of table `Audit`, see `addin.calculation.audit`.
 DIGEST_ITEM = "Inputs, SHA-256 of the canonical case"
@@ -31,7 +22,7 @@ _DIGEST = re.compile(r"[0-9a-f]{64}")
 
 
 @dataclass(frozen=True)
-class Recorded:
+class Provenance:
     """What a file records of the calculation."""
 
     digest: str = ""  #: Digest of the inputs; empty when there is none. [hex]
@@ -46,13 +37,13 @@ def is_own_of_each_run(item: str) -> bool:
     return _OWN_OF_EACH_RUN.fullmatch(item) is not None
 
 
-def of_workbook(workbook: Workbook) -> Recorded:
+def workbook_provenance(workbook: Workbook) -> Provenance:
     """What table `Audit` of a workbook records."""
-    rows = standing_rows(workbook, result_table("Audit"), ShownUnits({}, {}))
+    rows = recorded_rows(workbook, result_table("Audit"), ShownUnits({}, {}))
     return _of_audit({"item": row.get("Item"), "value": row.get("Value")} for row in rows)
 
 
-def of_results_json(content: Mapping[str, Any]) -> Recorded:
+def json_provenance(content: Mapping[str, Any]) -> Provenance:
     """What table `Audit` of a result JSON records.
 
     Parameters
@@ -62,7 +53,7 @@ def of_results_json(content: Mapping[str, Any]) -> Recorded:
 
     Returns
     -------
-    Recorded
+    Provenance
         Blank where nothing is recorded.
     """
     return _of_audit(rows_of(content, "Audit"))
@@ -87,7 +78,7 @@ def rows_of(content: Mapping[str, Any], table: str) -> list[dict[str, Any]]:
     return [row for row in rows if isinstance(row, dict)] if isinstance(rows, list) else []
 
 
-def _of_audit(rows: Iterable[Mapping[str, Any]]) -> Recorded:
+def _of_audit(rows: Iterable[Mapping[str, Any]]) -> Provenance:
     """What rows with the keys ``item`` and ``value`` record."""
     said = {str(row.get("item") or ""): row.get("value") for row in rows}
     settings: dict[str, Any] = {}
@@ -101,7 +92,7 @@ def _of_audit(rows: Iterable[Mapping[str, Any]]) -> Recorded:
             else:
                 settings[name] = found
     digest = str(said.get(DIGEST_ITEM) or "").strip().lower()
-    return Recorded(
+    return Provenance(
         digest if _DIGEST.fullmatch(digest) else "",
         str(said.get(_SOFTWARE) or ""),
         settings,

@@ -8,15 +8,13 @@ from typing import Any
 
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec, result_table
-from addin.writing.workbook import NO_STUDY
+from addin.contract.texts import NO_STUDY
 from addin.xlsx import ErrorValue, PackageError, Workbook
 from addin.xlsx.references import cell_name
 
-__all__ = ["StandingStudy", "recorded_fact", "standing_rows", "standing_study"]
-
 
 @dataclass(frozen=True, eq=False)
-class StandingStudy:
+class RecordedAccuracy:
     """The study of accuracy that stands on sheet Accuracy."""
 
     rows: Sequence[Mapping[str, Any]]  #: Rows of `AccuracyCost` by JSON key. [SI]
@@ -29,7 +27,7 @@ class StandingStudy:
         return digest[:12] in self.inputs
 
 
-def standing_rows(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> list[dict[str, Any]]:
+def recorded_rows(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> list[dict[str, Any]]:
     """Rows of a result table as they stand.
 
     Parameters
@@ -90,12 +88,12 @@ def recorded_fact(workbook: Workbook, name: str) -> str:
     return value.strip() if isinstance(value, str) else ""
 
 
-def standing_study(workbook: Workbook, units: ShownUnits) -> StandingStudy | None:
+def recorded_accuracy(workbook: Workbook, units: ShownUnits) -> RecordedAccuracy | None:
     """The study of accuracy in a workbook.
 
     Returns
     -------
-    StandingStudy or None
+    RecordedAccuracy or None
         None where `torsionbook accuracy` has not written there, or recalculation has since.
     """
     sentence = recorded_fact(workbook, "run_AccuracySentence")
@@ -105,9 +103,9 @@ def standing_study(workbook: Workbook, units: ShownUnits) -> StandingStudy | Non
     keys = {field.name: field.key for field in spec.columns}
     rows = [
         {keys[name]: value for name, value in row.items()}
-        for row in standing_rows(workbook, spec, units)
+        for row in recorded_rows(workbook, spec, units)
     ]
-    return StandingStudy(
+    return RecordedAccuracy(
         [row for row in rows if _is_whole(row)],
         sentence,
         recorded_fact(workbook, "run_AccuracyReference"),

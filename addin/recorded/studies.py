@@ -5,27 +5,24 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.contract.shown_units import ShownUnits
 from addin.contract.studies.registry import STUDIES
 from addin.contract.study_spec import CUT_SHORT, StudySpec
 from addin.contract.tables import STUDY_RESULT_TABLES
-from addin.recorded.results import recorded_fact, standing_rows
+from addin.reading.workbook import WorkbookInput
+from addin.recorded.results import recorded_fact, recorded_rows
 from addin.recorded.study_digests import edited_tables
-
-if TYPE_CHECKING:
-    from addin.reading.workbook import WorkbookInput
-    from engine.case.study_inputs import StudyInputs
-
-__all__ = ["StudyThere", "rows_digest", "studies_there"]
+from engine.case.data import case_digest
+from engine.case.study_inputs import StudyInputs, study_digest
 
 #: What the stamp of a study says of its rows.
 _ROWS = re.compile(r"study rows ([0-9a-f]{12})")
 
 
 @dataclass(frozen=True, eq=False)
-class StudyThere:
+class RecordedStudy:
     """A study that stands on the sheets of a workbook."""
 
     on_sheet: StudySpec  #: Which study, its sheet and its command.
@@ -59,12 +56,10 @@ def rows_digest(tables: Sequence[str], inputs: StudyInputs) -> str:
     str
         64 hexadecimal digits; the same in any unit. [hex]
     """
-    from engine.case.study_inputs import study_digest
-
     return study_digest(*(row for name in tables for row in inputs.rows(name)))
 
 
-def studies_there(read: WorkbookInput, units: ShownUnits) -> tuple[StudyThere, ...]:
+def recorded_studies(read: WorkbookInput, units: ShownUnits) -> tuple[RecordedStudy, ...]:
     """The studies that stand in a workbook, in the order of their sheets.
 
     Parameters
@@ -76,35 +71,32 @@ def studies_there(read: WorkbookInput, units: ShownUnits) -> tuple[StudyThere, .
 
     Returns
     -------
-    tuple of StudyThere
+    tuple of RecordedStudy
         Of studies that have been made.
     """
-    from engine.case.data import case_digest
-    from engine.case.study_inputs import StudyInputs
-
     inputs = StudyInputs() if read.studies is None else read.studies.inputs
     digest = case_digest(read.data)
     specs = {spec.name: spec for spec in STUDY_RESULT_TABLES}
-    found = []
-    for one in STUDIES:
+    recorded = []
+    for study in STUDIES:
         sentence, made, stamp, written = (
-            recorded_fact(read.workbook, f"{one.key}_{fact}")
+            recorded_fact(read.workbook, f"{study.key}_{fact}")
             for fact in ("Sentence", "SHA256", "Stamp", "Tables")
         )
         if not (sentence or made):
             continue
-        names = one.result_names
-        tables = {name: standing_rows(read.workbook, specs[name], units) for name in names}
-        rows = rows_digest(one.input_names, inputs)
-        outdated = _outdated(one.input_names, made, digest, stamp, rows) or _unread(
-            one.input_names, read
+        names = study.result_names
+        tables = {name: recorded_rows(read.workbook, specs[name], units) for name in names}
+        rows = rows_digest(study.input_names, inputs)
+        outdated = _outdated(study.input_names, made, digest, stamp, rows) or _unread(
+            study.input_names, read
         )
         edited = edited_tables(read.workbook, (specs[name] for name in names), units, written)
         is_part = sentence.startswith(CUT_SHORT)
-        found.append(
-            StudyThere(one, sentence, stamp, tables, outdated, edited, bool(written), is_part)
+        recorded.append(
+            RecordedStudy(study, sentence, stamp, tables, outdated, edited, bool(written), is_part)
         )
-    return tuple(found)
+    return tuple(recorded)
 
 
 def _unread(tables: Sequence[str], read: WorkbookInput) -> str:

@@ -17,8 +17,6 @@ from addin.contract.tables import Field, TableSpec
 from addin.xlsx import ErrorValue, Workbook
 from addin.xlsx.references import cell_name
 
-__all__ = ["edited_tables", "stated_digests", "table_digest", "twelve_digits"]
-
 _DIGITS = 12
 _STATED = re.compile(r"(\w+) ([0-9a-f]{12})\b")
 

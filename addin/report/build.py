@@ -7,17 +7,17 @@ from addin.charts.data import accuracy_block, chart_blocks
 from addin.contract.problems import shortened
 from addin.diff.changes import Differences
 from addin.reading.typed_case import CaseInput
-from addin.recorded.results import StandingStudy, standing_study
-from addin.recorded.studies import StudyThere, studies_there
+from addin.reading.workbook import WorkbookInput
+from addin.recorded.results import RecordedAccuracy, recorded_accuracy
+from addin.recorded.studies import RecordedStudy, recorded_studies
 from addin.report import changes, closing, inputs, modes, opening, operation, starting, studies
 from addin.report.document import Document, numbered
 from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
 from addin.report.numbers import clean
 from addin.report.subject import Subject
-from addin.report.units import Shown, shown_of
-
-__all__ = ["build_document"]
+from addin.report.units import DocumentUnits, document_units
+from addin.writing.workbook import chosen_elements
 
 #: Longest title at the head of a page; a longer one is cut there, never on the cover.
 _HEAD = 70
@@ -58,7 +58,7 @@ def build_document(
     Document
         Complete, the same for every writer.
     """
-    shown = shown_of(read)
+    shown = document_units(read)
     blocks = chart_blocks(calculation.case, shown.units, calculation.view, _chosen(read))
     study = _study(read, shown)
     if study is not None and study.belongs_to(calculation.case_sha256):
@@ -98,23 +98,18 @@ def build_document(
     )
 
 
-def _study(read: CaseInput, shown: Shown) -> StandingStudy | None:
+def _study(read: CaseInput, shown: DocumentUnits) -> RecordedAccuracy | None:
     """The study of accuracy that stands in a workbook."""
-    from addin.reading.workbook import WorkbookInput
+    return (
+        recorded_accuracy(read.workbook, shown.units) if isinstance(read, WorkbookInput) else None
+    )
 
-    return standing_study(read.workbook, shown.units) if isinstance(read, WorkbookInput) else None
 
-
-def _studies(read: CaseInput, shown: Shown) -> tuple[StudyThere, ...]:
+def _studies(read: CaseInput, shown: DocumentUnits) -> tuple[RecordedStudy, ...]:
     """Studies that stand on sheets of their own in a workbook."""
-    from addin.reading.workbook import WorkbookInput
-
-    return studies_there(read, shown.units) if isinstance(read, WorkbookInput) else ()
+    return recorded_studies(read, shown.units) if isinstance(read, WorkbookInput) else ()
 
 
 def _chosen(read: CaseInput) -> list[str | None]:
     """Elements that the engineer wants drawn, named in the workbook."""
-    from addin.reading.workbook import WorkbookInput
-    from addin.writing.workbook import chosen_elements
-
     return chosen_elements(read.workbook) if isinstance(read, WorkbookInput) else []

@@ -16,8 +16,6 @@ from addin.report.document import Block, Column, Facts, Paragraph, Section, Tabl
 from addin.report.numbers import clean, of_dimension, pretty_unit, typed
 from addin.report.subject import Subject
 
-__all__ = ["changes", "earlier_name"]
-
 #: Most changed inputs shown. [count]
 _MOST = 120
 #: Longest text of a cell. [characters]

@@ -22,8 +22,6 @@ from addin.report.numbers import clean, scientific
 from addin.report.subject import Subject
 from addin.report.tables import result_table, without_blanks
 
-__all__ = ["accuracy", "audit", "checks", "effects", "equations"]
-
 _EFFECT_COLUMNS = ("Effect", "Choice", "Deciding number", "Limit", "Bound", "Why")
 #: Items of table Audit that tell how accurate the answers are.
 _ACCURACY_ITEMS = (

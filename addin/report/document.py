@@ -10,23 +10,6 @@ from dataclasses import dataclass, replace
 
 from addin.report.formula import Node
 
-__all__ = [
-    "Block",
-    "Column",
-    "Cover",
-    "Document",
-    "Equation",
-    "Facts",
-    "Figure",
-    "Listing",
-    "Paragraph",
-    "Section",
-    "SignatureBox",
-    "Table",
-    "numbered",
-    "tone_of",
-]
-
 #: Words of verdicts and the tone in which they are set.
 _TONES = {
     "pass": "good",

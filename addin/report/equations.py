@@ -9,8 +9,6 @@ from __future__ import annotations
 from addin.report.document import Equation
 from addin.report.formula import fence, formula, frac, root
 
-__all__ = ["EQUATIONS", "METHODS", "REFERENCES", "by"]
-
 _PAPER = "Szenasi and von Nimitz [1]"
 
 #: In the order in which they are numbered.

@@ -13,15 +13,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure as Drawing
 
 from addin.contract.chart_tables import CHART_TABLES, GROUPS, HISTORIES
 from addin.contract.charts import CHARTS, ChartSpec, FirstCell, Label, Series, Words
 from addin.contract.palette import PALETTE, SPEED_GROUPS
 from addin.report.document import Figure
 from addin.report.numbers import clean, pretty_unit
+
+try:
+    import matplotlib as mpl
+    from matplotlib.figure import Figure as Drawing
+    from matplotlib.patches import Patch
+except ImportError:  # `torsionbook report` says so before anything is calculated
+    pass
 
 #: Width of the text, and of every picture. [mm]
 WIDTH = 170.0
@@ -179,8 +184,6 @@ class Pictures:
             side.set_visible(False)
 
     def _speed_legend(self, drawing: Drawing) -> None:
-        from matplotlib.patches import Patch
-
         groups = [
             Patch(color=SPEED_GROUPS[k][0], label=self.charts.labels[f"Speed group {k + 1}"])
             for k in range(GROUPS)

@@ -15,8 +15,6 @@ from __future__ import annotations
 import re
 from typing import Any
 
-__all__ = ["Node", "fence", "formula", "frac", "root", "text_of"]
-
 Node = tuple[Any, ...]
 
 _RELATIONS = frozenset("=≤≥<>≈≪→")

@@ -17,8 +17,6 @@ from addin.report.tables import input_tables, turned, without_blanks
 from addin.report.units import entry_text, own_speeds
 from engine.case.data import ElementRow
 
-__all__ = ["inputs"]
-
 #: Columns of Elements that belong together, the name of the element in each part.
 _ELEMENT_PARTS = (
     ("Kind", "From", "To", "Stiffness", "Damping", "Loss factor"),

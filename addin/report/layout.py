@@ -13,17 +13,6 @@ from itertools import takewhile
 
 from addin.report.document import Block, Column, Paragraph, Section, Table
 
-__all__ = [
-    "TEXT_WIDTH",
-    "column_widths",
-    "fitted",
-    "folded",
-    "held_paragraphs",
-    "room",
-    "soft",
-    "stays_together",
-]
-
 #: Width of the text on either paper. [mm]
 TEXT_WIDTH = 170.0
 #: Width of a character of a table, of the wider of both writers, and the margins of a cell. [mm]

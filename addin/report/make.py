@@ -7,17 +7,22 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from addin.calculation.calculation import Calculation
 from addin.contract.problems import CellProblem
+from addin.diff.changes import Differences
+from addin.diff.compare import compare_read_files
+from addin.diff.files import CannotBeCompared, compared_file, read_compared_file, with_studies
+from addin.reading.one_file import Unreadable, read_checked
+from addin.reading.typed_case import CaseInput
+from addin.reading.workbook import WorkbookInput
+from addin.recorded.results import recorded_fact
+from addin.report.build import build_document
+from addin.report.pdf import pdf_of
+from addin.report.units import document_units
+from addin.report.word import docx_of
+from addin.writing.recalculate import recalculate_case
 from addin.xlsx.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from addin.calculation.calculation import Calculation
-    from addin.diff.changes import Differences
-    from addin.reading.typed_case import CaseInput
-
-__all__ = ["Reported", "report"]
 
 
 @dataclass(frozen=True)
@@ -58,22 +63,16 @@ def report(
     OSError
         If a file cannot be written; one that was there is as before.
     """
-    from addin.writing.recalculate import Unreadable, calculate_read, read_checked
-
     tell = on_stage or (lambda stage: None)
     tell("reading")
     read = read_checked(source)
     if isinstance(read, Unreadable) or read.problems:
         return Reported(read.problems, read.warnings, ())
-    calculation, problems = calculate_read(read, {}, tell)
+    calculation, problems = recalculate_case(read, {}, tell)
     if calculation is None:
         return Reported(problems, read.warnings, ())
-    from addin.report.build import build_document
-
     differences = None
     if against is not None:
-        from addin.diff.files import CannotBeCompared
-
         tell(f"comparing with {against.name}")
         try:
             differences = _compared(against, source, read, calculation)
@@ -94,13 +93,9 @@ def report(
     )
     made: list[tuple[Path, bytes]] = []
     if pdf is not None:
-        from addin.report.pdf import pdf_of
-
         tell("setting the PDF")
         made.append((pdf, pdf_of(document)))
     if docx is not None:
-        from addin.report.word import docx_of
-
         tell("setting the DOCX")
         made.append((docx, docx_of(document)))
     for path, content in made:
@@ -112,20 +107,15 @@ def _compared(
     against: Path, source: Path, read: CaseInput, calculation: Calculation
 ) -> Differences:
     """An earlier revision, calculated again by this version, and this calculation."""
-    from addin.diff.compare import compare_sides
-    from addin.diff.files import read_side, side_of, with_studies
-    from addin.report.units import shown_of
-
-    units = shown_of(read).units
-    now = side_of(source, read, calculation, units, "calculated now, for this document")
-    return compare_sides(read_side(against, recalculate=True), with_studies(now, read))
+    units = document_units(read).units
+    now = compared_file(source, read, calculation, units, "calculated now, for this document")
+    return compare_read_files(
+        read_compared_file(against, recalculate=True), with_studies(now, read)
+    )
 
 
 def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:
     """What the workbook's own results belong to, if not to its inputs."""
-    from addin.reading.workbook import WorkbookInput
-    from addin.recorded.results import recorded_fact
-
     if not isinstance(read, WorkbookInput):
         return ()
     stored = {

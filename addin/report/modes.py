@@ -11,8 +11,6 @@ from addin.report.numbers import clean, fixed, significant
 from addin.report.subject import Subject
 from addin.report.tables import FULL, left_out, result_table, with_column
 
-__all__ = ["frequencies", "shown_modes"]
-
 #: Modes shown: all up to this many, else those below so many line frequencies, within these counts.
 _ALL_MODES, _LINE_MULTIPLE, _FEWEST, _MOST = 15, 2.5, 10, 25
 #: Columns of mode shapes beside each other.

@@ -7,16 +7,7 @@ from __future__ import annotations
 
 import math
 
-__all__ = [
-    "clean",
-    "engineering",
-    "fixed",
-    "of_dimension",
-    "pretty_unit",
-    "scientific",
-    "significant",
-    "typed",
-]
+from addin.contract.live_formulas import WHOLE_STARTS
 
 _UP = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 #: From here on a number is written with a power of ten.
@@ -150,8 +141,6 @@ _DECIMALS = {
 
 
 def _whole(value: float) -> str:
-    from addin.contract.live_formulas import WHOLE_STARTS
-
     floor = math.floor(value * (1.0 + WHOLE_STARTS))
     return f"{floor:,}" if floor < _LARGE else engineering(value)
 

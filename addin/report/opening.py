@@ -25,8 +25,6 @@ from addin.report.tables import result_table
 from addin.report.units import own_speeds
 from engine.start.start_fatigue import is_counted
 
-__all__ = ["conclusions", "cover_of", "largest_peak", "scope", "summary"]
-
 #: Longest tag below the title; the title block has all of it. [characters]
 _SUBTITLE = 120
 #: Rows of the revision table that stay blank for later revisions.

@@ -12,8 +12,6 @@ from addin.report.numbers import clean, significant
 from addin.report.subject import Subject
 from addin.report.tables import FULL, left_out, result_table, with_column
 
-__all__ = ["margins", "steady_state"]
-
 
 def margins(subject: Subject) -> Section:
     """Interference diagram and separation margins."""

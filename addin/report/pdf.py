@@ -34,8 +34,6 @@ from addin.report.layout import (
 )
 from addin.report.numbers import clean
 
-__all__ = ["pdf_of"]
-
 TEMPLATE = Path(__file__).with_name("report.typ")
 #: Width of the papers. [mm]
 _PAPER = {"a4": 210.0, "us-letter": 215.9}

@@ -12,13 +12,12 @@ from addin.contract.chart_tables import HISTORIES
 from addin.report.document import Block, Column, Facts, Listing, Paragraph, Section, Table
 from addin.report.equations import by
 from addin.report.layout import folded
-from addin.report.numbers import clean, fixed, significant, typed
+from addin.report.numbers import clean, fixed, of_dimension, significant, typed
+from addin.report.opening import largest_peak
 from addin.report.subject import Subject
 from addin.report.tables import result_table, turned, with_column
 from addin.report.units import own_speeds
 from engine.case.practice_limits import PRACTICE_LIMITS
-
-__all__ = ["fatigue", "reversals", "start"]
 
 _CROSSINGS = (
     ("Mode", "Frequency", "Percent speed", "Time", "Average torque", "Pulsating torque", "Load torque",
@@ -158,8 +157,6 @@ def _over_rated(subject: Subject, table: Table, rows: Sequence[Mapping[str, Any]
 
 
 def _in_rated(subject: Subject) -> Iterator[Block]:
-    from addin.report.opening import largest_peak
-
     peak = largest_peak(subject)
     if peak:
         yield Paragraph(f"Largest torque, compared at motor speed: {peak}.")
@@ -283,6 +280,4 @@ def _governing(subject: Subject) -> Iterator[Block]:
 
 
 def _sum(cycles: Sequence[Mapping[str, Any]]) -> str:
-    from addin.report.numbers import of_dimension
-
     return of_dimension(math.fsum(row["damage"] for row in cycles), "Damage", "count")

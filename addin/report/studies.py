@@ -10,14 +10,12 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from addin.recorded.studies import StudyThere
+from addin.recorded.studies import RecordedStudy
 from addin.report.document import Block, Figure, Paragraph, Section, Table
 from addin.report.numbers import clean
 from addin.report.subject import Subject
 from addin.report.tables import standing_table
-from addin.report.units import Shown
-
-__all__ = ["studies"]
+from addin.report.units import DocumentUnits
 
 Row = Mapping[str, Any]
 
@@ -26,14 +24,14 @@ _BEST, _REASONS, _MOST = 10, 5, 12
 _ALL = "all rows are in the workbook"
 
 
-def studies(subject: Subject, there: Sequence[StudyThere]) -> Section:
+def studies(subject: Subject, there: Sequence[RecordedStudy]) -> Section:
     """Every study of a workbook, in the order of its sheets.
 
     Parameters
     ----------
     subject : Subject
         What the report is about.
-    there : sequence of StudyThere
+    there : sequence of RecordedStudy
         Studies that stand in the workbook, at least one. [SI]
 
     Returns
@@ -49,7 +47,7 @@ def studies(subject: Subject, there: Sequence[StudyThere]) -> Section:
     return Section("Studies", (Paragraph(said),), tuple(_part(subject, one) for one in there))
 
 
-def _part(subject: Subject, one: StudyThere) -> Section:
+def _part(subject: Subject, one: RecordedStudy) -> Section:
     title, made = _PARTS.get(one.key) or (one.on_sheet.sheet, _every_table)
     if one.outdated:
         command = one.on_sheet.command
@@ -62,7 +60,7 @@ def _part(subject: Subject, one: StudyThere) -> Section:
     return Section(title, (*blocks, Paragraph(clean(one.stamp), "note")))
 
 
-def _rows(one: StudyThere, table: str) -> list[Row]:
+def _rows(one: RecordedStudy, table: str) -> list[Row]:
     """Rows of a table; none where the workbook has no such table."""
     return list(one.tables.get(table, ()))
 
@@ -83,7 +81,7 @@ def _tables(*made: Table) -> Iterator[Block]:
 # --- tuning ---------------------------------------------------------------------------------------
 
 
-def _tuning(subject: Subject, one: StudyThere) -> Iterator[Block]:
+def _tuning(subject: Subject, one: RecordedStudy) -> Iterator[Block]:
     shown, rows = subject.shown, _rows(one, "TuningResults")
 
     def until(rank: int) -> list[Row]:
@@ -113,7 +111,7 @@ def _tuning(subject: Subject, one: StudyThere) -> Iterator[Block]:
         yield picture
 
 
-def _starts_over_first_variable(subject: Subject, one: StudyThere) -> Figure | None:
+def _starts_over_first_variable(subject: Subject, one: RecordedStudy) -> Figure | None:
     axes, lines = _rows(one, "TuningAxes"), _rows(one, "TuningLines")
     if not axes or len(lines) < 2:
         return None
@@ -138,7 +136,7 @@ def _starts_over_first_variable(subject: Subject, one: StudyThere) -> Figure | N
 # --- tolerances, sensitivities --------------------------------------------------------------------
 
 
-def _tolerances(subject: Subject, one: StudyThere) -> Iterator[Block]:
+def _tolerances(subject: Subject, one: RecordedStudy) -> Iterator[Block]:
     shown = subject.shown
     yield from _tables(
         standing_table(
@@ -166,7 +164,7 @@ def _tolerances(subject: Subject, one: StudyThere) -> Iterator[Block]:
             yield picture
 
 
-def _margins(one: StudyThere, shown: Shown) -> Table:
+def _margins(one: RecordedStudy, shown: DocumentUnits) -> Table:
     """Margins that are not sure, the least probable first, and all of them together."""
     rows = _rows(one, "ToleranceMargins")
     unsure = [r for r in rows if (_number(r, "Probability") or 0.0) < 1.0]
@@ -183,7 +181,7 @@ def _margins(one: StudyThere, shown: Shown) -> Table:
     )  # fmt: skip
 
 
-def _tornado(subject: Subject, one: StudyThere) -> Figure | None:
+def _tornado(subject: Subject, one: RecordedStudy) -> Figure | None:
     bars = [
         (str(r.get("Factor") or ""), 100.0 * low, 100.0 * high)
         for r in _rows(one, "ToleranceTornado")
@@ -195,7 +193,7 @@ def _tornado(subject: Subject, one: StudyThere) -> Figure | None:
     )  # fmt: skip
 
 
-def _distribution(subject: Subject, one: StudyThere) -> Figure | None:
+def _distribution(subject: Subject, one: RecordedStudy) -> Figure | None:
     points = [
         (starts, 100.0 * share)
         for r in _rows(one, "ToleranceDistribution")
@@ -208,7 +206,7 @@ def _distribution(subject: Subject, one: StudyThere) -> Figure | None:
     )  # fmt: skip
 
 
-def _sensitivities(subject: Subject, one: StudyThere) -> Iterator[Block]:
+def _sensitivities(subject: Subject, one: RecordedStudy) -> Iterator[Block]:
     rows = _rows(one, "Sensitivities")
 
     def size(row: Row) -> float:
@@ -227,7 +225,7 @@ def _sensitivities(subject: Subject, one: StudyThere) -> Iterator[Block]:
 # --- starts, ledger -------------------------------------------------------------------------------
 
 
-def _starts(subject: Subject, one: StudyThere) -> Iterator[Block]:
+def _starts(subject: Subject, one: RecordedStudy) -> Iterator[Block]:
     shown = subject.shown
     yield from _tables(
         standing_table(
@@ -257,13 +255,13 @@ def _starts(subject: Subject, one: StudyThere) -> Iterator[Block]:
     )  # fmt: skip
 
 
-def _duty(one: StudyThere) -> list[Row]:
+def _duty(one: RecordedStudy) -> list[Row]:
     """Kinds of starts that happen."""
     rows = _rows(one, "RemainingStarts")
     return [r for r in rows if _number(r, "So far") or _number(r, "Per year")]
 
 
-def _over_voltage(subject: Subject, one: StudyThere) -> Figure | None:
+def _over_voltage(subject: Subject, one: RecordedStudy) -> Figure | None:
     rows = _rows(one, "StartsByVoltage")
     factor = _factor(subject.shown, "StartsByVoltage", "Voltage")
     series = []
@@ -281,7 +279,7 @@ def _over_voltage(subject: Subject, one: StudyThere) -> Figure | None:
 # --- calibration ----------------------------------------------------------------------------------
 
 
-def _calibration(subject: Subject, one: StudyThere) -> Iterator[Block]:
+def _calibration(subject: Subject, one: RecordedStudy) -> Iterator[Block]:
     shown, changed = subject.shown, _rows(one, "CalibratedParameters")
     changed.sort(key=lambda r: -abs(_number(r, "Pull") or 0.0))
     fit = ("Measured", "Uncertainty", "Before", "After", "Residual", "Used", "Explained", "Note")
@@ -307,12 +305,12 @@ def _calibration(subject: Subject, one: StudyThere) -> Iterator[Block]:
     )  # fmt: skip
 
 
-def _factor(shown: Shown, table: str, column: str) -> float:
+def _factor(shown: DocumentUnits, table: str, column: str) -> float:
     factor = shown.units.factor(table, column)
     return factor if factor and math.isfinite(factor) else 1.0
 
 
-def _every_table(subject: Subject, one: StudyThere) -> Iterator[Block]:
+def _every_table(subject: Subject, one: RecordedStudy) -> Iterator[Block]:
     """All of a study that has no part of its own here."""
     for spec in one.on_sheet.json_tables:
         columns = [column.name for column in spec.columns]
@@ -322,7 +320,7 @@ def _every_table(subject: Subject, one: StudyThere) -> Iterator[Block]:
         yield from _tables(table)
 
 
-_PARTS: Mapping[str, tuple[str, Callable[[Subject, StudyThere], Iterator[Block]]]] = {
+_PARTS: Mapping[str, tuple[str, Callable[[Subject, RecordedStudy], Iterator[Block]]]] = {
     "tuning": ("Couplings in every combination", _tuning),
     "tolerances": ("Tolerances", _tolerances),
     "sensitivities": ("Sensitivities", _sensitivities),

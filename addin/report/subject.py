@@ -10,12 +10,10 @@ from addin.calculation.calculation import Calculation
 from addin.contract.problems import shortened
 from addin.diff.changes import Differences
 from addin.reading.typed_case import CaseInput
-from addin.recorded.results import StandingStudy
+from addin.recorded.results import RecordedAccuracy
 from addin.report.figures import Pictures
 from addin.report.numbers import clean
-from addin.report.units import Shown
-
-__all__ = ["Subject"]
+from addin.report.units import DocumentUnits
 
 #: Longest text of the title block. [characters]
 _TITLE = 600
@@ -28,11 +26,11 @@ class Subject:
     name: str  #: Name of the file, without its folder.
     calculation: Calculation  #: The results. [SI]
     read: CaseInput  #: The inputs as typed.
-    shown: Shown  #: Units of the document.
+    shown: DocumentUnits  #: Units of the document.
     pictures: Pictures  #: Its charts.
     alerts: tuple[str, ...]  #: What must be known before anything is read.
     show_times: bool  #: Whether measured times are shown; they differ from run to run.
-    study: StandingStudy | None = None  #: The study of accuracy in the workbook. [SI]
+    study: RecordedAccuracy | None = None  #: The study of accuracy in the workbook. [SI]
     against: Differences | None = None  #: An earlier calculation and this one. [SI]
 
     def rows(self, table: str) -> Sequence[Mapping[str, Any]]:

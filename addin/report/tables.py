@@ -21,19 +21,8 @@ from addin.contract.tables import (
 from addin.reading.typed_case import Entry
 from addin.report.document import Column, Table
 from addin.report.numbers import clean, of_dimension, pretty_unit
-from addin.report.units import Shown, entry_text
+from addin.report.units import DocumentUnits, entry_text
 from addin.writing.workbook import shown_cell
-
-__all__ = [
-    "FULL",
-    "input_tables",
-    "left_out",
-    "result_table",
-    "standing_table",
-    "turned",
-    "with_column",
-    "without_blanks",
-]
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -50,7 +39,7 @@ _NOTHING = 1e-7
 def input_tables(
     name: str,
     rows: Sequence[Mapping[str, Entry]],
-    shown: Shown,
+    shown: DocumentUnits,
     caption: str,
     groups: Sequence[Sequence[str]] = (),
 ) -> list[Table]:
@@ -62,7 +51,7 @@ def input_tables(
         Input table. [name]
     rows : sequence of mapping
         Its rows as typed. [entries]
-    shown : Shown
+    shown : DocumentUnits
         The units of the document.
     caption : str
         Caption; of several parts each names its columns. [text]
@@ -99,7 +88,7 @@ def _typed_table(
     spec: TableSpec,
     columns: Sequence[Field],
     rows: Sequence[Mapping[str, Entry]],
-    shown: Shown,
+    shown: DocumentUnits,
     caption: str,
 ) -> Table:
     """One unit a column where all its numbers share it, else a unit in each cell."""
@@ -131,7 +120,7 @@ def _column(field: Field, unit: str) -> Column:
 def result_table(
     name: str,
     rows: Rows,
-    shown: Shown,
+    shown: DocumentUnits,
     caption: str,
     columns: Sequence[str] = (),
     note: str = "",
@@ -144,7 +133,7 @@ def result_table(
         Result table. [name]
     rows : sequence of mapping
         Its rows by JSON key. [SI]
-    shown : Shown
+    shown : DocumentUnits
         The units of the document.
     caption : str
         Caption. [text]
@@ -170,7 +159,7 @@ def result_table(
 def standing_table(
     name: str,
     rows: Rows,
-    shown: Shown,
+    shown: DocumentUnits,
     caption: str,
     columns: Sequence[str],
     note: str = "",
@@ -183,7 +172,7 @@ def standing_table(
         Result table. [name]
     rows : sequence of mapping
         Its rows by header. [SI]
-    shown : Shown
+    shown : DocumentUnits
         The units of the document.
     caption : str
         Caption. [text]
@@ -206,7 +195,7 @@ def standing_table(
     return without_blanks(Table(caption, heads, body, note))
 
 
-def _standing_cell(spec: TableSpec, field: Field, value: Any, shown: Shown) -> str:
+def _standing_cell(spec: TableSpec, field: Field, value: Any, shown: DocumentUnits) -> str:
     if value is None or value is False:
         return ""
     if value is True:
@@ -239,7 +228,7 @@ def _base(spec: TableSpec, field: Field) -> str:
     return field.name
 
 
-def _cell(spec: TableSpec, field: Field, row: Mapping[str, Any], shown: Shown) -> str:
+def _cell(spec: TableSpec, field: Field, row: Mapping[str, Any], shown: DocumentUnits) -> str:
     value = shown_cell(spec, field, row, shown.units)
     if value is None:
         return ""

@@ -12,23 +12,30 @@ from dataclasses import dataclass
 
 from addin.contract import tables as fields
 from addin.contract.problems import shortened
-from addin.contract.shown_units import ShownUnits, shown_units
+from addin.contract.shown_units import ShownUnits, shown_units, template_units
 from addin.contract.tables import Field
 from addin.contract.units import parse_unit
 from addin.reading.typed_case import CaseInput, Entry, Typed
+from addin.reading.workbook import WorkbookInput
 from addin.report.numbers import clean, pretty_unit, typed
+from addin.writing.workbook import read_shown_units
 from engine.case.data import CaseData
-
-__all__ = ["Shown", "entry_text", "own_speeds", "shown_of"]
 
 #: Digits of an input that was converted to another unit: as good as the factor of its unit.
 _CONVERTED_DIGITS = 7
+#: Tables that a document may show.
+_TABLES = (
+    *fields.INPUT_TABLES,
+    *fields.RESULT_TABLES,
+    *fields.WORKBOOK_TABLES,
+    *fields.STUDY_RESULT_TABLES,
+)
 #: Longest text of a cell. [characters]
 _LONGEST = 1000
 
 
 @dataclass(frozen=True)
-class Shown:
+class DocumentUnits:
     """What a document is shown in."""
 
     units: ShownUnits  #: Units of the columns. [units]
@@ -57,48 +64,24 @@ class Shown:
         return pretty_unit(self.units.name(table, column))
 
 
-def shown_of(read: CaseInput) -> Shown:
+def document_units(read: CaseInput) -> DocumentUnits:
     """Units of a document about an input."""
-    from addin.reading.workbook import WorkbookInput
-    from addin.writing.workbook import read_shown_units
-
     rated = read.data.ratings.rated_torque
     if isinstance(read, WorkbookInput):
         found, problems = read_shown_units(read.workbook, rated)
         system = _system(found.names.values())
-        usual = template_units(system)  # a cell above a column without a unit holds other words
+        usual = template_units(
+            system, _TABLES
+        )  # a cell above a column without a unit holds other words
         names = usual | {k: v for k, v in found.names.items() if v and k in usual}
         units, _ = shown_units(names, rated)
-        return Shown(units, system, True, tuple(problems))
+        return DocumentUnits(units, system, True, tuple(problems))
     system = _system(entry.unit for entry in _entries(read) if isinstance(entry, Typed))
-    units, _ = shown_units(template_units(system), rated)
-    return Shown(units, system, False, ())
+    units, _ = shown_units(template_units(system, _TABLES), rated)
+    return DocumentUnits(units, system, False, ())
 
 
-def template_units(system: str) -> dict[tuple[str, str], str]:
-    """The units of a blank template.
-
-    Parameters
-    ----------
-    system : str
-        ``US`` or ``SI``. [word]
-
-    Returns
-    -------
-    dict
-        Table and column → unit. [units]
-    """
-    names = {}
-    every = (fields.INPUT_TABLES, fields.RESULT_TABLES, fields.WORKBOOK_TABLES)
-    for table in (one for tables in (*every, fields.STUDY_RESULT_TABLES) for one in tables):
-        repeated = () if table.repeated is None else (table.repeated,)
-        for field in (*table.columns, *repeated, *table.extra_columns):
-            if field.has_unit:
-                names[table.name, field.name] = field.unit_us if system == "US" else field.unit_si
-    return names
-
-
-def entry_text(entry: Entry | None, field: Field, shown: Shown) -> tuple[str, str]:
+def entry_text(entry: Entry | None, field: Field, shown: DocumentUnits) -> tuple[str, str]:
     """An input as typed, and its unit.
 
     Parameters
@@ -107,7 +90,7 @@ def entry_text(entry: Entry | None, field: Field, shown: Shown) -> tuple[str, st
         What was typed; None for a blank. [entry]
     field : Field
         Its column or scalar.
-    shown : Shown
+    shown : DocumentUnits
         The units of the document.
 
     Returns

@@ -12,14 +12,6 @@ import zipfile
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from docx import Document as new_document
-from docx.enum.style import WD_STYLE_TYPE
-from docx.enum.table import WD_TABLE_ALIGNMENT
-from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_BREAK, WD_TAB_ALIGNMENT
-from docx.oxml import OxmlElement
-from docx.oxml.ns import qn
-from docx.shared import Mm, Pt, RGBColor
-
 from addin.contract.palette import PALETTE
 from addin.report.document import (
     Block,
@@ -38,7 +30,16 @@ from addin.report.document import (
 from addin.report.formula import Node
 from addin.report.layout import TEXT_WIDTH, column_widths, held_paragraphs, stays_together
 
-__all__ = ["docx_of"]
+try:
+    from docx import Document as new_document
+    from docx.enum.style import WD_STYLE_TYPE
+    from docx.enum.table import WD_TABLE_ALIGNMENT
+    from docx.enum.text import WD_ALIGN_PARAGRAPH, WD_BREAK, WD_TAB_ALIGNMENT
+    from docx.oxml import OxmlElement
+    from docx.oxml.ns import qn
+    from docx.shared import Mm, Pt, RGBColor
+except ImportError:  # `torsionbook report` says so before anything is calculated
+    pass
 
 #: Metric-compatible fonts exist on every system.
 _TEXT_FONT, _TABLE_FONT, _MATH_FONT = "Times New Roman", "Arial", "Cambria Math"

@@ -338,7 +338,8 @@ def _start(case: Any, tell: Callable[[str], None]) -> Any:
 
 def _workbook(paths: tuple[str, str], tell: Callable[[str], None]) -> Any:
     """Recalculate a workbook; problems, warnings and the verdict."""
-    from addin.writing.recalculate import of_file, recalculate
+    from addin.reading.one_file import file_problem
+    from addin.writing.recalculate import recalculate
     from addin.xlsx.container import Container
     from addin.xlsx.errors import PackageError
 
@@ -347,17 +348,17 @@ def _workbook(paths: tuple[str, str], tell: Callable[[str], None]) -> Any:
     try:
         Container(source, _limits())
     except PackageError as wrong:
-        return (of_file(source, wrong),), ()
+        return (file_problem(source, wrong),), ()
     done = recalculate(source, destination=target, on_stage=tell)
     return done.problems, done.warnings
 
 
 def _read(path: str, tell: Callable[[str], None]) -> Any:
     """Read a workbook or a case JSON; problems, warnings, the case and its units."""
+    from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
     from addin.reading.typed_case import CaseInput
     from addin.reading.workbook import read_workbook
     from addin.worksheet.models import system_of
-    from addin.writing.recalculate import WORKBOOK_ENDINGS, Unreadable, of_file, read_checked
     from addin.xlsx import open_workbook
     from addin.xlsx.errors import PackageError
 
@@ -370,7 +371,7 @@ def _read(path: str, tell: Callable[[str], None]) -> Any:
         else:
             read = read_checked(source)
     except (PackageError, OSError) as wrong:
-        return (of_file(source, wrong),), (), None, ""
+        return (file_problem(source, wrong),), (), None, ""
     if isinstance(read, Unreadable) or read.problems:
         return read.problems, read.warnings, None, ""
     return (), read.warnings, read.case(), system_of(read)

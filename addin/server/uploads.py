@@ -19,13 +19,13 @@ from starlette.responses import Response
 
 from addin.contract.problems import CellProblem
 from addin.contract.version import product_version
+from addin.reading.one_file import WORKBOOK_ENDINGS
 from addin.server.processes import Busy, TooLong, Work
 from addin.server.requests import Refused, answer, read_body, while_connected
 from addin.server.running_starts import waited_for
 from addin.server.settings import Limits
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
-from addin.writing.recalculate import WORKBOOK_ENDINGS
 from addin.writing.results_json import errors_to_json
 
 __all__ = ["model_of", "recalculated"]

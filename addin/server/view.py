@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from addin.calculation.calculation import Calculation
-from addin.calculation.run_view import RunView
+from addin.calculation.calculation import Calculation, RunView
 from addin.charts.data import chart_blocks
 from addin.contract.chart_tables import CHART_TABLES, HISTORIES
 from addin.contract.charts import CHARTS, ChartSpec, Label, Words

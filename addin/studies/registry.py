@@ -12,8 +12,8 @@ from addin.studies.study import Study
 
 if TYPE_CHECKING:
     from addin.contract.problems import CellProblem
+    from addin.reading.one_file import Unreadable
     from addin.reading.typed_case import CaseInput
-    from addin.writing.recalculate import Unreadable
     from engine.errors import Problem
 
 
@@ -70,4 +70,4 @@ def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:
     for spec in STUDIES:
         if any(studies.inputs.rows(name) for name in spec.input_names):
             found += study_of(spec).check(case, studies.inputs, {})
-    return tuple(dict.fromkeys(studies.told(tables, found)))
+    return tuple(dict.fromkeys(studies.problems_of(tables, found)))

@@ -15,14 +15,9 @@ from typing import TYPE_CHECKING, Any
 from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.problems import CellProblem
 from addin.contract.study_spec import StudySpec
-from addin.writing.recalculate import (
-    WORKBOOK_ENDINGS,
-    Unreadable,
-    of_case,
-    of_file,
-    read_checked,
-    write_json,
-)
+from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
+from addin.writing.recalculate import case_problems
+from addin.xlsx.whole_files import write_json
 
 if TYPE_CHECKING:
     from addin.reading.typed_case import CaseInput
@@ -180,7 +175,7 @@ def study_one(
             write_json(json_file, as_json(found, read, tuple(warnings)))
             files.append(json_file)
     except (PackageError, OSError) as failed:
-        problem = of_file(source, failed)
+        problem = file_problem(source, failed)
         return Studied(source, None, (problem,), tuple(warnings), tuple(files))
     return Studied(source, found, (), tuple(warnings), tuple(files))
 
@@ -230,13 +225,13 @@ def made_of(
             return None, _told(read, study, wrong), warnings
         found = _said(study.calculate(case, inputs, settings, spread, on_stage))
     except (CaseError, ModelError) as refused:
-        return None, (*unread, *of_case(refused)), warnings
+        return None, (*unread, *case_problems(refused)), warnings
     return found, (), (*warnings, *found.warnings)
 
 
 def _unread(study: Study, read: CaseInput) -> tuple[CellProblem, ...]:
     """What cannot be read of the case, and of the tables of the study."""
-    more = () if read.studies is None else read.studies.told(study.inputs)
+    more = () if read.studies is None else read.studies.problems_of(study.inputs)
     return (*read.problems, *more)
 
 
@@ -308,7 +303,7 @@ def _key(table: str) -> str:
 def _told(read: CaseInput, study: Study, wrong: Sequence[Problem]) -> tuple[CellProblem, ...]:
     """Problems of the study's rows with their cells; of a case without such tables as they are."""
     if read.studies is not None:
-        return read.studies.told(study.inputs, wrong)
+        return read.studies.problems_of(study.inputs, wrong)
     from addin.contract.problems import placed
     from addin.contract.tables import input_table
 

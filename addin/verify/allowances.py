@@ -13,8 +13,6 @@ from addin.contract.field import ReportedError
 from addin.contract.tables import find_column
 from engine.results.results import Results
 
-__all__ = ["Allowances"]
-
 
 class Allowances:
     """The reported errors of one calculation.

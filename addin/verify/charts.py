@@ -11,8 +11,6 @@ from addin.verify.findings import Counts, Finding
 from addin.xlsx import Table, TableData, Workbook
 from addin.xlsx.references import cell_name
 
-__all__ = ["compare_charts", "drawn_elements"]
-
 #: Wall times are drawn there.
 _OWN_OF_EACH_RUN = frozenset({"ChartAccuracy"})
 _OWN_LABELS = frozenset({"Accuracy title", "Accuracy axis"})

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from addin.verify.findings import Agreement
 from addin.xlsx import ErrorValue
 
-__all__ = ["ROUNDING", "Standing", "agreement", "is_rounding", "shown_step"]
-
 #: Relative difference that other processors and other programs' saving make. [1]
 ROUNDING = 1e-9
 
@@ -18,7 +16,7 @@ Value = None | bool | int | float | str | ErrorValue
 
 
 @dataclass(frozen=True)
-class Standing:
+class RecordedValue:
     """What stands in a cell, or under a key."""
 
     value: Value  #: Its value; of a formula the one it shows. [as shown]
@@ -27,12 +25,12 @@ class Standing:
     number_format: str = ""  #: How it is shown; empty = with all digits.
 
 
-def agreement(found: Standing, expected: Value, allowed: float | None = None) -> Agreement:
+def agreement(found: RecordedValue, expected: Value, allowed: float | None = None) -> Agreement:
     """How well a value agrees with the expected one.
 
     Parameters
     ----------
-    found : Standing
+    found : RecordedValue
         What stands there. [shown unit]
     expected : number or text
         What would be written. [shown unit]

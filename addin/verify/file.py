@@ -6,13 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from addin.contract.problems import CellProblem
+from addin.reading.one_file import Unreadable, file_problem, read_checked
 from addin.reading.workbook import WorkbookInput
 from addin.verify.findings import Agreement, Verification
 from addin.verify.json_file import read_results_json, verify_results_json
 from addin.verify.workbook import verify_workbook
-from addin.writing.recalculate import Unreadable, of_file, read_checked
-
-__all__ = ["verify_file"]
 
 
 def verify_file(
@@ -33,7 +31,7 @@ def verify_file(
         try:
             content = read_results_json(source)
         except (ValueError, OSError) as wrong:
-            return _not_verified(source, of_file(source, wrong).message)
+            return _not_verified(source, file_problem(source, wrong).message)
     read = read_checked(case if is_json and case is not None else source)
     if isinstance(read, Unreadable):
         return _not_verified(source, read.problems[0].message, read.problems)

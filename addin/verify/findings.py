@@ -11,16 +11,6 @@ from typing import Any
 from addin.contract.problems import CellProblem
 from addin.contract.tables import EVERY_TABLE
 
-__all__ = [
-    "AGREEMENTS",
-    "Agreement",
-    "Counts",
-    "Finding",
-    "Verification",
-    "concluded",
-    "not_calculated",
-]
-
 
 class Agreement(IntEnum):
     """How well what stands there agrees with what follows from the inputs."""

@@ -18,22 +18,11 @@ from addin.contract.sheets import (
     TITLE_BLOCK,
 )
 from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, Field
-from addin.verify.compare import Standing, agreement
+from addin.verify.compare import RecordedValue, agreement
 from addin.verify.findings import Agreement, Finding
 from addin.verify.structure import plain
 from addin.xlsx import ErrorValue, Formula, PackageError, Table, Workbook
 from addin.xlsx.references import Rect, cell_name, parse_cell
-
-__all__ = [
-    "OwnFormula",
-    "old_values",
-    "own_formulas",
-    "reads_nothing",
-    "restore",
-    "summary_sheet",
-    "typed_over",
-    "unjudged",
-]
 
 #: Where labels are looked for.
 _LABELS = Rect(1, 1, 1000, 60)
@@ -332,7 +321,7 @@ def old_values(
             if shows is None or follows is None:
                 continue
             style = int(old.style(row, column) or 0)
-            standing_here = Standing(shows, number_format=formats[style] if formats else "")
+            standing_here = RecordedValue(shows, number_format=formats[style] if formats else "")
             if agreement(standing_here, follows) <= Agreement.DIGITS:
                 continue
             kind, what = ("edited", f"{own.what}: the formula in place of ours") if own else (

@@ -10,9 +10,9 @@ from typing import Any
 from addin.contract.tables import RESULT_TABLES, TableSpec, json_key
 from addin.contract.version import product_version
 from addin.reading.typed_case import CaseInput
-from addin.recorded.provenance import of_results_json, rows_of
+from addin.recorded.provenance import json_provenance, rows_of
 from addin.verify.allowances import Allowances
-from addin.verify.compare import Standing, agreement
+from addin.verify.compare import RecordedValue, agreement
 from addin.verify.findings import (
     Agreement,
     Counts,
@@ -21,12 +21,10 @@ from addin.verify.findings import (
     concluded,
     not_calculated,
 )
-from addin.verify.tables import Expected, Stands, compare_tables
-from addin.writing.recalculate_case import calculated_again
+from addin.verify.tables import ExpectedTable, RecordedTable, compare_tables
+from addin.writing.recalculate import recalculate_case
 from addin.writing.results_json import results_to_json
 from engine.case.data import case_digest
-
-__all__ = ["header_rows", "read_results_json", "verify_results_json"]
 
 #: Keys beside the tables whose values are compared wherever they are nested.
 _NESTED = ("outcome", "startup", "modes", "damped_eigenvalues", "plans", "sensitivity", "warnings")
@@ -114,7 +112,7 @@ def verify_results_json(
     Verification
         Result by result; places are paths such as ``steady_state[3].torque``.
     """
-    recorded = of_results_json(content)
+    recorded = json_provenance(content)
     made_by = str(content.get("version") or "")
     about = Verification(
         path, "", "", f"torsionbook {made_by}" if made_by else "",
@@ -122,7 +120,7 @@ def verify_results_json(
         case_digest(read.data), recorded.settings, within,
     )  # fmt: skip
     findings = _on_digests(about, recorded.digest)
-    run, problems = calculated_again(read, recorded.settings, on_stage)
+    run, problems = recalculate_case(read, recorded.settings, on_stage)
     if run is None:
         return not_calculated(about, problems)
     expected = results_to_json(run, product_version(), run.details)
@@ -170,7 +168,7 @@ def _on_digests(about: Verification, of_audit_table: str) -> list[Finding]:
 
 def _table_pairs(
     content: Mapping[str, Any], expected: Mapping[str, Any]
-) -> Iterator[tuple[Expected, Stands]]:
+) -> Iterator[tuple[ExpectedTable, RecordedTable]]:
     for spec in RESULT_TABLES:
         if spec.key not in expected or spec.key not in content:
             continue
@@ -180,14 +178,14 @@ def _table_pairs(
         keys = {field.name: field.key for field in spec.columns}
         rows = [
             {
-                column: Standing(
+                column: RecordedValue(
                     row.get(column), f"{spec.key}[{k}].{keys.get(column, json_key(column))}"
                 )
                 for column in columns
             }
             for k, row in enumerate(stands)
         ]
-        yield Expected(spec.name, follows, columns), Stands("", rows)
+        yield ExpectedTable(spec.name, follows, columns), RecordedTable("", rows)
 
 
 def _nested(
@@ -209,7 +207,7 @@ def _nested(
         return
     is_number = isinstance(expected, int | float) and not isinstance(expected, bool)
     share = allowed * abs(expected) if allowed and is_number else allowed
-    how = agreement(Standing(found, path), expected, share)
+    how = agreement(RecordedValue(found, path), expected, share)
     counts.of[how] += 1
     if how is not Agreement.BITS:
         said = f"{found} stands here, {expected} follows"

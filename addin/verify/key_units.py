@@ -12,8 +12,6 @@ from addin.verify.formulas import own_formulas
 from addin.xlsx import Formula, Workbook
 from addin.xlsx.references import Rect, cell_name
 
-__all__ = ["compare_units"]
-
 #: By the label of the number: a unit, or the column whose unit it has.
 _UNITS = {one[0]: one[2] for one in (*KEY_NUMBERS, *CYCLE_FACTS) if one[2]}
 

@@ -11,8 +11,6 @@ from addin.verify.findings import Finding
 from addin.xlsx import Table, Workbook
 from addin.xlsx.references import Rect, cell_name
 
-__all__ = ["missing_tables", "odd_columns", "plain"]
-
 #: Headers side by side by which the cells of a table are known again that is a table no more.
 _TELLING = 3
 _EVERYTHING = Rect(1, 1, 3000, 200)

@@ -12,18 +12,16 @@ from addin.contract.tables import find_column, find_table
 from addin.recorded.match_rows import match_rows, row_columns, row_name
 from addin.recorded.provenance import is_own_of_each_run
 from addin.verify.allowances import Allowances
-from addin.verify.compare import Standing, agreement, is_rounding
+from addin.verify.compare import RecordedValue, agreement, is_rounding
 from addin.verify.findings import Agreement, Counts, Finding
 from addin.xlsx import ErrorValue
-
-__all__ = ["Compared", "Expected", "Stands", "compare_tables"]
 
 #: Share of the numbers of a family that must be reproduced for the others to be called edited. [1]
 _REPRODUCED = 0.9
 
 
 @dataclass(frozen=True)
-class Expected:
+class ExpectedTable:
     """A table as it would be written."""
 
     name: str  #: Result table.
@@ -32,11 +30,11 @@ class Expected:
 
 
 @dataclass(frozen=True)
-class Stands:
+class RecordedTable:
     """A table as it stands."""
 
     sheet: str  #: Its sheet, or the key in a JSON file.
-    rows: Sequence[Mapping[str, Standing]]  #: What stands in each row by header. [shown units]
+    rows: Sequence[Mapping[str, RecordedValue]]  #: What stands in each row by header. [shown units]
 
 
 @dataclass(frozen=True)
@@ -47,7 +45,7 @@ class Compared:
     sheet: str  #: Likewise.
     row: str  #: Likewise.
     column: str  #: Likewise.
-    found: Standing  #: What stands there. [shown unit]
+    found: RecordedValue  #: What stands there. [shown unit]
     expected: Any  #: What would be written. [shown unit]
     agreement: Agreement  #: How well they agree.
     scale: float = 0.0  #: Largest number of the column. [shown unit]
@@ -67,7 +65,7 @@ class Compared:
 
 
 def compare_tables(
-    pairs: Iterable[tuple[Expected, Stands]],
+    pairs: Iterable[tuple[ExpectedTable, RecordedTable]],
     allowances: Allowances,
     *,
     within: Agreement,
@@ -80,7 +78,7 @@ def compare_tables(
 
     Parameters
     ----------
-    pairs : iterable of (Expected, Stands)
+    pairs : iterable of (ExpectedTable, RecordedTable)
         Tables.
     allowances : Allowances
         Reported errors.
@@ -169,7 +167,7 @@ def _scale(rows: Sequence[Mapping[str, Any]], column: str) -> float:
     return max(numbers, default=0.0)
 
 
-def _paired(expected: Expected, stands: Stands) -> list[tuple[int | None, int | None]]:
+def _paired(expected: ExpectedTable, stands: RecordedTable) -> list[tuple[int | None, int | None]]:
     """Rows matched by name; those whose very name was changed are matched by their order."""
     plain = [{h: s.value for h, s in row.items()} for row in stands.rows]
     if not row_columns(expected.name):
@@ -186,7 +184,7 @@ def _paired(expected: Expected, stands: Stands) -> list[tuple[int | None, int | 
     return pairs
 
 
-def _name(expected: Expected, row: Mapping[str, Any]) -> str:
+def _name(expected: ExpectedTable, row: Mapping[str, Any]) -> str:
     names = row_columns(expected.name)
     if not names:
         return ""
@@ -195,7 +193,10 @@ def _name(expected: Expected, row: Mapping[str, Any]) -> str:
 
 
 def _one_sided(
-    expected: Expected, stands: Stands, pair: tuple[int | None, int | None], same_words: bool
+    expected: ExpectedTable,
+    stands: RecordedTable,
+    pair: tuple[int | None, int | None],
+    same_words: bool,
 ) -> Iterable[Finding]:
     fails = same_words or not _worded(expected.name)
     if pair[0] is not None:
@@ -221,10 +222,10 @@ def _one_sided(
 
 
 def _compare_row(
-    expected: Expected,
-    stands: Stands,
+    expected: ExpectedTable,
+    stands: RecordedTable,
     row: Mapping[str, Any],
-    there: Mapping[str, Standing],
+    there: Mapping[str, RecordedValue],
     allowances: Allowances,
     counts: Counts,
     known_version: bool,

@@ -17,13 +17,11 @@ from addin.contract.tables import (
     Field,
     TableSpec,
 )
+from addin.reading.one_file import Unreadable, read_checked
 from addin.reading.workbook import WorkbookInput
 from addin.recorded.match_rows import row_columns
-from addin.writing.recalculate import Unreadable, read_checked
 from addin.xlsx import ErrorValue, Table, Workbook
 from addin.xlsx.references import cell_name, parse_cell, split_sheet
-
-__all__ = ["traced"]
 
 _RESULTS = {spec.name: spec for spec in (*RESULT_TABLES, *WORKBOOK_TABLES)}
 _INPUTS = {spec.name: spec for spec in INPUT_TABLES}

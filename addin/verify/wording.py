@@ -9,8 +9,6 @@ from addin.contract.json_formats import AUDIT_FORMAT
 from addin.verify.findings import AGREEMENTS, Agreement, Finding, Verification
 from addin.writing.results_json import storable
 
-__all__ = ["SHOWN", "as_json", "in_words", "lines"]
-
 #: Findings listed for people unless all are asked for. [count]
 SHOWN = 30
 

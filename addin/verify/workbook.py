@@ -9,14 +9,15 @@ from typing import Any
 from addin.calculation.calculation import Calculation
 from addin.contract.problems import shortened
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
+from addin.contract.texts import NO_STUDY
 from addin.contract.version import RELEASED, product_version
 from addin.reading.workbook import WorkbookInput, read_workbook
-from addin.recorded.provenance import Recorded, of_workbook
-from addin.recorded.studies import studies_there
+from addin.recorded.provenance import Provenance, workbook_provenance
+from addin.recorded.studies import recorded_studies
 from addin.verify.allowances import Allowances
 from addin.verify.chart_sources import compare_copies, compare_drawings
 from addin.verify.charts import compare_charts, drawn_elements
-from addin.verify.compare import Standing, agreement, shown_step
+from addin.verify.compare import RecordedValue, agreement, shown_step
 from addin.verify.findings import (
     Agreement,
     Counts,
@@ -28,15 +29,9 @@ from addin.verify.findings import (
 from addin.verify.formulas import old_values, restore, typed_over, unjudged
 from addin.verify.key_units import compare_units
 from addin.verify.structure import missing_tables, odd_columns
-from addin.verify.tables import Expected, Stands, compare_tables
-from addin.writing.recalculate_case import calculated_again
-from addin.writing.workbook import (
-    NO_STUDY,
-    RunStamp,
-    chosen_elements,
-    read_shown_units,
-    tables_to_write,
-)
+from addin.verify.tables import ExpectedTable, RecordedTable, compare_tables
+from addin.writing.recalculate import recalculate_case
+from addin.writing.workbook import RunStamp, chosen_elements, read_shown_units, tables_to_write
 from addin.xlsx import (
     Formula,
     ObstaclesFound,
@@ -49,8 +44,6 @@ from addin.xlsx import (
 from addin.xlsx.references import Rect, cell_name
 from addin.xlsx.xml_part import main, parse_part
 from engine.case.data import case_digest
-
-__all__ = ["verify_workbook"]
 
 _RESULTS = (*RESULT_TABLES, *WORKBOOK_TABLES)
 #: Facts that tell of the run and not of the inputs, or are told by a finding of their own.
@@ -95,7 +88,7 @@ def verify_workbook(
             findings=tuple(_on_studies(read)),
         )
     findings += _on_digest(workbook, recorded, inputs)
-    run, problems = calculated_again(read, recorded.settings, on_stage)
+    run, problems = recalculate_case(read, recorded.settings, on_stage)
     if run is None:
         return not_calculated(about, problems, findings)
     counts, more = _compared(workbook, run, about)
@@ -110,11 +103,11 @@ def verify_workbook(
 # --- what the workbook records --------------------------------------------------------------------
 
 
-def _recorded(workbook: Workbook) -> tuple[Recorded, list[Finding]]:
+def _recorded(workbook: Workbook) -> tuple[Provenance, list[Finding]]:
     """Digest, software and settings; findings where two places disagree or a name was led astray."""
     findings: list[Finding] = []
     table = workbook.tables.get("Audit")
-    audit = of_workbook(workbook)
+    audit = workbook_provenance(workbook)
     facts = _facts(workbook)
     digest = str(facts.get("run_SHA256", ("", "", None))[2] or "").strip()
     findings += [
@@ -165,7 +158,7 @@ def _facts(workbook: Workbook, name: str = "RunFacts") -> dict[str, tuple[str, s
     }
 
 
-def _on_digest(workbook: Workbook, recorded: Recorded, inputs: str) -> list[Finding]:
+def _on_digest(workbook: Workbook, recorded: Provenance, inputs: str) -> list[Finding]:
     if recorded.digest == inputs:
         return []
     sheet, cell, _ = _facts(workbook).get("run_SHA256", ("", "", None))
@@ -187,7 +180,7 @@ def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
     """Studies are not made again; whether each is one of the inputs and rows in the file is told."""
     units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
     facts = _facts(read.workbook, "StudyFacts")
-    for study in studies_there(read, units):
+    for study in recorded_studies(read, units):
         name, command = f"{study.key}_SHA256", study.on_sheet.command
         sheet, cell, digest = facts.get(name, (study.on_sheet.sheet, "", None))
         if study.outdated:
@@ -251,8 +244,8 @@ def _compared(
             continue
         columns = tuple(data.columns or table.columns)
         rows = [dict(zip(columns, row, strict=True)) for row in data.rows]
-        stands = Stands(table.sheet, list(_rows(workbook, table, columns)))
-        pairs.append((Expected(spec.name, rows, columns), stands))
+        stands = RecordedTable(table.sheet, list(_rows(workbook, table, columns)))
+        pairs.append((ExpectedTable(spec.name, rows, columns), stands))
         findings += _without_digits(spec.name, stands)
     units, _ = read_shown_units(workbook, run.case.ratings.rated_torque)
     same_version = about.made_by == about.this
@@ -295,7 +288,7 @@ def _drawings(workbook: Workbook, same_version: bool) -> list[Finding]:
 
 def _rows(
     workbook: Workbook, table: Table, columns: tuple[str, ...]
-) -> Iterator[dict[str, Standing]]:
+) -> Iterator[dict[str, RecordedValue]]:
     """Rows of a table in which something stands in one of the columns."""
     part = workbook.sheet_part(table.sheet)
     formats, ours = _formats(workbook), _own_formats(table.name)
@@ -313,12 +306,12 @@ def _rows(
             shipped = ours.get(column, "")
             if code and shipped and isinstance(shows, float):
                 code = min(code, shipped, key=lambda one: shown_step(shows, one))
-            held[column] = Standing(shows, cell_name(row, at), formula, code)
+            held[column] = RecordedValue(shows, cell_name(row, at), formula, code)
         if any(one.value not in (None, "") or one.formula for one in held.values()):
             yield held
 
 
-def _without_digits(table: str, stands: Stands) -> Iterator[Finding]:
+def _without_digits(table: str, stands: RecordedTable) -> Iterator[Finding]:
     """A note for each column whose numbers are shown as fixed words, whatever they are."""
     told = set()
     for row in stands.rows:
@@ -363,7 +356,7 @@ def _facts_compared(
             one.not_compared += 1
             continue
         sheet, cell, stands = facts[name]
-        how = agreement(Standing(stands, cell), follows)
+        how = agreement(RecordedValue(stands, cell), follows)
         if follows is not None or how is not Agreement.BITS:
             one.of[how] += 1
         if how > Agreement.DIGITS:
@@ -409,7 +402,7 @@ def _formulas_compared(
     workbook: Workbook,
     fresh: Workbook,
     written: list[TableData],
-    pairs: list[tuple[Expected, Stands]],
+    pairs: list[tuple[ExpectedTable, RecordedTable]],
 ) -> list[Finding]:
     """Formulas whose value is old, once the results are written anew."""
     left_out: dict[str, list[Rect]] = {}

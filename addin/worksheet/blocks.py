@@ -24,16 +24,16 @@ from addin.reading.cells import Cell as SheetCell
 from addin.reading.cells import Fault, read_number, read_text
 from addin.reading.study_inputs import study_rows, units_for_words
 from addin.reading.typed_case import (
-    Bases,
     CaseInput,
     Entry,
     Findings,
+    PerUnitBases,
     Place,
     Typed,
     TypedCase,
     all_problems,
+    in_typed_units,
     to_case_data,
-    told_as_typed,
     word_entry,
 )
 from addin.worksheet.registry import Block, Cell, FunctionError
@@ -107,7 +107,7 @@ def study_inputs_of(
         reading.table(input_table(name), block)
     ratings = case.ratings
     ratios = {str(row.station): row.speed_ratio or 1.0 for row in case.stations}
-    bases = Bases(ratings.rated_torque, ratings.synchronous_speed, ratios)
+    bases = PerUnitBases(ratings.rated_torque, ratings.synchronous_speed, ratios)
     inputs = study_rows(reading.typed, bases, reading.findings)
     units = units_for_words(reading.typed, TypedCase())
     return replace(inputs, units=units), tuple(reading.findings.problems)
@@ -359,7 +359,7 @@ class _Reading:
         data = to_case_data(self.typed, self.findings)
         told = []
         for problem in all_problems(data, self.findings):
-            typed = told_as_typed(problem, self.typed)
+            typed = in_typed_units(problem, self.typed)
             rows = self.rows.get(problem.table, [])
             row = problem.row
             if row is not None and row <= len(rows):

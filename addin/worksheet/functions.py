@@ -77,15 +77,10 @@ def units_of(system: str) -> ShownUnits:
     ShownUnits
         The unit of every column and its size. [SI]
     """
-    from addin.contract.shown_units import shown_units
+    from addin.contract.shown_units import shown_units, template_units
 
-    names = {}
-    for table in (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES, *fields.STUDY_RESULT_TABLES):
-        repeated = () if table.repeated is None else (table.repeated,)
-        for field in (*table.columns, *repeated, *table.extra_columns):
-            if field.has_unit:
-                names[table.name, field.name] = field.unit_us if system == "US" else field.unit_si
-    found, problems = shown_units(names, None)
+    tables = (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES, *fields.STUDY_RESULT_TABLES)
+    found, problems = shown_units(template_units(system, tables), None)
     assert not problems, problems
     return found
 

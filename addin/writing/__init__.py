@@ -1,15 +1,13 @@
 """Results into cells, JSON and history files; one file from input to output.
 
-==================  ==============================================================================
-module              responsibility
-==================  ==============================================================================
-`history_file`      the full torque histories of a start in a file beside the workbook: Parquet or
-                    NPZ
-`results_json`      results → JSON, and the errors of an input that could not be calculated
-`workbook`          results → the cells the product owns: result tables, facts for live formulas,
-                    chart data
-`recalculate`       one input file in, its results out: the same path for the command line and
-                    every other front
-`recalculate_case`  the calculation made again, with the settings that the file records
-==================  ==============================================================================
+==============  ==================================================================================
+module          responsibility
+==============  ==================================================================================
+`history_file`  the full torque histories of a start in a file beside the workbook: Parquet or NPZ
+`results_json`  results to JSON, and the errors of an input that could not be calculated
+`workbook`      results into the cells the product owns: result tables, facts for live formulas,
+                chart data
+`recalculate`   one input file in, its results out: the same path for the command line and every
+                other front
+==============  ==================================================================================
 """

@@ -6,12 +6,10 @@ import hashlib
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from addin.calculation.calculation import Calculation
+import numpy as np
 
-__all__ = ["KINDS", "HistoryUnavailable", "history_stems", "write_history"]
+from addin.calculation.calculation import Calculation
 
 #: Kinds of files, which are their endings too.
 KINDS = ("parquet", "npz")
@@ -63,8 +61,6 @@ def write_history(
     HistoryUnavailable
         If Parquet is wanted and pyarrow is not installed.
     """
-    import numpy as np
-
     start = calculation.results.start
     if start is None:
         return None

@@ -6,43 +6,33 @@ back as a list of problems and nothing is written; numbers never pass through he
 
 from __future__ import annotations
 
-import errno
-import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from addin.calculation.calculation import Calculation, calculate, present_results
 from addin.calculation.stages import COMPILING
 from addin.contract.problems import CellProblem, printable
-from addin.xlsx.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from addin.calculation.calculation import Calculation
-    from addin.reading.typed_case import CaseInput
-    from addin.reading.workbook import WorkbookInput
-    from addin.xlsx import Workbook
-    from engine.errors import CaseError, ModelError
-    from engine.results.results import Results
-
-__all__ = [
-    "Recalculated",
-    "Unreadable",
-    "WORKBOOK_ENDINGS",
-    "beside",
-    "calculate_read",
-    "of_case",
-    "of_file",
-    "read_checked",
-    "recalculate",
-    "write_json",
-]
-
-WORKBOOK_ENDINGS = (".xlsx", ".xlsm")
+from addin.contract.version import product_version
+from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
+from addin.reading.typed_case import CaseInput
+from addin.reading.workbook import WorkbookInput
+from addin.writing.history_file import HistoryUnavailable, write_history
+from addin.writing.results_json import errors_to_json, results_to_json
+from addin.writing.workbook import RunStamp, write_results
+from addin.xlsx.errors import PackageError
+from addin.xlsx.whole_files import write_json
+from engine.case.data import case_digest
+from engine.errors import CaseError, ModelError
+from engine.results.results import Results
+from engine.start.warm_up import load_routines
+from engine.stepping.compiling import is_compiled
+from engine.stepping.linear_loop import advance_start
 
 
 @dataclass(frozen=True, eq=False)
-class Recalculated:
+class RecalculationOutcome:
     """What became of one input."""
 
     source: Path  #: The input.
@@ -56,67 +46,14 @@ class Recalculated:
 
 
 @dataclass(frozen=True)
-class Unreadable:
-    """An input that could not be opened at all, in the form of one that was read."""
+class PreparedInput:
+    """What the caller has prepared of an input."""
 
-    problems: tuple[CellProblem, ...]  #: Why.
-    warnings: tuple[str, ...] = ()  #: Nothing.
-    cause: Exception | None = None  #: What was raised.
-
-
-def read_checked(source: Path) -> CaseInput | Unreadable:
-    """Read and check a workbook or a case JSON; what is wrong is inside, not raised.
-
-    Parameters
-    ----------
-    source : Path
-        A .xlsx, .xlsm or .json file. [path]
-
-    Returns
-    -------
-    CaseInput or Unreadable
-        Data, problems and warnings. [SI]
-    """
-    from addin.xlsx.errors import PackageError
-
-    try:
-        if source.suffix.lower() == ".json":
-            from addin.reading.case_json import read_case_json
-
-            return read_case_json(source)
-        from addin.reading.workbook import read_workbook
-
-        return read_workbook(source)
-    except (PackageError, OSError) as wrong:
-        return Unreadable((of_file(source, wrong),), cause=wrong)
-
-
-def of_file(source: Path, wrong: Exception) -> CellProblem:
-    """A file that cannot be opened or written, as a problem."""
-    sentence = str(wrong)
-    if isinstance(wrong, FileNotFoundError) and _is_elsewhere(wrong, source):
-        sentence = f"{wrong.filename} cannot be made there. Name another folder for the results."
-    elif isinstance(wrong, FileNotFoundError):
-        sentence = f"there is no file {wrong.filename or source}."
-    elif isinstance(wrong, IsADirectoryError) and _is_elsewhere(wrong, source):
-        sentence = f"{wrong.filename} is a folder. Name a file in it for the result."
-    elif isinstance(wrong, IsADirectoryError):
-        sentence = f"{source} is a folder; name the workbooks in it."
-    elif isinstance(wrong, PermissionError):
-        sentence = f"{wrong.filename or source} may not be read or written; is it open elsewhere?"
-    elif isinstance(wrong, (NotADirectoryError, FileExistsError)):
-        sentence = f"{wrong.filename or source} is a file where a folder is needed."
-    elif isinstance(wrong, OSError) and wrong.strerror:
-        sentence = f"{wrong.filename or source} cannot be used: {wrong.strerror}."
-    sentence = "\n".join(map(printable, sentence.split("\n")))
-    return CellProblem(
-        "", "", None, "", printable(str(source)), "a file that can be used", sentence
-    )
-
-
-def _is_elsewhere(wrong: OSError, source: Path) -> bool:
-    """Whether it is not the file itself that is missing or a folder, but a place to write to."""
-    return isinstance(wrong.filename, str) and Path(wrong.filename).absolute() != source.absolute()
+    read: CaseInput | Unreadable | None = None  #: What `read_checked` read, where it has. [SI]
+    #: Results of an equal case: they are shown in place of a calculation. [SI]
+    results: Results | None = None
+    #: Name of the history before ``.history``; empty for that of the result.
+    history: str = ""
 
 
 def recalculate(
@@ -128,11 +65,8 @@ def recalculate(
     overrides: Mapping[str, Any] | None = None,
     ignore_lock: bool = False,
     on_stage: Callable[[str], None] | None = None,
-    on_written: Callable[[Workbook], None] | None = None,
-    read: CaseInput | Unreadable | None = None,
-    known: Results | None = None,
-    history: str = "",
-) -> Recalculated:
+    prepared: PreparedInput | None = None,
+) -> RecalculationOutcome:
     """Calculate one input and write its results.
 
     Parameters
@@ -152,29 +86,19 @@ def recalculate(
         Work on although a lock file says somebody has the workbook open. [flag]
     on_stage : callable, optional
         Called with the name of each stage as it begins.
-    on_written : callable, optional
-        Called with the workbook once its results are in the file.
-    read : CaseInput or Unreadable, optional
-        The input, where `read_checked` has read it already. [SI]
-    known : Results, optional
-        Results of the same case: they are shown in place of a calculation. [SI]
-    history : str
-        Name of the history before ``.history``; empty for that of the result. [name]
+    prepared : PreparedInput, optional
+        What the caller has read, calculated or named already.
 
     Returns
     -------
-    Recalculated
+    RecalculationOutcome
         Results or problems, and the files written.
     """
-    from addin.contract.version import product_version
-    from addin.reading.workbook import WorkbookInput
-    from addin.writing.history_file import HistoryUnavailable
-    from addin.writing.results_json import errors_to_json, results_to_json
-    from addin.xlsx.errors import PackageError
-
-    tell = on_stage or (lambda stage: None)
+    on_stage = on_stage or (lambda stage: None)
+    prepared = prepared or PreparedInput()
+    read = prepared.read
     if read is None:
-        tell("reading")
+        on_stage("reading")
         read = read_checked(source)
     problems = read.problems
     cause = read.cause if isinstance(read, Unreadable) else None
@@ -182,9 +106,9 @@ def recalculate(
     notes: tuple[str, ...] = ()
     files: list[Path] = []
     if not isinstance(read, Unreadable) and not problems:
-        calculation, problems = calculate_read(read, overrides or {}, tell, known)
+        calculation, problems = recalculate_case(read, overrides or {}, on_stage, prepared.results)
     if calculation is not None:
-        tell("writing")
+        on_stage("writing")
         target = source if in_place else destination or beside(source)
         try:
             for place in (target, json_file):
@@ -194,11 +118,9 @@ def recalculate(
                 new = None if in_place else target
                 notes = _write_workbook(read, new, calculation, ignore_lock)
                 files.append(target)
-                if on_written is not None:
-                    on_written(read.workbook)
-            files += _write_history(calculation, target, history)
-        except (PackageError, HistoryUnavailable, OSError) as wrong:
-            calculation, problems, cause = None, (of_file(source, wrong),), wrong
+            files += _write_history(calculation, target, prepared.history)
+        except (PackageError, HistoryUnavailable, OSError) as error:
+            calculation, problems, cause = None, (file_problem(source, error),), error
     if json_file is None and source.suffix.lower() not in WORKBOOK_ENDINGS:
         json_file = destination or beside(source)
     if json_file is not None:
@@ -211,11 +133,11 @@ def recalculate(
         try:
             write_json(json_file, content)
             files.append(json_file)
-        except OSError as wrong:
-            problems, cause = (*problems, of_file(json_file, wrong)), wrong
+        except OSError as error:
+            problems, cause = (*problems, file_problem(json_file, error)), error
     warnings = read.warnings if calculation is None else (*calculation.warnings, *notes)
     warnings = tuple(map(printable, warnings))
-    return Recalculated(source, calculation, problems, warnings, tuple(files), cause)
+    return RecalculationOutcome(source, calculation, problems, warnings, tuple(files), cause)
 
 
 def beside(source: Path) -> Path:
@@ -225,67 +147,60 @@ def beside(source: Path) -> Path:
     return source.with_name(f"{source.stem}.results.json")
 
 
-def calculate_read(
+def recalculate_case(
     read: CaseInput,
-    overrides: Mapping[str, Any],
-    tell: Callable[[str], None],
+    settings: Mapping[str, Any],
+    on_stage: Callable[[str], None] | None = None,
     known: Results | None = None,
 ) -> tuple[Calculation | None, tuple[CellProblem, ...]]:
-    """The calculation of a checked input, or what makes it impossible as a problem.
+    """The calculation of a checked input, or what makes it impossible as problems.
 
     Parameters
     ----------
     read : CaseInput
         What was read, without problems. [SI]
-    overrides : mapping
+    settings : mapping
         Fields of the case that the caller sets. [SI]
-    tell : callable
-        Called with the name of each stage as it begins.
+    on_stage : callable, optional
+        Called with the name of each analysis as it begins.
     known : Results, optional
         Of an equal case, instead of calculating. [SI]
 
     Returns
     -------
     Calculation or None
-        The results.
+        The same that ``torsionbook recalc`` writes. [SI]
     tuple of CellProblem
-        What makes them impossible; empty with results.
+        What makes it impossible; empty with results.
     """
-    from addin.calculation.calculation import calculate, shown
-    from engine.case.data import case_digest
-    from engine.errors import CaseError, ModelError
-    from engine.start.warm_up import load_routines
-    from engine.stepping.compiling import is_compiled
-    from engine.stepping.linear_loop import advance_start
-
+    digest = case_digest(read.data)
     try:
-        case = replace(read.case(), **overrides)
+        case = replace(read.case(), **settings)
         if known is not None:
             # the title block is no part of the case: it is this file's own
             results = replace(known, case=case)
-            return shown(results, case, read.warnings, case_digest(read.data), overrides), ()
+            return present_results(results, case, read.warnings, digest, settings), ()
         if case.motor_torque and not is_compiled(advance_start):
-            tell(COMPILING)
+            if on_stage is not None:
+                on_stage(COMPILING)
             load_routines()
-        done = calculate(
+        calculation = calculate(
             case,
             input_warnings=read.warnings,
-            case_sha256=case_digest(read.data),
-            overrides=overrides,
-            on_stage=tell,
+            case_sha256=digest,
+            overrides=settings,
+            on_stage=on_stage,
         )
-    except (CaseError, ModelError) as wrong:
-        return None, of_case(wrong)
-    return done, ()
+    except (CaseError, ModelError) as error:
+        return None, case_problems(error)
+    return calculation, ()
 
 
-def of_case(wrong: CaseError | ModelError) -> tuple[CellProblem, ...]:
+def case_problems(error: CaseError | ModelError) -> tuple[CellProblem, ...]:
     """A case that cannot be calculated as a whole, as problems."""
-    from engine.errors import CaseError
-
-    if isinstance(wrong, CaseError):
-        return tuple(_whole(p.message, p.table) for p in wrong.problems)
-    return (_whole(str(wrong), "Case"),)
+    if isinstance(error, CaseError):
+        return tuple(_whole(p.message, p.table) for p in error.problems)
+    return (_whole(str(error), "Case"),)
 
 
 def _whole(message: str, table: str) -> CellProblem:
@@ -296,8 +211,6 @@ def _whole(message: str, table: str) -> CellProblem:
 def _write_workbook(
     read: WorkbookInput, destination: Path | None, calculation: Calculation, ignore_lock: bool
 ) -> tuple[str, ...]:
-    from addin.writing.workbook import RunStamp, write_results
-
     stamp = RunStamp(calculation.stamp.software, calculation.stamp.date, calculation.case_sha256)
     report = write_results(
         read.workbook,
@@ -344,22 +257,5 @@ def _write_history(calculation: Calculation, beside: Path, stem: str) -> Iterabl
     kind = calculation.case.keep_history or "no"
     if kind == "no":
         return ()
-    from addin.writing.history_file import write_history
-
     done = write_history(calculation, beside, kind, stem)
     return () if done is None else (done[0],)
-
-
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Write JSON whole or not at all.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written; one that was there is as before.
-    """
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, "is a folder", str(path))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    write_whole(path, lambda made: made.write_text(text, encoding="utf-8", newline="\n"))

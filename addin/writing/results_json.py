@@ -16,9 +16,6 @@ from addin.contract.problems import CellProblem, shortened
 from addin.contract.tables import RESULT_TABLES, TableSpec, result_table
 from engine.errors import InternalError
 
-__all__ = ["RunResults", "errors_to_json", "results_to_json", "storable", "table_rows"]
-
-
 _STARTUP = ("outcome", "time", "end_speed", "pull_in", "bearing_forces")
 
 

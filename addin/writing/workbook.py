@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from addin.calculation.run_view import RunView
+from addin.calculation.calculation import RunView
 from addin.charts.data import accuracy_block, accuracy_title, chart_blocks
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract import tables as fields
@@ -24,6 +24,7 @@ from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import plot_name, text_height
 from addin.contract.shown_units import ShownUnits, shown_units
 from addin.contract.tables import Field, TableSpec
+from addin.contract.texts import NO_STUDY
 from addin.recorded.study_digests import stated_digests, twelve_digits
 from addin.xlsx import (
     PackageError,
@@ -35,22 +36,6 @@ from addin.xlsx import (
     open_workbook,
 )
 from addin.xlsx.references import Rect, cell_name
-
-__all__ = [
-    "ANALYSES",
-    "NO_STUDY",
-    "RunStamp",
-    "VERDICT_UNITS",
-    "chart_tables",
-    "chosen_elements",
-    "read_shown_units",
-    "result_blocks",
-    "shown_cell",
-    "tables_to_write",
-    "write_results",
-    "write_study",
-    "write_study_results",
-]
 
 #: Column whose unit shows a judged number of a dimension in `Verdicts`.
 VERDICT_UNITS: Mapping[str, tuple[str, str]] = {
@@ -71,11 +56,6 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
     "ChartEvents",
     "ChartAccuracy",
 }
-#: Words on sheet Accuracy until the study has been run.
-NO_STUDY = (
-    "Errors are those this calculation estimates, times those it took. Error against time by the "
-    "exponential and by the paper's method, for this very case: torsionbook accuracy FILE"
-)
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (
     "Start: the linear start, all teeth in contact, from which the plan is made. Start with events: "

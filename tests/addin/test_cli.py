@@ -16,8 +16,9 @@ import pytest
 from addin.calculation.stages import COMPILING, is_compiling
 from addin.cli.terminal import progress
 from addin.contract.shipped import template_path
+from addin.reading.one_file import file_problem, read_checked
 from addin.reference.json_schemas import results_schema
-from addin.writing import recalculate as recalc
+from addin.writing.recalculate import recalculate_case
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
 from engine.case.effects import EFFECTS
@@ -206,11 +207,11 @@ def test_wrong_usage_exits_with_two(words, tmp_path):
 def test_a_folder_that_cannot_be_made_is_no_missing_file():
     with pytest.raises(FileNotFoundError) as wrong:
         Path("/proc/nowhere/results").mkdir(parents=True)
-    sentence = recalc.of_file(Path("train.xlsx"), wrong.value).message
+    sentence = file_problem(Path("train.xlsx"), wrong.value).message
     assert sentence == ("/proc/nowhere cannot be made there. Name another folder for the results.")
     with pytest.raises(FileNotFoundError) as wrong:
         open("train that is not there.xlsx")
-    sentence = recalc.of_file(Path("train that is not there.xlsx"), wrong.value).message
+    sentence = file_problem(Path("train that is not there.xlsx"), wrong.value).message
     assert sentence == "there is no file train that is not there.xlsx."
 
 
@@ -320,12 +321,10 @@ def test_both_compilations_are_told_of(monkeypatch):
         for stage in ("plan", COMPILING_EVENTS, "start with events"):
             on_stage(stage)
 
-    monkeypatch.setattr("addin.calculation.calculation.calculate", calculate)
-    monkeypatch.setattr("engine.stepping.compiling.is_compiled", lambda kernel: False)
+    monkeypatch.setattr("addin.writing.recalculate.calculate", calculate)
+    monkeypatch.setattr("addin.writing.recalculate.is_compiled", lambda kernel: False)
     said = []
-    recalc.calculate_read(
-        recalc.read_checked(template_path("example_backlash.xlsx")), {}, said.append
-    )
+    recalculate_case(read_checked(template_path("example_backlash.xlsx")), {}, said.append)
     assert [stage for stage in said if is_compiling(stage)] == [COMPILING, COMPILING_EVENTS]
     assert said[0] == COMPILING
 

@@ -42,7 +42,7 @@ def folder(tmp_path) -> Path:
 @pytest.mark.parametrize(
     ("when", "words"),
     [
-        ("addin.writing.recalculate.read_checked", "recalc a.xlsx"),
+        ("addin.reading.one_file.read_checked", "recalc a.xlsx"),
         pytest.param(
             "addin.calculation.calculation.run",
             "recalc a.xlsx --json a.json",

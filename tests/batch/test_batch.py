@@ -382,7 +382,7 @@ def test_a_full_disk_ends_the_batch_cleanly(few, tmp_path, monkeypatch):
 def test_a_file_saved_while_it_is_calculated_is_tried_once_more(few, tmp_path, monkeypatch):
     import addin.writing.recalculate
 
-    real = addin.writing.recalculate.calculate_read
+    real = addin.writing.recalculate.recalculate_case
     touched = []
 
     def meanwhile(read, *words):
@@ -392,7 +392,7 @@ def test_a_file_saved_while_it_is_calculated_is_tried_once_more(few, tmp_path, m
             make_train(few / "train 9.xlsx", 60 + len(touched))
         return found
 
-    monkeypatch.setattr("addin.writing.recalculate.calculate_read", meanwhile)
+    monkeypatch.setattr("addin.writing.recalculate.recalculate_case", meanwhile)
     limit = 1
     assert run(few, tmp_path / "a")["train 9.xlsx"].done
     limit = 9

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from spoiled import Attended
 
-from addin.writing.recalculate import read_checked
+from addin.reading.one_file import read_checked
 from benchmarks.workbook_fuzz import sentence_fault
 
 STATIONS = [{"station": "Motor", "inertia": 10.0}, {"station": "Load", "inertia": 5.0}]

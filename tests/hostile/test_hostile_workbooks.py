@@ -223,7 +223,7 @@ def test_parts_that_are_there_twice(attended: Attended, tmp_path: Path, name: st
 
 
 def test_cut_off_anywhere(tmp_path: Path) -> None:
-    from addin.writing.recalculate import Unreadable, read_checked
+    from addin.reading.one_file import Unreadable, read_checked
 
     data = packed(honest())
     source = tmp_path / "train.xlsx"

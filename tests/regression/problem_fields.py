@@ -21,8 +21,8 @@ from typing import Any
 import openpyxl
 from openpyxl.workbook.defined_name import DefinedName
 
+from addin.reading.one_file import read_checked
 from addin.studies.registry import of_studies
-from addin.writing.recalculate import read_checked
 
 HERE = Path(__file__).resolve().parent
 TEMPLATES = HERE.parents[1] / "templates"

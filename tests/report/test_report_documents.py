@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 
 from addin.cli import report as commands
 from addin.cli.app import app
+from addin.reading.one_file import read_checked
 from addin.report.make import report, stored_results
-from addin.writing.recalculate import read_checked
 
 FT_LBF = 1.3558179483314004
 PSI = 6894.757293168361

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from addin.charts.data import chart_blocks
-from addin.contract.shown_units import shown_units
+from addin.contract.shown_units import shown_units, template_units
+from addin.contract.tables import RESULT_TABLES
 from addin.report.document import (
     Column,
     Figure,
@@ -26,7 +27,6 @@ from addin.report.layout import (
     held_paragraphs,
     soft,
 )
-from addin.report.units import template_units
 from engine.case.data import CaseData, ElementRow, StationRow
 
 KINDS = st.sampled_from(["text", "number", "sentence", "verdict"])
@@ -109,7 +109,7 @@ def test_a_train_of_any_length_is_drawn_on_pages(stations, pictures):
             ElementRow(f"E{k}", "shaft", f"S{k}", f"S{k + 1}", 1e6) for k in range(stations - 1)
         ),
     )
-    units, _ = shown_units(template_units("SI"), None)
+    units, _ = shown_units(template_units("SI", RESULT_TABLES), None)
     drawn = Pictures(Charts.of(chart_blocks(case, units)), vectors=False).train()
     assert len(drawn) == pictures
     assert all(abs(figure.width - WIDTH) < 1e-6 and figure.height < 170.0 for figure in drawn)

@@ -12,8 +12,8 @@ from addin.cli.app import app
 from addin.contract.shipped import template_path
 from addin.contract.tables import STUDY_INPUT_TABLES
 from addin.reading.case_json import case_to_json
+from addin.reading.one_file import Unreadable, read_checked
 from addin.reading.typed_case import CaseInput
-from addin.writing.recalculate import Unreadable, read_checked
 from engine.case.data import case_digest
 from engine.case.study_inputs import TuningRow
 
@@ -97,7 +97,7 @@ def test_a_wrong_row_of_tuning_gets_its_sentence(
     source.write_text(json.dumps(content), encoding="utf-8")
     read = _read(source)
     assert read.studies is not None
-    assert any(says in one.message for one in read.studies.told(["Tuning"]))
+    assert any(says in one.message for one in read.studies.problems_of(["Tuning"]))
 
 
 def test_numbers_in_units_that_no_column_can_hold_are_refused(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from addin.cli.app import app
 from addin.reading.case_json import case_to_json
-from addin.writing.recalculate import of_file
+from addin.reading.one_file import file_problem
 from tests.trains import geared
 
 RUN = CliRunner()
@@ -62,6 +62,6 @@ def test_workbook_and_json_go_into_one_folder_that_is_made(tmp_path: Path) -> No
 
 def test_a_result_that_is_a_folder_is_not_laid_to_the_input(tmp_path: Path) -> None:
     wrong = IsADirectoryError(21, "is a folder", str(tmp_path))
-    said = of_file(tmp_path / "train.xlsx", wrong).message
+    said = file_problem(tmp_path / "train.xlsx", wrong).message
     assert f"{tmp_path} is a folder" in said
     assert "train.xlsx" not in said

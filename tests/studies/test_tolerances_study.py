@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 from addin.cli.app import app
 from addin.contract.shipped import template_path
 from addin.reading.case_json import case_to_json
+from addin.reading.one_file import Unreadable, read_checked
 from addin.reference.json_schemas import SCHEMA_FOLDER, study_schema
 from addin.studies.registry import every_study
-from addin.writing.recalculate import Unreadable, read_checked
 
 RUN = CliRunner()
 SCHEMAS = {study.key: study_schema(study.spec) for study in every_study()}

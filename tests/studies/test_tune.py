@@ -16,10 +16,10 @@ from typer.testing import CliRunner, Result
 from addin.cli.app import app
 from addin.contract.studies.tuning import LINES, MAP_ROWS
 from addin.reading.case_json import case_to_json
+from addin.reading.one_file import Unreadable, read_checked
 from addin.reference.json_schemas import SCHEMA_FOLDER, study_schema
 from addin.studies.tuning import TUNING
 from addin.studies.tuning_tables import map_tables, spread_out
-from addin.writing.recalculate import Unreadable, read_checked
 from engine.case.data import CaseData
 from engine.case.study_inputs import StudyInputs, TuningRow
 from engine.studies.tuning.tuning import TuningResult, tune

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from addin.verify.allowances import Allowances
-from addin.verify.compare import Standing, agreement
+from addin.verify.compare import RecordedValue, agreement
 from addin.verify.findings import Agreement
 
 
@@ -92,7 +92,7 @@ def test_agreement_ends_where_the_error_or_the_last_digit_ends(
     expected, code, allowed, edge, inside, sign
 ):
     for share, how in ((0.98, inside), (1.02, Agreement.DIFFERENT)):
-        found = Standing(expected + sign * share * edge, number_format=code)
+        found = RecordedValue(expected + sign * share * edge, number_format=code)
         assert agreement(found, expected, allowed) is how
 
 
@@ -104,4 +104,4 @@ def test_agreement_ends_where_the_error_or_the_last_digit_ends(
 def test_numbers_in_sentences_have_the_error_and_one_last_digit(found, how):
     """1,000.0 to 0.1 %: one, and a tenth for the rounding of what was written."""
     text = "reached after {} s"
-    assert agreement(Standing(text.format(found)), text.format("1,000.0"), 1e-3) is how
+    assert agreement(RecordedValue(text.format(found)), text.format("1,000.0"), 1e-3) is how

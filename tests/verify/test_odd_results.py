@@ -13,12 +13,12 @@ import pytest
 from addin.diff.compare import compare_files
 from addin.diff.files import CannotBeCompared
 from addin.diff.wording import as_json as diff_json
+from addin.reading.one_file import read_checked
 from addin.reference.json_schemas import diff_schema, verify_schema
 from addin.verify import json_file
 from addin.verify.json_file import read_results_json, verify_results_json
 from addin.verify.wording import as_json, lines
-from addin.writing.recalculate import read_checked
-from addin.writing.recalculate_case import calculated_again
+from addin.writing.recalculate import recalculate_case
 
 JUNK: tuple[Any, ...] = (
     None, True, -1, 0, 1e308, float("inf"), float("nan"), 10**400, "", "=1+1", "x" * 40_000, [], {}, [[]],
@@ -59,13 +59,13 @@ def whole(calculated):
 @pytest.fixture(scope="module")
 def again(calculated):
     read = read_checked(calculated / "case.xlsx")
-    return read, calculated_again(read, {})
+    return read, recalculate_case(read, {})
 
 
 @pytest.mark.parametrize("seed", range(25))
 def test_spoilt_results_are_judged(seed, whole, again, tmp_path, monkeypatch):
     read, run = again
-    monkeypatch.setattr(json_file, "calculated_again", lambda *_: run)
+    monkeypatch.setattr(json_file, "recalculate_case", lambda *_: run)
     target = tmp_path / "spoilt.json"
     content = {"case_sha256": 7} | spoilt(whole, random.Random(seed))
     target.write_text(json.dumps(content), encoding="utf-8")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from addin.verify.compare import Standing, agreement, is_rounding, shown_step
+from addin.verify.compare import RecordedValue, agreement, is_rounding, shown_step
 from addin.verify.findings import Agreement
 from addin.xlsx import ErrorValue
 
@@ -57,7 +57,7 @@ def test_the_last_digit_shown(value, code, step):
     ],
 )
 def test_how_well_two_values_agree(found, expected, code, allowed, how):
-    assert agreement(Standing(found, number_format=code), expected, allowed) is how
+    assert agreement(RecordedValue(found, number_format=code), expected, allowed) is how
 
 
 def test_rounding_is_what_no_hand_does():

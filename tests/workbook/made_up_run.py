@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from addin.calculation.run_view import RunView
+from addin.calculation.calculation import RunView
 from addin.contract.shown_units import shown_units
 from addin.contract.tables import INPUT_TABLES
 from addin.template.examples import EXAMPLES, example_case, example_torque

@@ -16,7 +16,8 @@ from test_write_results import rows_of, with_unit
 from addin.charts.data import accuracy_block
 from addin.contract.shipped import template_path
 from addin.contract.tables import table
-from addin.writing.workbook import ANALYSES, NO_STUDY, RunStamp, write_results, write_study
+from addin.contract.texts import NO_STUDY
+from addin.writing.workbook import ANALYSES, RunStamp, write_results, write_study
 from addin.xlsx import open_workbook
 
 STAMP = RunStamp("torsionbook 0.1.0", dt.datetime(2026, 11, 21, 7, 30), "0123456789abcdef" * 4)

@@ -1,0 +1,73 @@
+"""Any input file, a workbook or a case JSON → `CaseInput`, or why it cannot be opened."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from addin.contract.problems import CellProblem, printable
+from addin.reading.case_json import read_case_json
+from addin.reading.typed_case import CaseInput
+from addin.reading.workbook import read_workbook
+from addin.xlsx.errors import PackageError
+
+#: Endings of workbooks; every other file is taken for JSON where it is to be written.
+WORKBOOK_ENDINGS = (".xlsx", ".xlsm")
+
+
+@dataclass(frozen=True)
+class Unreadable:
+    """An input that could not be opened at all, in the form of one that was read."""
+
+    problems: tuple[CellProblem, ...]  #: Why.
+    warnings: tuple[str, ...] = ()  #: Nothing.
+    cause: Exception | None = None  #: What was raised.
+
+
+def read_checked(source: Path) -> CaseInput | Unreadable:
+    """Read and check a workbook or a case JSON; what is wrong is inside, not raised.
+
+    Parameters
+    ----------
+    source : Path
+        A .xlsx, .xlsm or .json file. [path]
+
+    Returns
+    -------
+    CaseInput or Unreadable
+        Data, problems and warnings. [SI]
+    """
+    try:
+        if source.suffix.lower() == ".json":
+            return read_case_json(source)
+        return read_workbook(source)
+    except (PackageError, OSError) as error:
+        return Unreadable((file_problem(source, error),), cause=error)
+
+
+def file_problem(source: Path, error: Exception) -> CellProblem:
+    """A file that cannot be opened or written, as a problem."""
+    sentence = str(error)
+    if isinstance(error, FileNotFoundError) and _is_elsewhere(error, source):
+        sentence = f"{error.filename} cannot be made there. Name another folder for the results."
+    elif isinstance(error, FileNotFoundError):
+        sentence = f"there is no file {error.filename or source}."
+    elif isinstance(error, IsADirectoryError) and _is_elsewhere(error, source):
+        sentence = f"{error.filename} is a folder. Name a file in it for the result."
+    elif isinstance(error, IsADirectoryError):
+        sentence = f"{source} is a folder; name the workbooks in it."
+    elif isinstance(error, PermissionError):
+        sentence = f"{error.filename or source} may not be read or written; is it open elsewhere?"
+    elif isinstance(error, (NotADirectoryError, FileExistsError)):
+        sentence = f"{error.filename or source} is a file where a folder is needed."
+    elif isinstance(error, OSError) and error.strerror:
+        sentence = f"{error.filename or source} cannot be used: {error.strerror}."
+    sentence = "\n".join(map(printable, sentence.split("\n")))
+    return CellProblem(
+        "", "", None, "", printable(str(source)), "a file that can be used", sentence
+    )
+
+
+def _is_elsewhere(error: OSError, source: Path) -> bool:
+    """Whether it is not the file itself that is missing or a folder, but a place to write to."""
+    return isinstance(error.filename, str) and Path(error.filename).absolute() != source.absolute()
