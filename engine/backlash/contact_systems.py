@@ -142,20 +142,20 @@ def shared_basis(
     SharedBasis
         The basis. [SI]
     """
-    left = ~keep
-    outside = modes.shape[:, left]
-    torque = modes.row_torque[:, left]
-    omega = modes.omega[left]
-    added = np.zeros((int(left.sum()), 0))
+    left_out = ~keep
+    outside = modes.shape[:, left_out]
+    torque = modes.row_torque[:, left_out]
+    omega = modes.omega[left_out]
+    added = np.zeros((int(left_out.sum()), 0))
     if len(omega):
         candidates = []
         for flank in flanks:
             flight = _flight(train, flank)
             candidates.append(outside.T @ (train.inertia * flight))
-            candidates.append(modes.row_twist[flank.drive_row, left] / omega**2)
+            candidates.append(modes.row_twist[flank.drive_row, left_out] / omega**2)
         added = _orthonormal(candidates, len(omega))
     vectors = np.concatenate([modes.shape[:, keep], outside @ added], axis=1)
-    rows = np.concatenate([modes.row_twist[:, keep], modes.row_twist[:, left] @ added], axis=1)
+    rows = np.concatenate([modes.row_twist[:, keep], modes.row_twist[:, left_out] @ added], axis=1)
     n_rigid = modes.n_rigid
     rows[:, :n_rigid] = 0.0
     to_dof = train.node_matrix()
@@ -187,9 +187,9 @@ def _flight(train: Train, flank: Flank) -> Floats:
     cut = np.ones(train.n_rows, dtype=np.bool_)
     cut[flank.drive_row] = False
     group = _groups(train.incidence[cut])
-    mine = train.incidence[flank.drive_row]
+    driving_row = train.incidence[flank.drive_row]
     turning = train.dof_ratio
-    ends = np.flatnonzero((mine != 0.0) & (turning != 0.0))
+    ends = np.flatnonzero((driving_row != 0.0) & (turning != 0.0))
     if len(ends) == 0:
         return np.zeros(train.n_dof)
     return np.where(group == group[ends[-1]], turning, 0.0)
@@ -218,9 +218,9 @@ def _orthonormal(candidates: Sequence[Floats], n: int) -> Floats:
         for _ in range(2):  # twice is enough (Kahan)
             for column in columns:
                 rest = rest - column * float(column @ rest)
-        left = float(np.linalg.norm(rest))
-        if left > INSIDE:
-            columns.append(rest / left)
+        length = float(np.linalg.norm(rest))
+        if length > INSIDE:
+            columns.append(rest / length)
     return np.array(columns).T if columns else np.zeros((n, 0))
 
 
@@ -491,10 +491,10 @@ def _outputs(
     basis, places = pieces.basis, pieces.places
     train, flanks = basis.train, basis.flanks
     n_forces = reach.shape[1]
-    shown = train.viscous_shown[:, None]
+    viscous_shown = train.viscous_shown[:, None]
     rows = basis.rows @ turn
     torque_q = stiffness[:, None] * rows
-    torque_v = np.where(shown, train.viscous[:, None] * rows, 0.0)
+    torque_v = np.where(viscous_shown, train.viscous[:, None] * rows, 0.0)
     torque_f = np.zeros((train.n_rows, n_forces))
     torque_0 = np.zeros(train.n_rows)
     if basis.left_shape.shape[1]:

@@ -129,14 +129,16 @@ class _Recorder:
         speed = np.empty(n)
         bearing = np.empty((len(self.largest), n))
         for p in np.unique(of_piece):
-            here = np.flatnonzero(of_piece == p)
-            alone = len(here) == n
-            state = (rows[k][:n] if alone else rows[k].take(here, 0) for k in ("q", "v", "f", "fr"))
-            found = _answers(pieces, pieces.pieces[int(p)], *state)
+            samples = np.flatnonzero(of_piece == p)
+            alone = len(samples) == n
+            state = (
+                rows[k][:n] if alone else rows[k].take(samples, 0) for k in ("q", "v", "f", "fr")
+            )
+            outputs = _answers(pieces, pieces.pieces[int(p)], *state)
             if alone:
-                torque, rate, bearing, speed = found
+                torque, rate, bearing, speed = outputs
             else:
-                torque[:, here], rate[:, here], bearing[:, here], speed[here] = found
+                torque[:, samples], rate[:, samples], bearing[:, samples], speed[samples] = outputs
         if self.keep_state:
             turns = np.array([pieces.pieces[int(p)].turn for p in of_piece])
             self.position.append(np.einsum("nij,nj->in", turns, rows["q"][:n]))

@@ -516,7 +516,7 @@ def _beyond(runs: tuple[_Run, ...], output: Ints, parted: float) -> float:
     Three runs are three samples of the largest torque after that; another may exceed the largest of them by
     their range. (Below `OVERTAKING` they are not looked at, as in `_may_be_overtaken`.)
     """
-    found = 0.0
+    ringing = 0.0
     for i in output[output >= 0]:
         size = max(float(np.max(np.abs(run.turning[i][1]))) for run in runs)
         for sign in (1.0, -1.0):
@@ -526,8 +526,8 @@ def _beyond(runs: tuple[_Run, ...], output: Ints, parted: float) -> float:
             ]
             largest, late = max(e[0] for e in extremes), [e[1] for e in extremes]
             if largest > SMALL_EXTREME * size and max(late) >= OVERTAKING * largest:
-                found = max(found, (2.0 * max(late) - min(late) - largest) / size)
-    return float(found)
+                ringing = max(ringing, (2.0 * max(late) - min(late) - largest) / size)
+    return float(ringing)
 
 
 def _outcome(

@@ -313,7 +313,7 @@ def element_minima(case: CaseData, train: Train, start: Start) -> tuple[ElementM
     toothed = {m.element for m in case.meshes} | {train.elements[f.element] for f in train.flanks}
     given = {train.elements[f.element] for f in train.flanks if f.gap}
     zero = {m.element for m in case.meshes if 0.0 in (m.backlash, m.angular_backlash)}
-    found = []
+    minima = []
     for i, name in enumerate(train.elements):
         if name in toothed and i in turning:
             value = turning[i][1]
@@ -321,8 +321,8 @@ def element_minima(case: CaseData, train: Train, start: Start) -> tuple[ElementM
             largest = float(np.max(np.abs(value)))
             lowest, off = float(after.min()), error.get(name, 0.0)
             tight = name in zero and name not in given
-            found.append(ElementMinimum(name, lowest, off, largest, name in given, tight))
-    return tuple(found)
+            minima.append(ElementMinimum(name, lowest, off, largest, name in given, tight))
+    return tuple(minima)
 
 
 def with_linear_start(

@@ -76,7 +76,7 @@ def energy_rows(results: AtSpeed, most_modes: int) -> list[Row]:
     list of dict
         quantity, of, share_1, share_2, …: stiffnesses first, in the order of the case. [1]
     """
-    found = frequency_derivatives(results.case, results.train, results.modes)
+    derivatives = frequency_derivatives(results.case, results.train, results.modes)
     return [
         {
             "quantity": row.quantity,
@@ -86,7 +86,7 @@ def energy_rows(results: AtSpeed, most_modes: int) -> list[Row]:
                 for k, value in enumerate(row.value[:most_modes].tolist(), 1)
             },
         }
-        for row in found.rows
+        for row in derivatives.rows
     ]
 
 

@@ -68,9 +68,9 @@ def verdicts_of(
         checks += [_outcome(case, start), *_peak_limits(case, start)]
     checks += [_reversal(r) for r in reversals]
     checks += [*_yield(case, starts), *_starts(case, start, starts)]
-    found = {c.verdict for c in checks}
+    judgements = {c.verdict for c in checks}
     worst = next(
-        (v for v in (Judgement.FAIL, Judgement.ACCEPTED, Judgement.PASS) if v in found),
+        (v for v in (Judgement.FAIL, Judgement.ACCEPTED, Judgement.PASS) if v in judgements),
         Judgement.NOT_JUDGED,
     )
     failing = ", ".join(c.check for c in checks if c.verdict == Judgement.FAIL)

@@ -189,34 +189,34 @@ def _row_problems(case: CaseData, number: int, row: ScatterRow) -> Iterator[Prob
 
 def _distribution_problems(row: ScatterRow, problem: object) -> Iterator[Problem]:
     """Distribution, spread and ends of one row."""
-    tell = problem
-    assert callable(tell)
+    tell_problem = problem
+    assert callable(tell_problem)
     kind = _distribution(row)
     if kind not in DISTRIBUTIONS:
         allowed = ", ".join(DISTRIBUTIONS)
-        yield tell(
+        yield tell_problem(
             "Distribution", kind, allowed, f"Distribution is '{kind}'; allowed is one of {allowed}."
         )
         return
     if kind == FROM_TO:
         for column, value in (("From", row.from_), ("To", row.to)):
             if value is None or not (math.isfinite(value) and value > 0.0):
-                said = "blank" if value is None else _percent(value)
-                yield tell(
+                content = "blank" if value is None else _percent(value)
+                yield tell_problem(
                     column,
                     value,
                     "above 0",
-                    f"{column} is {said}; from-to needs two positive factors, such as 90 % and 120 %.",
+                    f"{column} is {content}; from-to needs two positive factors, such as 90 % and 120 %.",
                 )
         if row.from_ is not None and row.to is not None and row.from_ > row.to > 0.0:
-            yield tell(
+            yield tell_problem(
                 "To",
                 row.to,
                 "at least From",
                 f"To is {_percent(row.to)}, below From, {_percent(row.from_)}. Exchange them.",
             )
         if row.spread is not None:
-            yield tell(
+            yield tell_problem(
                 "Spread",
                 row.spread,
                 "blank with from-to",
@@ -226,7 +226,7 @@ def _distribution_problems(row: ScatterRow, problem: object) -> Iterator[Problem
         return
     for column, value in (("From", row.from_), ("To", row.to)):
         if value is not None:
-            yield tell(
+            yield tell_problem(
                 column,
                 value,
                 "blank unless Distribution is from-to",
@@ -234,14 +234,14 @@ def _distribution_problems(row: ScatterRow, problem: object) -> Iterator[Problem
             )
     limit = 1.0 / CUT if kind == NORMAL else 1.0
     if row.spread is None:
-        yield tell(
+        yield tell_problem(
             "Spread",
             None,
             f"from 0 to below {limit:g}",
             "Spread is blank; give it as a share of what the case says, such as 5 %.",
         )
     elif row.spread < 0.0:
-        yield tell(
+        yield tell_problem(
             "Spread",
             row.spread,
             f"from 0 to below {limit:g}",
@@ -254,7 +254,7 @@ def _distribution_problems(row: ScatterRow, problem: object) -> Iterator[Problem
             if kind == NORMAL
             else "from 100 % on it would reach zero"
         )
-        yield tell(
+        yield tell_problem(
             "Spread",
             row.spread,
             f"from 0 to below {limit:g}",
@@ -298,8 +298,8 @@ def _end_problems(case: CaseData, rows: Sequence[ScatterRow]) -> Iterator[Proble
     for number, (row, factors) in enumerate(_by_row(case, rows), start=1):
         for column, at in (("From", 0.0), ("To", 1.0)):
             values = [float(factor.at(at)) for factor in factors]
-            wrong = find_problems(varied_case(case, changes_of(factors, values)))
-            if not wrong:
+            problems = find_problems(varied_case(case, changes_of(factors, values)))
+            if not problems:
                 continue
             from_to = _distribution(row) == FROM_TO
             yield Problem(
@@ -309,7 +309,7 @@ def _end_problems(case: CaseData, rows: Sequence[ScatterRow]) -> Iterator[Proble
                 (row.to if at else row.from_) if from_to else row.spread,
                 "what the table itself would take",
                 f"times {values[0]:.6g}, its {'largest' if at else 'least'} factor, the case would be "
-                f"refused: {wrong[0].message} Scatter it less.",
+                f"refused: {problems[0].message} Scatter it less.",
             )
 
 
@@ -340,11 +340,11 @@ def _by_row(
         if row.name or quantity == DAMPING_RATIO:
             yield row, (_factor(row, quantity, (row.name or "",)),)
             continue
-        left = tuple(n for n in names_with(case, quantity) if (quantity, n) not in named)
+        unnamed = tuple(n for n in names_with(case, quantity) if (quantity, n) not in named)
         if row.together != TOGETHER:
-            yield row, tuple(_factor(row, quantity, (name,)) for name in left)
+            yield row, tuple(_factor(row, quantity, (name,)) for name in unnamed)
         else:
-            yield row, (_factor(row, quantity, left),) if left else ()
+            yield row, (_factor(row, quantity, unnamed),) if unnamed else ()
 
 
 def _factor(row: ScatterRow, quantity: str, names: tuple[str, ...]) -> Factor:

@@ -103,20 +103,20 @@ def accuracy_study(
     AccuracyStudy
         Rows and sentences; without rows where no step decides the accuracy. [1, s]
     """
-    tell = on_progress or (lambda words: None)
+    on_stage = on_progress or (lambda words: None)
 
     @contextmanager
     def stage(words: str) -> Iterator[None]:
-        tell(words)
+        on_stage(words)
         yield
 
     if not has_start(case) and not case.torque_time:
         return _nothing(case)
-    tell("start as planned")
+    on_stage("start as planned")
     planned = planned_start(case, analyse(case), stage)
     if planned.plan.events:
-        return _event_study(case, planned, rounds, tell)
-    return _linear_study(case, planned, rounds, tell) if has_start(case) else _nothing(case)
+        return _event_study(case, planned, rounds, on_stage)
+    return _linear_study(case, planned, rounds, on_stage) if has_start(case) else _nothing(case)
 
 
 def _nothing(case: CaseData) -> AccuracyStudy:
@@ -136,14 +136,14 @@ def _nothing(case: CaseData) -> AccuracyStudy:
 
 
 def _linear_study(
-    case: CaseData, planned: PlannedStart, rounds: int, tell: Callable[[str], None]
+    case: CaseData, planned: PlannedStart, rounds: int, on_stage: Callable[[str], None]
 ) -> AccuracyStudy:
     """Both methods on the linear train."""
     ladder = _Ladder(case, planned)
-    reference, off = ladder.references(tell)
+    reference, off = ladder.references(on_stage)
     rows = [
-        *ladder.rows(EXPONENTIAL, EXPONENTIAL, reference, rounds, tell),
-        *ladder.rows(Method.NEWMARK, Method.NEWMARK, reference, rounds, tell),
+        *ladder.rows(EXPONENTIAL, EXPONENTIAL, reference, rounds, on_stage),
+        *ladder.rows(Method.NEWMARK, Method.NEWMARK, reference, rounds, on_stage),
     ]
     text = (
         f"Compared with the exponential step at {REFERENCE * ladder.finest(EXPONENTIAL):.3g} s, "
@@ -187,24 +187,24 @@ class _Ladder:
         return {int(e): turning[self.outputs[e]] for e in np.flatnonzero(self.outputs >= 0)}
 
     def references(
-        self, tell: Callable[[str], None]
+        self, on_stage: Callable[[str], None]
     ) -> tuple[_Answers, tuple[float, float | None]]:
         """The reference, and how far its check is from it."""
-        found = []
+        starts = []
         for share in (REFERENCE, CHECK):
             step = share * self.finest(EXPONENTIAL)
-            tell(f"reference at a step of {step:.2g} s")
-            found.append(_answers(self.case, self.histories(self.strict, step, EXPONENTIAL)))
-        return found[0], _errors(found[1], found[0])
+            on_stage(f"reference at a step of {step:.2g} s")
+            starts.append(_answers(self.case, self.histories(self.strict, step, EXPONENTIAL)))
+        return starts[0], _errors(starts[1], starts[0])
 
     def rows(
         self, method: str, label: str, reference: _Answers, rounds: int,
-        tell: Callable[[str], None],
+        on_stage: Callable[[str], None],
     ) -> Iterator[AccuracyRow]:  # fmt: skip
         """One a step, from coarse to fine."""
         for halving in range(SETTINGS - 1, -1, -1):
             step = 2.0**halving * self.finest(method)
-            tell(f"{label} at a step of {step:.2g} s")
+            on_stage(f"{label} at a step of {step:.2g} s")
 
             def once(step: float = step) -> _Answers:
                 return _answers(self.case, self.histories(self.model, step, method))
@@ -218,32 +218,32 @@ class _Ladder:
 
 
 def _event_study(
-    case: CaseData, planned: PlannedStart, rounds: int, tell: Callable[[str], None]
+    case: CaseData, planned: PlannedStart, rounds: int, on_stage: Callable[[str], None]
 ) -> AccuracyStudy:
     """The event-driven start at wanted tolerances, and Newmark on the linear train."""
 
     def at(tolerance: float) -> Start:
-        asked = replace(case, tolerance_peak=tolerance)
-        return calculate_start(asked, planned.model, planned.plan.effects, planned.linear)
+        tighter = replace(case, tolerance_peak=tolerance)
+        return calculate_start(tighter, planned.model, planned.plan.effects, planned.linear)
 
     def answers_at(tolerance: float) -> _Answers:
         return _answers(case, at(tolerance).turning_of_element())
 
     finest = EVENT_TOLERANCES[-1]
-    tell("references with events")
+    on_stage("references with events")
     best, check = at(EVENT_REFERENCE * finest), at(EVENT_CHECK * finest)
     reference = _answers(case, best.turning_of_element())
     off = _errors(_answers(case, check.turning_of_element()), reference)
     rows = []
     for tolerance in EVENT_TOLERANCES:
-        tell(f"start with events to {tolerance:.2g}")
+        on_stage(f"start with events to {tolerance:.2g}")
         answers, wall = _timed_runs(partial(answers_at, tolerance), rounds)
         peak, starts = _errors(answers, reference)
         rows.append(AccuracyRow(EVENTS, f"tolerance {tolerance:.2g}", peak, starts, wall))
     if has_start(case):
         ladder = _Ladder(case, planned)
-        linear, _ = ladder.references(tell)
-        rows += ladder.rows(Method.NEWMARK, NEWMARK_LINEAR, linear, rounds, tell)
+        linear, _ = ladder.references(on_stage)
+        rows += ladder.rows(Method.NEWMARK, NEWMARK_LINEAR, linear, rounds, on_stage)
         papers = (
             "The paper's method has no events: it is studied on the linear train, against the "
             "linear reference. "
@@ -290,9 +290,9 @@ def _errors(answers: _Answers, reference: _Answers) -> tuple[float, float | None
     peak = LEAST_ERROR
     for e, (high, low) in reference.extremes.items():
         size = max(abs(high), abs(low), 1e-9 * largest)
-        found = answers.extremes[e]
+        extremes = answers.extremes[e]
         if size > 0.0:
-            peak = max(peak, abs(found[0] - high) / size, abs(found[1] - low) / size)
+            peak = max(peak, abs(extremes[0] - high) / size, abs(extremes[1] - low) / size)
     starts: float | None = None
     for e, damage in reference.damage.items():
         other = answers.damage[e]

@@ -129,11 +129,11 @@ def calibrate(
             solution = solve(model, plan.frequencies, solution.modes, peaks, solution.z)
         except CalibrationCancelledError:
             peaks, complete = None, False
-    found = _Found(case, plan, unknowns, model, solution, peaks)
-    return found.told(studies, assigned.rivals, complete)
+    estimate = _Estimate(case, plan, unknowns, model, solution, peaks)
+    return estimate.told(studies, assigned.rivals, complete)
 
 
-class _Found:
+class _Estimate:
     """A solution, told."""
 
     def __init__(
@@ -542,7 +542,7 @@ def _basis(
             False,
             f"{stays}: {doubt}. State its mode, from measured phases or the sensor's place.",
         )
-    said = [
+    reasons = [
         f"mode {at[m].mode} ({at[m].after:.4g} Hz, margin {margin:.1%}): {at[m].why}"
         for m, margin in sorted(least.items())
     ]
@@ -550,13 +550,13 @@ def _basis(
     if unknown:
         which = ", ".join(str(at[m].mode) for m in sorted(unknown))
         return False, (
-            f"{stays}: {'; '.join(said)}. Measure mode {which} to judge its margin by "
+            f"{stays}: {'; '.join(reasons)}. Measure mode {which} to judge its margin by "
             f"{MARGIN_BY_BASIS['measured']:.0%}."
         )
     already = "is borne out" if case.margin_basis == "measured" else "becomes measured"
     return True, (
         f"MarginBasis {already}: every mode with a margin below {limit:.0%} is known to "
-        f"{KNOWN_FREQUENCY:.0%} or better, and everything measured is explained: {'; '.join(said)}."
+        f"{KNOWN_FREQUENCY:.0%} or better, and everything measured is explained: {'; '.join(reasons)}."
     )
 
 
@@ -573,7 +573,7 @@ def _sentence(
         return "Nothing was calibrated: nothing is uncertain."
     largest = max(parameters, key=lambda p: abs(p.change))
     sure = [p for p in parameters if p.determined == "determined"]
-    said = [
+    sentences = [
         f"{len(used)} of {len(measurements)} measurement"
         f"{' is' if len(measurements) == 1 else 's are'} used.",
         f"Largest change: {largest.quantity} of {largest.name}, {largest.change:+.1%}."
@@ -582,12 +582,12 @@ def _sentence(
         f"They determine {len(sure)} of {len(parameters)} uncertain quantities.",
     ]
     if explained:
-        said.append(f"Everything is explained within the spread (χ² test: {probability:.0%}).")
+        sentences.append(f"Everything is explained within the spread (χ² test: {probability:.0%}).")
     elif probability < IMPROBABLE:
-        said.append(
+        sentences.append(
             f"Not explained: chance makes a misfit as large only once in {1.0 / max(probability, 1e-9):.2g} "
             "times (χ² test). See the notes of the measurements."
         )
     else:
-        said.append("Not every measurement is explained; see their notes.")
-    return " ".join(said)
+        sentences.append("Not every measurement is explained; see their notes.")
+    return " ".join(sentences)

@@ -144,14 +144,14 @@ def _peak_problems(case: CaseData, rows: Sequence[MeasuredPeakRow]) -> Iterator[
         )
         yield from _uncertainty(PEAKS, number, row.uncertainty)
         if not row.element or row.element not in names:
-            said = "the cell is blank" if not row.element else f"found '{row.element}'"
+            content = "the cell is blank" if not row.element else f"found '{row.element}'"
             yield Problem(
                 PEAKS,
                 number,
                 "Element",
                 row.element,
                 "an element of table Elements",
-                f"{said}; it must be an element of table Elements. Name the one where the torque was "
+                f"{content}; it must be an element of table Elements. Name the one where the torque was "
                 "measured.",
             )
         elif row.element in first:
@@ -170,9 +170,9 @@ def _positive(
     table: str, row: int, column: str, value: float | None, unit: str, what: str
 ) -> Iterator[Problem]:
     if value is None:
-        said = "the cell is blank"
+        content = "the cell is blank"
     elif not (math.isfinite(value) and value > 0.0):
-        said = f"found {value:.6g} {unit}"
+        content = f"found {value:.6g} {unit}"
     else:
         return
     yield Problem(
@@ -181,7 +181,7 @@ def _positive(
         column,
         value,
         "positive",
-        f"{said}; it must be positive. Type {what} as it was measured, or clear the row.",
+        f"{content}; it must be positive. Type {what} as it was measured, or clear the row.",
     )
 
 
@@ -248,13 +248,13 @@ def _factors(case: CaseData, studies: StudyInputs) -> tuple[tuple[Factor, ...], 
     """Uncertain quantities, and what was assumed of them."""
     wanted = (*OF_FREQUENCIES, *OF_PEAKS) if studies.measured_peaks else OF_FREQUENCIES
     typed = [f for f in factors_of(case, studies.scatter) if f.scatters]
-    kept = tuple(f for f in typed if f.quantity in wanted)
+    factors = tuple(f for f in typed if f.quantity in wanted)
     left_out = sorted({f.quantity for f in typed} - set(wanted))
     notes = []
-    if not any(f.quantity in OF_FREQUENCIES for f in kept):
+    if not any(f.quantity in OF_FREQUENCIES for f in factors):
         row = ScatterRow(None, STIFFNESS, NORMAL, DEFAULT_SPREAD)
         default = factors_of(case, (row,)) if names_with(case, STIFFNESS) else ()
-        kept = (*default, *kept)
+        factors = (*default, *factors)
         why = "has no stiffness or inertia" if studies.scatter else "is blank"
         notes.append(
             f"Table Scatter {why}: every stiffness is taken to be uncertain by "
@@ -269,10 +269,10 @@ def _factors(case: CaseData, studies: StudyInputs) -> tuple[tuple[Factor, ...], 
                 else "frequencies do not tell it. Measured peak torques would tell of damping."
             )
         )
-    for f in kept:
+    for f in factors:
         if f.distribution == FROM_TO and abs(0.5 * (f.from_ + f.to) - 1.0) > 1e-9:
             notes.append(
                 f"{f.label}: from {f.from_:g} to {f.to:g} is not about 1; the least change is counted "
                 f"from its middle, {0.5 * (f.from_ + f.to):g} times what the case says."
             )
-    return kept, tuple(notes)
+    return factors, tuple(notes)

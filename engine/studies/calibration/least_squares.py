@@ -125,10 +125,10 @@ def unknowns_of(factors: Sequence[Factor]) -> Unknowns:
     Unknowns
         Those that scatter, in an order of their own, so that rows may come in any. [1]
     """
-    kept = sorted((f for f in factors if f.scatters), key=lambda f: (f.quantity, f.names))
-    middle = np.array([0.5 * (f.from_ + f.to) for f in kept])
-    width = np.array([f.spread if f.distribution == NORMAL else f.deviation for f in kept])
-    return Unknowns(tuple(kept), np.log(middle), width / middle)
+    scattering = sorted((f for f in factors if f.scatters), key=lambda f: (f.quantity, f.names))
+    middle = np.array([0.5 * (f.from_ + f.to) for f in scattering])
+    width = np.array([f.spread if f.distribution == NORMAL else f.deviation for f in scattering])
+    return Unknowns(tuple(scattering), np.log(middle), width / middle)
 
 
 # --- frequencies ----------------------------------------------------------------------------------
@@ -205,18 +205,20 @@ class FrequencyModel:
         """
         modes, train = state.modes, state.train
         elastic = slice(modes.n_rigid, None)
-        found = np.zeros((len(state.frequency), self.unknowns.number))
+        derivative = np.zeros((len(state.frequency), self.unknowns.number))
         row = {e: i for i, e in enumerate(train.elements)}
         own = {str(s.station): s.inertia or 0.0 for s in state.case.stations}
         for j, factor in enumerate(self.unknowns.factors):
             for name in factor.names:
                 if factor.quantity == STIFFNESS:
-                    found[:, j] += 0.5 * modes.strain_share[row[name], elastic]
+                    derivative[:, j] += 0.5 * modes.strain_share[row[name], elastic]
                 elif factor.quantity == INERTIA:
                     i = train.station_index(name)
                     turn = train.node_scale[i] * modes.shape[train.node_dof[i], elastic]
-                    found[:, j] -= 0.5 * own[name] * turn**2  # its own, not that of a shaft's end
-        return found * self.unknowns.deviation
+                    derivative[:, j] -= (
+                        0.5 * own[name] * turn**2
+                    )  # its own, not that of a shaft's end
+        return derivative * self.unknowns.deviation
 
 
 def match_modes_by_mac(reference: Floats, vectors: Floats) -> tuple[Ints, Floats]:
@@ -299,7 +301,7 @@ def assign(
     from scipy.optimize import linear_sum_assignment
 
     near = distances(readings, frequency, spread)
-    found = {
+    mode_of = {
         i: r.mode for i, r in enumerate(readings) if r.mode is not None and near[i, r.mode] <= GATE
     }
     taken = {r.mode for r in readings if r.mode is not None}
@@ -312,8 +314,8 @@ def assign(
             cost[a, b] = 1e6 if barred else near[i, m] ** 2
     for a, b in zip(*linear_sum_assignment(cost), strict=True):
         if b < len(modes):
-            found[open_[a]] = modes[b]
-    return found
+            mode_of[open_[a]] = modes[b]
+    return mode_of
 
 
 def distances(readings: Sequence[Reading], frequency: Floats, spread: Floats) -> Floats:
@@ -591,19 +593,19 @@ class _Problem:
     def residual(self, z: Floats) -> Floats:
         state = self.state(z)
         f = state.frequency[self._order(state)[self.mode]]
-        found = (f - self.measured) / self.scale
+        deviation = (f - self.measured) / self.scale
         if self.peaks is None:
-            return np.asarray(found)
+            return np.asarray(deviation)
         torque = (self.peaks.at([z])[0] - self.torque) / self.torque_scale
-        return np.concatenate([found, torque])
+        return np.concatenate([deviation, torque])
 
     def jacobian(self, z: Floats) -> Floats:
         state = self.state(z)
         at = self._order(state)[self.mode]
-        found = (state.frequency[at] / self.scale)[:, None] * self.model.gradient(state)[at]
+        jacobian = (state.frequency[at] / self.scale)[:, None] * self.model.gradient(state)[at]
         if self.peaks is None:
-            return np.asarray(found)
-        return np.vstack([found, self.peaks.gradient(z) / self.torque_scale[:, None]])
+            return np.asarray(jacobian)
+        return np.vstack([jacobian, self.peaks.gradient(z) / self.torque_scale[:, None]])
 
     def all_residuals(self, z: Floats) -> Floats:
         return np.concatenate([z, self.residual(z)])

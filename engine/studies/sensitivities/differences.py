@@ -53,21 +53,21 @@ def differences(unit: DerivativeUnit) -> Differences:
     """
     n, judged = len(unit.case.elements), len(judged_shafts(unit.case))
     quantity, name = unit.parameter
-    found = []
+    answers = []
     try:
         for share in (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE):
             case = varied_case(unit.case, [Change(quantity, name, 1.0 + share)])
-            found.append(near_start(case, unit.recipe, near_train(case, unit.recipe)))
+            answers.append(near_start(case, unit.recipe, near_train(case, unit.recipe)))
     except ModelError as wrong:
         e, j = np.zeros((2, n)), np.zeros((2, judged))
         return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, str(wrong))
     trouble = ""
-    if not all(s.counted for s in found):
+    if not all(s.counted for s in answers):
         trouble = "A start with this quantity changed by 1 % does not come to its end."
-    elif any(s.sensitive for s in found):
+    elif any(s.sensitive for s in answers):
         trouble = "A start with this quantity changed by 1 % is sensitive."
-    peak = np.array([_log(s.largest) for s in found])
-    starts = np.array([_log(s.damage, -1.0) for s in found])
+    peak = np.array([_log(s.largest) for s in answers])
+    starts = np.array([_log(s.damage, -1.0) for s in answers])
     return Differences(
         unit.index,
         *_extrapolated(peak),

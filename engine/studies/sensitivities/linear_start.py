@@ -349,8 +349,8 @@ def tangent_torques(
             share = min(max((time - began) / step.h, 0.0), 1.0)
             maps = polynomial_step(model.stiffness, model.rate, max(share, 1e-9) * step.h)
             q, v = _moved(maps, before[0], before[1], drive, share)
-            here = force[0] + share * (force[1] + share * force[2])
-            torque, change = _torque(tangent, watched[k][0], q, v, here)
+            force_then = force[0] + share * (force[1] + share * force[2])
+            torque, change = _torque(tangent, watched[k][0], q, v, force_then)
             out[k].torque[i], out[k].derivative[i] = torque, change
             place += 1
     return tuple(out)

@@ -300,14 +300,14 @@ class _Rows:
         if self.shaft is not None and self._limited():
             pairs.append((self.starts, self.starts_errors, self.tangent.starts, self.shaft))
         for own, error, other, j in pairs:
-            known = [
+            judged = [
                 i
                 for i, d in self.found.items()
                 if not d.trouble and not _doubtful(own, error, i, j)
             ]
-            size = float(np.max(np.abs(own[known, j]), initial=0.0))
+            size = float(np.max(np.abs(own[judged, j]), initial=0.0))
             if size > 0.0:
-                worst = max(worst, float(np.max(np.abs(own[known, j] - other[known, j]))) / size)
+                worst = max(worst, float(np.max(np.abs(own[judged, j] - other[judged, j]))) / size)
         return worst
 
 
@@ -413,11 +413,13 @@ def derivatives(
     """
     plan = plan_derivatives(case)
     units = derivative_units(plan)
-    found = []
+    results = []
     for unit in units:
         if should_stop is not None and should_stop():
             break
-        found.append(differences(unit))
+        results.append(differences(unit))
         if on_progress is not None:
-            on_progress(len(found), len(units))
-    return gather_derivatives(plan, found, tangent_of(plan) if len(found) == len(units) else None)
+            on_progress(len(results), len(units))
+    return gather_derivatives(
+        plan, results, tangent_of(plan) if len(results) == len(units) else None
+    )

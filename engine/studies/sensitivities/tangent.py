@@ -106,12 +106,12 @@ def _top(plain: NearStart, element: int) -> int:
 def _outputs_of(plan: DerivativePlan, prepared: PreparedStart, plain: NearStart) -> dict[int, int]:
     """Output that stands for each element: of a subdivided shaft the one with these turning points."""
     run_ = prepared.at(min(plan.recipe.step, prepared.model.largest_step))
-    found = {}
+    outputs = {}
     for output, element in enumerate(run_.trajectory.output_element.tolist()):
         own = plain.turning.get(element)
         if own is not None and np.array_equal(own[1], run_.turning[output][1]):
-            found[element] = output
-    return found
+            outputs[element] = output
+    return outputs
 
 
 def _from_tangent(

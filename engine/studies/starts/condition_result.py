@@ -166,16 +166,16 @@ def _shafts(case: CaseData, results: Results) -> tuple[ConditionShaft, ...]:
     whole = is_counted(results.start)
     assert results.start is not None
     span = {p.element: p.peak_to_peak for p in results.start.peaks}
-    found = []
+    shafts = []
     for _, e in judged_shafts(case):
         name = str(e.element)
         shaft: ShaftFatigue | None = counted.get(name)
         stress = span[name] * stress_of_unit_torque(e)
         if shaft is None:
-            found.append(ConditionShaft(name, stress, 0.0, 0.0, 0.0, None, False, False, False))
+            shafts.append(ConditionShaft(name, stress, 0.0, 0.0, 0.0, None, False, False, False))
             continue
         error = errors.get(name) or 0.0
-        found.append(
+        shafts.append(
             ConditionShaft(
                 element=name,
                 peak_to_peak_stress=stress,
@@ -189,7 +189,7 @@ def _shafts(case: CaseData, results: Results) -> tuple[ConditionShaft, ...]:
                 yields=bool(shaft.above_shear_yield),
             )
         )
-    return tuple(found)
+    return tuple(shafts)
 
 
 def _governing(shafts: Sequence[ConditionShaft]) -> ConditionShaft | None:

@@ -174,15 +174,15 @@ def _of_the_changed_case(case: CaseData, number: int, row: StartConditionRow) ->
         column = _COLUMN_OF.get(problem.table) or _COLUMN_OF.get(problem.column)
         if column is None:
             continue  # wrong with the case itself, which is told elsewhere
-        said = problem.message
+        sentence = problem.message
         if problem.table == "ModeDamping":
-            said = (
+            sentence = (
                 f"found {row.damping_ratio:.6g}: table ModeDamping is scaled with DampingRatio, and "
                 f"its row {problem.row} then says {problem.found:.6g}, which must be "
                 f"{problem.allowed}. Lower the damping ratio."
             )
-        found = row.damping_ratio if problem.table == "ModeDamping" else problem.found
-        yield Problem(TABLE, number, column, found, problem.allowed, said, problem.quoted)
+        content = row.damping_ratio if problem.table == "ModeDamping" else problem.found
+        yield Problem(TABLE, number, column, content, problem.allowed, sentence, problem.quoted)
 
 
 def condition_of_row(case: CaseData, number: int, row: StartConditionRow) -> StartCondition:

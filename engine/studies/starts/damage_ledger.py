@@ -110,12 +110,12 @@ def damage_ledger(matrix: StartMatrix) -> DamageLedger:
     remaining = tuple(
         _remaining(result, row, matrix.rows) for row in rows for result in matrix.rows
     )
-    found = {r.verdict for r in rows}
+    judgements = {r.verdict for r in rows}
     verdict = (
         Judgement.FAIL
-        if Judgement.FAIL in found
+        if Judgement.FAIL in judgements
         else Judgement.NOT_JUDGED
-        if Judgement.NOT_JUDGED in found
+        if Judgement.NOT_JUDGED in judgements
         else Judgement.PASS
     )
     return DamageLedger(rows, remaining, verdict, _sentence(rows), assumption)
@@ -164,10 +164,10 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
     yearly, yearly_low, yearly_high = (
         _sum(duty, name, _per_year, damage) for damage in (_nominal, _low, _high)
     )
-    left = allowed - used
-    years = remaining_life(left, yearly)
+    life_left = allowed - used
+    years = remaining_life(life_left, yearly)
     starts_yearly = any(r.condition.per_year > 0.0 for r in duty)
-    unlimited = starts_yearly and left > 0.0 and yearly == 0.0
+    unlimited = starts_yearly and life_left > 0.0 and yearly == 0.0
     verdict, reason = _verdict(duty, name, allowed, used, (used_low, used_high), starts_yearly)
     return LedgerRow(
         element=name,
@@ -178,7 +178,7 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
         yearly_low=yearly_low,
         yearly_high=yearly_high,
         allowed=allowed,
-        left=left,
+        left=life_left,
         remaining_years=years,
         years_low=remaining_life(allowed - used_high, yearly_high),
         years_high=remaining_life(allowed - used_low, yearly_low),
@@ -243,32 +243,32 @@ def _verdict(
     starts_yearly: bool,
 ) -> tuple[Judgement, str]:
     low, high = interval
-    said = [f"Used so far {used:.4g} of {allowed:.4g}."]
+    sentences = [f"Used so far {used:.4g} of {allowed:.4g}."]
     verdict = Judgement.PASS if used < allowed else Judgement.FAIL
     if verdict == Judgement.FAIL:
-        said.append("Nothing is left: by this count the shaft must not be started again.")
+        sentences.append("Nothing is left: by this count the shaft must not be started again.")
     if (low < allowed) != (high < allowed):
-        said.append(
+        sentences.append(
             f"Within the error of the calculation it may be {low:.4g} or {high:.4g}: the verdict "
             "hangs on it. Tighten ToleranceStarts."
         )
     extended = [r.condition.name for r in duty if (s := _shaft(r, name)) and s.extended]
     if extended:
-        said.append(
+        sentences.append(
             f"Cycles above the first S-N point in '{extended[0]}': its slope is extended, not test "
             "data."
         )
         verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
     yielding = [r.condition.name for r in duty if (s := _shaft(r, name)) and s.yields]
     if yielding:
-        said.append(
+        sentences.append(
             f"Nominal peak above shear yield in '{yielding[0]}': its damage is not that of an elastic "
             "count."
         )
         verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
     if not starts_yearly:
-        said.append("No starts a year are stated: no time is calculated.")
-    return verdict, " ".join(said)
+        sentences.append("No starts a year are stated: no time is calculated.")
+    return verdict, " ".join(sentences)
 
 
 def _governing(duty: Sequence[ConditionResult], name: str, by_year: bool) -> str | None:
@@ -286,14 +286,14 @@ def _remaining(
     """Starts of one kind; without any duty, of an unused shaft."""
     shaft, condition = _shaft(result, row.element), result.condition
     no_duty = not any(r.condition.has_duty for r in results)
-    left = row.allowed if no_duty else row.left
-    reason = _why_unjudged(result, shaft, left)
+    damage_left = row.allowed if no_duty else row.left
+    reason = _why_unjudged(result, shaft, damage_left)
     judged = not reason
     damage = None if shaft is None else shaft.damage
     share = None
     if row.yearly and damage is not None:
         share = condition.per_year * damage / row.yearly
-    years = remaining_life(left or 0.0, damage or 0.0) if judged else None
+    years = remaining_life(damage_left or 0.0, damage or 0.0) if judged else None
     return RemainingStarts(
         element=row.element,
         condition=condition.name,

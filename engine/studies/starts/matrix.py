@@ -149,12 +149,12 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
         )
     judged = [r for r in rows if r.judged]
     unfinished = [r for r in rows if r.outcome not in (NOT_CALCULATED,) and not r.judged]
-    said = []
+    sentences = []
     limited = [r for r in judged if r.allowable_starts is not None]
     if limited:
         worst = min(limited, key=lambda r: r.allowable_starts or math.inf)
         best = max(limited, key=lambda r: r.allowable_starts or 0.0)
-        said.append(
+        sentences.append(
             f"Fewest starts: {math.floor(worst.allowable_starts or 0.0):,} of '{worst.condition.name}' "
             f"({worst.governing})"
             + (
@@ -166,12 +166,12 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
         )
     free = [r.condition.name for r in judged if r.unlimited]
     if free:
-        said.append(f"Unlimited: {_names(free)}.")
+        sentences.append(f"Unlimited: {_names(free)}.")
     if unfinished:
-        said.append(
+        sentences.append(
             f"Not judged: {_names([f'{r.condition.name} ({r.words})' for r in unfinished])}."
         )
-    return " ".join(said)
+    return " ".join(sentences)
 
 
 def _names(names: Sequence[str]) -> str:

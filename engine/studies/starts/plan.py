@@ -99,7 +99,7 @@ def _standard(case: CaseData) -> tuple[list[StartCondition], tuple[str, ...]]:
     """Voltages, loaded and unloaded, then aborted starts."""
     loads = (1.0, 0.0) if case.load_torque else (1.0,)
     words = {1.0: ", loaded", 0.0: ", unloaded"} if case.load_torque else {1.0: ""}
-    found = [
+    conditions = [
         StartCondition(
             f"{100.0 * v:.0f} % voltage{words[load]}", v, load=load, why="supply and load"
         )
@@ -113,7 +113,7 @@ def _standard(case: CaseData) -> tuple[list[StartCondition], tuple[str, ...]]:
         )
     trips, left_out = _trips(case)
     synchronous = case.ratings.synchronous_speed or 1.0
-    found += [
+    conditions += [
         StartCondition(
             f"aborted at {100.0 * speed / synchronous:.1f} % speed",
             trip_speed=speed,
@@ -122,7 +122,7 @@ def _standard(case: CaseData) -> tuple[list[StartCondition], tuple[str, ...]]:
         )
         for speed, span, why in trips
     ]
-    return found, (*notes, *left_out)
+    return conditions, (*notes, *left_out)
 
 
 def _trips(case: CaseData) -> tuple[list[tuple[float, float, str]], list[str]]:

@@ -146,10 +146,10 @@ def tolerance_problems(
     list of Problem
         Empty if it can be planned.
     """
-    found = scatter_problems(case, rows)
+    problems = scatter_problems(case, rows)
     if not FEWEST_SAMPLES <= settings.samples <= MOST_SAMPLES:
         allowed = f"{FEWEST_SAMPLES} to {MOST_SAMPLES:,}"
-        found.append(
+        problems.append(
             Problem(
                 "Scatter",
                 None,
@@ -161,7 +161,7 @@ def tolerance_problems(
             )
         )
     if settings.method not in METHODS:
-        found.append(
+        problems.append(
             Problem(
                 "Scatter",
                 None,
@@ -172,7 +172,7 @@ def tolerance_problems(
             )
         )
     if settings.seed < 0:
-        found.append(
+        problems.append(
             Problem(
                 "Scatter",
                 None,
@@ -182,7 +182,7 @@ def tolerance_problems(
                 f"Seed is {settings.seed}; it must be 0 or a positive whole number.",
             )
         )
-    return found
+    return problems
 
 
 def plan_tolerances(
@@ -295,7 +295,7 @@ def evaluate(unit: Unit) -> Evaluated:
     """
     n, recipe = len(unit.values), unit.recipe
     judged = len(judged_shafts(unit.case))
-    found = Evaluated(
+    evaluated = Evaluated(
         unit.first,
         np.zeros(n, dtype=np.bool_),
         np.zeros(n, dtype=np.bool_),
@@ -314,21 +314,21 @@ def evaluate(unit: Unit) -> Evaluated:
         case = varied_case(unit.case, changes_of(unit.factors, values))
         try:
             near = near_train(case, recipe)
-            found.frequency[i], found.margin[i] = near.frequency, near.margin
+            evaluated.frequency[i], evaluated.margin[i] = near.frequency, near.margin
             if recipe.start != NO_START:
                 start = near_start(case, recipe, near)
                 if recipe.start == LINEAR and (unit.first + i) % CHECKED_EVERY == 0:
-                    found.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
-                    found.checked[i] = start.counted
+                    evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
+                    evaluated.checked[i] = start.counted
                 if start.reversed and unit.replan:
                     start = read_start(case, recipe, *replanned_start(case))
-                _enter(found, i, start)
+                _enter(evaluated, i, start)
                 word = start.outcome.outcome
                 outcomes[word] = outcomes.get(word, 0) + 1
-            found.known[i] = True
+            evaluated.known[i] = True
         except ModelError as wrong:
             troubles.append(str(wrong))
-    return replace(found, outcomes=tuple(outcomes.items()), troubles=tuple(troubles))
+    return replace(evaluated, outcomes=tuple(outcomes.items()), troubles=tuple(troubles))
 
 
 def _change(fine: NearStart, coarse: NearStart) -> tuple[float, float]:

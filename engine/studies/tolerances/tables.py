@@ -182,10 +182,10 @@ def _tornado(found: Tolerances) -> list[Row]:
 def _nominal(found: Tolerances) -> float | None:
     """The answer that is driven, as it is without scatter in the sample's own step."""
     rows = list(_of(found, "margin" if found.driven == MARGIN else found.driven))
-    known = [r.nominal for r in rows if r.nominal is not None]
-    if not known:
+    nominals = [r.nominal for r in rows if r.nominal is not None]
+    if not nominals:
         return None
-    return max(known) if found.driven == STRESS else min(known)
+    return max(nominals) if found.driven == STRESS else min(nominals)
 
 
 def _change(value: float | None, nominal: float | None) -> float | None:

@@ -319,27 +319,27 @@ def _nominal_starts(plan: TolerancePlan) -> dict[str, float]:
 def _probability(
     check: str, of: str, required: float | None, nominal: float | None, met: Mask
 ) -> ProbabilityRow:
-    n, kept = len(met), int(np.sum(met))
-    low, high = share_interval(kept, n)
-    return ProbabilityRow(check, of, required, nominal, kept / n, low, high, n)
+    n, n_met = len(met), int(np.sum(met))
+    low, high = share_interval(n_met, n)
+    return ProbabilityRow(check, of, required, nominal, n_met / n, low, high, n)
 
 
 def _probability_rows(plan: TolerancePlan, sample: Evaluated) -> Iterator[ProbabilityRow]:
     case, recipe, known = plan.case, plan.recipe, sample.known
     required = required_margin(case)
     stated = {(r.mode, r.excitation): r.margin for r in plan.nominal.margins.rows}
-    kept = sample.margin[known] >= required - MARGIN_ROUNDING
+    margin_met = sample.margin[known] >= required - MARGIN_ROUNDING
     for i, (mode, excitation) in enumerate(recipe.margins):
         yield _probability(
             "margin",
             f"mode {mode}, {excitation}",
             required,
             stated[mode, excitation],
-            kept[:, i],
+            margin_met[:, i],
         )
     if recipe.margins:
         least = min(stated[row] for row in recipe.margins)
-        yield _probability("all margins", "train", required, least, np.all(kept, axis=1))
+        yield _probability("all margins", "train", required, least, np.all(margin_met, axis=1))
     if recipe.start == NO_START:
         return
     yield _probability("start completed", "train", None, None, sample.counted[known])
@@ -540,10 +540,10 @@ def _about_the_starts(
         counts: dict[str, int] = {}
         for word, times in (o for e in evaluated for o in e.outcomes):
             counts[word] = counts.get(word, 0) + times
-        told = ", ".join(f"{times} {word}" for word, times in sorted(counts.items()))
+        outcomes = ", ".join(f"{times} {word}" for word, times in sorted(counts.items()))
         yield (
             f"{unfinished} of {n} starts did not come to their end: their torques and starts are not "
-            f"judged and are in no percentile (outcomes of all runs: {told})."
+            f"judged and are in no percentile (outcomes of all runs: {outcomes})."
         )
     reversed_ = int(np.sum(sample.reversed[known]))
     if reversed_:

@@ -62,12 +62,12 @@ def tuning_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]
                 "Catalogue.",
             ),
         )
-    found = [p for n, row in enumerate(studies.tuning, 1) for p in _tuning_row(case, n, row)]
-    found += [p for n, row in enumerate(studies.catalogue, 1) for p in _offer_row(case, n, row)]
-    found += [*_chosen_twice(studies), *_offers_together(studies)]
-    if not found:
-        found += [*_too_little_inertia(case, studies), *_too_many(studies)]
-    return tuple(found)
+    problems = [p for n, row in enumerate(studies.tuning, 1) for p in _tuning_row(case, n, row)]
+    problems += [p for n, row in enumerate(studies.catalogue, 1) for p in _offer_row(case, n, row)]
+    problems += [*_chosen_twice(studies), *_offers_together(studies)]
+    if not problems:
+        problems += [*_too_little_inertia(case, studies), *_too_many(studies)]
+    return tuple(problems)
 
 
 _Where = tuple[str, int | None, str]
@@ -81,9 +81,9 @@ def _problem(where: _Where, found: object, allowed: str, sentence: str) -> Probl
 
 def _wrong(where: _Where, found: object, allowed: str, action: str, unit: str = "") -> Problem:
     """A problem whose sentence is: found …; it must be …. What to do."""
-    shown = f"{found:.6g} {unit}".rstrip() if isinstance(found, (int, float)) else f"'{found}'"
-    shown = "the cell is blank" if found is None else f"found {shown}"
-    return _problem(where, found, allowed, f"{shown}; it must be {allowed}. {action}")
+    content = f"{found:.6g} {unit}".rstrip() if isinstance(found, (int, float)) else f"'{found}'"
+    content = "the cell is blank" if found is None else f"found {content}"
+    return _problem(where, found, allowed, f"{content}; it must be {allowed}. {action}")
 
 
 def _nearest(name: str, known: Sequence[str]) -> str:
@@ -96,13 +96,13 @@ def _tuning_row(case: CaseData, number: int, row: TuningRow) -> Iterator[Problem
     def where(column: str) -> _Where:
         return _TUNING, number, column
 
-    quantity, known = row.quantity, _names(case, row.quantity)
+    quantity, names = row.quantity, _names(case, row.quantity)
     what = "a station of table Stations" if quantity == INERTIA else "an element of table Elements"
     if quantity not in TUNED:
         allowed = "one of " + ", ".join(TUNED)
         yield _wrong(where("Quantity"), quantity, allowed, "Choose from the list.")
-    elif row.element not in known:
-        action = "Name it." if row.element is None else _nearest(row.element, known)
+    elif row.element not in names:
+        action = "Name it." if row.element is None else _nearest(row.element, names)
         yield _wrong(where("Element"), row.element, what, action)
     else:
         missing = refusal(case, row.element, quantity, relative=row.relative)
@@ -169,8 +169,8 @@ def _range(
     if row.from_ is None or row.to is None:
         return
     if row.from_ > row.to:
-        said = "To is less than From. Exchange the two ends of the range."  # in any unit
-        yield _problem(to, row.to, "at least From", said)
+        sentence = "To is less than From. Exchange the two ends of the range."  # in any unit
+        yield _problem(to, row.to, "at least From", sentence)
     least = 1 if row.from_ == row.to else 2
     if row.from_ == row.to and row.steps not in (None, 1):
         allowed = f"above From, {row.from_:.6g}, where Steps is {row.steps}"
@@ -312,12 +312,12 @@ def _too_many(studies: StudyInputs) -> Iterator[Problem]:
     counts += [len(rows) for rows in offers_by_element(studies.catalogue).values()]
     total = math.prod(counts)
     if total > MAX_COMBINATIONS:
-        shown = " × ".join(str(n) for n in counts)
+        product = " × ".join(str(n) for n in counts)
         yield _problem(
             (_TUNING if studies.tuning else _CATALOGUE, None, ""),
             total,
             f"at most {MAX_COMBINATIONS:,} combinations",
-            f"{shown} values make {total:,} combinations; at most {MAX_COMBINATIONS:,} are "
+            f"{product} values make {total:,} combinations; at most {MAX_COMBINATIONS:,} are "
             "calculated. Give fewer Values or Steps, or try the quantities one after the other: "
             "first those that move the worst mode.",
         )

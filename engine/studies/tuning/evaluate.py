@@ -74,9 +74,9 @@ class KeyAnswers:
     @property
     def verdict(self) -> str:
         """The worst of the checks: ``fail``, ``accepted by forced response``, ``pass`` or ``not judged``."""
-        found = {c.verdict for c in self.checks}
+        judgements = {c.verdict for c in self.checks}
         return next(
-            (v for v in (Judgement.FAIL, Judgement.ACCEPTED, Judgement.PASS) if v in found),
+            (v for v in (Judgement.FAIL, Judgement.ACCEPTED, Judgement.PASS) if v in judgements),
             Judgement.NOT_JUDGED,
         )
 
@@ -237,6 +237,6 @@ def _rated(results: Results) -> tuple[Verdict, ...]:
     if not rows:
         return ()
     exceeded = [r for r in rows if r[0] > r[1]]
-    shown = exceeded or [max(rows, key=lambda r: r[0] / r[1])]
+    named = exceeded or [max(rows, key=lambda r: r[0] / r[1])]
     verdict = Judgement.FAIL if exceeded else Judgement.PASS
-    return tuple(Verdict("Rated torque", *r[:2], "torque", verdict, r[2]) for r in shown)
+    return tuple(Verdict("Rated torque", *r[:2], "torque", verdict, r[2]) for r in named)

@@ -50,13 +50,13 @@ def tuning_map(
         picked = tried.combination.picked
         if picked:
             best.setdefault((0 if up is None else picked[up], picked[across]), tried)
-    shown = {across} if up is None else {across, up}
+    drawn = {across} if up is None else {across, up}
     rows = 1 if up is None else len(plan.variables[up].options)
     return TuningMap(
         plan.variables[across],
         None if up is None else plan.variables[up],
         tuple(_row(best, j, len(plan.variables[across].options)) for j in range(rows)),
-        tuple(v.title for i, v in enumerate(plan.variables) if i not in shown),
+        tuple(v.title for i, v in enumerate(plan.variables) if i not in drawn),
     )
 
 

@@ -207,8 +207,8 @@ def _tuned(case: CaseData, row: TuningRow) -> Variable:
 
 
 def _label(change: Change, value: float, unit: DisplayUnit) -> str:
-    told = unit.format(value)
-    return f"{change.value:.6g} × ({told})" if change.relative else told
+    in_unit = unit.format(value)
+    return f"{change.value:.6g} × ({in_unit})" if change.relative else in_unit
 
 
 def in_units(variable: Variable, units: Mapping[tuple[str, str], DisplayUnit]) -> Variable:

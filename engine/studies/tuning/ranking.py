@@ -173,15 +173,17 @@ def reason(
     if a is None:
         return f"Cannot be calculated: {tried.problem}"
     b = None if as_is is None or tried.combination.as_is else as_is.answers
-    said = [_limits(a)]
+    sentences = [_limits(a)]
     if not a.whole:
-        return f"{a.sentence} {said[0]}".strip()
+        return f"{a.sentence} {sentences[0]}".strip()
     crossing = a.governing
     if crossing is not None:
         torque = units.get(("", "torque"), _NEWTON_METRE)
-        said.append(_crossing(crossing, None if b is None else b.governing, rated_torque, torque))
-    said.append(_severity(a, b, units.get(("", "stress"), _MEGAPASCAL)))
-    return " ".join(s for s in said if s)
+        sentences.append(
+            _crossing(crossing, None if b is None else b.governing, rated_torque, torque)
+        )
+    sentences.append(_severity(a, b, units.get(("", "stress"), _MEGAPASCAL)))
+    return " ".join(s for s in sentences if s)
 
 
 def _limits(a: KeyAnswers) -> str:
@@ -195,15 +197,15 @@ def _limits(a: KeyAnswers) -> str:
         return f"Breaks {len(a.broken)} {many}: {', '.join(names)}."
     unjudged = dict.fromkeys(c.check for c in a.checks if c.verdict == Judgement.NOT_JUDGED)
     unjudged.pop(MARGIN_CHECK, None)
-    said = f"Not judged: {', '.join(unjudged)}." if unjudged else ""
-    kept = "Keeps all limits that are judged" if unjudged else "Keeps all limits"
+    unjudged_words = f"Not judged: {', '.join(unjudged)}." if unjudged else ""
+    limits_kept = "Keeps all limits that are judged" if unjudged else "Keeps all limits"
     if not near:
-        kept += "; no separation margin was judged."
+        limits_kept += "; no separation margin was judged."
     elif a.margin_verdict == Judgement.ACCEPTED:
-        kept += f", the separation margin ({near}) by forced response."
+        limits_kept += f", the separation margin ({near}) by forced response."
     else:
-        kept += f" (least separation margin: {near})."
-    return f"{kept} {said}".strip()
+        limits_kept += f" (least separation margin: {near})."
+    return f"{limits_kept} {unjudged_words}".strip()
 
 
 def _percent(share: float) -> str:

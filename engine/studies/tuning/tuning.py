@@ -245,23 +245,23 @@ def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> s
     """How many were tried, how many are better, and the best."""
     if not rows:
         return f"Stopped before the first of {planned:,} combinations."
-    said = f"{planned:,} combinations were calculated"
+    sentence = f"{planned:,} combinations were calculated"
     if len(rows) < planned:
-        said = f"Stopped: {len(rows):,} of {planned:,} combinations were calculated"
+        sentence = f"Stopped: {len(rows):,} of {planned:,} combinations were calculated"
     impossible = sum(r.tried.answers is None for r in rows)
     if impossible:
-        said += f", {impossible:,} of them cannot be"
+        sentence += f", {impossible:,} of them cannot be"
     better = sum(r.better for r in rows)
-    kept = sum(r.tried.answers is not None and not r.tried.answers.broken for r in rows)
-    said += f"; {kept:,} {'keeps' if kept == 1 else 'keep'} all limits that are judged"
+    n_kept = sum(r.tried.answers is not None and not r.tried.answers.broken for r in rows)
+    sentence += f"; {n_kept:,} {'keeps' if n_kept == 1 else 'keep'} all limits that are judged"
     if as_is is None:
-        return f"{said}. The case as it stands was not among them."
-    said += f", {better:,} {'is' if better == 1 else 'are'} better than the case as it stands (rank {as_is.rank:,})."
+        return f"{sentence}. The case as it stands was not among them."
+    sentence += f", {better:,} {'is' if better == 1 else 'are'} better than the case as it stands (rank {as_is.rank:,})."
     if better and len(rows) < planned:  # short: what was not calculated may be better
-        return f"{said} The best of them is {rows[0].combination}."
+        return f"{sentence} The best of them is {rows[0].combination}."
     if better:
-        return f"{said} The best is {rows[0].combination}. {rows[0].reason}"
-    return f"{said} Nothing that was tried is better."
+        return f"{sentence} The best is {rows[0].combination}. {rows[0].reason}"
+    return f"{sentence} Nothing that was tried is better."
 
 
 # --- tables ---------------------------------------------------------------------------------------
@@ -403,8 +403,8 @@ def crossing_rows(result: TuningResult, top: int | None = None) -> list[Row]:
             continue
         for c in row.tried.answers.crossings:
             percent = None if c.percent_speed is None else c.percent_speed / 100.0
-            told = {"rank": row.rank, "combination": row.combination}
-            rows.append(told | asdict(c) | {"percent_speed": percent})
+            of_row = {"rank": row.rank, "combination": row.combination}
+            rows.append(of_row | asdict(c) | {"percent_speed": percent})
     return rows
 
 
@@ -422,12 +422,12 @@ def band_rows(result: TuningResult) -> list[Row]:
         Excitation, ends of the band [Hz], frequency of the excitation [Hz], modes of the case as it
         stands inside, and how many combinations have no mode inside.
     """
-    known = [row.tried.answers for row in result.rows if row.tried.answers is not None]
+    calculated = [row.tried.answers for row in result.rows if row.tried.answers is not None]
     stands = None if result.as_is is None else result.as_is.tried.answers
     rows = rows_of_bands(result.bands, () if stands is None else stands.too_near)
     for row in rows:
-        clear = [a for a in known if all(x != row["excitation"] for _, x in a.too_near)]
-        row |= {"combinations_clear": len(clear), "combinations": len(known)}
+        clear = [a for a in calculated if all(x != row["excitation"] for _, x in a.too_near)]
+        row |= {"combinations_clear": len(clear), "combinations": len(calculated)}
     return rows
 
 
