@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from engine.case.data import CaseData, Ratings
@@ -182,3 +182,15 @@ def check_station(
             "a station of table Stations",
             suggestion(station, stations),
         )
+
+
+def first_of_each_cell(
+    problems: Iterable[Problem], bad_cells: Collection[tuple[str, int | None, str]]
+) -> list[Problem]:
+    """At most one problem a cell, and none of cells the reader has already reported."""
+    first: dict[tuple[str, int | None, str], Problem] = {}
+    for problem in problems:
+        place = (problem.table, problem.row, problem.column)
+        if place not in bad_cells:
+            first.setdefault(place, problem)
+    return list(first.values())

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from engine.case.checks.problem import first_of_each_cell
 from engine.case.data import CaseData
 from engine.case.study_inputs import (
     DAMPING,
@@ -69,12 +70,7 @@ def calibration_problems(
     tuple of Problem
         Empty if the case may be calibrated; at most one problem a cell. [count]
     """
-    found: dict[tuple[str, int | None, str], Problem] = {}
-    for problem in _problems(case, studies):
-        place = (problem.table, problem.row, problem.column)
-        if place not in bad_cells:
-            found.setdefault(place, problem)
-    return tuple(found.values())
+    return tuple(first_of_each_cell(_problems(case, studies), bad_cells))
 
 
 def _problems(case: CaseData, studies: StudyInputs) -> Iterator[Problem]:

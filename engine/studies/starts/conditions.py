@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from engine.case.checks.find_problems import find_problems
+from engine.case.checks.problem import first_of_each_cell
 from engine.case.data import CaseData
 from engine.case.study_inputs import DAMPING_RATIO, LOAD_TORQUE, StartConditionRow, StudyInputs
 from engine.errors import Problem
@@ -87,12 +88,8 @@ def condition_problems(
     tuple of Problem
         Empty if the matrix may be calculated; at most one problem a cell. [count]
     """
-    found: dict[tuple[str, int | None, str], Problem] = {}
-    for problem in _problems(case, studies.start_conditions):
-        place = (problem.table, problem.row, problem.column)
-        if place not in bad_cells:
-            found.setdefault(place, problem)
-    return tuple(sorted(found.values(), key=lambda p: p.row or 0))
+    problems = first_of_each_cell(_problems(case, studies.start_conditions), bad_cells)
+    return tuple(sorted(problems, key=lambda p: p.row or 0))
 
 
 def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Problem]:
