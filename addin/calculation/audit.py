@@ -12,6 +12,7 @@ from functools import cache
 from importlib import metadata
 from typing import Any
 
+from addin.contract.audit_items import DIGEST_ITEM, SETTING_ITEM, SOFTWARE_ITEM
 from addin.contract.version import product_version
 from engine.plan.decision import EffectDecision
 from engine.results.results import Results
@@ -104,12 +105,12 @@ def audit_rows(
         Keys item and value. [text]
     """
     pairs = [
-        ("Inputs, SHA-256 of the canonical case", digest),
-        ("Software", stamp.software),
+        (DIGEST_ITEM, digest),
+        (SOFTWARE_ITEM, stamp.software),
         ("Date (UTC)", f"{stamp.date:%Y-%m-%d %H:%M:%S}"),
         ("Python", f"{platform.python_version()} on {platform.system()}"),
         ("Libraries", _libraries()),
-        *((f"Setting of the command line: {k}", str(v)) for k, v in overrides.items()),
+        *((f"{SETTING_ITEM}{k}", str(v)) for k, v in overrides.items()),
         *_settings(results),
         *_plans(results),
         *_accuracy(results),

@@ -6,6 +6,8 @@ module            responsibility
 `chart_tables`    tables of sheet `ChartData` and the words of charts that only a calculation
                   knows
 `charts`          charts as data: what is drawn, from which columns, with which axes and words
+`audit_items`     items of table `Audit` that are read again from a workbook or a result JSON
+`digests`         digests as people see them: the first digits, which tell inputs apart
 `json_formats`    numbers of the forms of JSON: raised when a reader of the form before would go
                   wrong
 `json_shapes`     shapes of JSON objects, as fragments of a JSON Schema

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from addin.contract.audit_items import DIGEST_ITEM
 from addin.contract.live_formulas import WHOLE_STARTS
 from addin.contract.tables import Field, TableSpec, result_table
 from addin.contract.units import USUAL
@@ -14,7 +15,7 @@ from addin.diff.files import COMPARED, RoundedNumber
 from addin.diff.inputs import Renamed
 from addin.diff.units import Units
 from addin.recorded.match_rows import match_rows, row_name
-from addin.recorded.provenance import DIGEST_ITEM, is_own_of_each_run
+from addin.recorded.provenance import is_own_of_each_run
 from addin.writing.workbook import VERDICT_UNITS
 
 #: Relative size of what rounding, other units and other processors change. [1]

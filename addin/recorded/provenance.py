@@ -7,15 +7,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from addin.contract.audit_items import DIGEST_ITEM, SETTING_ITEM, SOFTWARE_ITEM
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import SCALARS, json_key, result_table
 from addin.recorded.results import recorded_rows
 from addin.xlsx import Workbook
 
-#: Items of table `Audit`, see `addin.calculation.audit`.
-DIGEST_ITEM = "Inputs, SHA-256 of the canonical case"
-_SETTING = "Setting of the command line: "
-_SOFTWARE = "Software"
 #: Items that differ from run to run and from machine to machine.
 _OWN_OF_EACH_RUN = re.compile(r"Software|Date \(UTC\)|Python|Libraries|Time spent: .*")
 _DIGEST = re.compile(r"[0-9a-f]{64}")
@@ -84,8 +81,8 @@ def _of_audit(rows: Iterable[Mapping[str, Any]]) -> Provenance:
     settings: dict[str, Any] = {}
     unreadable = []
     for item, value in said.items():
-        if item.startswith(_SETTING):
-            name = item.removeprefix(_SETTING)
+        if item.startswith(SETTING_ITEM):
+            name = item.removeprefix(SETTING_ITEM)
             found = _setting(name, value)
             if found is None:
                 unreadable.append(f"{name} = {value}")
@@ -94,7 +91,7 @@ def _of_audit(rows: Iterable[Mapping[str, Any]]) -> Provenance:
     digest = str(said.get(DIGEST_ITEM) or "").strip().lower()
     return Provenance(
         digest if _DIGEST.fullmatch(digest) else "",
-        str(said.get(_SOFTWARE) or ""),
+        str(said.get(SOFTWARE_ITEM) or ""),
         settings,
         tuple(unreadable),
     )

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from addin.contract.digests import DIGITS
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec, result_table
 from addin.contract.texts import NO_STUDY
@@ -24,7 +25,7 @@ class RecordedAccuracy:
 
     def belongs_to(self, digest: str) -> bool:
         """Whether it is a study of these inputs."""
-        return digest[:12] in self.inputs
+        return digest[:DIGITS] in self.inputs
 
 
 def recorded_rows(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> list[dict[str, Any]]:

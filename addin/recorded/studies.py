@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from addin.contract.digests import short_digest
 from addin.contract.shown_units import ShownUnits
 from addin.contract.studies.registry import STUDIES
 from addin.contract.study_spec import CUT_SHORT, StudySpec
@@ -112,8 +113,8 @@ def _unread(tables: Sequence[str], read: WorkbookInput) -> str:
 def _outdated(tables: Sequence[str], made: str, digest: str, stamp: str, rows: str) -> str:
     """Why a study is not one of the inputs as they are now."""
     if made != digest:
-        of = f"inputs with SHA-256 {made[:12]}…" if made else "inputs that it does not name"
-        return f"it was made from {of}; those in the file have {digest[:12]}…"
+        of = f"inputs with SHA-256 {short_digest(made)}" if made else "inputs that it does not name"
+        return f"it was made from {of}; those in the file have {short_digest(digest)}"
     stated = _ROWS.search(stamp)
     if tables and (stated is None or not rows.startswith(stated.group(1))):
         of = f"table {tables[0]}" if len(tables) == 1 else f"tables {' and '.join(tables)}"

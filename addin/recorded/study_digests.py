@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from addin.contract.digests import DIGITS
 from addin.contract.shown_units import ShownUnits
 from addin.contract.tables import Field, TableSpec
 from addin.xlsx import ErrorValue, Workbook
@@ -57,7 +58,7 @@ def table_digest(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> str:
         for row in range(table.data.top, table.data.bottom + 1)
     ]
     text = "\n".join([_canonical(worth), *sorted(row for row in rows if row != "{}")])
-    return hashlib.sha256(text.encode("utf-8")).hexdigest()[:12]
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()[:DIGITS]
 
 
 def _factor(spec: TableSpec, field: Field, units: ShownUnits) -> float | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from addin.calculation.calculation import Calculation
 from addin.charts.data import accuracy_block, chart_blocks
+from addin.contract.digests import short_digest
 from addin.contract.problems import shortened
 from addin.diff.changes import Differences
 from addin.reading.typed_case import CaseInput
@@ -92,7 +93,7 @@ def build_document(
         name=shortened(subject.words("document"), 40),
         revision=shortened(subject.words("revision"), 12),
         short_title=shortened(cover.title, _HEAD),
-        foot=f"{calculation.stamp.software} · inputs {calculation.case_sha256[:12]}…",
+        foot=f"{calculation.stamp.software} · inputs {short_digest(calculation.case_sha256)}",
         paper=shown.paper,
         date=int(calculation.stamp.date.timestamp()),
     )

@@ -14,7 +14,7 @@ from addin.report.layout import folded
 from addin.report.numbers import clean, fixed, significant
 from addin.report.subject import Subject
 from addin.report.tables import input_tables, turned, without_blanks
-from addin.report.units import entry_text, own_speeds
+from addin.report.units import entry_text
 from engine.case.data import ElementRow
 
 #: Columns of Elements that belong together, the name of the element in each part.
@@ -187,7 +187,7 @@ def _inertias(subject: Subject) -> Iterator[Table]:
 def _stiffnesses(subject: Subject) -> Table:
     train, case = subject.calculation.results.train, subject.calculation.case
     flanks = {train.elements[f.element]: f.stiffness for f in train.flanks}
-    speeds = own_speeds(case)
+    speeds = case.element_speed_ratios
     place = ("Elements", "Stiffness")
     unit, factor = subject.shown.unit(*place), subject.shown.units.factor(*place)
     rows = []

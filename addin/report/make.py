@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from addin.calculation.calculation import Calculation
+from addin.contract.digests import short_digest
 from addin.contract.problems import CellProblem
 from addin.diff.changes import Differences
 from addin.diff.compare import compare_read_files
@@ -126,6 +127,6 @@ def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:
     made = ", ".join(filter(None, (stored["Software"], stored["Date"] and f"{stored['Date']} UTC")))
     return (
         "The results stored in the workbook do not belong to its inputs: they are those of inputs with "
-        f"SHA-256 {stored['SHA256'][:12]}…{f' ({made})' if made else ''}. The results in this document "
-        f"were calculated from the inputs as they are now, SHA-256 {digest[:12]}…",
+        f"SHA-256 {short_digest(stored['SHA256'])}{f' ({made})' if made else ''}. The results in this document "
+        f"were calculated from the inputs as they are now, SHA-256 {short_digest(digest)}",
     )

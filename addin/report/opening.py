@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from addin.contract.digests import short_digest
 from addin.contract.problems import shortened
 from addin.contract.texts import NOTES
 from addin.diff.changes import Differences
@@ -22,7 +23,6 @@ from addin.report.document import (
 from addin.report.numbers import clean, fixed, significant
 from addin.report.subject import Subject
 from addin.report.tables import result_table
-from addin.report.units import own_speeds
 from engine.start.start_fatigue import is_counted
 
 #: Longest tag below the title; the title block has all of it. [characters]
@@ -69,7 +69,7 @@ def cover_of(subject: Subject) -> Cover:
     first = (
         subject.words("revision"),
         f"{calculation.stamp.date:%Y-%m-%d}",
-        f"Calculated from inputs {calculation.case_sha256[:12]}…",
+        f"Calculated from inputs {short_digest(calculation.case_sha256)}",
         prepared,
         checked,
         "",
@@ -98,7 +98,7 @@ def _earlier(found: Differences) -> list[tuple[str, ...]]:
     before = found.first.data
     if before is None:
         return []
-    said = f"{clean(found.first.source.name)}, inputs {found.first.digest[:12]}…"
+    said = f"{clean(found.first.source.name)}, inputs {short_digest(found.first.digest)}"
     words = (before.revision, "", said, before.prepared_by, before.checked_by, "")
     return [tuple(shortened(clean(str(one or "")), 100) for one in words)]
 
@@ -261,7 +261,7 @@ def largest_peak(subject: Subject) -> str:
         Element, torque at its own speed and pu of rated torque; empty without a start. [text]
     """
     case, shown = subject.calculation.case, subject.shown
-    own = own_speeds(case)
+    own = case.element_speed_ratios
     rows = [
         (max(abs(row["maximum_torque"]), abs(row["minimum_torque"])), row["element"])
         for row in subject.rows("StartupPeaks")

@@ -16,7 +16,6 @@ from addin.report.numbers import clean, fixed, of_dimension, significant, typed
 from addin.report.opening import largest_peak
 from addin.report.subject import Subject
 from addin.report.tables import result_table, turned, with_column
-from addin.report.units import own_speeds
 from engine.case.practice_limits import PRACTICE_LIMITS
 
 _CROSSINGS = (
@@ -138,7 +137,7 @@ def _over_rated(subject: Subject, table: Table, rows: Sequence[Mapping[str, Any]
     """The table with the largest torque over rated torque, both at motor speed, after the torques."""
     rated, ratio = (
         subject.calculation.case.ratings.rated_torque,
-        own_speeds(subject.calculation.case),
+        subject.calculation.case.element_speed_ratios,
     )
     headers = [column.header for column in table.columns]
     if not rated or "Torque, pk‑pk" not in headers:

@@ -19,7 +19,6 @@ from addin.reading.typed_case import CaseInput, Entry, Typed
 from addin.reading.workbook import WorkbookInput
 from addin.report.numbers import clean, pretty_unit, typed
 from addin.writing.workbook import read_shown_units
-from engine.case.data import CaseData
 
 #: Digits of an input that was converted to another unit: as good as the factor of its unit.
 _CONVERTED_DIGITS = 7
@@ -110,22 +109,6 @@ def entry_text(entry: Entry | None, field: Field, shown: DocumentUnits) -> tuple
         if not scale.base:
             number, unit, digits = scale.from_si(number), usual, _CONVERTED_DIGITS
     return typed(number, digits), pretty_unit(unit)
-
-
-def own_speeds(case: CaseData) -> dict[str | None, float]:
-    """How fast each element turns, of a mesh its From side.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-
-    Returns
-    -------
-    dict
-        Element → speed ratio to the motor. [1]
-    """
-    return case.element_speed_ratios
 
 
 def _system(units: Iterable[str]) -> str:

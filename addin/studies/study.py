@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from addin.contract.digests import short_digest
 from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.problems import CellProblem
 from addin.contract.study_spec import StudySpec
@@ -350,7 +351,7 @@ def _write(
         f"{study.key}_Sentence": found.sentence,
         f"{study.key}_Stamp": (
             f"Made by {made.software} on {made.date:%Y-%m-%d %H:%M} UTC from the inputs with SHA-256 "
-            f"{digest[:12]}… and study rows {rows[:12]}…"
+            f"{short_digest(digest)} and study rows {short_digest(rows)}"
         ),
         f"{study.key}_SHA256": digest,
     }

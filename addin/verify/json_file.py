@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from addin.contract.digests import short_digest
 from addin.contract.tables import RESULT_TABLES, TableSpec, json_key
 from addin.contract.version import product_version
 from addin.reading.typed_case import CaseInput
@@ -154,8 +155,8 @@ def _on_digests(about: Verification, of_audit_table: str) -> list[Finding]:
         findings.append(
             Finding(
                 "digest", "", "case_sha256",
-                f"the results were calculated from inputs with SHA-256 {about.recorded[:12]}…, those "
-                f"of the case have {about.inputs[:12]}…: this is another case",
+                f"the results were calculated from inputs with SHA-256 {short_digest(about.recorded)}, those "
+                f"of the case have {short_digest(about.inputs)}: this is another case",
                 found=about.recorded, expected=about.inputs,
             )
         )  # fmt: skip

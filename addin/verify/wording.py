@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from addin.contract.digests import short_digest
 from addin.contract.json_formats import AUDIT_FORMAT
 from addin.verify.findings import AGREEMENTS, Agreement, Finding, Verification
 from addin.writing.results_json import storable
@@ -49,8 +50,8 @@ def in_words(finding: Finding) -> str:
 
 def _digests(found: Verification) -> str:
     if found.recorded == found.inputs:
-        return f"SHA-256 {found.inputs[:12]}…, as recorded"
-    return f"SHA-256 {found.inputs[:12]}…, recorded is {found.recorded[:12]}…"
+        return f"SHA-256 {short_digest(found.inputs)}, as recorded"
+    return f"SHA-256 {short_digest(found.inputs)}, recorded is {short_digest(found.recorded)}"
 
 
 def as_json(found: Verification) -> dict[str, Any]:

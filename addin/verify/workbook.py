@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from addin.calculation.calculation import Calculation
+from addin.contract.digests import DIGITS, short_digest
 from addin.contract.problems import shortened
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
 from addin.contract.texts import NO_STUDY
@@ -122,7 +123,7 @@ def _recorded(workbook: Workbook) -> tuple[Provenance, list[Finding]]:
         findings.append(
             Finding(
                 "digest", sheet, cell,
-                f"the digest {digest[:12]}… here is not {audit.digest[:12]}… of table Audit: one of "
+                f"the digest {short_digest(digest)} here is not {short_digest(audit.digest)} of table Audit: one of "
                 "them was edited", "RunFacts", "run_SHA256", "Value", digest, audit.digest,
             )
         )  # fmt: skip
@@ -166,8 +167,8 @@ def _on_digest(workbook: Workbook, recorded: Provenance, inputs: str) -> list[Fi
         said = "no digest of the inputs is recorded, though there are results"
     else:
         said = (
-            f"the results were calculated from inputs with SHA-256 {recorded.digest[:12]}…, those "
-            f"in the file have {inputs[:12]}…: inputs were changed since"
+            f"the results were calculated from inputs with SHA-256 {short_digest(recorded.digest)}, those "
+            f"in the file have {short_digest(inputs)}: inputs were changed since"
         )
     return [
         Finding(
@@ -371,7 +372,7 @@ def _facts_compared(
                 )
             )  # fmt: skip
     accuracy = facts.get("run_AccuracyInputs")
-    if study and accuracy and about.inputs[:12] not in str(accuracy[2]):
+    if study and accuracy and about.inputs[:DIGITS] not in str(accuracy[2]):
         findings.append(
             Finding(
                 "digest", *accuracy[:2], "the accuracy study belongs to other inputs", "RunFacts",

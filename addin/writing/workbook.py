@@ -19,6 +19,7 @@ from addin.charts.data import accuracy_block, accuracy_title, chart_blocks
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract import tables as fields
 from addin.contract.chart_tables import CHART_TABLES, FORCES, HISTORIES, LABELS, METHODS
+from addin.contract.digests import short_digest
 from addin.contract.live_formulas import WHOLE_STARTS
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import plot_name, text_height
@@ -74,7 +75,7 @@ class RunStamp:
     @property
     def sentence(self) -> str:
         """What stands on Summary."""
-        return f"Results belong to the inputs with SHA-256 {self.sha256[:12]}…"
+        return f"Results belong to the inputs with SHA-256 {short_digest(self.sha256)}"
 
     @property
     def day(self) -> str:
@@ -209,7 +210,7 @@ def write_study(
     facts = {
         "run_AccuracySentence": words["sentence"],
         "run_AccuracyReference": words["reference"],
-        "run_AccuracyInputs": f"Study of the inputs with SHA-256 {stamp.sha256[:12]}…, "
+        "run_AccuracyInputs": f"Study of the inputs with SHA-256 {short_digest(stamp.sha256)}, "
         f"{stamp.day} UTC, {stamp.software}",
     }
     _set_facts(workbook, facts)
