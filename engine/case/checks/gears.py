@@ -166,7 +166,7 @@ def _mesh_ratio(case: CaseData, row: int, m: MeshRow, e: ElementRow) -> Iterator
 def _mesh_line_of_action(
     row: int, m: MeshRow, element_row: int, e: ElementRow
 ) -> Iterator[Problem]:
-    """What acts along the line of action needs a radius; what parts or damps needs a stiffness."""
+    """What acts along the line of action needs a radius; what separates or damps needs a stiffness."""
     table = "Meshes"
     if m.angular_backlash is not None:
         yield wrong_value(
@@ -220,7 +220,7 @@ def _mesh_line_of_action(
             m.backlash,
             "used with a finite mesh stiffness",
             f"found {number_text(m.backlash, 'm')}, but the mesh is rigid: {blank}, row {row}). Teeth "
-            "that part need a stiffness to meet again: type one of the two, or clear the backlash.",
+            "that separate need a stiffness to re-engage: type one of the two, or clear the backlash.",
         )
     if e.stiffness == 0 and m.backlash:
         yield _clearance_without_stiffness(
@@ -263,7 +263,7 @@ def _angular_clearance(row: int, m: MeshRow, element_row: int, e: ElementRow) ->
 def _clearance_without_stiffness(
     cell: tuple[int, str], clearance: tuple[float, str], element_row: int, e: ElementRow, what: str
 ) -> Problem:
-    """A clearance in an element that has nothing to meet again with."""
+    """A clearance in an element that has nothing to close with."""
     return Problem(
         "Meshes",
         cell[0],
@@ -271,7 +271,7 @@ def _clearance_without_stiffness(
         clearance[0],
         "used with a positive stiffness",
         f"found {number_text(*clearance)}, but Stiffness of '{e.element}' (table Elements, row {element_row}) is 0. "
-        f"{what} that part need a stiffness to meet again: type it, or clear the "
+        f"{what} that separate need a stiffness to close again: type it, or clear the "
         f"{cell[1].lower()}.",
     )
 
@@ -345,7 +345,7 @@ def _whole_body(station: str, gear: dict[str, tuple[int, str, float]]) -> Iterat
         (
             "bearing_stiffness",
             "Bearing stiffness",
-            "A gear moves sideways only on bearings that give: type their stiffness here or in "
+            "A gear moves laterally only on elastic bearings: type their stiffness here or in "
             "another row of this gear",
         ),
         (
