@@ -9,6 +9,7 @@ import importlib
 import os
 import sys
 import traceback
+from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import typer
@@ -24,6 +25,7 @@ class Command(NamedTuple):
 
     module: str  #: Holds a function, or a `typer.Typer` of subcommands, of the command's name.
     help: str  #: The first line of its own help, or all of it up to the first blank line.
+    study: str = ""  #: Key of the study that it makes.
 
 
 #: Every command, in the order of --help.
@@ -51,22 +53,27 @@ COMMANDS = {
     "tune": Command(
         "addin.cli.tune",
         "Try couplings and other quantities in every combination, and rank them with the reasons.",
+        study="tuning",
     ),
     "tolerances": Command(
         "addin.cli.tolerances",
         "Show what the scatter of the inputs makes of frequencies, margins, peaks and starts.",
+        study="tolerances",
     ),
     "sensitivities": Command(
         "addin.cli.tolerances",
         "Show what a small change of each quantity does to frequencies, peak stress and starts.",
+        study="sensitivities",
     ),
     "starts": Command(
         "addin.cli.starts",
         "Start matrix and damage ledger: starts at every voltage, and what a duty of them leaves.",
+        study="starts",
     ),
     "calibrate": Command(
         "addin.cli.calibrate",
         "Calibrate: the least change of uncertain stiffnesses that explains measured frequencies.",
+        study="calibration",
     ),
     "new": Command(
         "addin.cli.new",
@@ -95,19 +102,45 @@ COMMANDS = {
 }
 
 
+def every_command() -> dict[str, Command]:
+    """The table, and the commands of studies that have no module of their own in this room.
+
+    Only where there is such a study, which its file says, its record is imported.
+    """
+    known = {"__init__", "registry", *(command.study for command in COMMANDS.values())}
+    folder = Path(__file__).resolve().parents[1] / "contract" / "studies"
+    others = {file.stem for file in folder.glob("*.py")} - known
+    if not others:
+        return COMMANDS
+    studies = importlib.import_module("addin.contract.studies.registry").STUDIES
+    return COMMANDS | {
+        spec.command: Command("addin.cli.any_study", spec.intro, spec.key)
+        for spec in studies
+        if spec.key in others
+    }
+
+
 class LazyCommands(TyperGroup):
     """The commands of the table; --help lists them without importing any."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
-        for name, command in COMMANDS.items():  # stand-ins, for the help and for what is mistyped
+        self._table = every_command()
+        for (
+            name,
+            command,
+        ) in self._table.items():  # stand-ins, for the help and for what is mistyped
             self.commands[name] = TyperCommand(name, help=command.help)
 
     def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:  # type: ignore[override]
         """A command, of which only now the module is imported; None if there is none."""
-        if cmd_name not in COMMANDS:
+        if cmd_name not in self._table:
             return None
-        command = getattr(importlib.import_module(COMMANDS[cmd_name].module), cmd_name)
+        module = importlib.import_module(self._table[cmd_name].module)
+        if cmd_name in COMMANDS:
+            command = getattr(module, cmd_name)
+        else:
+            command = module.study_command(cmd_name)
         if isinstance(command, typer.Typer):
             return get_group(command)
         single = typer.Typer(add_completion=False, rich_markup_mode="markdown")

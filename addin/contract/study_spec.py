@@ -71,6 +71,11 @@ class StudySpec:
     scales: tuple[StudyScale, ...] = ()  #: Maps that are coloured.
 
     @property
+    def intro(self) -> str:
+        """What it is, in one sentence: below the strip of the sheet of its results."""
+        return next(sheet.intro for sheet in self.sheets if sheet.name == self.sheet)
+
+    @property
     def input_names(self) -> tuple[str, ...]:
         """Every input table that it reads. [names]"""
         return (*self.reads, *(spec.name for spec in self.inputs))

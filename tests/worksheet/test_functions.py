@@ -40,7 +40,7 @@ def recalculated(tmp_path_factory):
 def test_every_function_of_the_contract_is_there_and_those_of_the_studies():
     beside = ["TV_VERDICTS", "TV_BANDS", "TV_CALIBRATE", "TV_LIFE"]
     beside += ["TV_TUNE", "TV_TOLERANCES", "TV_SENSITIVITIES"]
-    assert sorted(FUNCTIONS) == sorted([*CONTRACT, *beside])
+    assert {*CONTRACT, *beside} <= set(FUNCTIONS)
 
 
 def test_every_function_is_documented_for_a_wizard():
