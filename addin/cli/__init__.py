@@ -24,6 +24,7 @@ module         responsibility
 `report`       `torsionbook report`
 `study`        what the commands of the studies have in common: targets, processes, Ctrl-C, the
                words at the end
+`any_study`    the command of a study that has no module of its own here: made from its record
 `calibrate`    `torsionbook calibrate`: the least change that explains what was measured
 `starts`       `torsionbook starts`: the start matrix and the damage ledger
 `tolerances`   the commands ``torsionbook tolerances`` and ``torsionbook sensitivities``
