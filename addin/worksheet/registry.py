@@ -366,7 +366,9 @@ def _shown(answer: Any) -> list[list[Value]]:
 
 
 def _plain(value: Any) -> Value:
-    if value is None or isinstance(value, (bool, str)):
+    if isinstance(value, str):
+        return str(value)  # a word of the contract is a StrEnum; a cell holds its text
+    if value is None or isinstance(value, bool):
         return value
     number = float(value)
     if not math.isfinite(number):
