@@ -10,9 +10,6 @@ from typing import Any
 from addin.contract.tables import SCALAR_TABLE
 from engine.errors import Problem
 
-__all__ = ["CellProblem", "nearest", "placed", "printable", "shortened"]
-
-
 _NOT_TEXT = re.compile(
     "[\x00-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]"
 )
@@ -87,14 +84,14 @@ def placed(problem: Problem, sheet: str, cell: str, kind: str = "cell") -> CellP
     )
 
 
-def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
+def nearest(word: str, words: Iterable[str], cutoff: float = 0.6) -> str | None:
     """The known word most like a mistyped one, capitals aside.
 
     Parameters
     ----------
     word : str
         What was typed. [word]
-    known : iterable of str
+    words : iterable of str
         What it may have been meant to be. [words]
     cutoff : float
         Least likeness. [1]
@@ -106,7 +103,7 @@ def nearest(word: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     """
     from difflib import get_close_matches
 
-    folded = {one.casefold(): one for one in known}
+    folded = {candidate.casefold(): candidate for candidate in words}
     close = get_close_matches(word.casefold(), folded, n=1, cutoff=cutoff)
     return folded[close[0]] if close else None
 

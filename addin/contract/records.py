@@ -37,7 +37,7 @@ def find_records(package: str, kind: type[Record]) -> dict[str, Record]:
     IncompleteRecord
         If a file holds none, or several.
     """
-    found: dict[str, Record] = {}
+    by_file: dict[str, Record] = {}
     for entry in pkgutil.iter_modules(importlib.import_module(package).__path__):
         if entry.name == "registry":
             continue
@@ -47,5 +47,5 @@ def find_records(package: str, kind: type[Record]) -> dict[str, Record]:
             raise IncompleteRecord(
                 f"{path_of(module)} holds {len(records)} records {kind.__name__}: make it one"
             )
-        found[path_of(module)] = records[0]
-    return found
+        by_file[path_of(module)] = records[0]
+    return by_file

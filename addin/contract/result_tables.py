@@ -633,7 +633,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         rows=len(EFFECTS), row_name=("Effect",), changes_shown=("On",), room=len(EFFECTS),
         worded=True, rank=7,
         columns=(
-            text("Effect", "What may be simulated.", "One of the ten effects", "docs/effects.md"),
+            text("Effect", "What may be simulated.", "One that a start may call for", "docs/effects.md"),
             text(
                 "Choice", "What was chosen in EffectChoices: auto, on or off.",
                 "As chosen; blank = auto", "docs/effects.md", of_row=("EffectChoices.Choice",),
@@ -647,7 +647,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Deciding number", "deciding number", "The number that decided.",
                 "Of each effect its own cheap number, from modes, damping, rigid run-up and the linear start",
-                "docs/effects.md, The ten effects", of_case=START,
+                "docs/effects.md, The effects", of_case=START,
             ),
             number(
                 "Limit", "deciding number", "What it was compared with.",

@@ -7,26 +7,6 @@ from addin.contract.result_tables import CROSSING_ROWS
 from addin.contract.sheet import ChartAt, Sheet
 from addin.contract.tables import table
 
-__all__ = [
-    "BLANK_TEXT",
-    "CASE_HALVES",
-    "CYCLE_FACTS",
-    "CYCLE_FACTS_AT",
-    "ChartAt",
-    "EFFECT_NOTES_AT",
-    "FACT_LINES",
-    "HISTORY_CHARTS",
-    "KEY_NUMBERS",
-    "KIND_WORDS",
-    "OVERALL",
-    "REVERSAL_NOTES_AT",
-    "SHEETS",
-    "STRIP",
-    "Sheet",
-    "TAB_COLOURS",
-    "TITLE_BLOCK",
-]
-
 BLANK_TEXT = '=IF({0}="","",{0})'
 
 

@@ -7,13 +7,6 @@ from collections.abc import Mapping
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.practice_limits import PRACTICE_LIMITS
 
-__all__ = [
-    "CONTACT_LAW",
-    "EFFECT_NOTES",
-    "NOTES",
-    "REVERSAL_NOTES",
-]
-
 #: Words on sheet Accuracy until the study has been run.
 NO_STUDY = (
     "Errors are those this calculation estimates, times those it took. Error against time by the "

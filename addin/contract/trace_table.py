@@ -57,9 +57,9 @@ def grouped(names: tuple[str, ...]) -> str:
 
 def shortly(names: tuple[str, ...], mark: str = "") -> str:
     """Inputs of the case, the usual groups by their names in `GROUPS`."""
-    left, found = list(names), []
+    others, groups = list(names), []
     for group, members in GROUPS.items():
-        if set(members) <= set(left):
-            found.append(f"{mark}{group}{mark}")
-            left = [name for name in left if name not in members]
-    return "; ".join([*found, *filter(None, [grouped(tuple(left))])])
+        if set(members) <= set(others):
+            groups.append(f"{mark}{group}{mark}")
+            others = [name for name in others if name not in members]
+    return "; ".join([*groups, *filter(None, [grouped(tuple(others))])])

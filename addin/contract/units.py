@@ -19,16 +19,6 @@ from typing import Any
 from addin.contract.problems import shortened
 from addin.contract.tables import DIMENSIONS
 
-__all__ = [
-    "RATED_TORQUE",
-    "STATION_SPEED",
-    "SYNCHRONOUS_SPEED",
-    "TRANSMITTED_TORQUE",
-    "UnitError",
-    "UnitScale",
-    "parse_unit",
-]
-
 #: What a relative unit is a share of.
 RATED_TORQUE = "rated torque"
 SYNCHRONOUS_SPEED = "synchronous speed"

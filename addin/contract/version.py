@@ -2,9 +2,6 @@
 
 from importlib import metadata
 
-__all__ = ["RELEASED", "product_version"]
-
-
 #: Versions with which anybody may have calculated; a new release is entered here.
 RELEASED = ("0.1.0",)
 

@@ -10,14 +10,14 @@ from addin.contract.records import find_records
 from addin.contract.sheet import Sheet
 from addin.contract.study_spec import StudySpec
 
-_FOUND = find_records(__package__, StudySpec)
-for _path, _study in _FOUND.items():
+_RECORDS = find_records(__package__, StudySpec)
+for _path, _study in _RECORDS.items():
     if not _path.endswith(f"/{_study.key}.py"):
         raise IncompleteRecord(f"{_path} holds study {_study.key}: name the file after the key")
     _study.complete(_path)
 
 #: Every study, in the order of its sheets.
-STUDIES: tuple[StudySpec, ...] = tuple(sorted(_FOUND.values(), key=lambda study: study.order))
+STUDIES: tuple[StudySpec, ...] = tuple(sorted(_RECORDS.values(), key=lambda study: study.order))
 
 #: Rows of table `StudyFacts`: what was found in words, and which inputs it belongs to.
 STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
@@ -59,10 +59,10 @@ def with_studies(sheets: Sequence[Sheet]) -> list[Sheet]:
     inputs = max(k for k, sheet in enumerate(sheets) if sheet.kind == "input") + 1
     results = max(k for k, sheet in enumerate(sheets) if sheet.name == "Accuracy") + 1
     plain = [
-        one
+        placed
         for sheet in sheets[inputs:results]
-        for one in (sheet, behind.get(sheet.name))
-        if one is not None
+        for placed in (sheet, behind.get(sheet.name))
+        if placed is not None
     ]
     return [
         *sheets[:inputs],
