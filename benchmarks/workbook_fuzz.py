@@ -756,7 +756,7 @@ def _reads_back(source: Path, target: Path, suffix: str) -> str:
 
 
 def _calculates_inputs(read: Any) -> bool:
-    """Whether an input or its unit is a formula: its value may hang on results, and changes with them."""
+    """Whether an input or its unit is a formula: its value may depend on results, and changes with them."""
     from addin.xlsx.references import Rect, parse_cell
 
     places = [

@@ -107,8 +107,8 @@ def read_compared_file(
     if source.suffix.lower() == ".json":
         try:
             return _of_results(source, read_results_json(source))
-        except OSError as wrong:
-            raise CannotBeCompared(source, (file_problem(source, wrong),)) from wrong
+        except OSError as error:
+            raise CannotBeCompared(source, (file_problem(source, error),)) from error
         except ValueError:
             pass  # a case, or no JSON at all: the reader of cases says which
     read = read_checked(source)

@@ -84,14 +84,14 @@ def compare_inputs(
 
 def _rows(data: CaseData, spec: TableSpec) -> list[dict[str, Any]]:
     """Rows of a table by header; a share of the torque transmitted is told as words."""
-    found = []
+    rows = []
     for row in getattr(data, TABLES[spec.name][0]):
         values = {one.name: getattr(row, one.attribute) for one in spec.columns}
         share = getattr(row, "torque_share", None)
         if share is not None:
             values["Torque"] = f"{100.0 * share:.12g} % of the torque transmitted"
-        found.append(values)
-    return found
+        rows.append(values)
+    return rows
 
 
 def compare_table(

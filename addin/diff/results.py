@@ -196,7 +196,7 @@ def compare_verdicts(
     list of VerdictChange
         The checks of either file first.
     """
-    found = []
+    changes = []
     old, new = first.get("Verdicts", ()), second.get("Verdicts", ())
     names = [[row_name("Verdicts", row) for row in rows] for rows in (old, new)]
     for i, j in match_rows(*names):
@@ -206,7 +206,7 @@ def compare_verdicts(
             _judged_in_words(value, dimension, units)
             for value in (was.get("Result"), now.get("Result"), now.get("Limit", was.get("Limit")))
         ]
-        found.append(
+        changes.append(
             VerdictChange(
                 "Verdicts",
                 str(now.get("Check") or was.get("Check")),
@@ -228,8 +228,8 @@ def compare_verdicts(
             before, after = rows[i].get("Verdict"), others[j].get("Verdict")
             if before != after:
                 row = _name(spec, others[j])
-                found.append(VerdictChange(name, row, str(before or ""), str(after or "")))
-    return found
+                changes.append(VerdictChange(name, row, str(before or ""), str(after or "")))
+    return changes
 
 
 def _guessed(*rows: Mapping[str, Any]) -> str:

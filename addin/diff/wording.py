@@ -95,14 +95,14 @@ def _size(value: Value) -> float:
     return float(value) if isinstance(value, int | float) else 0.0
 
 
-def as_json(found: Differences) -> dict[str, Any]:
+def as_json(differences: Differences) -> dict[str, Any]:
     """Everything that differs as a JSON object."""
     return {
         "format": AUDIT_FORMAT,
-        "a": _side(found.first),
-        "b": _side(found.second),
-        "same_inputs": found.same_inputs,
-        "same_results": found.same_results,
+        "a": _side(differences.first),
+        "b": _side(differences.second),
+        "same_inputs": differences.same_inputs,
+        "same_results": differences.same_results,
         "verdicts": [
             {
                 "table": one.table,
@@ -114,16 +114,18 @@ def as_json(found: Differences) -> dict[str, Any]:
                 "limit": one.limit,
                 "changed": one.changed,
             }
-            for one in found.verdicts
+            for one in differences.verdicts
         ],
-        "inputs": None if found.inputs is None else [_change(one) for one in found.inputs],
-        "results": [_change(one) for one in found.results],
+        "inputs": None
+        if differences.inputs is None
+        else [_change(one) for one in differences.inputs],
+        "results": [_change(one) for one in differences.results],
         "studies": {
-            "notes": list(found.studies.notes),
-            "same_inputs": found.studies.same_inputs,
-            "same_results": found.studies.same_results,
-            "inputs": [_change(one) for one in found.studies.inputs],
-            "results": [_change(one) for one in found.studies.results],
+            "notes": list(differences.studies.notes),
+            "same_inputs": differences.studies.same_inputs,
+            "same_results": differences.studies.same_results,
+            "inputs": [_change(one) for one in differences.studies.inputs],
+            "results": [_change(one) for one in differences.studies.results],
         },
     }
 

@@ -76,7 +76,7 @@ class _Formats:
         return self._numbers[code]
 
 
-def write_book(found: Differences, target: Path) -> None:
+def write_book(differences: Differences, target: Path) -> None:
     """Write the differences as a workbook.
 
     Raises
@@ -93,66 +93,68 @@ def write_book(found: Differences, target: Path) -> None:
                 {"title": "Differences of two torsional analyses", "author": "torsionbook"}
             )
             formats = _Formats(book)
-            _cover(book.add_worksheet("Diff"), formats, found)
+            _cover(book.add_worksheet("Diff"), formats, differences)
             inputs = book.add_worksheet("Inputs")
-            _changes(inputs, formats, "Inputs", found.inputs or (), _of_inputs(found))
+            _changes(inputs, formats, "Inputs", differences.inputs or (), _of_inputs(differences))
             results = book.add_worksheet("Results")
-            said = f"{found.same_results} results are the same. Stresses, torques and frequencies in the unit shown."
-            _changes(results, formats, "Results", found.results, said)
-            if found.studies.anything or found.studies.same_results:
+            sentence = f"{differences.same_results} results are the same. Stresses, torques and frequencies in the unit shown."
+            _changes(results, formats, "Results", differences.results, sentence)
+            if differences.studies.anything or differences.studies.same_results:
                 studies = book.add_worksheet("Studies")
-                both = (*found.studies.inputs, *found.studies.results)
-                _changes(studies, formats, "Studies", both, _of_studies(found))
-                studies.set_row(1, 13 * (2 + len(found.studies.notes)))
+                both = (*differences.studies.inputs, *differences.studies.results)
+                _changes(studies, formats, "Studies", both, _of_studies(differences))
+                studies.set_row(1, 13 * (2 + len(differences.studies.notes)))
         temporary.replace(target)
-    except xlsxwriter.exceptions.FileCreateError as wrong:
-        cause = wrong.args[0] if wrong.args else wrong
-        raise cause if isinstance(cause, OSError) else OSError(str(wrong)) from wrong
+    except xlsxwriter.exceptions.FileCreateError as error:
+        cause = error.args[0] if error.args else error
+        raise cause if isinstance(cause, OSError) else OSError(str(error)) from error
     finally:
         temporary.unlink(missing_ok=True)
 
 
-def _of_inputs(found: Differences) -> str:
-    if found.inputs is None:
+def _of_inputs(differences: Differences) -> str:
+    if differences.inputs is None:
         return "A result JSON holds no inputs, so that only results are compared."
     return (
-        f"{found.same_inputs} input quantities are the same, whatever unit they are typed in. Title block "
+        f"{differences.same_inputs} input quantities are the same, whatever unit they are typed in. Title block "
         "and descriptions, which change no result, are grey."
     )
 
 
-def _of_studies(found: Differences) -> str:
-    said = (
-        f"{found.studies.same_inputs} quantities on the study sheets and {found.studies.same_results} "
+def _of_studies(differences: Differences) -> str:
+    sentence = (
+        f"{differences.studies.same_inputs} quantities on the study sheets and {differences.studies.same_results} "
         "results of studies are the same. Sentences, maps and numbers behind charts are not compared."
     )
-    return "\n".join([said, *found.studies.notes])
+    return "\n".join([sentence, *differences.studies.notes])
 
 
-def _cover(page: Any, formats: _Formats, found: Differences) -> None:
+def _cover(page: Any, formats: _Formats, differences: Differences) -> None:
     _set_up(page, formats, "Differences of two torsional analyses", (46, 26, 26, 22, 26, 26))
     page.write_blank(2, 0, None, formats.header)
     page.merge_range(2, 1, 2, 2, "A", formats.header)
     page.merge_range(2, 3, 2, 5, "B", formats.header)
-    sides = zip(_ABOUT, _about(found.first), _about(found.second), strict=True)
+    sides = zip(_ABOUT, _about(differences.first), _about(differences.second), strict=True)
     for row, (label, one, other) in enumerate(sides, 3):
         page.write_string(row, 0, label, formats.label)
         page.merge_range(row, 1, row, 2, one, formats.text)
         page.merge_range(row, 3, row, 5, other, formats.text)
         page.set_row(row, 13 * max(1, math.ceil(max(len(one) / 66, len(other) / 95))))
-    _verdicts(page, formats, found, len(_ABOUT) + 4)
+    _verdicts(page, formats, differences, len(_ABOUT) + 4)
 
 
-def _verdicts(page: Any, formats: _Formats, found: Differences, row: int) -> None:
+def _verdicts(page: Any, formats: _Formats, differences: Differences, row: int) -> None:
     """Every check of table `Verdicts`, and the verdicts of other tables that changed."""
-    changed = sum(one.changed for one in found.verdicts)
+    changed = sum(one.changed for one in differences.verdicts)
     page.write_string(row, 0, f"Verdicts: {changed} of those below changed", formats.caption)
     for k, header in enumerate(
         ("Check", "Result A", "Result B", "Limit", "Verdict A", "Verdict B")
     ):
         page.write_string(row + 1, k, header, formats.header)
     first = last = row + 2
-    ordered = sorted(found.verdicts, key=lambda one: (one.table != "Verdicts", not one.changed))
+    ordered = sorted(
+        differences.verdicts, key=lambda one: (one.table != "Verdicts", not one.changed)
+    )
     for last, check in enumerate(ordered, first):
         name = check.row if check.table == "Verdicts" else f"{caption(check.table)}: {check.row}"
         page.write_string(last, 0, name, formats.text)
@@ -178,10 +180,10 @@ def _colours(page: Any, formats: _Formats, first: int, last: int, left: int, rig
 
 
 def _changes(
-    page: Any, formats: _Formats, title: str, changes: Sequence[Change], said: str
+    page: Any, formats: _Formats, title: str, changes: Sequence[Change], sentence: str
 ) -> None:
     _set_up(page, formats, title, _WIDTHS)
-    page.merge_range(1, 0, 1, len(_HEADERS) - 1, said, formats.note)
+    page.merge_range(1, 0, 1, len(_HEADERS) - 1, sentence, formats.note)
     head = 3
     for k, header in enumerate(_HEADERS):
         page.write_string(head, k, header, formats.header)
@@ -201,17 +203,17 @@ def _change(page: Any, formats: _Formats, row: int, one: Change) -> None:
     for k, text in enumerate((table, one.row, one.column, "" if one.unit == "1" else one.unit)):
         page.write_string(row, k, text, words)
     before, after = one.shown(one.before), one.shown(one.after)
-    said = "" if one.kind == "changed" else one.kind
+    sentence = "" if one.kind == "changed" else one.kind
     if one.kind in ("row added", "row removed"):
-        said = f"{said}: {before or after or ''}"
+        sentence = f"{sentence}: {before or after or ''}"
         before = after = None
         for k in range(4, 8):
             page.write_blank(row, k, None, formats.plain)
     else:
         _numbers(page, formats, row, one)
-    page.write_string(row, 8, said, words)
+    page.write_string(row, 8, sentence, words)
     page.set_row(
-        row, _height(one.row, table, *(v for v in (before, after) if isinstance(v, str)), said)
+        row, _height(one.row, table, *(v for v in (before, after) if isinstance(v, str)), sentence)
     )
 
 
@@ -240,8 +242,8 @@ def _numbers(page: Any, formats: _Formats, row: int, one: Change) -> None:
 
 def _height(name: str, table: str, *words: str) -> float:
     """Height of a row whose longest text wraps; the last text has the wide column. [point]"""
-    *values, said = words
-    lines = [len(name) / 46, len(table) / 26, len(said) / 64, *(len(v) / 25 for v in values)]
+    *values, sentence = words
+    lines = [len(name) / 46, len(table) / 26, len(sentence) / 64, *(len(v) / 25 for v in values)]
     return 13.0 * max(1, math.ceil(max(lines)))
 
 

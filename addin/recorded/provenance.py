@@ -77,10 +77,10 @@ def rows_of(content: Mapping[str, Any], table: str) -> list[dict[str, Any]]:
 
 def _of_audit(rows: Iterable[Mapping[str, Any]]) -> Provenance:
     """What rows with the keys ``item`` and ``value`` record."""
-    said = {str(row.get("item") or ""): row.get("value") for row in rows}
+    values = {str(row.get("item") or ""): row.get("value") for row in rows}
     settings: dict[str, Any] = {}
     unreadable = []
-    for item, value in said.items():
+    for item, value in values.items():
         if item.startswith(SETTING_ITEM):
             name = item.removeprefix(SETTING_ITEM)
             found = _setting(name, value)
@@ -88,10 +88,10 @@ def _of_audit(rows: Iterable[Mapping[str, Any]]) -> Provenance:
                 unreadable.append(f"{name} = {value}")
             else:
                 settings[name] = found
-    digest = str(said.get(DIGEST_ITEM) or "").strip().lower()
+    digest = str(values.get(DIGEST_ITEM) or "").strip().lower()
     return Provenance(
         digest if _DIGEST.fullmatch(digest) else "",
-        str(said.get(SOFTWARE_ITEM) or ""),
+        str(values.get(SOFTWARE_ITEM) or ""),
         settings,
         tuple(unreadable),
     )

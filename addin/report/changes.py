@@ -28,7 +28,7 @@ _DIMENSIONS: Mapping[str, Mapping[str, str]] = {
 }
 
 
-def earlier_name(found: Differences) -> str:
+def earlier_name(differences: Differences) -> str:
     """What the earlier calculation is called.
 
     Returns
@@ -37,71 +37,75 @@ def earlier_name(found: Differences) -> str:
         Its revision, or its document, where the title block states another one than this; else the
         name of its file. [text]
     """
-    before, now = found.first.data, found.second.data
+    before, now = differences.first.data, differences.second.data
     if before is not None and now is not None:
         if before.revision and before.revision != now.revision:
             return f"revision {shortened(clean(before.revision), 20)}"
         if before.document and before.document != now.document:
             return shortened(clean(before.document), 40)
-    return clean(found.first.source.name)
+    return clean(differences.first.source.name)
 
 
-def changes(subject: Subject, found: Differences) -> Section:
+def changes(subject: Subject, differences: Differences) -> Section:
     """Inputs that changed, and what that did to verdicts and results."""
-    before = found.first
+    before = differences.first
     facts = [
         ("Compared with", clean(before.source.name)),
         ("Title block there", clean(before.revision) or "blank"),
         ("Its inputs, SHA-256", before.digest or "not recorded"),
         ("Its results", clean(f"{before.results_from}; {before.software}")),
     ]
-    blocks: list[Block] = [Paragraph(_sentence(found), "lead"), Facts(tuple(facts))]
+    blocks: list[Block] = [Paragraph(_sentence(differences), "lead"), Facts(tuple(facts))]
     return Section(
-        f"Changes since {earlier_name(found)}",
+        f"Changes since {earlier_name(differences)}",
         tuple(blocks),
         (
-            _inputs(found),
-            _verdicts(found),
-            _results(found, clean(subject.name)),
-            *((_studies(found, clean(subject.name)),) if found.studies.anything else ()),
+            _inputs(differences),
+            _verdicts(differences),
+            _results(differences, clean(subject.name)),
+            *(
+                (_studies(differences, clean(subject.name)),)
+                if differences.studies.anything
+                else ()
+            ),
         ),
     )
 
 
-def _sentence(found: Differences) -> str:
+def _sentence(differences: Differences) -> str:
     """How much changed, in numbers."""
-    verdicts = sum(one.changed for one in found.verdicts if one.table == "Verdicts")
+    verdicts = sum(one.changed for one in differences.verdicts if one.table == "Verdicts")
     judged = {0: "No check has another verdict", 1: "One check has another verdict"}.get(
         verdicts, f"{verdicts} checks have another verdict"
     )
-    if found.inputs is None:
+    if differences.inputs is None:
         return f"{judged}. The file compared with is a result JSON, which holds no inputs."
-    inputs = sum(not one.administrative for one in found.inputs)
+    inputs = sum(not one.administrative for one in differences.inputs)
     if not inputs:
         return f"No input that can change a result differs. {judged}."
     differ = (
         "1 entry of the inputs differs" if inputs == 1 else f"{inputs} entries of the inputs differ"
     )
-    return f"{differ}, {found.same_inputs:,} are the same. {judged}."
+    return f"{differ}, {differences.same_inputs:,} are the same. {judged}."
 
 
-def _inputs(found: Differences) -> Section:
+def _inputs(differences: Differences) -> Section:
     """Inputs before and after; what changes no result in one sentence."""
     title = "Inputs"
-    if found.inputs is None:
+    if differences.inputs is None:
         return Section(title, (Paragraph("Not compared: a result JSON holds no inputs."),))
-    real = [one for one in found.inputs if not one.administrative]
-    other = [one for one in found.inputs if one.administrative]
+    real = [one for one in differences.inputs if not one.administrative]
+    other = [one for one in differences.inputs if one.administrative]
     note = []
     if len(real) > _MOST:
         note.append(f"{_MOST} of {len(real)} are shown; torsionbook diff lists all.")
     if other:
-        said = "; ".join(
+        sentence = "; ".join(
             " ".join(filter(None, (_words(one.row), one.column, _before_after(one))))
             for one in other[:8]
         )
         rest = f"; and {len(other) - 8} more" if len(other) > 8 else ""
-        note.append(f"Also changed, without any bearing on results: {said}{rest}.")
+        note.append(f"Also changed, without any bearing on results: {sentence}{rest}.")
     if not real:
         return Section(title, (Paragraph(" ".join(["No difference.", *note])),))
     table = _table("Inputs that changed", real[:_MOST], with_table=True)
@@ -166,10 +170,10 @@ def _minus(text: str) -> str:
     return "−" + text[1:] if text.startswith("-") else text
 
 
-def _verdicts(found: Differences) -> Section:
+def _verdicts(differences: Differences) -> Section:
     """Every check at a glance before and after, and other verdicts that changed."""
-    checks = [one for one in found.verdicts if one.table == "Verdicts"]
-    others = [one for one in found.verdicts if one.table != "Verdicts" and one.changed]
+    checks = [one for one in differences.verdicts if one.table == "Verdicts"]
+    others = [one for one in differences.verdicts if one.table != "Verdicts" and one.changed]
     blocks: list[Block] = []
     if checks:
         blocks.append(_judged("Checks before and after", checks))
@@ -219,40 +223,46 @@ def _quantity(words: str) -> str:
     return f"{_minus(number)} {pretty_unit(unit)}".rstrip()
 
 
-def _results(found: Differences, name: str) -> Section:
+def _results(differences: Differences, name: str) -> Section:
     """By table, the results an engineer asks for first."""
     title = "Results"
-    if not found.results:
-        said = f"No difference in {found.same_results:,} quantities."
-        return Section(title, (Paragraph(said),))
-    blocks, shown = _by_table(found.results)
-    differ = len(found.results)
-    said = _how_many(found, "results", found.same_results, differ, differ - shown, name)
-    return Section(title, (Paragraph(said), *blocks))
+    if not differences.results:
+        sentence = f"No difference in {differences.same_results:,} quantities."
+        return Section(title, (Paragraph(sentence),))
+    blocks, shown = _by_table(differences.results)
+    differ = len(differences.results)
+    sentence = _how_many(
+        differences, "results", differences.same_results, differ, differ - shown, name
+    )
+    return Section(title, (Paragraph(sentence), *blocks))
 
 
-def _studies(found: Differences, name: str) -> Section:
+def _studies(differences: Differences, name: str) -> Section:
     """Study sheets: rows that changed, and what the studies found where both files hold them."""
-    there = found.studies
-    letters = f"A is {found.first.source.name}, B this calculation."
+    there = differences.studies
+    letters = f"A is {differences.first.source.name}, B this calculation."
     notes = [Paragraph(clean(" ".join([*there.notes, letters])))] if there.notes else []
     asked = [_table("Rows of study sheets that changed", there.inputs[:_MOST], with_table=True)]
     blocks, shown = _by_table(there.results)
     differ = len(there.results)
     left = differ - shown + max(len(there.inputs) - _MOST, 0)
-    said = _how_many(found, "results of studies", there.same_results, differ, left, name)
-    return Section("Studies", (*notes, *(asked if there.inputs else ()), Paragraph(said), *blocks))
+    sentence = _how_many(differences, "results of studies", there.same_results, differ, left, name)
+    return Section(
+        "Studies", (*notes, *(asked if there.inputs else ()), Paragraph(sentence), *blocks)
+    )
 
 
-def _how_many(found: Differences, what: str, same: int, differ: int, left: int, name: str) -> str:
+def _how_many(
+    differences: Differences, what: str, same: int, differ: int, left: int, name: str
+) -> str:
     """How many are the same and how many differ, and where those stand that are not shown."""
-    said = f"{same:,} {what} are the same, {differ:,} differ."
+    sentence = f"{same:,} {what} are the same, {differ:,} differ."
     if left:
-        said += (
+        sentence += (
             f" Shown is what is asked for first; all {differ:,} are listed by "
-            f"torsionbook diff {_quoted(clean(found.first.source.name))} {_quoted(name)} --xlsx OUT.xlsx."
+            f"torsionbook diff {_quoted(clean(differences.first.source.name))} {_quoted(name)} --xlsx OUT.xlsx."
         )
-    return said
+    return sentence
 
 
 def _by_table(results: Iterable[Change]) -> tuple[list[Block], int]:

@@ -68,7 +68,7 @@ def effects(subject: Subject) -> Section:
         caption = "Effects simulated" if on else "Effects left out"
         table = result_table("Effects", some, subject.shown, caption, _EFFECT_COLUMNS)
         parts.append(Section(heading, (table,) if some else (Paragraph(none),)))
-    said = (
+    sentence = (
         "Each effect is decided by a number, compared with a limit. Bound: the most that leaving it out "
         "changes an answer; 0 means exactly nothing, blank that it is on or that nothing is known of it."
     )
@@ -77,7 +77,7 @@ def effects(subject: Subject) -> Section:
         for plan in subject.calculation.view.plans
     )
     told: tuple[Block, ...] = (Listing(plans),) if plans else ()
-    return Section(title, (Paragraph(said), *told), tuple(parts))
+    return Section(title, (Paragraph(sentence), *told), tuple(parts))
 
 
 def accuracy(subject: Subject) -> Section:
@@ -102,7 +102,7 @@ def accuracy(subject: Subject) -> Section:
         + ("Times are those measured when this document was made; they differ from run to run."
            if subject.show_times else "Measured times are left out of a document with a fixed date."),
     )  # fmt: skip
-    said = (
+    sentence = (
         "The error of an answer is asked for, not a time step: peaks and starts are calculated at a step "
         "and at half of it, and the step is halved until their change is below the wanted error."
     )
@@ -112,7 +112,7 @@ def accuracy(subject: Subject) -> Section:
     table: tuple[Block, ...] = (shown,) if rows else ()
     return Section(
         "Accuracy and what it cost",
-        (Paragraph(said), Facts(tuple(found)), *table),
+        (Paragraph(sentence), Facts(tuple(found)), *table),
         (_study(subject),),
     )
 
@@ -198,7 +198,7 @@ def checks(subject: Subject) -> Section:
         )
         for name, count, worst in _checks(subject)
     )
-    said = (
+    sentence = (
         "Results that are simple arithmetic on other results were calculated a second time from the "
         "numbers of this document; relative differences. A checker repeats them by hand."
     )
@@ -215,7 +215,7 @@ def checks(subject: Subject) -> Section:
     table = Table("Arithmetic done twice", columns, rows)
     return Section(
         "Checks and signatures",
-        (Paragraph(said), *((table,) if rows else ())),
+        (Paragraph(sentence), *((table,) if rows else ())),
         (
             Section("To be checked by hand", (Listing(by_hand, "☐"),)),
             Section("Signatures", (SignatureBox(names),)),
@@ -290,7 +290,7 @@ def audit(subject: Subject) -> Section:
         for item, value in subject.audit.items()
         if not item.startswith(_TOLD_ELSEWHERE) and item not in _ACCURACY_ITEMS
     ]
-    said = (
+    sentence = (
         "The digest is taken of all inputs that can change a result, in SI, rounded to twelve significant "
         "digits; title block and descriptions are left out. Retyping a quantity in another unit does not "
         "change it."
@@ -300,7 +300,7 @@ def audit(subject: Subject) -> Section:
         for item, value in subject.audit.items()
         if item.startswith("Time spent: ")
     ]
-    blocks: list[Block] = [Paragraph(said), Facts(tuple(rows))]
+    blocks: list[Block] = [Paragraph(sentence), Facts(tuple(rows))]
     warnings = subject.calculation.warnings
     if warnings:
         blocks += [Paragraph("Warnings:"), Listing(tuple(clean(one) for one in warnings))]

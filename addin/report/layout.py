@@ -198,7 +198,7 @@ def folded(table: Table, total: float = TEXT_WIDTH) -> list[Table]:
         return [table]
     size = beside * _PIECE
     pieces = [table.rows[k : k + size] for k in range(0, len(table.rows), size)]
-    found = []
+    tables = []
     for n, rows in enumerate(pieces, start=1):
         height = math.ceil(len(rows) / beside)
         blank = ("",) * len(table.columns)
@@ -214,8 +214,8 @@ def folded(table: Table, total: float = TEXT_WIDTH) -> list[Table]:
             columns += [Column("", "", "gap"), *table.columns]
         caption = table.caption if len(pieces) == 1 else f"{table.caption} ({n} of {len(pieces)})"
         note = table.note if n == len(pieces) else ""
-        found.append(Table(caption, tuple(columns), tuple(lines), note, together=True))
-    return found
+        tables.append(Table(caption, tuple(columns), tuple(lines), note, together=True))
+    return tables
 
 
 def _parted(table: Table) -> list[Table]:

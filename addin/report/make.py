@@ -77,8 +77,8 @@ def report(
         tell(f"comparing with {against.name}")
         try:
             differences = _compared(against, source, read, calculation)
-        except CannotBeCompared as wrong:
-            return Reported(wrong.problems, (), (), against)
+        except CannotBeCompared as error:
+            return Reported(error.problems, (), (), against)
     tell("drawing")
     alerts = stored_results(read, calculation.case_sha256)
     document = build_document(

@@ -83,13 +83,15 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
     """What damping was assumed, and the amplification it means for each mode."""
     case = subject.calculation.case
     stated = case.damping_ratio
-    said = [
+    sentences = [
         "No damping ratio is stated (DampingRatio is blank)."
         if stated is None
         else f"Stated for all elastic modes: {significant(100.0 * stated, 3)} % of critical (DampingRatio)."
     ]
     if case.mode_damping:
-        said.append(f"Table ModeDamping states that of {len(case.mode_damping)} modes instead.")
+        sentences.append(
+            f"Table ModeDamping states that of {len(case.mode_damping)} modes instead."
+        )
     viscous = sum(1 for e in case.elements if e.damping)
     loss = sum(1 for e in case.elements if e.loss_factor)
     ground = sum(1 for s in case.stations if s.damping)
@@ -99,17 +101,17 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
         (ground, "stations have damping to ground"),
     ):
         if count:
-            said.append(f"{count} {what if count > 1 else _singular(what)}, added by energy.")
+            sentences.append(f"{count} {what if count > 1 else _singular(what)}, added by energy.")
     damped = [r for r in rows if r["frequency"] and r.get("damping_ratio")]
     if not damped:
-        said.append("No mode is damped: a resonance in continuous operation is unbounded, and the "
+        sentences.append("No mode is damped: a resonance in continuous operation is unbounded, and the "
                     "start shows the build-up without any decay.")  # fmt: skip
-        return Section("Damping", (Paragraph(" ".join(said)),))
-    said.append(
+        return Section("Damping", (Paragraph(" ".join(sentences)),))
+    sentences.append(
         "Damping is an assumption of the inputs: confirm it by experience with like trains. The damping "
         "ratio of each mode and its amplification at resonance, 1/2ζ, stand in the table above."
     )
-    blocks: list[Block] = [Paragraph(" ".join(said))]
+    blocks: list[Block] = [Paragraph(" ".join(sentences))]
     item = "Largest neglected damping term"
     if item in subject.audit:
         blocks.append(Paragraph(f"{item}: {clean(subject.audit[item])}.", "note"))

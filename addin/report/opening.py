@@ -93,13 +93,15 @@ def cover_of(subject: Subject) -> Cover:
     )
 
 
-def _earlier(found: Differences) -> list[tuple[str, ...]]:
+def _earlier(differences: Differences) -> list[tuple[str, ...]]:
     """The line of the revision compared with; its date is not known here."""
-    before = found.first.data
+    before = differences.first.data
     if before is None:
         return []
-    said = f"{clean(found.first.source.name)}, inputs {short_digest(found.first.digest)}"
-    words = (before.revision, "", said, before.prepared_by, before.checked_by, "")
+    sentence = (
+        f"{clean(differences.first.source.name)}, inputs {short_digest(differences.first.digest)}"
+    )
+    words = (before.revision, "", sentence, before.prepared_by, before.checked_by, "")
     return [tuple(shortened(clean(str(one or "")), 100) for one in words)]
 
 
@@ -107,7 +109,7 @@ def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str
     where = clean(str(overall.get("where") or ""))
     if where:
         return where[:1].upper() + where[1:] + "."
-    said = {
+    sentence = {
         "pass": "Every check that could be judged is passed.",
         "accepted by forced response": "A separation margin is not kept; every judged stress at that "
         "resonance stays within UTS/25.",
@@ -117,7 +119,7 @@ def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str
         for row in verdicts
         if row["verdict"] == "not judged" and row is not overall
     )
-    return f"{said} Not judged: {', '.join(open_checks)}." if open_checks else said
+    return f"{sentence} Not judged: {', '.join(open_checks)}." if open_checks else sentence
 
 
 def summary(subject: Subject) -> Section:

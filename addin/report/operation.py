@@ -56,14 +56,14 @@ def margins(subject: Subject) -> Section:
         )  # fmt: skip
     )
     failing = [r for r in rows if r["verdict"] != "pass"]
-    said = (
+    sentence = (
         "All margins are kept."
         if not failing
         else f"{len(failing)} of {len(rows)} margins are not kept"
         + (", all of them accepted by forced response." if all(
             r["verdict"].startswith("accepted") for r in failing) else ".")
     )  # fmt: skip
-    return Section("Interference and separation margins", (Paragraph(said, "lead"), *blocks))
+    return Section("Interference and separation margins", (Paragraph(sentence, "lead"), *blocks))
 
 
 def _with_mode(row: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -125,23 +125,23 @@ def _judged(rows: Sequence[Mapping[str, Any]], basis: str) -> str:
     stressed = {row["element"] for row in rows if row.get("allowable") is not None}
     limited = {row["element"] for row in rows if row.get("torque_limit") is not None}
     failing = sorted({clean(r["element"]) for r in rows if r["verdict"] in ("fail", "unbounded")})
-    said = [
+    sentences = [
         f"{len(stressed)} of {len(elements)} elements have a stress diameter and a material and are "
         f"judged; the {basis} stress is compared with UTS/25."
     ]
     if limited:
-        said.append(
+        sentences.append(
             f"At {len(limited)} of them the zero-to-peak torque is compared with the maker's vibratory "
             "limit."
         )
     if failing:
         more = " and others" if len(failing) > 8 else ""
-        said.append(f"The limit is exceeded at {', '.join(failing[:8])}{more}.")
+        sentences.append(f"The limit is exceeded at {', '.join(failing[:8])}{more}.")
     elif stressed or limited:
-        said.append("No limit is exceeded.")
+        sentences.append("No limit is exceeded.")
     else:
-        said.append("So nothing was judged.")
-    return " ".join(said)
+        sentences.append("So nothing was judged.")
+    return " ".join(sentences)
 
 
 def _with_limits(subject: Subject, table: Table, rows: Sequence[Mapping[str, Any]]) -> Table:

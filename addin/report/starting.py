@@ -85,8 +85,8 @@ def _conditions(subject: Subject) -> Section:
         ("aborted start", "Aborted start"),
     ):
         if name in effects:
-            said = "simulated" if effects[name] else f"not simulated: {why[name]}"
-            facts.append((words, said))
+            sentence = "simulated" if effects[name] else f"not simulated: {why[name]}"
+            facts.append((words, sentence))
     given = sorted({clean(row.station or "") for row in case.torque_time})
     facts += [
         (
@@ -116,9 +116,11 @@ def _crossings(subject: Subject) -> Section:
         result_table("StartupCrossings", rows, subject.shown, caption, columns, note)
         for caption, columns, note in zip(captions, _CROSSINGS, notes, strict=True)
     ]
-    said = tuple(f"Mode {row['mode']}: {clean(row['note'])}" for row in rows if row.get("note"))
-    if said:
-        blocks.append(Listing(said))
+    sentences = tuple(
+        f"Mode {row['mode']}: {clean(row['note'])}" for row in rows if row.get("note")
+    )
+    if sentences:
+        blocks.append(Listing(sentences))
     return Section("Crossings of 2 × slip frequency", tuple(blocks))
 
 
@@ -196,9 +198,9 @@ def reversals(subject: Subject) -> Section:
         note="Torques of the From side at its own speed. A reversal is one passage below zero deeper "
         "than 0.1 % of the largest torque. Margin: least over transmitted torque.",
     )  # fmt: skip
-    said = tuple(clean(str(row["note"])) for row in rows)
+    sentences = tuple(clean(str(row["note"])) for row in rows)
     blocks: list[Block] = [
-        *(Paragraph(words, "lead") for words in said[:3]),
+        *(Paragraph(words, "lead") for words in sentences[:3]),
         *turned(table, without=("Note",)),
     ]
     law = subject.calculation.view.contact_law

@@ -39,23 +39,23 @@ def studies(subject: Subject, there: Sequence[RecordedStudy]) -> Section:
     Section
         One part a study.
     """
-    said = (
+    sentence = (
         "Studies are calculated by commands of their own and stand in the workbook. They are printed as "
         "they stand there, where they belong to the inputs of this document; nothing of them was "
         "calculated again."
     )
-    return Section("Studies", (Paragraph(said),), tuple(_part(subject, one) for one in there))
+    return Section("Studies", (Paragraph(sentence),), tuple(_part(subject, one) for one in there))
 
 
 def _part(subject: Subject, one: RecordedStudy) -> Section:
     title, made = _PARTS.get(one.key) or (one.on_sheet.sheet, _every_table)
     if one.outdated:
         command = one.on_sheet.command
-        said = (
+        sentence = (
             f"Out of date, and not shown: sheet {one.on_sheet.sheet} holds a study, but "
             f"{one.outdated}. torsionbook {command} FILE makes it again."
         )
-        return Section(title, (Paragraph(clean(said), "alert"),))
+        return Section(title, (Paragraph(clean(sentence), "alert"),))
     blocks = [Paragraph(clean(one.sentence), "lead"), *made(subject, one)]
     return Section(title, (*blocks, Paragraph(clean(one.stamp), "note")))
 

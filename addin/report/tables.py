@@ -65,7 +65,7 @@ def input_tables(
     """
     spec = _SPECS[name]
     first = spec.columns[0].name
-    found = []
+    tables = []
     for group in groups or [[column.name for column in spec.columns[1:]]]:
         columns = [
             column for column in spec.columns if column.name == first or column.name in group
@@ -73,15 +73,15 @@ def input_tables(
         table = _typed_table(spec, columns, rows, shown, caption)
         if any(cell for row in table.rows for cell in row[1:]):
             told = tuple(row for row in table.rows if any(row[1:]))
-            found.append(
+            tables.append(
                 without_blanks(replace(table, rows=told if len(groups) == 1 else table.rows))
             )
-    if len(found) > 1:
-        found = [
-            replace(one, caption=f"{caption}, part {k} of {len(found)}")
-            for k, one in enumerate(found, start=1)
+    if len(tables) > 1:
+        tables = [
+            replace(one, caption=f"{caption}, part {k} of {len(tables)}")
+            for k, one in enumerate(tables, start=1)
         ]
-    return found
+    return tables
 
 
 def _typed_table(
@@ -278,7 +278,7 @@ def with_column(table: Table, at: int, column: Column, cells: Sequence[str]) -> 
 
 def turned(table: Table, together: int = 4, without: Sequence[str] = ()) -> list[Table]:
     """A table with many columns and few rows, turned: a line a quantity, a column an item."""
-    found = []
+    tables = []
     for start in range(0, len(table.rows), together):
         items = table.rows[start : start + together]
         # numbers of one kind stand in a column of their own here: right-aligned all the same
@@ -292,5 +292,5 @@ def turned(table: Table, together: int = 4, without: Sequence[str] = ()) -> list
             for k, column in enumerate(table.columns)
             if k and column.header not in without
         )
-        found.append(replace(table, columns=heads, rows=lines))
-    return found
+        tables.append(replace(table, columns=heads, rows=lines))
+    return tables

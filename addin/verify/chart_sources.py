@@ -51,9 +51,9 @@ def compare_drawings(
         if any(_is_whole(one, series) for _, series in here):
             continue
         for chart, series in here:
-            said = _astray(one, chart, series)
-            if said:
-                yield Finding("chart", chart.sheet, chart.cell, said, fails=same_version)
+            sentence = _astray(one, chart, series)
+            if sentence:
+                yield Finding("chart", chart.sheet, chart.cell, sentence, fails=same_version)
                 break
 
 

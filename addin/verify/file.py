@@ -30,8 +30,8 @@ def verify_file(
     if is_json:
         try:
             content = read_results_json(source)
-        except (ValueError, OSError) as wrong:
-            return _not_verified(source, file_problem(source, wrong).message)
+        except (ValueError, OSError) as error:
+            return _not_verified(source, file_problem(source, error).message)
     read = read_checked(case if is_json and case is not None else source)
     if isinstance(read, Unreadable):
         return _not_verified(source, read.problems[0].message, read.problems)

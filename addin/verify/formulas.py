@@ -245,10 +245,12 @@ def _replaced(workbook: Workbook, own: OwnFormula) -> Finding:
     value = workbook.sheet_part(own.sheet).value(own.row, own.column)
     if not isinstance(value, Formula):
         return _over(own.sheet, own.cell, value, own.what, own.table, own.header)
-    said = f"{own.what}: the formula is ={shortened(value.text, 90)}, not the one of this version"
+    sentence = (
+        f"{own.what}: the formula is ={shortened(value.text, 90)}, not the one of this version"
+    )
     nothing = reads_nothing(workbook, value.text)
     return Finding(
-        "edited", own.sheet, own.cell, f"{said}; it reads no cell" if nothing else said,
+        "edited", own.sheet, own.cell, f"{sentence}; it reads no cell" if nothing else sentence,
         own.table, "", own.header, value.text, _bare(own.formula), fails=nothing,
     )  # fmt: skip
 
@@ -291,9 +293,9 @@ def _over(
     sheet: str, cell: str, value: object, what: str, table: str = "", header: str = ""
 ) -> Finding:
     shown = value.code if isinstance(value, ErrorValue) else value
-    said = "nothing" if shown is None else f"'{shortened(str(shown), 60)}'"
+    sentence = "nothing" if shown is None else f"'{shortened(str(shown), 60)}'"
     return Finding(
-        "edited", sheet, cell, f"{what}: {said} stands where a live formula was", table, "", header,
+        "edited", sheet, cell, f"{what}: {sentence} stands where a live formula was", table, "", header,
         shown, None,
     )  # fmt: skip
 
@@ -316,8 +318,8 @@ def old_values(
             own = restored.get((sheet, row, column))
             shows, follows = old.constant(row, column), new.constant(row, column)
             if shows is None and own is not None and follows not in (None, ""):
-                said = f"{own.what}: the formula in place of ours shows nothing to be judged"
-                yield Finding("edited", sheet, own.cell, said, expected=_plain(follows))
+                sentence = f"{own.what}: the formula in place of ours shows nothing to be judged"
+                yield Finding("edited", sheet, own.cell, sentence, expected=_plain(follows))
             if shows is None or follows is None:
                 continue
             style = int(old.style(row, column) or 0)

@@ -45,8 +45,8 @@ def read_results_json(path: Path) -> dict[str, Any]:
         content = json.loads(
             path.read_text(encoding="utf-8"), parse_int=_bounded, parse_constant=str
         )
-    except (UnicodeDecodeError, RecursionError, json.JSONDecodeError) as wrong:
-        raise ValueError(f"{path.name} is not JSON ({wrong}).") from wrong
+    except (UnicodeDecodeError, RecursionError, json.JSONDecodeError) as error:
+        raise ValueError(f"{path.name} is not JSON ({error}).") from error
     if not isinstance(content, dict) or "case_sha256" not in content:
         raise ValueError(
             f"{path.name} holds no results: it has no key case_sha256. Name a file that torsionbook "
@@ -211,5 +211,5 @@ def _nested(
     how = agreement(RecordedValue(found, path), expected, share)
     counts.of[how] += 1
     if how is not Agreement.BITS:
-        said = f"{found} stands here, {expected} follows"
-        yield Finding("different", "", path, said, found=found, expected=expected), how
+        sentence = f"{found} stands here, {expected} follows"
+        yield Finding("different", "", path, sentence, found=found, expected=expected), how

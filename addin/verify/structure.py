@@ -32,13 +32,13 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
         if at is None and spec in WORKBOOK_TABLES:
             continue
         if at is None:
-            said = f"the workbook has no table {spec.name}: its results were taken out"
+            sentence = f"the workbook has no table {spec.name}: its results were taken out"
         else:
-            said = (
+            sentence = (
                 f"{spec.name} is a range of cells here, no table: nothing in it was compared. Make it "
                 f"a table of that name again, or recalculate in a new template"
             )
-        yield Finding("table missing", *(at or ("", "")), said, spec.name)
+        yield Finding("table missing", *(at or ("", "")), sentence, spec.name)
 
 
 def odd_columns(workbook: Workbook) -> Iterator[Finding]:
@@ -48,16 +48,16 @@ def odd_columns(workbook: Workbook) -> Iterator[Finding]:
         if table is None:
             continue
         if table.header_row is None:
-            said = "the table shows no headers, so that nobody can tell its columns apart"
-            yield Finding("edited", table.sheet, "", said, spec.name)
+            sentence = "the table shows no headers, so that nobody can tell its columns apart"
+            yield Finding("edited", table.sheet, "", sentence, spec.name)
             continue
         for k, name in enumerate(table.columns):
             cell = cell_name(table.header_row, table.ref.left + k)
             shown = workbook.shown_value(table.sheet, cell)
             if plain(shown) != plain(name):
-                said = f"the header shows '{shortened(str(shown), 60)}', the column is '{name}'"
+                sentence = f"the header shows '{shortened(str(shown), 60)}', the column is '{name}'"
                 yield Finding(
-                    "edited", table.sheet, cell, said, spec.name, "", name, str(shown), name
+                    "edited", table.sheet, cell, sentence, spec.name, "", name, str(shown), name
                 )
         if spec not in INPUT_TABLES:
             yield from _unknown_columns(workbook, table, spec)
@@ -76,13 +76,13 @@ def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Itera
         if all(value in (None, "") for value in held):
             continue
         alike = next((one for one in missing if plain(one) == plain(name)), None)
-        said = f"the column '{name}' is none of ours and is not judged"
+        sentence = f"the column '{name}' is none of ours and is not judged"
         if missing:
             lost = f"'{alike}'" if alike else " and ".join(f"'{one}'" for one in missing)
-            said = f"{said}, while {lost} is missing: give it its name back"
+            sentence = f"{sentence}, while {lost} is missing: give it its name back"
         yield Finding(
             "edited" if missing else "not shown", table.sheet,
-            cell_name(table.ref.top, column), said, spec.name, "", name, name, alike,
+            cell_name(table.ref.top, column), sentence, spec.name, "", name, name, alike,
             fails=bool(missing),
         )  # fmt: skip
 

@@ -258,30 +258,30 @@ def _finding(cell: Compared, within: Agreement, sure: bool, same_words: bool) ->
     """What is said of a result that is not as it would be written; None if nothing."""
     found, wanted = cell.found.value, cell.expected
     if cell.found.formula:
-        kind, said = (
+        kind, sentence = (
             "edited",
             f"the formula ={shortened(cell.found.formula)} stands in place of a result",
         )
         fails = True
     elif isinstance(wanted, int | float) and isinstance(found, str | ErrorValue):
-        kind, said = (
+        kind, sentence = (
             "edited",
             f"the text '{_shown(found)}' stands in place of the number {_shown(wanted)}",
         )
         fails = True
     elif sure and not cell.is_rounding:
-        kind, said = "edited", f"{_shown(found)} stands here, {_shown(wanted)} was written"
+        kind, sentence = "edited", f"{_shown(found)} stands here, {_shown(wanted)} was written"
         fails = True
     else:
         fails = cell.agreement > within
-        kind, said = "different", f"{_shown(found)} stands here, {_shown(wanted)} follows"
+        kind, sentence = "different", f"{_shown(found)} stands here, {_shown(wanted)} follows"
         worded = _worded(cell.table, cell.column)
         if fails and worded and not same_words and not cell.is_number:
-            fails, said = False, f"{said}, in the words of this version"
+            fails, sentence = False, f"{sentence}, in the words of this version"
         elif not fails:
             return None
     return Finding(
-        kind, cell.sheet, cell.found.place, said, cell.table, cell.row, cell.column,
+        kind, cell.sheet, cell.found.place, sentence, cell.table, cell.row, cell.column,
         _plain(found), _plain(wanted), fails,
     )  # fmt: skip
 
@@ -296,7 +296,7 @@ def _in_other_units(
     for cell in compared:
         if cell.is_number and cell.agreement is Agreement.DIFFERENT and cell.expected:
             by_column.setdefault((cell.table, cell.column), []).append(cell)
-    found = {}
+    findings = {}
     for (table, column), cells in by_column.items():
         unit = unit_of(table, column)
         ratios = [c.found.value / c.expected for c in cells]  # type: ignore[operator]
@@ -305,13 +305,13 @@ def _in_other_units(
         if not (unit and whole and different_numbers and all(_near(r, ratios[0]) for r in ratios)):
             continue
         first = cells[0]
-        found[table, column] = Finding(
+        findings[table, column] = Finding(
             "different", first.sheet, first.found.place,
             f"all {len(cells)} numbers of the column are {ratios[0]:.6g} times what follows in the "
             f"unit above it, {unit}: the unit was changed after the calculation. Recalculate.",
             table, "", column, _plain(first.found.value), _plain(first.expected),
         )  # fmt: skip
-    return found
+    return findings
 
 
 def _near(one: float, other: float) -> bool:

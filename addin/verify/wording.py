@@ -14,29 +14,33 @@ from addin.writing.results_json import storable
 SHOWN = 30
 
 
-def lines(found: Verification, everything: bool = False) -> Iterator[str]:
+def lines(verification: Verification, everything: bool = False) -> Iterator[str]:
     """A verification in lines for people."""
-    yield f"{found.source}: {found.outcome}. {found.sentence}"
-    if found.made_by or found.recorded:
-        yield f"  made by {found.made_by or 'an unknown version'}, verified by {found.this}"
-    if found.recorded:
-        yield f"  inputs  {_digests(found)}"
-    if found.settings:
-        settings = ", ".join(f"{name} = {value}" for name, value in found.settings.items())
+    yield f"{verification.source}: {verification.outcome}. {verification.sentence}"
+    if verification.made_by or verification.recorded:
+        yield f"  made by {verification.made_by or 'an unknown version'}, verified by {verification.this}"
+    if verification.recorded:
+        yield f"  inputs  {_digests(verification)}"
+    if verification.settings:
+        settings = ", ".join(f"{name} = {value}" for name, value in verification.settings.items())
         yield f"  with the recorded settings of the command line: {settings}"
-    if found.counts:
-        parts = [f"{found.total(how):,} {AGREEMENTS[how]}" for how in Agreement if found.total(how)]
-        own = sum(one.not_compared for one in found.counts)
+    if verification.counts:
+        parts = [
+            f"{verification.total(how):,} {AGREEMENTS[how]}"
+            for how in Agreement
+            if verification.total(how)
+        ]
+        own = sum(one.not_compared for one in verification.counts)
         if own:
             parts.append(f"{own:,} dates and wall times not compared")
         yield f"  results {'; '.join(parts)}"
-    for problem in found.problems:
+    for problem in verification.problems:
         yield f"  {problem.message}"
-    shown = found.findings if everything else found.findings[:SHOWN]
+    shown = verification.findings if everything else verification.findings[:SHOWN]
     for finding in shown:
         yield f"  {'' if finding.fails else 'note: '}{in_words(finding)}"
-    if len(shown) < len(found.findings):
-        more = len(found.findings) - len(shown)
+    if len(shown) < len(verification.findings):
+        more = len(verification.findings) - len(shown)
         yield f"  and {more:,} more; --all lists them, --json FILE writes them."
 
 
@@ -48,26 +52,26 @@ def in_words(finding: Finding) -> str:
     return f"{where + ', ' if where else ''}{finding.kind}: {finding.sentence}"
 
 
-def _digests(found: Verification) -> str:
-    if found.recorded == found.inputs:
-        return f"SHA-256 {short_digest(found.inputs)}, as recorded"
-    return f"SHA-256 {short_digest(found.inputs)}, recorded is {short_digest(found.recorded)}"
+def _digests(verification: Verification) -> str:
+    if verification.recorded == verification.inputs:
+        return f"SHA-256 {short_digest(verification.inputs)}, as recorded"
+    return f"SHA-256 {short_digest(verification.inputs)}, recorded is {short_digest(verification.recorded)}"
 
 
-def as_json(found: Verification) -> dict[str, Any]:
+def as_json(verification: Verification) -> dict[str, Any]:
     """A verification as a JSON object."""
     return {
         "format": AUDIT_FORMAT,
-        "file": str(found.source),
-        "outcome": found.outcome,
-        "sentence": found.sentence,
-        "follows": found.passes,
-        "made_by": found.made_by,
-        "verified_by": found.this,
-        "recorded_sha256": found.recorded,
-        "case_sha256": found.inputs,
-        "settings": found.settings,
-        "within": AGREEMENTS[found.within],
+        "file": str(verification.source),
+        "outcome": verification.outcome,
+        "sentence": verification.sentence,
+        "follows": verification.passes,
+        "made_by": verification.made_by,
+        "verified_by": verification.this,
+        "recorded_sha256": verification.recorded,
+        "case_sha256": verification.inputs,
+        "settings": verification.settings,
+        "within": AGREEMENTS[verification.within],
         "tables": [
             {
                 "table": one.table,
@@ -78,7 +82,7 @@ def as_json(found: Verification) -> dict[str, Any]:
                 "different": one.of[Agreement.DIFFERENT],
                 "not_compared": one.not_compared,
             }
-            for one in found.counts
+            for one in verification.counts
         ],
         "findings": [
             {
@@ -93,7 +97,7 @@ def as_json(found: Verification) -> dict[str, Any]:
                 "expected": storable(one.expected),
                 "message": in_words(one),
             }
-            for one in found.findings
+            for one in verification.findings
         ],
-        "errors": [problem.as_json() for problem in found.problems],
+        "errors": [problem.as_json() for problem in verification.problems],
     }

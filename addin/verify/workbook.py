@@ -164,15 +164,23 @@ def _on_digest(workbook: Workbook, recorded: Provenance, inputs: str) -> list[Fi
         return []
     sheet, cell, _ = _facts(workbook).get("run_SHA256", ("", "", None))
     if not recorded.digest:
-        said = "no digest of the inputs is recorded, though there are results"
+        sentence = "no digest of the inputs is recorded, though there are results"
     else:
-        said = (
+        sentence = (
             f"the results were calculated from inputs with SHA-256 {short_digest(recorded.digest)}, those "
             f"in the file have {short_digest(inputs)}: inputs were changed since"
         )
     return [
         Finding(
-            "digest", sheet, cell, said, "RunFacts", "run_SHA256", "Value", recorded.digest, inputs
+            "digest",
+            sheet,
+            cell,
+            sentence,
+            "RunFacts",
+            "run_SHA256",
+            "Value",
+            recorded.digest,
+            inputs,
         )
     ]
 
@@ -185,27 +193,27 @@ def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
         name, command = f"{study.key}_SHA256", study.on_sheet.command
         sheet, cell, digest = facts.get(name, (study.on_sheet.sheet, "", None))
         if study.outdated:
-            said = (
+            sentence = (
                 f"the study on sheet {study.on_sheet.sheet} is out of date: {study.outdated}. Run "
                 f"torsionbook {command} again"
             )
-            yield Finding("digest", sheet, cell, said, "StudyFacts", name, "Value", digest)
+            yield Finding("digest", sheet, cell, sentence, "StudyFacts", name, "Value", digest)
         else:
-            said = (
+            sentence = (
                 f"the study on sheet {study.on_sheet.sheet} names the inputs and rows that are in the "
                 f"file; its numbers are not calculated again here, but by torsionbook {command}"
             )
             if not study.is_recorded:
-                said += "; what it wrote is not recorded: numbers edited by hand are not seen"
-            yield Finding("not compared", sheet, cell, said, "StudyFacts", name, fails=False)
+                sentence += "; what it wrote is not recorded: numbers edited by hand are not seen"
+            yield Finding("not compared", sheet, cell, sentence, "StudyFacts", name, fails=False)
         for table in study.edited:
             there = read.workbook.tables.get(table)
-            said = (
+            sentence = (
                 f"table {table} does not hold what torsionbook {command} wrote: a cell, a row, a column "
                 "or the unit above one was changed by hand"
             )
             where = study.on_sheet.sheet if there is None else there.sheet
-            yield Finding("edited", where, "", said, table)
+            yield Finding("edited", where, "", sentence, table)
 
 
 def _holds_results(workbook: Workbook) -> bool:
@@ -252,11 +260,11 @@ def _compared(
     same_version = about.made_by == about.this
     known, same_inputs = _is_known(about), about.recorded == about.inputs
     if not known:
-        said = (
+        sentence = (
             f"the file says that '{about.made_by}' made it, a version that this one does not know: its "
             "words must be those of this version"
         )
-        findings.append(Finding("different", "", "", said, "Audit", "Software", fails=False))
+        findings.append(Finding("different", "", "", sentence, "Audit", "Software", fails=False))
     counts, more = compare_tables(
         pairs,
         Allowances(run.results),
@@ -283,8 +291,8 @@ def _drawings(workbook: Workbook, same_version: bool) -> list[Finding]:
         charts = drawn_charts(workbook)
         drawings = compare_drawings(workbook, charts, same_version)
         return [*drawings, *compare_copies(workbook, charts)]
-    except PackageError as wrong:  # a chart that nobody can read is no result either
-        return [Finding("not shown", "", "", f"charts were not judged: {wrong}", fails=False)]
+    except PackageError as error:  # a chart that nobody can read is no result either
+        return [Finding("not shown", "", "", f"charts were not judged: {error}", fails=False)]
 
 
 def _rows(
@@ -361,13 +369,13 @@ def _facts_compared(
         if follows is not None or how is not Agreement.BITS:
             one.of[how] += 1
         if how > Agreement.DIGITS:
-            said = f"{name}: '{stands}' stands here, '{follows}' follows"
+            sentence = f"{name}: '{stands}' stands here, '{follows}' follows"
             fails = (
                 not isinstance(follows, str) or about.made_by == about.this or not _is_known(about)
             )
             findings.append(
                 Finding(
-                    "different", sheet, cell, said, "RunFacts", str(name), "Value", stands,
+                    "different", sheet, cell, sentence, "RunFacts", str(name), "Value", stands,
                     follows, fails,
                 )
             )  # fmt: skip
@@ -418,8 +426,8 @@ def _formulas_compared(
         report = fresh.refresh_formula_caches()
     except ObstaclesFound as blocked:
         reason = " ".join(map(str, blocked.obstacles[:3]))
-    except PackageError as wrong:
-        reason = str(wrong)
+    except PackageError as error:
+        reason = str(error)
     if reason:
         noted = Finding("not shown", "", "", f"formulas were not judged: {reason}", fails=False)
         return [noted, *_of_unjudged(workbook, None, reason)]

@@ -236,13 +236,13 @@ def _on_inputs(read: WorkbookInput) -> Iterable[str]:
     if without_value:
         yield (
             f"Inputs that are formulas were left without a value: {_some(without_value)}. They may "
-            "hang on results, and cannot be recalculated here for certain. Before the written "
+            "depend on results, and cannot be recalculated here for certain. Before the written "
             "workbook can be calculated again, open it in Excel or LibreOffice and save it, or type "
             "values there instead of the formulas."
         )
     if changed:
         yield (
-            f"Inputs that are formulas hang on results, and have changed with them: {_some(changed)}. "
+            f"Inputs that are formulas depend on results, and have changed with them: {_some(changed)}. "
             "The results are those of the inputs before. Calculate again until they stay, or type "
             "values there instead of the formulas."
         )

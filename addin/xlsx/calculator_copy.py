@@ -226,7 +226,7 @@ def _keep_dynamic_arrays(root: Element) -> bool:
 
 
 def _without_rich_values(data: bytes) -> bytes:
-    """A sheet whose cells show their fallbacks; what may hang on them is not taken over."""
+    """A sheet whose cells show their fallbacks; what may depend on them is not taken over."""
     return _RICH_VALUE.sub(rb"\1", data) if b"vm=" in data else data
 
 

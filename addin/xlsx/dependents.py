@@ -1,4 +1,4 @@
-"""Which formula cells hang on changed cells.
+"""Which formula cells depend on changed cells.
 
 The graph is conservative: it may name a formula too many, never one too few.
 """
@@ -250,12 +250,12 @@ class DependencyGraph:
         return self._closure(seeds)
 
     def downstream_of_formulas(self, sources: Iterable[int]) -> set[int]:
-        """The given formulas and all that hang on them."""
+        """The given formulas and all that depend on them."""
         seeds = set(sources)
         return self._closure(seeds | set(self._everything)) if seeds else seeds
 
     def in_circles(self) -> set[int]:
-        """Formulas that hang on themselves, directly or through others; none where that would take long to find."""
+        """Formulas that depend on themselves, directly or through others; none where that would take long to find."""
         from scipy.sparse import csr_array
         from scipy.sparse.csgraph import connected_components
 

@@ -1,12 +1,12 @@
 """Cached values of formulas: never stale.
 
-A formula cell stores its last result. When other cells were written into the file, the results that hang on them are
-wrong until a spreadsheet program recalculates, and viewers never do. Hence, for every formula that hangs on a changed
+A formula cell stores its last result. When other cells were written into the file, the results that depend on them are
+wrong until a spreadsheet program recalculates, and viewers never do. Hence, for every formula that depends on a changed
 cell, the result is renewed, and where that cannot be done for certain, removed: blank beats wrong.
 
 Renewed values come from formualizer, when it is installed. It is not trusted blindly: functions it does not know, values
 that it gets otherwise than the file has them in cells that did not change, new errors, clock or random functions, and rich
-values (pictures in cells, linked data types), which it takes for errors, make everything that hangs on them suspect, and
+values (pictures in cells, linked data types), which it takes for errors, make everything that depends on them suspect, and
 that is removed and not replaced. So are the results of data tables, which it does not calculate.
 """
 
@@ -69,10 +69,10 @@ _SAME_RESULT = 1e-9
 class CacheReport:
     """What was done about the cached values of formulas."""
 
-    #: ``"not needed"`` (no formula hangs on a changed cell), ``"recalculated"`` or ``"removed"``.
+    #: ``"not needed"`` (no formula depends on a changed cell), ``"recalculated"`` or ``"removed"``.
     method: str
     formulas: int = 0  #: Formula cells of the workbook whose value is not given by the writer.
-    affected: int = 0  #: Those that hang on changed cells.
+    affected: int = 0  #: Those that depend on changed cells.
     changed: int = 0  #: Those that got a new value.
     #: Those that were left without a value, to be calculated when the workbook is opened.
     removed: int = 0
@@ -83,7 +83,7 @@ class CacheReport:
 
 
 def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
-    """Renew or remove the cached value of each formula that hangs on changed cells.
+    """Renew or remove the cached value of each formula that depends on changed cells.
 
     Sheets without such a formula stay byte-identical.
     """

@@ -284,7 +284,7 @@ class Workbook(WorkbookState):
         )
 
     def refresh_formula_caches(self) -> CacheReport:
-        """Renew or remove the cached value of every formula that hangs on changed cells. Called by `save`."""
+        """Renew or remove the cached value of every formula that depends on changed cells. Called by `save`."""
         if self._cache_report is None or not self.formulas_current:
             self._cache_report = refresh_formula_caches(self)
             self.formulas_current = True
