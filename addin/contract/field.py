@@ -133,6 +133,14 @@ class ReportedError(StrEnum):
     ESTIMATE = "an estimate of an error itself, up to its size"
 
 
+class Pane(StrEnum):
+    """Where the page of the server shows a column."""
+
+    ALWAYS = "always"
+    MINOR = "minor"  #: In the narrow pane of Office only when it is asked for.
+    WORKBOOK = "workbook"  #: Nowhere: it is in the workbook.
+
+
 @dataclass(frozen=True)
 class Field:
     """One input or output: a scalar of sheet `Case` or a column of a table."""
@@ -161,6 +169,7 @@ class Field:
     wall_time: bool = False  #: No calculation gives it twice.
     error: ReportedError | None = None  #: Which reported error covers it; None = exact to rounding.
     share_of: str = ""  #: Column whose size the error is a share of; empty = its own.
+    pane: Pane = Pane.ALWAYS  #: Where the page shows it.
     printed: str = ""  #: Header in a report, where the name needs its context.
 
     @property
@@ -288,6 +297,7 @@ class _Stated(TypedDict, total=False):
     wall_time: bool
     error: ReportedError
     share_of: str
+    pane: Pane
     printed: str
     key: str
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from addin.contract import live_formulas as live
 from addin.contract import number_formats as shown
 from addin.contract.field import (
+    Pane,
     ReportedError,
     TableSpec,
     flag,
@@ -124,7 +125,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "CPM", "cycles per minute", "Natural frequency in cycles per minute.", "60 f",
                 LABEL, of_row=("NaturalFrequencies.Frequency",), error=ReportedError.FREQUENCIES,
-                printed="Frequency",
+                printed="Frequency", pane=Pane.MINOR,
             ),
             number(
                 "Percent speed", "fraction", "Speed of the start-up crossing, of synchronous.",
@@ -148,7 +149,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Share", "fraction", "Its share of the strain energy.",
                 "k (Bφ)² of that element over the sum of all",
-                "docs/nomenclature.md, strain-energy share", of_case=MODAL, format=shown.ONE_DECIMAL,
+                "docs/nomenclature.md, strain-energy share", of_case=MODAL, format=shown.ONE_DECIMAL, pane=Pane.MINOR,
             ),
         ),
         extra_columns=(
@@ -192,12 +193,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Speed", "speed", "Motor speed at which the margin is least.",
                 "The motor speed between MinimumSpeed and MaximumSpeed at which the margin is least",
-                STEADY, of_row=EXCITATION, of_case=SPEEDS,
+                STEADY, of_row=EXCITATION, of_case=SPEEDS, pane=Pane.MINOR,
             ),
             number(
                 "Excitation frequency", "frequency", "Its frequency there.",
                 "order × speed of its station / 2π, or the frequency stated", STEADY,
-                of_row=(*EXCITATION, "SeparationMargins.Speed"), of_case=("Stations.Speed ratio",),
+                of_row=(*EXCITATION, "SeparationMargins.Speed"), of_case=("Stations.Speed ratio",), pane=Pane.MINOR,
             ),
             number(
                 "Margin", "fraction", "|f - f_exc| / f_exc.",
@@ -209,7 +210,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Required", "fraction", "Required margin.",
                 "20 % for calculated, 10 % for measured frequencies, or MarginRequired", STEADY,
-                of_case=("MarginBasis", "MarginRequired"), format=shown.ONE_DECIMAL,
+                of_case=("MarginBasis", "MarginRequired"), format=shown.ONE_DECIMAL, pane=Pane.MINOR,
             ),
             verdict(
                 "Verdict", "pass, accepted by forced response, or fail.",
@@ -247,7 +248,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             integer(
                 "Mode", "Mode excited.",
                 "The mode at resonance, where its margin is not kept; blank at an operating speed",
-                STEADY, of_row=("SeparationMargins.Verdict",),
+                STEADY, of_row=("SeparationMargins.Verdict",), pane=Pane.MINOR,
             ),
             number(
                 "Frequency", "frequency", "Frequency of the worst response.",
@@ -255,13 +256,13 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "frequency of the largest response over the operating speeds",
                 f"{STEADY} (a conservative forcing function at the resonant frequency)",
                 of_row=("NaturalFrequencies.Frequency", *EXCITATION), of_case=SPEEDS,
-                error=ReportedError.FREQUENCIES,
+                error=ReportedError.FREQUENCIES, pane=Pane.MINOR,
             ),
             text(
                 "Applied at", "Station of the applied torque.",
                 "Motor, gears and driven machines in turn; the place with the largest response",
                 STEADY, kind="station", of_row=("Excitations.Station",),
-                of_case=("Stations.Running load", "Elements.Kind"),
+                of_case=("Stations.Running load", "Elements.Kind"), pane=Pane.MINOR,
             ),
             number(
                 "Applied torque", "torque", "Applied torque, zero-to-peak.",
@@ -269,7 +270,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "load at a driven machine; or the Torque stated",
                 f"{STEADY} (approximately 1 percent zero-peak of the transmitted torque)",
                 us="lbf*ft", of_row=("Excitations.Torque",),
-                of_case=("RatedTorque", "RatedPower", "SynchronousSpeed", "Stations.Running load"),
+                of_case=("RatedTorque", "RatedPower", "SynchronousSpeed", "Stations.Running load"), pane=Pane.MINOR,
             ),
             number(
                 "Torque", "torque", "Response torque, zero-to-peak, at own speed.",
@@ -277,12 +278,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "k(1 + iη)·twist + iωc·twist",
                 f"{STEADY} (matrix method); docs/method.md, Separation margins and forced response",
                 us="lbf*ft", of_row=("SteadyState.Frequency", "SteadyState.Applied torque"),
-                of_case=(*MODAL, *DAMPING),
+                of_case=(*MODAL, *DAMPING), pane=Pane.MINOR,
             ),
             number(
                 "Zero-to-peak stress", "pressure", "Shear stress amplitude with SCF.",
                 f"SCF · {STRESS}, T zero-to-peak", f"{STEADY}; {STRENGTH}",
-                of_row=("SteadyState.Torque", *SECTION, "Elements.SCF"), printed="Stress, 0‑pk",
+                of_row=("SteadyState.Torque", *SECTION, "Elements.SCF"), printed="Stress, 0‑pk", pane=Pane.MINOR,
             ),
             number(
                 "Peak-to-peak stress", "pressure", "Shear stress range with SCF.",
@@ -344,20 +345,20 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Time", "time", "Time of the largest torque.", "Instant of the maximum torque",
-                EXPONENTIAL, of_row=("StartupPeaks.Maximum torque",), of_case=START,
+                EXPONENTIAL, of_row=("StartupPeaks.Maximum torque",), of_case=START, pane=Pane.MINOR,
             ),
             number(
                 "Percent speed", "fraction", "Speed at that time, of synchronous.",
                 "100 × mean speed / synchronous speed at that instant", LABEL,
                 of_row=("StartupPeaks.Time",), of_case=(*START,), format=shown.TWO_DECIMALS,
-                printed="Speed",
+                printed="Speed", pane=Pane.MINOR,
             ),
             number(
                 "Error", "fraction", "Estimated relative error of the peak.",
                 "Change of the extremes from step h to h/2, with a bound on the modes left out, over the "
                 "larger extreme",
                 "docs/method.md, The start", of_case=("TolerancePeak", "Method"), format=shown.ERROR,
-                error=ReportedError.ESTIMATE, printed="Estimated error",
+                error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),
         ),
     ),
@@ -491,12 +492,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Error", "fraction", "Estimated relative error of the allowable starts.",
                 "Change of 1/q from step h to h/2", "docs/method.md, Allowable starts",
                 of_case=("ToleranceStarts", "TolerancePeak"), format=shown.ERROR,
-                error=ReportedError.ESTIMATE, printed="Estimated error",
+                error=ReportedError.ESTIMATE, printed="Estimated error", pane=Pane.MINOR,
             ),
             flag(
                 "Governing", "yes for the element that allows the fewest starts.",
                 "yes for the element that allows the fewest starts", FIGURE_3,
-                of_row=("AllowableStarts.Damage",),
+                of_row=("AllowableStarts.Damage",), pane=Pane.MINOR,
             ),
         ),
         extra_columns=(
@@ -544,37 +545,37 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             integer(
                 "Impacts", "How often teeth meet again; blank where no clearance is modelled.",
                 "Recontacts of either flank after free flight", CLEARANCE,
-                of_row=("Meshes.Backlash", "Meshes.Angular backlash"), of_case=START,
+                of_row=("Meshes.Backlash", "Meshes.Angular backlash"), of_case=START, pane=Pane.MINOR,
             ),
             number(
                 "Recontact speed", "approach speed", "Largest approach speed of the flanks.",
                 "v = δ̇_c r_b cos β_b, the largest at a recontact, normal to the flank", CLEARANCE,
                 of_row=("Meshes.Pitch radius drive", "Meshes.Pressure angle", "Meshes.Helix angle"),
-                of_case=START, format=shown.APPROACH, error=ReportedError.PEAKS,
+                of_case=START, format=shown.APPROACH, error=ReportedError.PEAKS, pane=Pane.MINOR,
             ),
             number(
                 "Tooth force", "force", "Largest normal tooth force.",
                 "F = T / (r_b cos β_b), the largest; r_b = pitch radius × cos α_t, tan α_t = tan α_n / cos β",
                 f"{CLEARANCE}; ISO 21771, base circle",
                 of_row=("Meshes.Pitch radius drive", "Meshes.Pressure angle", "Meshes.Helix angle"),
-                of_case=START, error=ReportedError.PEAKS,
+                of_case=START, error=ReportedError.PEAKS, pane=Pane.MINOR,
             ),
             number(
                 "Longest reversal", "time", "Longest single reversal.",
                 "The longest of the passages counted", "docs/method.md, Torque reversals",
-                of_case=START,
+                of_case=START, pane=Pane.WORKBOOK,
             ),
             number(
                 "First time", "time", "When the torque first falls below zero.",
                 "When the first of them begins: the torque last crossed zero",
-                "docs/method.md, Torque reversals", of_case=START,
+                "docs/method.md, Torque reversals", of_case=START, pane=Pane.WORKBOOK,
             ),
             number(
                 "2 × slip frequency", "frequency",
                 "Frequency of the pulsation, twice the slip frequency, at the least torque; to "
                 "compare with the modes.",
                 "2 f_line (1 − n/n_s) at the instant of the least torque", SLIP,
-                key="slip_frequency", of_case=(*LINE, *START),
+                key="slip_frequency", of_case=(*LINE, *START), pane=Pane.WORKBOOK,
             ),
             number(
                 "Transmitted torque", "torque", "Torque in continuous operation.",
@@ -582,18 +583,18 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "docs/nomenclature.md", us="lbf*ft",
                 of_case=(
                     "Stations.Running load", "Stations.Speed ratio", "Elements.From", "Elements.To",
-                ),
+                ), pane=Pane.MINOR,
             ),
             number(
                 "Margin", "fraction", "Least torque over the transmitted torque; < 0 reverses.",
                 "least torque / transmitted torque", "docs/nomenclature.md, reversal margin",
                 of_row=("TorqueReversals.Minimum torque", "TorqueReversals.Transmitted torque"),
-                format=shown.TWO_DECIMALS, error=ReportedError.PEAKS,
+                format=shown.TWO_DECIMALS, error=ReportedError.PEAKS, pane=Pane.WORKBOOK,
             ),
             number(
                 "Limit", "torque", "The maker's Reversal limit of table Elements.",
                 "The maker's Reversal limit", f"{REVERSALS} (gear makers set limits)", us="lbf*ft",
-                of_row=("Elements.Reversal limit",),
+                of_row=("Elements.Reversal limit",), pane=Pane.MINOR,
             ),
             verdict(
                 "Verdict", "pass, fail or not judged.",
@@ -605,16 +606,16 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "The recontact speed as relative angular speed of the From side.",
                 "The recontact speed over r_b cos β_b, at the From side", CLEARANCE,
                 of_row=("TorqueReversals.Recontact speed",), of_case=START, format=shown.APPROACH,
-                error=ReportedError.PEAKS,
+                error=ReportedError.PEAKS, pane=Pane.WORKBOOK,
             ),
             text(
                 "Model", "linear, or clearance where the teeth may part.",
                 "clearance where the plan models it, else linear", "docs/method.md, The plan",
-                of_row=("Effects.On",), of_case=("EffectChoices.Choice", *CLEARANCES),
+                of_row=("Effects.On",), of_case=("EffectChoices.Choice", *CLEARANCES), pane=Pane.WORKBOOK,
             ),
             sentence(
                 "Note", "What was found, in words.", "The row in words", REVERSALS,
-                of_row=("TorqueReversals.Reversals", "TorqueReversals.Limit"), width=48.0,
+                of_row=("TorqueReversals.Reversals", "TorqueReversals.Limit"), width=48.0, pane=Pane.WORKBOOK,
             ),
         ),
         extra_columns=(

@@ -13,6 +13,7 @@ from addin.calculation.calculation import Calculation, RunView
 from addin.charts.data import chart_blocks
 from addin.contract.chart_tables import CHART_TABLES, HISTORIES
 from addin.contract.charts import CHARTS, ChartSpec, Label, Words
+from addin.contract.field import Pane
 from addin.contract.palette import PALETTE
 from addin.contract.tables import result_table
 from addin.worksheet.functions import table_cells, units_of
@@ -102,6 +103,8 @@ def _shown(model: Model, view: RunView, tables: tuple[str, ...]) -> dict[str, An
         "tables": {
             name: _table(name, view.tables.get(name) or (), model.system) for name in tables
         },
+        # columns that the page leaves out: in the narrow pane of Office, and everywhere
+        "left_out": {name: _left_out(name) for name in (*SPEED_TABLES, *START_TABLES)},
     }
 
 
@@ -134,6 +137,15 @@ def _spec(spec: ChartSpec, labels: Mapping[str, Any]) -> dict[str, Any]:
             }
             for one in spec.series
         ],
+    }
+
+
+def _left_out(name: str) -> dict[str, list[str]]:
+    """Columns of a table that the page leaves out, by where it does."""
+    columns = result_table(name).columns
+    return {
+        str(pane): [column.name for column in columns if column.pane == pane]
+        for pane in (Pane.MINOR, Pane.WORKBOOK)
     }
 
 

@@ -8,19 +8,8 @@ const ENDINGS = /\.(xlsx|xlsm|json)$/i;
 
 /** Margins shown at once. */
 const FEW = 12;
-/** Columns that the narrow pane of Office leaves out until asked for, by the table they are in. */
-const MINOR = {
-  frequencies: ["CPM", "Share"],
-  shapes: ["Mode 5", "Mode 6"],
-  peaks: ["Time", "Percent speed", "Error"],
-  reversals: ["Impacts", "Recontact speed", "Tooth force", "Transmitted torque", "Limit"],
-  starts: ["Error", "Governing"],
-  margins: ["Speed", "Excitation frequency", "Required"],
-  steady: ["Mode", "Frequency", "Applied at", "Applied torque", "Torque", "Zero-to-peak stress"],
-};
-/** Columns of reversals shown; the others are in the workbook. Modes whose shapes are shown. */
-const REVERSALS = ["Element", "Minimum torque", "Reversals", "Time unloaded", "Impacts", "Recontact speed", "Tooth force", "Transmitted torque", "Limit", "Verdict"];
-const SHAPES = 6;
+/** Modes whose shapes are shown, and in the narrow pane of Office. */
+const SHAPES = 6, FEW_SHAPES = 4;
 /** Widths of charts on paper: across the page and half of it. [px] */
 const PAPER = { whole: 660, half: 345 };
 /** What is open: the file, its model, what is shown of it, and the calculation under way. */
@@ -92,9 +81,11 @@ function table(rows, missing, minor = () => false) {
   return found;
 }
 
-/** A table in its place; where columns are left out in a narrow pane, a button shows them. */
-function putTable(id, rows, missing) {
-  const found = table(rows, missing, name => MINOR[id].includes(name));
+/** A table in its place, under its name in the view; where columns are left out in a narrow pane, a button shows them. */
+function putTable(id, name, rows, missing) {
+  const { minor, workbook } = open.view.left_out[name];
+  const isFurtherShape = header => Number((/^Mode (\d+)$/.exec(header) || [])[1]) > FEW_SHAPES;
+  const found = table(without(rows, workbook), missing, header => minor.includes(header) || isFurtherShape(header));
   at(id).classList.remove("all");
   at(id).replaceChildren(found);
   if (!found.querySelector(".minor")) return;
@@ -104,10 +95,10 @@ function putTable(id, rows, missing) {
   at(id).append(more);
 }
 
-/** Some columns of a table. */
-function chosen(rows, names) {
+/** A table without some of its columns. */
+function without(rows, names) {
   if (!rows || !rows.length) return rows;
-  const kept = rows[0].map((name, j) => (names.includes(name.replace(/ \[.*/, "")) ? j : -1)).filter(j => j >= 0);
+  const kept = rows[0].map((name, j) => (names.includes(name.replace(/ \[.*/, "")) ? -1 : j)).filter(j => j >= 0);
   return rows.map(row => kept.map(j => row[j]));
 }
 
@@ -134,12 +125,12 @@ function show(view) {
   const { charts, labels, tables } = view, wait = waiting(view);
   at("verdicts").replaceChildren(view.complete ? table(tables.Verdicts, "No verdicts.") : "");
   at("train").replaceChildren(drawnTrain(charts.ChartTrain, labels));
-  putTable("frequencies", tables.NaturalFrequencies, "No modes.");
-  putTable("shapes", (tables.ModeShapes || []).map(row => row.slice(0, SHAPES + 1)), "No modes.");
+  putTable("frequencies", "NaturalFrequencies", tables.NaturalFrequencies, "No modes.");
+  putTable("shapes", "ModeShapes", (tables.ModeShapes || []).map(row => row.slice(0, SHAPES + 1)), "No modes.");
   showCharts(view);
-  putTable("peaks", tables.StartupPeaks, wait);
-  putTable("reversals", chosen(tables.TorqueReversals, REVERSALS), view.complete ? "No gear mesh and no geared coupling." : wait);
-  putTable("starts", tables.AllowableStarts, view.complete ? "No shaft is judged for fatigue." : wait);
+  putTable("peaks", "StartupPeaks", tables.StartupPeaks, wait);
+  putTable("reversals", "TorqueReversals", tables.TorqueReversals, view.complete ? "No gear mesh and no geared coupling." : wait);
+  putTable("starts", "AllowableStarts", tables.AllowableStarts, view.complete ? "No shaft is judged for fatigue." : wait);
   showMargins(tables.SeparationMargins);
   showSteady(tables.SteadyState);
   showNotes(view.warnings);
@@ -181,7 +172,7 @@ function showMargins(rows, all = false) {
   const nearest = [...body].sort((a, b) => a[margin] - b[margin]);
   const few = nearest.filter((row, i) => i < FEW || row[verdict] !== "pass");
   const shown = all ? body : few;
-  putTable("margins", [head, ...shown], "Nothing is judged: the case states no speed and no line.");
+  putTable("margins", "SeparationMargins", [head, ...shown], "Nothing is judged: the case states no speed and no line.");
   at("all-margins").hidden = all || shown.length === body.length;
   at("all-margins").textContent = `Show all ${body.length}, not the ${few.length} nearest only`;
   at("all-margins").onclick = () => showMargins(rows, true);
@@ -191,7 +182,7 @@ function showMargins(rows, all = false) {
 function showSteady([head, ...body]) {
   const verdict = head.indexOf("Verdict"), fails = row => (row[verdict] === "fail" ? 0 : 1);
   const judged = body.filter(row => row[verdict] !== "not judged").sort((a, b) => fails(a) - fails(b));
-  putTable("steady", [head, ...judged], body.length ? "No element has a limit to be judged by." : "Every margin is kept.");
+  putTable("steady", "SteadyState", [head, ...judged], body.length ? "No element has a limit to be judged by." : "Every margin is kept.");
   const left = body.length - judged.length;
   if (left && judged.length) at("steady").append(made("p", `${left} rows that are not judged are left out; the workbook has them.`, "missing"));
 }
