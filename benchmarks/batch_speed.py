@@ -301,7 +301,7 @@ def memory(place: Path, count: int, jobs: int) -> Table:
 
 def measured(count: int, rounds: int, many: int) -> list[Section]:
     """Everything, as tables."""
-    from addin.batch.scheduler import cores
+    from addin.workers.stop import cores
 
     jobs = cores()
     words = (

@@ -100,12 +100,13 @@ class Whole:
 
 def whole(design: str, samples: int, jobs: int) -> Whole:
     """Plan, samples and result over processes; their time is that of their own clocks."""
-    from addin.workers.parallel_map import spread_over
+    from addin.contract.version import product_version
+    from addin.workers.parallel_map import open_parallel_map
 
     case: Case = sample_case(design)
     began, own = time.perf_counter(), time.process_time()
     plan = plan_tolerances(case, ROWS, ToleranceSettings(samples))
-    with spread_over(jobs, None, lambda: False) as spread:
+    with open_parallel_map(jobs, None, product_version, lambda: False) as spread:
         answers = spread(_timed, units_of(plan), _tell_done(plan.n_runs))
     found = summarise_sample(plan, [answer for answer, _ in answers])
     cpu = time.process_time() - own + sum(spent for _, spent in answers)

@@ -1,6 +1,6 @@
 """Write every file that is derived from the records: `make generated`.
 
-Schemas, the pages of results and functions, and the workbooks in templates/. Nothing of them is edited by
+Schemas, the pages of results and functions, the commands of the studies, and the workbooks in templates/. Nothing of them is edited by
 hand; a test builds them all and names those that are stale.
 
     python scripts/generated.py [ROOT]
@@ -34,9 +34,14 @@ def write_generated(root: Path) -> list[Path]:
     from addin.reference.functions_page import functions_page
     from addin.reference.json_schemas import write_schemas
     from addin.reference.results_page import results_page
+    from addin.reference.study_commands import study_commands
     from addin.template.build import build_all
 
-    pages = {"docs/results.md": results_page(), "docs/functions.md": functions_page()}
+    pages = {
+        "docs/results.md": results_page(),
+        "docs/functions.md": functions_page(),
+        "addin/cli/study_commands.py": study_commands(),
+    }
     for name, text in pages.items():
         path = root / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -21,7 +21,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 #: What derived files are below: `make generated` writes them, nobody else.
-DERIVED = ("addin/reference/schemas/", "templates/", "docs/results.md", "docs/functions.md")
+DERIVED = (
+    "addin/reference/schemas/",
+    "templates/",
+    "docs/results.md",
+    "docs/functions.md",
+    "addin/cli/study_commands.py",
+)
 
 
 @dataclass(frozen=True)
@@ -120,7 +126,7 @@ FUNCTION = Patch(
     1,
     edits=(
         Edit(
-            "addin/worksheet/functions.py",
+            "addin/worksheet/functions/modes.py",
             '@registered(\n    "TV_FREQUENCIES",\n',
             '@registered("TV_STATIONS", MODEL, scalar=True, example="=TV_STATIONS(A1)")\n'
             "def tv_stations(model: str) -> int:\n"
@@ -270,8 +276,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from addin.contract.studies.scaling import SCALING as SCALING_SPEC
-from addin.studies.study import Found, Study
-from addin.workers.parallel_map import Spread
+from addin.studies.study import Study, StudyResult
+from addin.workers.parallel_map import ParallelMap
 from engine.case.case import Case
 from engine.case.study_inputs import StudyInputs, study_digest
 from engine.errors import Problem
@@ -286,12 +292,12 @@ def _calculate(
     case: Case,
     inputs: StudyInputs,
     settings: Mapping[str, Any],
-    spread: Spread,
+    parallel_map: ParallelMap,
     on_stage: Callable[[str], None],
-) -> Found:
+) -> StudyResult:
     rows = inputs.rows("Scaling")
     table = scaled_rows(case, [row.factor for row in rows])
-    return Found(
+    return StudyResult(
         result=table,
         tables={"ScaledFrequencies": table},
         sentence=f"{len(rows)} factors on all stiffnesses were tried.",

@@ -21,11 +21,10 @@ from pathlib import Path
 from types import TracebackType
 
 from addin.batch.inputs import OWN
+from addin.batch.journal import read_journal
 from addin.batch.records import Output, Record, Stamp
 from addin.xlsx.save import flush_folder
 from addin.xlsx.whole_files import write_whole
-
-__all__ = ["OWN", "FolderRefused", "OutFolder", "digest_of", "stamp_of"]
 
 
 class FolderRefused(Exception):
@@ -115,8 +114,6 @@ class OutFolder:
         refused : tuple of str
             A sentence for each record that is not believed.
         """
-        from addin.batch.journal import read_journal
-
         believed, refused = {}, []
         for name, record in read_journal(self.journal).items():
             outputs = record.outputs

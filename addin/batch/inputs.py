@@ -11,19 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from addin.batch.json_file import is_result_json
+from addin.batch.own_files import is_result_json
 from addin.writing.history_file import KINDS, history_stems
-
-__all__ = [
-    "Input",
-    "InputsRefused",
-    "check_places",
-    "find_inputs",
-    "json_name",
-    "natural_key",
-    "result_name",
-    "results_of",
-]
 
 #: Endings that are looked for in folders; .xls and .xlsb are refused with the reason, not passed over.
 ENDINGS = (".xlsx", ".xlsm", ".xls", ".xlsb", ".json")

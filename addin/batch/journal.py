@@ -16,8 +16,6 @@ from types import TracebackType
 
 from addin.batch.records import Record
 
-__all__ = ["Journal", "read_journal"]
-
 
 def read_journal(path: Path) -> dict[str, Record]:
     """The last record of each file."""

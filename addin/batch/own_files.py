@@ -1,22 +1,14 @@
-"""Whether a file is a result that a programme of cases wrote: none other is ever replaced by one."""
+"""Whether a file is one that torsionbook wrote: results, errors, a summary; none other is replaced."""
 
 from __future__ import annotations
 
 import json
 import os
 import re
+import zipfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-
-__all__ = [
-    "RESULT",
-    "RESULT_COLUMNS",
-    "RESULT_CSV",
-    "in_the_way",
-    "is_result",
-    "is_result_csv",
-    "stated_columns",
-]
+from typing import Any
 
 #: What a programme is written to.
 RESULT, RESULT_CSV = "results.parquet", "results.csv"
@@ -53,7 +45,22 @@ _FIRST = ("row", "name")
 #: What the Parquet file says of its columns: one that somebody changed and saved is no longer ours.
 _STATED = b"torsionbook.columns"
 #: More than the headers of a CSV ever take. [characters]
-_MOST = 1_000_000
+_MOST_HEADERS = 1_000_000
+#: How results begin, and the errors of an input that has none, as this program writes them.
+_JSON_BEGINS = re.compile(
+    rb'\s*\{\s*"format"\s*:\s*\d+\s*,\s*(?P<digest>"case_sha256"\s*:\s*"[0-9a-f]{64}"\s*,\s*)?'
+    rb'"version"\s*:\s*"[^"]{0,99}"\s*,\s*"(?:outcome|warnings)"\s*:'
+)
+#: More than that ever takes. [bytes]
+_LOOKED_AT = 1000
+#: What both hold, in whatever order another program saved them.
+_JSON_KEYS = frozenset({"format", "version", "warnings", "errors"})
+#: Sheets of a summary, and it has no others.
+SUMMARY_SHEETS = ("Files", "Errors")
+#: More than the list of sheets of a summary ever takes. [bytes]
+_MOST_SHEETS = 100_000
+#: How the CSV of a summary begins, also where a spreadsheet program saved it with other separators.
+_CSV_BEGINS = re.compile(rb'(?:\xef\xbb\xbf)?"?File"?[,;\t]"?Outcome"?[,;\t]"?Verdict"?[,;\t]')
 
 
 def stated_columns(names: Sequence[str]) -> dict[bytes, bytes]:
@@ -102,8 +109,60 @@ def is_result_csv(path: Path) -> bool:
         return False
     try:
         with open(path, encoding="utf-8-sig", newline="") as file:
-            headers = file.readline(_MOST)
+            headers = file.readline(_MOST_HEADERS)
     except (OSError, UnicodeDecodeError):
         return False
     first, last = (r"[,;\t]".join(names) for names in (_FIRST, [n for n, _ in RESULT_COLUMNS]))
     return re.match(rf"{first}[,;\t].*{last}\s*$", headers, re.DOTALL) is not None
+
+
+def is_result_json(path: Path) -> bool:
+    """Look at what a file holds.
+
+    Returns
+    -------
+    bool
+        True for results and for the errors of an input; False also where it cannot be read. [flag]
+    """
+    return _json_kind(path) != ""
+
+
+def holds_results(path: Path) -> bool:
+    """Whether it holds results, not the errors of an input that has none."""
+    return _json_kind(path) == "results"
+
+
+def _json_kind(path: Path) -> str:
+    """``results``, ``errors``, or nothing where it is neither."""
+    if not path.is_file():  # such as a device, which has no end
+        return ""
+    try:
+        with open(path, "rb") as file:
+            begins = _JSON_BEGINS.match(file.read(_LOOKED_AT))
+        if begins is not None:
+            return "results" if begins["digest"] else "errors"
+        content: Any = json.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError):
+        return ""
+    if not isinstance(content, dict) or not content.keys() >= _JSON_KEYS:
+        return ""
+    return "results" if "case_sha256" in content else "errors"
+
+
+def is_summary(path: Path) -> bool:
+    """Look at the sheets of a workbook."""
+    try:
+        with zipfile.ZipFile(path) as package, package.open("xl/workbook.xml") as part:
+            text = part.read(_MOST_SHEETS).decode("utf-8", "replace")
+    except (OSError, KeyError, zipfile.BadZipFile, NotImplementedError, RuntimeError):
+        return False
+    return tuple(re.findall(r'<sheet name="([^"]*)"', text)) == SUMMARY_SHEETS
+
+
+def is_summary_csv(path: Path) -> bool:
+    """Look at the headers of a CSV."""
+    try:
+        with open(path, "rb") as file:
+            return _CSV_BEGINS.match(file.read(100)) is not None
+    except OSError:
+        return False

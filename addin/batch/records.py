@@ -7,26 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
-__all__ = [
-    "AN_EARLIER",
-    "CHANGED",
-    "CRASHED",
-    "DISK_FULL",
-    "DONE",
-    "FAULT",
-    "LOCKED",
-    "MISSING",
-    "NOT_RENAMED",
-    "NO_ACCESS",
-    "OUTDATED",
-    "UNREADABLE",
-    "WRONG_INPUT",
-    "Output",
-    "Record",
-    "Stamp",
-    "failed",
-    "outcome_of",
-]
+from addin.calculation.key_figures import verdict_text
+from addin.xlsx.errors import SourceChanged, WorkbookLocked, WorkbookRefused
 
 DONE = "done"
 WRONG_INPUT = "wrong input"
@@ -88,7 +70,7 @@ class Record:
     stamp: Stamp = Stamp(0, 0, "")  #: The state that was calculated.
     case_sha256: str = ""  #: Digest of the case; empty if it could not be read. [hexadecimal]
     same_as: str = ""  #: File whose calculation these results are; empty for its own.
-    #: Fields of `addin.calculation.key_figures.KeyFigures`; empty unless done. [SI]
+    #: Fields of `addin.calculation.key_figures.Headline`; empty unless done. [SI]
     results: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()  #: What the engineer should know.
     #: Problems in the form of the contract, and ``cell``.
@@ -107,8 +89,6 @@ class Record:
     @property
     def verdict(self) -> str:
         """The overall verdict, and how many checks have none; empty unless done. [words]"""
-        from addin.calculation.key_figures import verdict_text
-
         results = self.results
         if not results:
             return ""
@@ -152,8 +132,6 @@ def failed(name: str, source: str, outcome: str, sentence: str, **more: Any) -> 
 
 def outcome_of(cause: BaseException) -> str:
     """The outcome that an exception stands for."""
-    from addin.xlsx.errors import SourceChanged, WorkbookLocked, WorkbookRefused
-
     if isinstance(cause, WorkbookLocked):
         return LOCKED
     if isinstance(cause, SourceChanged):

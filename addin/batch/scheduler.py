@@ -8,19 +8,15 @@ before its results are put in place.
 from __future__ import annotations
 
 import contextlib
-import os
-import signal
-import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from addin.batch.folder import OutFolder, digest_of, stamp_of
 from addin.batch.inputs import Input, json_name, result_name
 from addin.batch.journal import Journal
-from addin.batch.json_file import holds_results
+from addin.batch.own_files import holds_results
 from addin.batch.records import (
     AN_EARLIER,
     CHANGED,
@@ -37,62 +33,12 @@ from addin.batch.records import (
 from addin.batch.work import Calculated, Examine, Work, calculate, examine
 from addin.calculation.stages import COMPILING
 from addin.contract.problems import CellProblem
+from addin.contract.version import product_version
+from addin.reading.one_file import file_problem
 from addin.workers.pool import Crashed, Task, Workers
-
-__all__ = ["Abandoned", "Batch", "Listener", "Stop", "Stopped", "cores"]
-
-
-class Abandoned(Exception):
-    """The second Ctrl-C: running files are given up."""
-
-
-class Stopped(Exception):
-    """The batch cannot go on; the sentence says why."""
-
-
-class Stop:
-    """Ctrl-C and the system's request to end, counted.
-
-    Once: what runs is finished. Twice: it is given up, without half a result.
-    """
-
-    def __init__(self) -> None:
-        self.asked = 0
-        self.reason = ""
-
-    def __call__(self) -> bool:
-        """Whether nothing new is to be begun.
-
-        Raises
-        ------
-        Abandoned
-            If it was asked twice.
-        """
-        if self.asked > 1:
-            raise Abandoned
-        return self.asked > 0 or bool(self.reason)
-
-    @contextlib.contextmanager
-    def listening(self, tell: Callable[[str], None]) -> Iterator[None]:
-        """Answer Ctrl-C and SIGTERM from now on."""
-
-        def asked(number: int, frame: FrameType | None) -> None:
-            self.asked += 1
-            tell(
-                "Stopping: what is being calculated is finished. Ctrl-C again gives it up."
-                if self.asked == 1
-                else "Giving up what is being calculated."
-            )
-
-        if threading.current_thread() is not threading.main_thread():
-            yield
-            return
-        before = {one: signal.signal(one, asked) for one in (signal.SIGINT, signal.SIGTERM)}
-        try:
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
+from addin.workers.stop import Stop, Stopped
+from addin.writing.results_json import errors_to_json
+from addin.xlsx.whole_files import write_json
 
 
 class Listener:
@@ -136,8 +82,6 @@ class Batch:
     refused: tuple[str, ...] = ()
 
     def __enter__(self) -> Batch:
-        from addin.contract.version import product_version
-
         self._version = product_version()
         self._numbers = 0
         self._told = False  # that the first calculation compiles
@@ -353,9 +297,6 @@ class Batch:
 
     def _with_errors(self, record: Record) -> Record:
         """A file without results: its errors as JSON, staged, so that no earlier results stay there."""
-        from addin.writing.results_json import errors_to_json
-        from addin.xlsx.whole_files import write_json
-
         self._numbers += 1
         staged = self.folder.staging / f"{self._numbers}-errors.json"
         problems = [CellProblem(**error) for error in record.errors]
@@ -431,8 +372,6 @@ class Batch:
             raise Stopped(_no_journal(wrong)) from wrong
 
     def _not_written(self, record: Record, wrong: OSError) -> Record:
-        from addin.reading.one_file import file_problem
-
         place = self.folder.place(result_name(record.name))
         if isinstance(wrong, PermissionError):
             sentence = f"{place} could not be replaced; it is probably open in Excel. Close it there and run again with --resume."
@@ -464,11 +403,3 @@ def _no_journal(wrong: OSError) -> str:
         f"The journal of the batch cannot be written ({wrong.strerror or wrong}). What was recorded so "
         "far is kept; free some space or the folder, then run again with --resume."
     )
-
-
-def cores() -> int:
-    """Cores this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on every system
-        return os.cpu_count() or 1

@@ -14,14 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from addin.batch.own_files import SUMMARY_SHEETS
 from addin.batch.records import DONE, Record
-from addin.batch.summary_file import SHEETS
+from addin.contract.sheet import text_height
 from addin.xlsx.whole_files import write_whole
 
 if TYPE_CHECKING:
     import pandas as pd
-
-__all__ = ["NOT_BEGUN", "ERROR_COLUMNS", "FILE_COLUMNS", "guarded", "write_summary"]
 
 #: Outcome of a file that was not reached before the batch ended.
 NOT_BEGUN = "not begun"
@@ -217,7 +216,7 @@ _FIRST = 3  # row of the headers, counted from 0
 def _write_files(
     book: Any, styles: _Styles, files: pd.DataFrame, records: Sequence[Record], heading: str
 ) -> None:
-    sheet = book.add_worksheet(SHEETS[0])
+    sheet = book.add_worksheet(SUMMARY_SHEETS[0])
     sheet.write_string(0, 0, "Summary of a batch", styles.title)
     sheet.write_string(1, 0, heading, styles.note)
     for at, column in enumerate(FILE_COLUMNS):
@@ -257,9 +256,7 @@ def _colour(
 
 
 def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]]) -> None:
-    from addin.contract.sheet import text_height
-
-    sheet = book.add_worksheet(SHEETS[1])
+    sheet = book.add_worksheet(SUMMARY_SHEETS[1])
     many = f"{len(errors):,} error{'' if len(errors) == 1 else 's'}"
     sheet.write_string(0, 0, many if errors else "No errors", styles.title)
     note = "Row counts the rows of the table, blank ones included; Cell is where it stands."

@@ -16,8 +16,6 @@ from addin.batch.inputs import Input
 from addin.batch.records import Stamp
 from addin.batch.scheduler import Batch
 
-__all__ = ["Watch"]
-
 #: Time between two looks. [s]
 LOOK = 1.0
 #: After this time a file that could not be calculated for a passing reason is tried again. [s]

@@ -13,9 +13,10 @@ import uuid
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.batch.folder import digest_of, stamp_of
+from addin.batch.inputs import result_name
 from addin.batch.records import (
     DONE,
     FAULT,
@@ -26,26 +27,18 @@ from addin.batch.records import (
     failed,
     outcome_of,
 )
+from addin.calculation.key_figures import key_figures
 from addin.contract.problems import printable
-
-if TYPE_CHECKING:
-    from addin.reading.one_file import Unreadable
-    from addin.reading.typed_case import CaseInput
-    from addin.writing.recalculate import RecalculationOutcome
-    from engine.case.data import CaseData
-    from engine.results.results import Results
-
-__all__ = [
-    "Calculated",
-    "Examine",
-    "Examined",
-    "Work",
-    "calculate",
-    "compiles",
-    "examine",
-    "is_locked",
-    "refused",
-]
+from addin.contract.version import product_version
+from addin.reading.one_file import Unreadable, file_problem, read_checked
+from addin.reading.typed_case import CaseInput
+from addin.writing.recalculate import PreparedInput, RecalculationOutcome, recalculate
+from addin.xlsx.errors import WorkbookLocked
+from addin.xlsx.locks import check_not_open
+from engine.case.data import CaseData, case_digest
+from engine.results.results import Results
+from engine.stepping.compiling import is_compiled
+from engine.stepping.linear_loop import advance_start
 
 
 @dataclass(frozen=True)
@@ -108,9 +101,6 @@ class Calculated:
 
 def examine(task: Examine) -> Examined:
     """Read a file and find what it holds."""
-    from addin.reading.one_file import read_checked
-    from engine.case.data import case_digest
-
     began = time.perf_counter()
     try:
         if task.content is not None:
@@ -142,8 +132,6 @@ def compiles(data: CaseData) -> bool:
     """
     if not data.motor_torque:
         return False
-    from engine.stepping.compiling import is_compiled
-    from engine.stepping.linear_loop import advance_start
 
     return not is_compiled(advance_start)
 
@@ -186,11 +174,6 @@ def _calculated_from_bytes(task: Work) -> Calculated:
 
 
 def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
-    from addin.batch.inputs import result_name
-    from addin.reading.one_file import read_checked
-    from addin.writing.recalculate import PreparedInput, recalculate
-    from engine.case.data import case_digest
-
     began = time.perf_counter()
     stamp = _stamped(source)
     locked = is_locked(task)
@@ -227,9 +210,6 @@ def _stamped(path: Path) -> Stamp:
 
 def is_locked(task: Work) -> Exception | None:
     """Why a file is not calculated, where somebody has it or its result open."""
-    from addin.xlsx.errors import WorkbookLocked
-    from addin.xlsx.locks import check_not_open
-
     if task.ignore_lock:
         return None
     try:
@@ -256,9 +236,6 @@ def _known(task: Work) -> Results | None:
 def _done(
     task: Work, done: RecalculationOutcome, stamp: Stamp, digest: str, seconds: float
 ) -> Record:
-    from addin.calculation.key_figures import key_figures
-    from addin.contract.version import product_version
-
     assert done.calculation is not None
     peaks = done.calculation.tables.get("StartupPeaks", ())
     return Record(
@@ -334,8 +311,6 @@ def _failed(
 
 def refused(task: Work | Examine, wrong: Exception) -> Record:
     """The record of a file that cannot be used at all."""
-    from addin.reading.one_file import file_problem
-
     sentence = file_problem(Path(task.source), wrong).message
     return failed(task.name, task.source, outcome_of(wrong), sentence)
 

@@ -1,37 +1,33 @@
 """The command line, one module a command; the only room that prints.
 
-=============  ===================================================================================
-module         responsibility
-=============  ===================================================================================
-`diff_view`    differences as tables on the terminal
-`options`      arguments and options that several commands take
-`overrides`    settings of a calculation that are given on the command line
-`status`       how a command ends: the exit statuses, and the refusal of an input or a file
-`app`          the command line: the same path on files as in Excel, without Excel
-`batch`        ``torsionbook batch``: folders of workbooks, overnight
-`diff`         ``torsionbook diff``: what changed between two revisions, and what it did
-`excel`        ``torsionbook excel``: the worksheet functions into a workbook, and help where they
-               do not work
-`libreoffice`  ``torsionbook calc``: the worksheet functions in LibreOffice Calc
-`serve`        `torsionbook serve`
-`terminal`     what commands tell in the terminal: progress, problems, refusals
-`accuracy`     `torsionbook accuracy`: what accuracy costs in time
-`check`        `torsionbook check`: errors of inputs with their cells, and answers that cannot be
-               given yet
-`export`       `torsionbook export`: the inputs of a workbook as a case JSON
-`new`          A workbook to fill in, of the variant that its program needs
-`recalc`       `torsionbook recalc`: inputs calculated, results written, and a summary of them
-`report`       `torsionbook report`
-`study`        what the commands of the studies have in common: targets, processes, Ctrl-C, the
-               words at the end
-`any_study`    the command of a study that has no module of its own here: made from its record
-`calibrate`    `torsionbook calibrate`: the least change that explains what was measured
-`starts`       `torsionbook starts`: the start matrix and the damage ledger
-`tolerances`   the commands ``torsionbook tolerances`` and ``torsionbook sensitivities``
-`tune`         ``torsionbook tune``: which couplings place the modes best, and why
-`verify`       ``torsionbook verify``: whether the results in a file follow from the inputs in it
-`version`      `torsionbook version`
-=============  ===================================================================================
+================  ================================================================================
+module            responsibility
+================  ================================================================================
+`diff_view`       differences as tables on the terminal
+`options`         arguments and options that several commands take
+`overrides`       settings of a calculation that are given on the command line
+`status`          how a command ends: the exit statuses, and the refusal of an input or a file
+`batch`           ``torsionbook batch``: folders of workbooks, overnight
+`diff`            ``torsionbook diff``: what changed between two revisions, and what it did
+`excel`           ``torsionbook excel``: the worksheet functions into a workbook, and help where
+                  they do not work
+`libreoffice`     ``torsionbook calc``: the worksheet functions in LibreOffice Calc
+`serve`           `torsionbook serve`
+`study_commands`  commands of the studies and their lines of help; written by `make generated`
+`app`             the command line: the same path on files as in Excel, without Excel
+`terminal`        what commands tell in the terminal: progress, problems, refusals
+`check`           `torsionbook check`: errors of inputs with their cells, and answers that cannot
+                  be given yet
+`export`          `torsionbook export`: the inputs of a workbook as a case JSON
+`new`             A workbook to fill in, of the variant that its program needs
+`recalc`          `torsionbook recalc`: inputs calculated, results written, and a summary of them
+`report`          `torsionbook report`
+`study`           what the commands of the studies have in common: targets, processes, Ctrl-C, the
+                  words at the end
+`verify`          ``torsionbook verify``: whether the results in a file follow from the inputs in
+                  it
+`version`         `torsionbook version`
+================  ================================================================================
 """
 
 from addin.cli.app import main

@@ -9,7 +9,6 @@ import importlib
 import os
 import sys
 import traceback
-from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import typer
@@ -17,6 +16,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command, get_group
 
 from addin.cli.status import INTERNAL, INTERRUPTED, WRONG_INPUT, Refused
+from addin.cli.study_commands import STUDY_COMMANDS
 from addin.contract.version import product_version
 
 
@@ -25,8 +25,10 @@ class Command(NamedTuple):
 
     module: str  #: Holds a function, or a `typer.Typer` of subcommands, of the command's name.
     help: str  #: The first line of its own help, or all of it up to the first blank line.
-    study: str = ""  #: Key of the study that it makes.
 
+
+#: Makes the commands of the studies from their records.
+STUDY_MODULE = "addin.cli.study"
 
 #: Every command, in the order of --help.
 COMMANDS = {
@@ -50,31 +52,7 @@ COMMANDS = {
         "addin.cli.batch",
         "Calculate folders of workbooks on all cores; one bad file never stops the rest.",
     ),
-    "tune": Command(
-        "addin.cli.tune",
-        "Try couplings and other quantities in every combination, and rank them with the reasons.",
-        study="tuning",
-    ),
-    "tolerances": Command(
-        "addin.cli.tolerances",
-        "Show what the scatter of the inputs makes of frequencies, margins, peaks and starts.",
-        study="tolerances",
-    ),
-    "sensitivities": Command(
-        "addin.cli.tolerances",
-        "Show what a small change of each quantity does to frequencies, peak stress and starts.",
-        study="sensitivities",
-    ),
-    "starts": Command(
-        "addin.cli.starts",
-        "Start matrix and damage ledger: starts at every voltage, and what a duty of them leaves.",
-        study="starts",
-    ),
-    "calibrate": Command(
-        "addin.cli.calibrate",
-        "Calibrate: the least change of uncertain stiffnesses that explains measured frequencies.",
-        study="calibration",
-    ),
+    **{name: Command(STUDY_MODULE, line) for name, line in STUDY_COMMANDS.items()},
     "new": Command(
         "addin.cli.new",
         "Make a workbook to fill in, one of the filled examples, or one with the inputs "
@@ -89,10 +67,6 @@ COMMANDS = {
         "Calculate workbooks or case JSON files and write their results.",
     ),
     "export": Command("addin.cli.export", "Write the inputs of a workbook as a case JSON, in SI."),
-    "accuracy": Command(
-        "addin.cli.accuracy",
-        "Show what accuracy costs in time: error against wall time of this very case.",
-    ),
     "version": Command("addin.cli.version", "Print the version."),
     "excel": Command(
         "addin.cli.excel",
@@ -102,45 +76,23 @@ COMMANDS = {
 }
 
 
-def every_command() -> dict[str, Command]:
-    """The table, and the commands of studies that have no module of their own in this room.
-
-    Only where there is such a study, which its file says, its record is imported.
-    """
-    known = {"__init__", "registry", *(command.study for command in COMMANDS.values())}
-    folder = Path(__file__).resolve().parents[1] / "contract" / "studies"
-    others = {file.stem for file in folder.glob("*.py")} - known
-    if not others:
-        return COMMANDS
-    studies = importlib.import_module("addin.contract.studies.registry").STUDIES
-    return COMMANDS | {
-        spec.command: Command("addin.cli.any_study", spec.intro, spec.key)
-        for spec in studies
-        if spec.key in others
-    }
-
-
 class LazyCommands(TyperGroup):
     """The commands of the table; --help lists them without importing any."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
-        self._table = every_command()
-        for (
-            name,
-            command,
-        ) in self._table.items():  # stand-ins, for the help and for what is mistyped
+        for name, command in COMMANDS.items():  # stand-ins, for the help and for what is mistyped
             self.commands[name] = TyperCommand(name, help=command.help)
 
     def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:  # type: ignore[override]
         """A command, of which only now the module is imported; None if there is none."""
-        if cmd_name not in self._table:
+        if cmd_name not in COMMANDS:
             return None
-        module = importlib.import_module(self._table[cmd_name].module)
-        if cmd_name in COMMANDS:
-            command = getattr(module, cmd_name)
-        else:
+        module = importlib.import_module(COMMANDS[cmd_name].module)
+        if cmd_name in STUDY_COMMANDS:
             command = module.study_command(cmd_name)
+        else:
+            command = getattr(module, cmd_name)
         if isinstance(command, typer.Typer):
             return get_group(command)
         single = typer.Typer(add_completion=False, rich_markup_mode="markdown")

@@ -13,22 +13,24 @@ from typing import Annotated, Any
 
 import typer
 
+from addin.batch.cluster_files import FileCluster
 from addin.batch.folder import FolderRefused, OutFolder
 from addin.batch.inputs import SUMMARY, Input, InputsRefused, check_places, find_inputs
-from addin.batch.own_files import in_the_way
+from addin.batch.own_files import in_the_way, is_summary, is_summary_csv
 from addin.batch.records import DONE, Record, counted
-from addin.batch.scheduler import Abandoned, Batch, Listener, Stop, Stopped, cores
+from addin.batch.scheduler import Batch, Listener
 from addin.batch.summary import NOT_BEGUN, write_summary
-from addin.batch.summary_file import is_summary, is_summary_csv
-from addin.batch.vary import TableRefused, run_programme
+from addin.batch.vary import ProgrammeSettings, run_programme
+from addin.batch.vary_columns import TableRefused
 from addin.batch.watch import Watch
 from addin.cli import status
 from addin.cli.overrides import case_overrides
 from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed
 from addin.contract.version import product_version
 from addin.reading.one_file import file_problem
-from addin.workers.cluster import Cluster, ClusterRefused
+from addin.workers.cluster import ClusterRefused
 from addin.workers.pool import Pool, Workers
+from addin.workers.stop import Abandoned, Stop, Stopped, cores
 
 _AGAIN = "Run again with --resume to go on."
 _SEND = ("auto", "files", "bytes")
@@ -200,7 +202,7 @@ def _workers(jobs: int | None, scheduler: str | None) -> Workers:
         raise typer.BadParameter("--jobs is of this machine; a cluster has the workers it has.")
 
     try:
-        return Cluster(scheduler)
+        return FileCluster(scheduler)
     except ClusterRefused as wrong:
         raise failed(str(wrong)) from wrong
 
@@ -210,7 +212,7 @@ def _way(work: Batch, first: Input, send: str) -> str:
     if isinstance(work.workers, Pool):
         return "files"
 
-    assert isinstance(work.workers, Cluster)
+    assert isinstance(work.workers, FileCluster)
     shared = send == "files" or (
         send == "auto" and work.workers.shares(work.folder.staging, first.path)
     )
@@ -259,11 +261,9 @@ def _varied(
                 table,
                 folder,
                 workers,
-                resume=resume,
+                ProgrammeSettings(resume, overrides, as_csv),
                 stop=stop,
                 listener=listener,
-                overrides=overrides,
-                as_csv=as_csv,
             )
     except TableRefused as wrong:
         for sentence in wrong.sentences:

@@ -1,45 +1,105 @@
-"""What the commands of the studies have in common: targets, processes, Ctrl-C, the words at the end."""
+"""The commands of the studies, each made from the record of its study; Ctrl-C, and the words at the end."""
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
-from addin.batch.scheduler import Abandoned, Stop, Stopped
+from addin.cli.options import (
+    FileArgument,
+    IgnoreLockOption,
+    InPlaceOption,
+    JobsOption,
+    JsonOption,
+    OutOption,
+    SchedulerOption,
+    check_choice,
+)
 from addin.cli.status import INTERRUPTED, WRONG_INPUT, Refused
-from addin.cli.terminal import list_problems, progress, study_targets
+from addin.cli.terminal import (
+    list_problems,
+    print_table,
+    progress,
+    refuse_no_folder,
+    refuse_no_place,
+    study_targets,
+)
 from addin.contract.problems import printable
-from addin.studies.study import Found, Study, study_one
+from addin.contract.version import product_version
+from addin.reading.one_file import file_problem
+from addin.studies.registry import study_of_command
+from addin.studies.run_study import StudyFiles, study_one
+from addin.studies.study import Option, Study, StudyResult
 from addin.workers.cluster import ClusterRefused
-from addin.workers.parallel_map import Cancelled, UnitLost, spread_over
+from addin.workers.parallel_map import Cancelled, UnitLost, open_parallel_map
+from addin.workers.stop import Abandoned, Stop, Stopped
 
 
-def run_study(
-    study: Study,
-    file: Path,
-    settings: Mapping[str, Any],
-    *,
-    out: Path | None = None,
-    in_place: bool = False,
-    json: Path | None = None,
-    jobs: int | None = None,
-    scheduler: str | None = None,
-    ignore_lock: bool = False,
-    show: Callable[[Found], None] = lambda found: None,
-    then: Callable[[Found], None] = lambda found: None,
-) -> None:
-    """Run a study from the command line and tell what became of it.
+def study_command(name: str) -> Callable[..., None]:
+    """The function of a study's command, with the parameters that its options make."""
+    study = study_of_command(name)
+
+    def command(file: Path, **given: Any) -> None:
+        _run(study, file, given)
+
+    parameters: dict[str, tuple[Any, Any]] = {
+        "file": (FileArgument, inspect.Parameter.empty),
+        "out": (OutOption, None),
+        "in_place": (InPlaceOption, False),
+        "json": (JsonOption, None),
+        **{option.name: (_annotation(option), option.default) for option in study.options},
+        "ignore_lock": (IgnoreLockOption, False),
+    }
+    if not study.measures_time:
+        parameters |= {"jobs": (JobsOption, None), "scheduler": (SchedulerOption, None)}
+    command.__name__, command.__doc__ = name, study.command_help
+    command.__annotations__ = {key: annotation for key, (annotation, _) in parameters.items()}
+    command.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [
+            inspect.Parameter(
+                key, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default, annotation=annotation
+            )
+            for key, (annotation, default) in parameters.items()
+        ]
+    )
+    return command
+
+
+def _annotation(option: Option) -> Any:
+    """An option as typer takes it."""
+    kind: Any = option.kind if option.default is not None else option.kind | None
+    declared = typer.Option(
+        f"--{option.name}",
+        help=option.help,
+        min=option.least,
+        max=option.most,
+        metavar=option.metavar,
+        show_default=option.default is not None,
+    )
+    return Annotated[kind, declared]
+
+
+def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
+    """Run a study and say what became of it.
 
     Raises
     ------
     typer.Exit
         With 1 for wrong input, 130 after Ctrl-C, whether or not the part that was calculated could be
-        written; everything has been told.
+        written; everything has been said.
     """
-    destination, json = study_targets(file, study.command, out, json, in_place)
+    options = {option.name: given[option.name] for option in study.options}
+    _check_options(study, file, options)
+    settings = {one.name: options[one.name] for one in study.options if one.is_setting}
+    destination, json_file = study_targets(
+        file, study.command, given["out"], given["json"], given["in_place"]
+    )
+    files = StudyFiles(destination, given["in_place"], json_file, given["ignore_lock"])
     stop = Stop()
 
     def on_stage(stage: str) -> None:
@@ -49,38 +109,59 @@ def run_study(
     try:
         with (
             progress() as tell,
-            stop.listening(tell),
-            spread_over(jobs, scheduler, stop) as spread,
+            nullcontext() if study.measures_time else stop.listening(tell),
+            open_parallel_map(
+                1 if study.measures_time else given["jobs"],
+                given.get("scheduler"),
+                product_version,
+                stop,
+            ) as parallel_map,
         ):
-            done = study_one(
-                study,
-                file,
-                spread,
-                settings,
-                destination=destination,
-                in_place=in_place,
-                json_file=json,
-                ignore_lock=ignore_lock,
-                on_stage=on_stage,
-            )
+            outcome = study_one(study, file, parallel_map, settings, files, on_stage)
     except (Abandoned, Cancelled, KeyboardInterrupt) as ended:
         why = f" {ended.why}" if isinstance(ended, Cancelled) and ended.why else ""
         typer.echo(f"{file}: ended by Ctrl-C.{why} Nothing was written.", err=True)
         raise typer.Exit(INTERRUPTED) from None
     except (ClusterRefused, Stopped, UnitLost) as wrong:
         raise Refused(f"{file}: {wrong}") from wrong
-    for sentence in done.warnings:
+    for sentence in outcome.warnings:
         typer.echo(f"{file}: note: {printable(sentence)}", err=True)
-    if done.found is None:
-        list_problems(file, done.problems, bool(done.written))
+    if outcome.result is None:
+        list_problems(file, outcome.problems, bool(outcome.written))
         raise typer.Exit(WRONG_INPUT)
-    show(done.found)
-    typer.echo(printable(done.found.sentence))
-    for path in done.written:
+    _show(study, outcome.result, options)
+    for path in outcome.written:
         typer.echo(f"written: {path}")
-    then(done.found)
-    if done.found.cut_short is not None:
+    try:
+        for path in study.save(outcome.result, options, file):
+            typer.echo(f"written: {path}")
+    except OSError as wrong:
+        place = Path(wrong.filename) if isinstance(wrong.filename, str) else file
+        raise Refused(file_problem(place, wrong).message) from wrong
+    if outcome.result.cut_short is not None:
         raise typer.Exit(INTERRUPTED)
+
+
+def _check_options(study: Study, file: Path, options: Mapping[str, Any]) -> None:
+    """Refuse what no option may be, before the work that would be lost."""
+    for option in study.options:
+        value = options[option.name]
+        if option.words:
+            check_choice(f"--{option.name}", value, option.words)
+        elif option.kind is Path and value is not None:
+            if value.resolve() == file.resolve():
+                raise typer.BadParameter(f"--{option.name} would write over the input.")
+            (refuse_no_folder if option.metavar == "FOLDER" else refuse_no_place)(value)
+
+
+def _show(study: Study, result: StudyResult, options: Mapping[str, Any]) -> None:
+    for block in study.terminal(result, options):
+        if isinstance(block, str):
+            typer.echo(printable(block))
+        else:
+            print_table(block.columns, block.rows)
+    for sentence in (result.sentence, *result.remarks):
+        typer.echo(printable(sentence))
 
 
 def _progress(file: Path, stage: str, stop: Stop) -> str:

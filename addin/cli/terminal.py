@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from addin.contract.problems import CellProblem
+
+
+#: A table on the terminal is at least so wide. [characters]
+TABLE_WIDTH = 110
 
 
 def refuse_clashes(
@@ -147,3 +151,18 @@ def list_problems(
     typer.echo(f"{file}: {len(problems)} error{plural}{what}:", err=True)
     for problem in problems:
         typer.echo(f"  {problem.message}", err=True)
+
+
+def print_table(columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]]) -> None:
+    """A table of text; a column of names is not broken, one of numbers stands to the right."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(show_edge=False, pad_edge=False)
+    for header, kind in columns:
+        table.add_column(
+            header, no_wrap=kind == "name", justify="right" if kind == "number" else "left"
+        )
+    for row in rows:
+        table.add_row(*row)
+    Console(width=max(Console().width, TABLE_WIDTH)).print(table)

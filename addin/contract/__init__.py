@@ -3,10 +3,10 @@
 ================  ================================================================================
 module            responsibility
 ================  ================================================================================
+`audit_items`     items of table `Audit` that are read again from a workbook or a result JSON
 `chart_tables`    tables of sheet `ChartData` and the words of charts that only a calculation
                   knows
 `charts`          charts as data: what is drawn, from which columns, with which axes and words
-`audit_items`     items of table `Audit` that are read again from a workbook or a result JSON
 `digests`         digests as people see them: the first digits, which tell inputs apart
 `json_formats`    numbers of the forms of JSON: raised when a reader of the form before would go
                   wrong
@@ -45,6 +45,7 @@ module            responsibility
 `units`           shown unit ↔ SI: the only home of rpm, psi, lbf*in, degrees, percent and per
                   unit
 `shown_units`     units shown above the columns → what one shown unit is worth in SI
+`shown_cell`      what a cell shows of one result: numbers in the shown unit, words, or a blank
 `version`         the version of torsionbook, as installed
 ================  ================================================================================
 """

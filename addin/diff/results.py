@@ -8,6 +8,7 @@ from typing import Any
 
 from addin.contract.audit_items import DIGEST_ITEM
 from addin.contract.live_formulas import WHOLE_STARTS
+from addin.contract.shown_cell import VERDICT_UNITS
 from addin.contract.tables import Field, TableSpec, result_table
 from addin.contract.units import USUAL
 from addin.diff.changes import Change, Value, VerdictChange
@@ -16,7 +17,6 @@ from addin.diff.inputs import Renamed
 from addin.diff.units import Units
 from addin.recorded.match_rows import match_rows, row_name
 from addin.recorded.provenance import is_own_of_each_run
-from addin.writing.workbook import VERDICT_UNITS
 
 #: Relative size of what rounding, other units and other processors change. [1]
 _ROUNDING = 1e-9

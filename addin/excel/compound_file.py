@@ -12,8 +12,6 @@ from dataclasses import dataclass, field
 
 from addin.excel.errors import CompoundFileError
 
-__all__ = ["Storage", "read_compound_file", "write_compound_file"]
-
 _MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
 _FREE, _END, _FAT, _NO_STREAM = 0xFFFFFFFF, 0xFFFFFFFE, 0xFFFFFFFD, 0xFFFFFFFF
 _LARGEST_SECTOR = 0xFFFFFFFA

@@ -22,18 +22,6 @@ from addin.excel.vba import UDF_MODULE, XLWINGS_VERSION
 from addin.excel.workbook import INTERPRETER, SETTINGS_SHEET, Installed, installed_in
 from addin.xlsx import PackageError, open_workbook
 
-__all__ = [
-    "Check",
-    "GOOD",
-    "Machine",
-    "NOTE",
-    "UNKNOWN",
-    "WRONG",
-    "checks",
-    "examine",
-    "this_machine",
-]
-
 #: States of a check.
 GOOD, WRONG, NOTE, UNKNOWN = "ok", "wrong", "note", "cannot be checked here"
 

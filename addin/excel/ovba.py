@@ -12,8 +12,6 @@ import struct
 
 from addin.excel.errors import VbaCompressionError
 
-__all__ = ["compress", "decompress"]
-
 _SIGNATURE = 1
 _CHUNK = 4096
 #: Header of a chunk: its length less 3, the signature 0b011, whether it is compressed.

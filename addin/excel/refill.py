@@ -24,8 +24,6 @@ from addin.writing.recalculate import PreparedInput, recalculate
 from addin.xlsx import ErrorValue, Formula, Table, Workbook
 from addin.xlsx.references import Rect, parse_range
 
-__all__ = ["Results", "excel_value", "refill", "results_of"]
-
 TITLE = "torsionbook"
 #: Most cells handed to Excel at once; between two portions the status bar moves on.
 PORTION = 20_000

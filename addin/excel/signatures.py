@@ -11,10 +11,7 @@ import keyword
 from dataclasses import dataclass
 
 from addin.contract.tables import json_key
-from addin.worksheet import functions as _entered  # noqa: F401  (enters the functions)
 from addin.worksheet.registry import FUNCTIONS
-
-__all__ = ["ExcelArgument", "ExcelFunction", "MOST_HELP", "excel_functions"]
 
 #: Longest help that the function wizard shows of a function or of an argument.
 MOST_HELP = 255

@@ -23,6 +23,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 
 import xlwings as xw  # noqa: E402
 
+from addin.excel.refill import refill  # noqa: E402
 from addin.excel.signatures import ExcelFunction, excel_functions  # noqa: E402
 from addin.worksheet.registry import CATEGORY, FunctionError, call  # noqa: E402
 
@@ -73,6 +74,4 @@ for _one in excel_functions():
 
 def recalculate() -> None:
     """Fill the result cells of the workbook whose macro called; see `addin.excel.refill`."""
-    from addin.excel.refill import refill
-
     refill(xw.Book.caller())

@@ -25,11 +25,6 @@ from addin.excel.signatures import ExcelFunction, excel_functions
 from addin.excel.vba_project import Module, VbaProject, standard_module
 from addin.worksheet.registry import CATEGORY
 
-__all__ = [
-    "MACROS", "UDF_MODULE", "WRAPPERS", "XLWINGS_VERSION", "fresh_project", "macro_text",
-    "product_modules", "wrapper_text",
-]  # fmt: skip
-
 #: The version all is made for: its number stands in the VBA, in the name of the library that VBA
 #: loads, and in pyproject.toml.
 XLWINGS_VERSION = "0.37.8"

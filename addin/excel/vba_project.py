@@ -16,8 +16,6 @@ from addin.excel.compound_file import Storage, read_compound_file, write_compoun
 from addin.excel.errors import VbaProjectError
 from addin.excel.ovba import compress, decompress
 
-__all__ = ["Module", "VbaProject", "standard_module"]
-
 # Records of the stream ``dir``.
 _CODE_PAGE, _VERSION, _COUNT, _COOKIE, _END = 0x03, 0x09, 0x0F, 0x13, 0x10
 _NAME, _NAME_UNICODE, _STREAM, _STREAM_UNICODE = 0x19, 0x47, 0x1A, 0x32

@@ -31,10 +31,6 @@ from addin.xlsx.macros import (
     settings_of,
 )
 
-__all__ = [
-    "INTERPRETER", "Installed", "SETTINGS_SHEET", "install", "installed_in", "usual_interpreter",
-]  # fmt: skip
-
 #: Where xlwings looks for the settings of a workbook.
 SETTINGS_SHEET = "xlwings.conf"
 #: The setting that names Python.

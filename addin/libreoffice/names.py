@@ -8,11 +8,6 @@ from __future__ import annotations
 
 import re
 
-__all__ = [
-    "COMPONENT", "INTERFACE", "METHOD_MODULES", "identifier", "method_name", "parameter_names",
-    "programmatic_name",
-]  # fmt: skip
-
 #: Modules of the interface, from the outside in.
 METHOD_MODULES = ("org", "torsionbook", "calc")
 #: Name of the interface with one method a function.

@@ -24,10 +24,7 @@ from addin.libreoffice.names import (
     parameter_names,
 )
 from addin.libreoffice.type_library import Method, type_library
-from addin.worksheet import functions as _entered  # noqa: F401  (enters the functions)
 from addin.worksheet.registry import FUNCTIONS, Function
-
-__all__ = ["MANIFEST", "extension", "worker_command"]
 
 #: Identifier of the extension; a newer one of the same replaces it.
 IDENTIFIER = "org.torsionbook.calc"

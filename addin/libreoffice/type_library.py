@@ -24,8 +24,6 @@ import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["MAGIC", "Method", "type_library"]
-
 MAGIC = b"UNOIDL\xff\x00"
 MODULE, INTERFACE, IN = b"\x00", b"\x05", b"\x00"
 BASE = "com.sun.star.uno.XInterface"

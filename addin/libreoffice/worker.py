@@ -15,7 +15,7 @@ import sys
 from itertools import zip_longest
 from typing import Any, BinaryIO
 
-__all__ = ["answer", "main", "serve"]
+from addin.worksheet.registry import FUNCTIONS, FunctionError, call
 
 #: Longest request. [B] An argument has a quarter of a million cells at the most.
 LONGEST = 256 * 1024 * 1024
@@ -54,8 +54,6 @@ def answer(function: str, arguments: list[Any]) -> dict[str, Any]:
     dict
         Key ``rows``, or ``error`` and ``code``. [shown units]
     """
-    from addin.worksheet.registry import FunctionError, call
-
     try:
         return {"rows": call(function, _blanks(function, arguments))}
     except FunctionError as wrong:
@@ -72,9 +70,6 @@ def _blanks(function: str, arguments: list[Any]) -> list[Any]:
     text. Where 0 means nothing (a text, a handle, a table) it is a blank; elsewhere it stays a
     number, which the function refuses or not.
     """
-    from addin.worksheet import functions as _entered  # noqa: F401  (enters the functions)
-    from addin.worksheet.registry import FUNCTIONS
-
     known = FUNCTIONS.get(function.upper())
     kinds = [argument.kind for argument in known.arguments] if known else []
     return [

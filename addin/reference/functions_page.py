@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 
-from addin.worksheet import functions  # noqa: F401  (enters the functions)
 from addin.worksheet.registry import FUNCTIONS, Argument, Function
 
 KINDS = {

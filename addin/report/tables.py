@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from addin.contract.shown_cell import shown_cell
 from addin.contract.tables import (
     INPUT_TABLES,
     RESULT_TABLES,
@@ -22,7 +23,6 @@ from addin.reading.typed_case import Entry
 from addin.report.document import Column, Table
 from addin.report.numbers import clean, of_dimension, pretty_unit
 from addin.report.units import DocumentUnits, entry_text
-from addin.writing.workbook import shown_cell
 
 Rows = Sequence[Mapping[str, Any]]
 

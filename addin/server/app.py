@@ -15,15 +15,15 @@ from starlette.websockets import WebSocket
 
 from addin.contract.version import product_version
 from addin.server import office, uploads
+from addin.server.answers import Refused, answer, encoded
+from addin.server.bodies import read_json, while_connected
 from addin.server.calls import Calls, read_calls
 from addin.server.openapi import document
 from addin.server.processes import Work
-from addin.server.requests import Guard, Refused, answer, encoded, read_json, while_connected
+from addin.server.requests import RequestGuard
 from addin.server.running_starts import Starts
 from addin.server.settings import Settings
 from addin.server.stream import Stream
-
-__all__ = ["create_app"]
 
 #: Files of the page: name → media type.
 FILES = {
@@ -102,7 +102,7 @@ def create_app(settings: Settings) -> Starlette:
                 for name, kind in FILES.items()
             ),
         ],
-        middleware=[Middleware(Guard, settings=settings)],
+        middleware=[Middleware(RequestGuard, settings=settings)],
         exception_handlers={HTTPException: _no_such_thing, Refused: _refused},
         lifespan=running,
     )

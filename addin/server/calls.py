@@ -14,15 +14,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from addin.server.processes import OURS, Busy, TooLong
-from addin.server.requests import Refused, encoded
+from addin.server.answers import Refused, encoded
+from addin.server.processes import Busy, TooLong
 from addin.server.running_starts import Starts, Tell
-from addin.server.settings import Limits
-from addin.worksheet import functions  # noqa: F401  (enters the functions)
+from addin.server.settings import OURS, Limits
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model, handed
 from addin.worksheet.registry import FUNCTIONS, FunctionError, call
-
-__all__ = ["Call", "Calls", "Room", "error", "is_large", "read_call", "read_calls"]
 
 LOG = logging.getLogger("torsionbook.server")
 #: Threads for short functions, for requests of many cells, for what a long one shows of its start,
@@ -145,7 +142,7 @@ class _Unsent:
         self.lock = threading.Lock()
 
 
-class Room:
+class UnsentCells:
     """Counts the cells of one answer until it is sent."""
 
     def __init__(self, unsent: _Unsent) -> None:
@@ -225,21 +222,21 @@ class Calls:
         for pool in (self._short, self._heavy, self._long, self._json):
             pool.shutdown(wait=False, cancel_futures=True)
 
-    def new_room(self) -> Room:
-        """Room for the cells of one answer, to be freed when it is sent."""
-        return Room(self._unsent)
+    def new_unsent_cells(self) -> UnsentCells:
+        """Count of the cells of one answer, to be freed when it is sent."""
+        return UnsentCells(self._unsent)
 
     @contextmanager
-    def room(self) -> Iterator[Room]:
-        """Room for the cells of one answer, until it is sent."""
-        room = self.new_room()
+    def room(self) -> Iterator[UnsentCells]:
+        """Count of the cells of one answer, until it is sent."""
+        room = self.new_unsent_cells()
         try:
             yield room
         finally:
             room.free()
 
     async def answers(
-        self, calls: Sequence[Call], room: Room | None = None, size: int = 0
+        self, calls: Sequence[Call], room: UnsentCells | None = None, size: int = 0
     ) -> list[Answer]:
         """Answers in the order of the calls.
 
@@ -247,7 +244,7 @@ class Calls:
         ----------
         calls : sequence of Call
             What is asked for.
-        room : Room, optional
+        room : UnsentCells, optional
             Counts the cells.
         size : int
             Size of the request. [B]
@@ -257,7 +254,7 @@ class Calls:
         list of dict
             ``value``, rows of cells, or ``error`` each. [shown units]
         """
-        room = room or Room(self._unsent)
+        room = room or UnsentCells(self._unsent)
         pool = self._pool(size)
         found: dict[int, Answer] = {}
         # those without a model first: a TV_MODEL among them makes the handle that others ask about
@@ -289,7 +286,7 @@ class Calls:
         self,
         wanted: Call,
         tell: Tell | None = None,
-        room: Room | None = None,
+        room: UnsentCells | None = None,
         turn: Callable[[], Awaitable[None]] | None = None,
         size: int = 0,
     ) -> Answer:
@@ -301,7 +298,7 @@ class Calls:
             What is asked for.
         tell : callable, optional
             Called with each stage. [words]
-        room : Room, optional
+        room : UnsentCells, optional
             Counts the cells.
         turn : callable, optional
             Awaited before the answer takes memory.
@@ -313,7 +310,7 @@ class Calls:
         dict
             ``value`` or ``error``. [shown units]
         """
-        room = room or Room(self._unsent)
+        room = room or UnsentCells(self._unsent)
         model = wanted.model()
         what = None if model is None else _wanted(wanted, model)
         if model is not None and what is not None:
@@ -342,7 +339,7 @@ class Calls:
         wanted: Sequence[int],
         model: Model,
         what: str,
-        room: Room,
+        room: UnsentCells,
         tell: Tell | None = None,
         turn: Callable[[], Awaitable[None]] | None = None,
     ) -> dict[int, Answer]:
@@ -360,7 +357,7 @@ class Calls:
         pool: ThreadPoolExecutor,
         calls: Sequence[Call],
         wanted: Sequence[int],
-        room: Room,
+        room: UnsentCells,
         given: _Given | None = None,
     ) -> dict[int, Answer]:
         """Some of the calls, turn about with those of other requests, as many as the time allows."""
@@ -409,7 +406,7 @@ def _wanted(one: Call, model: Model) -> str | None:
     return AT_SPEED if is_large(model) else None
 
 
-def _answer(wanted: Call, room: Room) -> Answer:
+def _answer(wanted: Call, room: UnsentCells) -> Answer:
     try:
         rows = call(wanted.name, wanted.arguments)
         return room.take(rows) or {"value": rows}

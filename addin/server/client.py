@@ -22,8 +22,6 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-__all__ = ["Client", "Refusal"]
-
 
 class Refusal(Exception):
     """What the server said instead of an answer.

@@ -11,10 +11,7 @@ from typing import Any
 from lxml import etree
 
 from addin.contract.version import product_version
-from addin.worksheet import functions  # noqa: F401  (enters the functions)
 from addin.worksheet.registry import FUNCTIONS, Function
-
-__all__ = ["NAMESPACE", "function_id", "functions_json", "functions_script", "manifest", "static"]
 
 #: Before every name in a cell of Excel: =TV.FREQUENCIES(...).
 NAMESPACE = "TV"

@@ -5,10 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from addin.contract.version import product_version
-from addin.worksheet import functions  # noqa: F401  (enters the functions)
 from addin.worksheet.registry import FUNCTIONS
-
-__all__ = ["document"]
 
 JSON = "application/json"
 WORKBOOKS = (

@@ -19,10 +19,22 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from addin.calculation.calculation import calculate
+from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
+from addin.reading.typed_case import CaseInput
+from addin.reading.workbook import read_workbook
+from addin.server.settings import OURS
+from addin.server.studies import study_of
+from addin.server.view import speed_view
 from addin.workers.processes import LAST_WORDS, Process, most_resident
+from addin.worksheet.answers import speed_results
+from addin.worksheet.models import Model, system_of
 from addin.worksheet.registry import FunctionError
-
-__all__ = ["Busy", "Cancelled", "Job", "TooLong", "Work"]
+from addin.writing.recalculate import recalculate
+from addin.xlsx import open_workbook
+from addin.xlsx.container import Container, Limits
+from addin.xlsx.errors import PackageError
+from engine.errors import InternalError, ModelError
 
 LOG = logging.getLogger("torsionbook.server")
 #: How often a thread looks whether its task is still wanted. [s]
@@ -33,8 +45,6 @@ START_TIME = 120.0
 MOST_MEMORY = 1_200_000_000
 #: What is told when the server ends.
 STOPPING = "The server is being stopped. Try again in a minute."
-#: What is told of an error of ours; the rest is in the log.
-OURS = "This is an error inside torsionbook. The server's log says more; please report it."
 
 
 class Busy(Exception):
@@ -49,7 +59,7 @@ class Cancelled(Exception):
     """Nobody wants the result any more."""
 
 
-class Packed(Mapping[str, Any]):
+class LazyTables(Mapping[str, Any]):
     """Tables of a large train: millions of numbers that are unpacked only where they are asked for.
 
     Parameters
@@ -295,8 +305,6 @@ def _successor(process: _Process | None) -> _Process:
 
 def _serve(line: Connection) -> None:
     """Do one task after the other until the line ends."""
-    import addin.calculation.calculation  # noqa: F401  (every task needs it)
-
     with contextlib.suppress(BrokenPipeError, OSError):
         line.send(("ready", None))
     while True:
@@ -315,8 +323,6 @@ def _serve(line: Connection) -> None:
 
 
 def _answer(task: str, payload: Any, line: Connection) -> tuple[str, Any]:
-    from engine.errors import InternalError, ModelError
-
     try:
         return "done", TASKS[task](payload, lambda stage: line.send(("stage", stage)))
     except FunctionError as wrong:
@@ -331,18 +337,11 @@ def _answer(task: str, payload: Any, line: Connection) -> tuple[str, Any]:
 
 def _start(case: Any, tell: Callable[[str], None]) -> Any:
     """Everything a case calls for."""
-    from addin.calculation.calculation import calculate
-
     return calculate(case, on_stage=tell)
 
 
 def _workbook(paths: tuple[str, str], tell: Callable[[str], None]) -> Any:
     """Recalculate a workbook; problems, warnings and the verdict."""
-    from addin.reading.one_file import file_problem
-    from addin.writing.recalculate import recalculate
-    from addin.xlsx.container import Container
-    from addin.xlsx.errors import PackageError
-
     source, target = map(Path, paths)
     tell("reading")
     try:
@@ -355,13 +354,6 @@ def _workbook(paths: tuple[str, str], tell: Callable[[str], None]) -> Any:
 
 def _read(path: str, tell: Callable[[str], None]) -> Any:
     """Read a workbook or a case JSON; problems, warnings, the case and its units."""
-    from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
-    from addin.reading.typed_case import CaseInput
-    from addin.reading.workbook import read_workbook
-    from addin.worksheet.models import system_of
-    from addin.xlsx import open_workbook
-    from addin.xlsx.errors import PackageError
-
     source = Path(path)
     tell("reading")
     try:
@@ -379,32 +371,23 @@ def _read(path: str, tell: Callable[[str], None]) -> Any:
 
 def _limits() -> Any:
     """What is taken for a workbook here: less than on a machine of one's own."""
-    from addin.xlsx.container import Limits
-
     return Limits(file_size=25 * 2**20, total_size=100 * 2**20, part_size=60 * 2**20, entries=2_000)
 
 
 def _speed(case: Any, tell: Callable[[str], None]) -> Any:
     """Tables of a case that need no start, each packed by itself."""
-    from addin.worksheet.functions import speed_results
-
     tell("frequencies")
-    return Packed({name: pickle.dumps(table) for name, table in speed_results(case).items()})
+    return LazyTables({name: pickle.dumps(table) for name, table in speed_results(case).items()})
 
 
 def _view(model: tuple[str, Any, str], tell: Callable[[str], None]) -> Any:
     """What the page draws of a model without its start."""
-    from addin.server.view import speed_view
-    from addin.worksheet.models import Model
-
     tell("frequencies")
     return speed_view(Model(*model))
 
 
 def _study(asked: Any, tell: Callable[[str], None]) -> Any:
     """A study of a case; see `addin.server.studies`."""
-    from addin.server.studies import study_of
-
     return study_of(asked, tell)
 
 

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from addin.server.processes import Cancelled, Job, Work
-from addin.server.studies import Asked
+from addin.server.studies import StudyRequest
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
 from addin.worksheet.registry import FunctionError
-
-__all__ = ["Starts", "waited_for"]
 
 Tell = Callable[[str], None]
 #: Result → task of the pool.
@@ -127,12 +125,12 @@ class Starts:
         job = self._work.submit("view", (model.handle, model.case, model.system))
         return await waited_for(job)
 
-    async def study(self, asked: Asked, tell: Tell) -> dict[str, Any]:
+    async def study(self, asked: StudyRequest, tell: Tell) -> dict[str, Any]:
         """A study, made for the one who asks; cancelling this call gives it up.
 
         Parameters
         ----------
-        asked : Asked
+        asked : StudyRequest
             What is asked for.
         tell : callable
             Called with each stage. [words]

@@ -10,17 +10,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlsplit
 
-__all__ = [
-    "BODY_RATE",
-    "LARGE",
-    "LOOPBACK",
-    "Limits",
-    "Settings",
-    "SettingsError",
-    "check_certificate",
-    "read_keys",
-]
-
 #: Names of this machine that no other machine can reach.
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 #: A body beyond this, or of a size not told, counts as large. [B]
@@ -199,3 +188,7 @@ def read_keys(path: Path) -> frozenset[str]:
                 'and digits, such as: python -c "import secrets; print(secrets.token_urlsafe(24))"'
             )
     return frozenset(keys)
+
+
+#: What is told of an error of ours; the rest is in the log.
+OURS = "This is an error inside torsionbook. The server's log says more; please report it."

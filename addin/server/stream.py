@@ -18,17 +18,18 @@ from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from addin.server.calls import Calls, Room, error, is_large, read_call
-from addin.server.processes import OURS, Busy, TooLong
-from addin.server.requests import Door, Refused, encoded, is_key, key_of, parsed
+from addin.server.answers import Refused, encoded
+from addin.server.bodies import parsed
+from addin.server.calls import Calls, UnsentCells, error, is_large, read_call
+from addin.server.keys import is_key, key_of
+from addin.server.processes import Busy, TooLong
+from addin.server.requests import PendingSocket
 from addin.server.running_starts import Starts
-from addin.server.settings import LARGE, Settings
-from addin.server.studies import Asked, read_study
+from addin.server.settings import LARGE, OURS, Settings
+from addin.server.studies import StudyRequest, read_study
 from addin.server.view import speed_view, start_view
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
-
-__all__ = ["Stream"]
 
 LOG = logging.getLogger("torsionbook.server")
 #: Close codes for a client without a key, and of a busy server. [number]
@@ -48,7 +49,7 @@ class _Answering:
     """One request under way: what it holds until its message is sent."""
 
     identity: Identity
-    room: Room
+    room: UnsentCells
     has_turn: bool = False
     found: dict[str, Any] | None = None
 
@@ -140,7 +141,7 @@ class Stream:
 
     async def _is_welcome(self) -> bool:
         settings = self._settings
-        door: Door | None = self._socket.scope.get("door")
+        door: PendingSocket | None = self._socket.scope.get("door")
         if is_key(settings, key_of(self._socket.headers)):
             return True
         given = None
@@ -224,7 +225,7 @@ class Stream:
             work = partial(self._study, read_study(message))
         else:
             work = partial(self._call, message, size)
-        answering = _Answering(identity, self._calls.new_room())
+        answering = _Answering(identity, self._calls.new_unsent_cells())
         task = asyncio.create_task(self._answer(answering, work))
         self._running[identity] = task
         # also of one that is cancelled before it begins
@@ -266,7 +267,7 @@ class Stream:
     async def _view(self, handle: str, answering: _Answering) -> dict[str, Any]:
         """The page's numbers: first without the start, then with it."""
         model = MODELS.of(handle)
-        first = _Answering(answering.identity, self._calls.new_room())
+        first = _Answering(answering.identity, self._calls.new_unsent_cells())
         await self._turn(first)
         try:
             if is_large(model):
@@ -283,7 +284,7 @@ class Stream:
         await self._turn(answering)
         return {"value": await self._calls.in_thread(start_view, model, found)}
 
-    async def _study(self, asked: Asked, answering: _Answering) -> dict[str, Any]:
+    async def _study(self, asked: StudyRequest, answering: _Answering) -> dict[str, Any]:
         """The JSON of a study of a case."""
         found = await self._starts.study(asked, self._teller(answering.identity))
         await self._turn(answering)

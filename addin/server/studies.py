@@ -8,28 +8,34 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from addin.contract.studies.registry import STUDIES
-from addin.server.requests import Refused
-
-__all__ = ["Asked", "COMMANDS", "read_study", "study_of"]
+from addin.contract.version import product_version
+from addin.reading.case_json import read_case_json
+from addin.server.answers import Refused
+from addin.studies.registry import every_study
+from addin.studies.run_study import calculate_study, to_json
+from addin.studies.study import Option
+from addin.workers.parallel_map import serial_map
+from addin.writing.results_json import errors_to_json
 
 #: Studies that may be asked for, by the names of their commands.
-COMMANDS = tuple(study.command for study in STUDIES)
+STUDIES = {study.command: study for study in every_study()}
+#: Most samples of one request, and the largest seed that is taken. [count]
+MOST_SAMPLES, LARGEST = 100_000, 2**63 - 1
 
 
 @dataclass(frozen=True)
-class Asked:
+class StudyRequest:
     """A study that a client asks for."""
 
-    command: str  #: One of `COMMANDS`.
+    command: str  #: One of `STUDIES`.
     case: Mapping[str, Any]  #: Case JSON with study tables. [SI]
     settings: Mapping[str, Any]  #: As on the command line.
 
 
-def read_study(message: Mapping[str, Any]) -> Asked:
+def read_study(message: Mapping[str, Any]) -> StudyRequest:
     """What a message asks for.
 
     Raises
@@ -38,28 +44,40 @@ def read_study(message: Mapping[str, Any]) -> Asked:
         With the sentence that says what is wrong.
     """
     command, case = message.get("study"), message.get("case")
-    if command not in COMMANDS:
-        raise Refused(400, f"There is no study of this name. There are {', '.join(COMMANDS)}.")
+    if not isinstance(command, str) or command not in STUDIES:
+        raise Refused(400, f"There is no study of this name. There are {', '.join(STUDIES)}.")
     if not isinstance(case, dict):
         raise Refused(400, "case is no object. Give the case JSON with the tables of the study.")
     settings = message.get("settings", {})
     if not isinstance(settings, dict):
         raise Refused(400, 'settings is no object. Give one such as {"samples": 1000}.')
-    study = next(one for one in STUDIES if one.command == command)
-    allowed = {setting.name: setting for setting in study.settings}
+    options = {one.name: _limited(one) for one in STUDIES[command].options if one.is_setting}
     for name, value in settings.items():
-        if name not in allowed:
-            known = f"are {', '.join(allowed)}" if allowed else "is none"
+        if name not in options:
+            known = f"are {', '.join(options)}" if options else "is none"
             raise Refused(400, f"{command} has no setting '{name[:40]}'. There {known}.")
-        if not allowed[name].fits(value):
-            raise Refused(400, f"{name} must be {allowed[name].allowed}.")
-    return Asked(command, case, settings)
+        if not _fits(options[name], value):
+            raise Refused(400, f"{name} must be {options[name].allowed}.")
+    return StudyRequest(command, case, settings)
+
+
+def _limited(option: Option) -> Option:
+    """An option as a client may set it: no more samples than one request may calculate."""
+    return replace(option, most=MOST_SAMPLES) if option.name == "samples" else option
+
+
+def _fits(option: Option, value: Any) -> bool:
+    if type(value) is not option.kind:  # a flag is no number here
+        return False
+    if isinstance(value, int) and option.kind is int:
+        return (option.least or 0) <= value <= (option.most or LARGEST)
+    return not option.words or value in option.words
 
 
 # --- in the processes -----------------------------------------------------------------------------
 
 
-def study_of(asked: Asked, tell: Callable[[str], None]) -> dict[str, Any]:
+def study_of(asked: StudyRequest, tell: Callable[[str], None]) -> dict[str, Any]:
     """Make the study; in a process of the pool, which is ended when nobody wants it any more.
 
     Returns
@@ -68,17 +86,10 @@ def study_of(asked: Asked, tell: Callable[[str], None]) -> dict[str, Any]:
         ``value``: JSON of the study; or ``errors`` as the contract has them, and ``error`` with the
         sentence over them.
     """
-    from addin.contract.version import product_version
-    from addin.reading.case_json import read_case_json
-    from addin.studies.registry import study_of_command
-    from addin.studies.study import made_of, to_json
-    from addin.workers.parallel_map import alone
-    from addin.writing.results_json import errors_to_json
-
-    study = study_of_command(asked.command)
+    study = STUDIES[asked.command]
     tell("reading")
     read = read_case_json(asked.case)
-    found, problems, warnings = made_of(study, read, alone(), asked.settings, tell)
+    found, problems, warnings = calculate_study(study, read, serial_map(), asked.settings, tell)
     if found is None:
         told = errors_to_json(problems, product_version(), warnings)["errors"]
         count = "one error" if len(told) == 1 else f"{len(told)} errors"

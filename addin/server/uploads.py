@@ -20,15 +20,14 @@ from starlette.responses import Response
 from addin.contract.problems import CellProblem
 from addin.contract.version import product_version
 from addin.reading.one_file import WORKBOOK_ENDINGS
+from addin.server.answers import Refused, answer
+from addin.server.bodies import read_body, while_connected
 from addin.server.processes import Busy, TooLong, Work
-from addin.server.requests import Refused, answer, read_body, while_connected
 from addin.server.running_starts import waited_for
 from addin.server.settings import Limits
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
 from addin.writing.results_json import errors_to_json
-
-__all__ = ["model_of", "recalculated"]
 
 #: What a workbook is sent back as.
 MEDIA = {
@@ -49,7 +48,7 @@ async def recalculated(request: Request, work: Work, limits: Limits) -> Response
         await asyncio.to_thread(source.write_bytes, body)
         problems, warnings = await _done(request, work, "workbook", (str(source), str(target)))
         if problems:
-            return _wrong(problems, warnings, Hidden(folder, inner, name))
+            return _wrong(problems, warnings, TemporaryPaths(folder, inner, name))
         content = await asyncio.to_thread(target.read_bytes)
     stem, ending = Path(name).stem, Path(name).suffix
     disposition = f"attachment; filename*=UTF-8''{quote(f'{stem}.out{ending}')}"
@@ -68,7 +67,7 @@ async def model_of(request: Request, work: Work, limits: Limits) -> Response:
         source = Path(folder, inner)
         await asyncio.to_thread(source.write_bytes, body)
         problems, warnings, case, system = await _done(request, work, "read", str(source))
-    hidden = Hidden(folder, inner, name)
+    hidden = TemporaryPaths(folder, inner, name)
     if problems:
         return _wrong(problems, warnings, hidden)
     try:
@@ -134,7 +133,7 @@ def _refuse_no_case(body: bytes) -> None:
 
 
 @dataclass(frozen=True)
-class Hidden:
+class TemporaryPaths:
     """The folder a file was worked on in, its name there, and the name it goes by outside."""
 
     folder: str
@@ -142,7 +141,9 @@ class Hidden:
     name: str
 
 
-def _wrong(problems: Iterable[CellProblem], warnings: Iterable[str], folder: Hidden) -> Response:
+def _wrong(
+    problems: Iterable[CellProblem], warnings: Iterable[str], folder: TemporaryPaths
+) -> Response:
     """422 with every error, in the form of a result JSON, and one sentence over them."""
     told = [
         replace(p, message=_without(p.message, folder), found=_found(p, folder)) for p in problems
@@ -155,16 +156,16 @@ def _wrong(problems: Iterable[CellProblem], warnings: Iterable[str], folder: Hid
     return answer(content, 422)
 
 
-def _found(problem: CellProblem, folder: Hidden) -> Any:
+def _found(problem: CellProblem, folder: TemporaryPaths) -> Any:
     found = problem.found
     return _without(found, folder) if isinstance(found, str) else found
 
 
-def _clean(sentences: Iterable[str], folder: Hidden) -> list[str]:
+def _clean(sentences: Iterable[str], folder: TemporaryPaths) -> list[str]:
     return [_without(sentence, folder) for sentence in sentences]
 
 
-def _without(text: str, hidden: Hidden) -> str:
+def _without(text: str, hidden: TemporaryPaths) -> str:
     """A sentence without the folder the file was worked on in."""
     for slash in "/\\":
         text = text.replace(f"{hidden.folder}{slash}{hidden.inner}", hidden.name)

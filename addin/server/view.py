@@ -16,7 +16,7 @@ from addin.contract.charts import CHARTS, ChartSpec, Label, Words
 from addin.contract.field import Pane
 from addin.contract.palette import PALETTE
 from addin.contract.tables import result_table
-from addin.worksheet.functions import table_cells, units_of
+from addin.worksheet.answers import table_cells, units_of
 from addin.worksheet.models import Model
 from addin.worksheet.registry import FunctionError
 from engine.errors import ModelError

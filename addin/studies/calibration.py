@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 from addin.contract.studies.calibration import CALIBRATION as CALIBRATION_SPEC
-from addin.studies.study import Found, Study
-
-if TYPE_CHECKING:
-    from addin.workers.parallel_map import Spread
-    from engine.case.case import Case
-    from engine.case.data import CaseData
-    from engine.case.study_inputs import StudyInputs
-    from engine.errors import Problem
-
-__all__ = ["CALIBRATION"]
+from addin.reading.case_json import case_to_json
+from addin.studies.study import Option, Study, StudyResult, TerminalTable
+from addin.workers.parallel_map import ParallelMap
+from addin.xlsx.whole_files import write_json
+from engine.case.case import Case
+from engine.case.data import CaseData
+from engine.case.study_inputs import MEASURED_FREQUENCY, MEASURED_TORQUE, DisplayUnit, StudyInputs
+from engine.errors import Problem
+from engine.studies.calibration.calibration import calibrate
+from engine.studies.calibration.inputs import calibration_problems
+from engine.studies.calibration.tables import (
+    frequency_rows,
+    margin_rows,
+    measurement_rows,
+    parameter_rows,
+)
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.studies.calibration.inputs import calibration_problems
-
     return calibration_problems(case, inputs)
 
 
@@ -28,26 +33,18 @@ def _calculate(
     case: Case,
     inputs: StudyInputs,
     settings: Mapping[str, Any],
-    spread: Spread,
+    parallel_map: ParallelMap,
     tell: Callable[[str], None],
-) -> Found:
-    from engine.studies.calibration.calibration import calibrate
-    from engine.studies.calibration.tables import (
-        frequency_rows,
-        margin_rows,
-        measurement_rows,
-        parameter_rows,
-    )
-
+) -> StudyResult:
     def each(do: Callable[[CaseData], Any], cases: Iterable[CaseData]) -> list[Any]:
         bundle = list(cases)
-        return spread(
+        return parallel_map(
             do, bundle, lambda done: tell(f"start {min(done + 1, len(bundle))} of {len(bundle)}")
         )
 
     tell("measured frequencies")
     found = calibrate(case, inputs, each_start=each)
-    return Found(
+    return StudyResult(
         result=found,
         tables={
             "FrequencyFit": measurement_rows(found, "frequency"),
@@ -72,8 +69,82 @@ def _calculate(
     )
 
 
+def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[TerminalTable]:
+    """What was measured against what is calculated, and what was changed for it."""
+    units = {
+        "frequency": study.units.get(("", MEASURED_FREQUENCY), DisplayUnit("Hz", 1.0)),
+        "peak torque": study.units.get(("", MEASURED_TORQUE), DisplayUnit("N m", 1.0)),
+    }
+    yield TerminalTable(
+        (
+            ("Measured", "name"),
+            ("Row", "name"),
+            *((header, "number") for header in ("As typed", "Before", "After", "Off by (σ)")),
+            ("Note", "text"),
+        ),
+        [
+            (
+                m.of or "–",
+                str(m.row),
+                *(_in_unit(v, units[m.kind]) for v in (m.measured, m.before, m.after)),
+                "–" if m.residual is None else f"{m.residual:+.2f}",
+                m.note,
+            )
+            for m in study.result.measurements
+        ],
+    )
+    numbers = ("Change", "95 % interval", "Determined")
+    yield TerminalTable(
+        (("Uncertain", "name"), ("Of", "name"), *((header, "number") for header in numbers)),
+        [
+            (
+                p.quantity,
+                p.name,
+                f"{100.0 * p.change:+.1f} %",
+                f"{100.0 * p.change_low:+.1f} to {100.0 * p.change_high:+.1f} %",
+                p.determined,
+            )
+            for p in study.result.parameters
+        ],
+    )
+
+
+def _in_unit(value: float | None, unit: DisplayUnit) -> str:
+    """A measured or calculated number in the unit that was typed."""
+    return "–" if value is None else unit.format(value, 4)
+
+
+def _save(study: StudyResult, options: Mapping[str, Any], source: Path) -> Iterator[Path]:
+    """The calibrated case as JSON."""
+    path = options["case"]
+    if path is not None:
+        write_json(path, case_to_json(study.result.calibrated))
+        yield path
+
+
+_HELP = """\
+Calibrate: the least change of uncertain stiffnesses that explains measured frequencies.
+
+Measurements stand in tables MeasuredFrequencies and MeasuredPeaks of sheet Measured, what is
+uncertain in table Scatter of sheet Tolerances (blank: every stiffness by 10 %). Writes sheet
+Calibration, which also says whether margins may be judged as of measured frequencies.
+
+Example: `torsionbook calibrate train.xlsx --case calibrated.json`"""
+
+
 CALIBRATION = Study(
     spec=CALIBRATION_SPEC,
     check=_check,
     calculate=_calculate,
-)
+    help=_HELP,
+    options=(
+        Option(
+            "case", Path, None,
+            "Write the calibrated case as JSON; `torsionbook new calibrated.xlsx --from` it makes a "
+            "workbook.",
+            is_setting=False,
+        ),
+    ),
+    terminal=_terminal,
+    save=_save,
+)  # fmt: skip

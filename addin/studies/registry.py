@@ -1,20 +1,34 @@
-"""The study of each `StudySpec`: `addin.studies.KEY`, loaded when it is asked for."""
+"""Every study, found in this folder: the `Study` of each `StudySpec`, and what is wrong with their rows."""
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING
+import importlib
+import pkgutil
+from functools import cache
 
+import addin.studies
 from addin.contract.field import IncompleteRecord
+from addin.contract.problems import CellProblem
 from addin.contract.studies.registry import STUDIES
 from addin.contract.study_spec import StudySpec
+from addin.reading.one_file import Unreadable
+from addin.reading.typed_case import CaseInput
 from addin.studies.study import Study
+from engine.errors import Problem
 
-if TYPE_CHECKING:
-    from addin.contract.problems import CellProblem
-    from addin.reading.one_file import Unreadable
-    from addin.reading.typed_case import CaseInput
-    from engine.errors import Problem
+
+@cache
+def found_studies() -> tuple[Study, ...]:
+    """Every `Study` of this folder, in the order of its sheets; their modules are imported only now."""
+    names = (module.name for module in pkgutil.iter_modules(addin.studies.__path__))
+    modules = [importlib.import_module(f"addin.studies.{name}") for name in names]
+    studies = {
+        study.key: study
+        for module in modules
+        for study in vars(module).values()
+        if isinstance(study, Study)
+    }
+    return tuple(sorted(studies.values(), key=lambda study: study.spec.order))
 
 
 def study_of(spec: StudySpec) -> Study:
@@ -25,28 +39,21 @@ def study_of(spec: StudySpec) -> Study:
     IncompleteRecord
         If it has none.
     """
-    name = f"{__package__}.{spec.key}"
-    try:
-        module = import_module(name)
-    except ModuleNotFoundError as missing:
-        if missing.name != name:
-            raise
-        raise IncompleteRecord(
-            f"study {spec.key} has no calculation: add a Study in addin/studies/{spec.key}.py"
-        ) from missing
-    for value in vars(module).values():
-        if isinstance(value, Study) and value.spec is spec:
-            return value
-    raise IncompleteRecord(f"addin/studies/{spec.key}.py has no Study of the record {spec.key}")
+    for study in found_studies():
+        if study.spec is spec:
+            return study
+    raise IncompleteRecord(
+        f"study {spec.key} has no calculation: add a Study in addin/studies/{spec.key}.py"
+    )
 
 
 def study_of_command(command: str) -> Study:
     """The study of a command."""
-    return study_of(next(spec for spec in STUDIES if spec.command == command))
+    return next(study for study in found_studies() if study.command == command)
 
 
 def every_study() -> tuple[Study, ...]:
-    """Every study, in the order of its sheets."""
+    """Every study with sheets and a schema of its own, in their order."""
     return tuple(study_of(spec) for spec in STUDIES)
 
 
@@ -58,16 +65,13 @@ def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:
     tuple of CellProblem
         Of studies whose tables have rows; empty where the case itself is wrong.
     """
-    studies = getattr(read, "studies", None)
-    if studies is None or read.problems:
+    if isinstance(read, Unreadable) or read.studies is None or read.problems:
         return ()
-    from addin.reading.typed_case import CaseInput
-
-    assert isinstance(read, CaseInput)
+    inputs = read.studies.inputs
+    stated = [spec for spec in STUDIES if any(inputs.rows(name) for name in spec.input_names)]
     case = read.case()
-    found: list[Problem] = []
+    problems: list[Problem] = []
+    for spec in stated:
+        problems += study_of(spec).check(case, inputs, {})
     tables = [name for spec in STUDIES for name in spec.input_names]
-    for spec in STUDIES:
-        if any(studies.inputs.rows(name) for name in spec.input_names):
-            found += study_of(spec).check(case, studies.inputs, {})
-    return tuple(dict.fromkeys(studies.problems_of(tables, found)))
+    return tuple(dict.fromkeys(read.studies.problems_of(tables, problems)))

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.contract.studies.sensitivities import SENSITIVITIES as SENSITIVITIES_SPEC
-from addin.studies.study import Found, Study
-
-if TYPE_CHECKING:
-    from addin.workers.parallel_map import Spread
-    from engine.case.case import Case
-    from engine.case.study_inputs import StudyInputs
-    from engine.errors import Problem
-    from engine.studies.sensitivities.sensitivities import Derivatives
-
-__all__ = ["SENSITIVITIES"]
+from addin.studies.study import Study, StudyResult
+from addin.workers.parallel_map import ParallelMap
+from engine.case.case import Case
+from engine.case.study_inputs import StudyInputs, study_digest
+from engine.errors import Problem
+from engine.studies.sensitivities.differences import differences
+from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
+from engine.studies.sensitivities.sensitivities import Derivatives, gather_derivatives
+from engine.studies.sensitivities.tables import derivative_rows, element_rows, frequency_rows
+from engine.studies.sensitivities.tangent import tangent_of
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
@@ -26,25 +26,18 @@ def _calculate(
     case: Case,
     inputs: StudyInputs,
     settings: Mapping[str, Any],
-    spread: Spread,
+    parallel_map: ParallelMap,
     on_stage: Callable[[str], None],
-) -> Found:
-    from engine.case.study_inputs import study_digest
-    from engine.studies.sensitivities.differences import differences
-    from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
-    from engine.studies.sensitivities.sensitivities import gather_derivatives
-    from engine.studies.sensitivities.tables import derivative_rows, element_rows, frequency_rows
-    from engine.studies.sensitivities.tangent import tangent_of
-
+) -> StudyResult:
     on_stage("plain run")
     plan = plan_derivatives(case)
     units = derivative_units(plan)
-    parts = spread(
+    parts = parallel_map(
         differences, units, lambda count: on_stage(f"{count} of {len(units)} quantities")
     )
     on_stage("tangent of the start")
     found = gather_derivatives(plan, parts, tangent_of(plan))
-    return Found(
+    return StudyResult(
         found,
         {"Sensitivities": derivative_rows(found), "FrequencySensitivities": frequency_rows(found)},
         _sentence(found),
@@ -75,9 +68,19 @@ def _sentence(found: Derivatives) -> str:
     )
 
 
+_HELP = """\
+Show what a small change of each quantity does to frequencies, peak stress and starts.
+
+Derivatives of the frequencies from the energies of the modes; of the start by differences of
+whole starts, checked by the tangent of the start where it is linear.
+
+Example: `torsionbook sensitivities train.xlsx`"""
+
+
 #: The study of ``torsionbook sensitivities``.
 SENSITIVITIES = Study(
     spec=SENSITIVITIES_SPEC,
     check=_check,
     calculate=_calculate,
-)
+    help=_HELP,
+)  # fmt: skip

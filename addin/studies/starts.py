@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 from addin.contract.studies.starts import STARTS as STARTS_SPEC
 from addin.contract.study_spec import CUT_SHORT
-from addin.studies.study import CutShort, Found, Study
-
-if TYPE_CHECKING:
-    from addin.workers.parallel_map import Spread
-    from engine.case.case import Case
-    from engine.case.study_inputs import StudyInputs
-    from engine.errors import Problem
-    from engine.studies.starts.condition_result import ConditionResult
-    from engine.studies.starts.conditions import StartCondition
-
-__all__ = ["STARTS"]
+from addin.studies.study import CutShort, Option, Study, StudyResult, TerminalTable
+from addin.workers.parallel_map import Cancelled, ParallelMap, map_until_cancelled
+from engine.case.case import Case
+from engine.case.study_inputs import StudyInputs
+from engine.errors import Problem
+from engine.studies.starts.condition_result import ConditionResult, calculate_condition
+from engine.studies.starts.conditions import StartCondition, condition_problems
+from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
+from engine.studies.starts.matrix import gather_matrix, start_rows, voltage_rows
+from engine.studies.starts.plan import plan_matrix
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.studies.starts.conditions import condition_problems
-
     return condition_problems(case, inputs)
 
 
 def _one(unit: tuple[Case, StartCondition]) -> ConditionResult:
     """One start of the matrix: the unit of work."""
-    from engine.studies.starts.condition_result import calculate_condition
-
     return calculate_condition(*unit)
 
 
@@ -37,18 +33,13 @@ def _calculate(
     case: Case,
     inputs: StudyInputs,
     settings: Mapping[str, Any],
-    spread: Spread,
+    parallel_map: ParallelMap,
     tell: Callable[[str], None],
-) -> Found:
-    from addin.workers.parallel_map import Cancelled, as_far
-    from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
-    from engine.studies.starts.matrix import gather_matrix, start_rows, voltage_rows
-    from engine.studies.starts.plan import plan_matrix
-
+) -> StudyResult:
     plan = plan_matrix(case, inputs, with_standard=bool(settings.get("standard")))
     number = len(plan.units)
-    rows = as_far(
-        spread,
+    rows = map_until_cancelled(
+        parallel_map,
         _one,
         [(case, condition) for condition in plan.units],
         lambda done: tell(f"start {min(done + 1, number)} of {number}"),
@@ -63,7 +54,7 @@ def _calculate(
         said.append(ledger.sentence)
     else:
         said.append("No duty is stated on sheet Duty: the ledger is empty.")
-    return Found(
+    return StudyResult(
         result=(matrix, ledger),
         tables={
             "StartsByVoltage": voltage_rows(matrix),
@@ -94,8 +85,44 @@ def _cut_short(calculated: int, planned: int, has_duty: bool) -> CutShort:
     return CutShort(calculated, planned, sentence)
 
 
+def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[TerminalTable]:
+    """The start matrix, a row a start."""
+    headers = ("Time (s)", "Peak (× rated)", "Allowable starts", "Governing")
+    rows = []
+    for row in study.result[0].rows:
+        starts = "not judged" if not row.judged else "unlimited"
+        if row.allowable_starts is not None:
+            starts = f"{math.floor(row.allowable_starts * (1.0 + 1e-9)):,}"
+        time = "–" if row.time is None else f"{row.time:.2f}"
+        peak = "–" if row.peak_over_rated is None else f"{row.peak_over_rated:.2f}"
+        rows.append((row.condition.name, row.words, time, peak, starts, row.governing or "–"))
+    yield TerminalTable(
+        (("Condition", "name"), ("Outcome", "name"), *((header, "number") for header in headers)),
+        rows,
+    )
+
+
+_HELP = """\
+Start matrix and damage ledger: starts at every voltage, and what a duty of them leaves.
+
+Kinds of starts and how often they happen stand in table StartConditions of sheet Duty; without
+rows: 80 to 110 % voltage, loaded and unloaded, and aborted starts. Writes sheets Start matrix and
+Damage ledger.
+
+Example: `torsionbook starts train.xlsx` writes train.starts.xlsx."""
+
+
 STARTS = Study(
     spec=STARTS_SPEC,
     check=_check,
     calculate=_calculate,
-)
+    help=_HELP,
+    options=(
+        Option(
+            "standard", bool, False,
+            "The standard matrix beside the rows of StartConditions; without rows it is calculated "
+            "anyway.",
+        ),
+    ),
+    terminal=_terminal,
+)  # fmt: skip

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.contract.studies.tolerances import TOLERANCES as TOLERANCES_SPEC
 from addin.contract.study_spec import CUT_SHORT
-from addin.studies.study import CutShort, Found, Study
-
-if TYPE_CHECKING:
-    from addin.workers.parallel_map import Spread
-    from engine.case.case import Case
-    from engine.case.study_inputs import StudyInputs
-    from engine.errors import Problem
-    from engine.studies.tolerances.tolerances import Tolerances
-
-__all__ = ["TOLERANCES"]
+from addin.studies.study import CutShort, Option, Study, StudyResult
+from addin.workers.parallel_map import Cancelled, ParallelMap, map_until_cancelled
+from engine.case.case import Case
+from engine.case.study_inputs import StudyInputs
+from engine.errors import Problem
+from engine.numerics.sample_statistics import FEWEST_SAMPLES
+from engine.studies.scatter import scatter_problems
+from engine.studies.tolerances.sample import ToleranceSettings, evaluate, plan_tolerances, units_of
+from engine.studies.tolerances.tables import tolerance_details, tolerance_tables
+from engine.studies.tolerances.tolerances import Tolerances, summarise_sample
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.studies.scatter import scatter_problems
-
     return scatter_problems(case, inputs.scatter)
 
 
@@ -29,29 +27,18 @@ def _calculate(
     case: Case,
     inputs: StudyInputs,
     settings: Mapping[str, Any],
-    spread: Spread,
+    parallel_map: ParallelMap,
     on_stage: Callable[[str], None],
-) -> Found:
+) -> StudyResult:
     from itertools import accumulate
-
-    from addin.workers.parallel_map import Cancelled, as_far
-    from engine.numerics.sample_statistics import FEWEST_SAMPLES
-    from engine.studies.tolerances.sample import (
-        ToleranceSettings,
-        evaluate,
-        plan_tolerances,
-        units_of,
-    )
-    from engine.studies.tolerances.tables import tolerance_details, tolerance_tables
-    from engine.studies.tolerances.tolerances import summarise_sample
 
     on_stage("plain run")
     plan = plan_tolerances(case, inputs.scatter, ToleranceSettings(**settings))
     # the runs of one factor at a time first: without them a study that is cut short has no tornado
     units = sorted(units_of(plan), key=lambda unit: unit.first < plan.n_samples)
     runs = [0, *accumulate(len(unit.values) for unit in units)]
-    parts = as_far(
-        spread, evaluate, units, lambda n: on_stage(f"{runs[n]:,} of {plan.n_runs:,} trains")
+    parts = map_until_cancelled(
+        parallel_map, evaluate, units, lambda n: on_stage(f"{runs[n]:,} of {plan.n_runs:,} trains")
     )
     drawn = plan.n_samples - (plan.n_runs - runs[len(parts)])
     cut = None
@@ -63,7 +50,7 @@ def _calculate(
             )
         cut = CutShort(drawn, plan.n_samples, _cut_short(drawn, plan.n_samples))
     found = summarise_sample(plan, parts)
-    return Found(
+    return StudyResult(
         found,
         tolerance_tables(found),
         _sentence(found),
@@ -119,9 +106,31 @@ def _number(value: float) -> str:
     return "unlimited" if value == float("inf") else f"{float(f'{value:.3g}'):,g}"
 
 
+_HELP = """\
+Show what the scatter of the inputs makes of frequencies, margins, peaks and starts.
+
+Draws trains by table Scatter and calculates each: percentiles with their intervals, the
+probability that each margin is kept and that the starts suffice, and what drives the starts.
+
+Example: `torsionbook tolerances train.xlsx --samples 10000`"""
+
+
 #: The study of ``torsionbook tolerances``.
 TOLERANCES = Study(
     spec=TOLERANCES_SPEC,
     check=_check,
     calculate=_calculate,
-)
+    help=_HELP,
+    options=(
+        Option("samples", int, 1000, "How many trains are drawn.", least=30, most=1_000_000),
+        Option("seed", int, 1, "The same seed draws the same trains.", least=0),
+        Option(
+            "method", str, "lhs", "lhs (Latin hypercube) or sobol (a power of two).",
+            words=("lhs", "sobol"),
+        ),
+        Option(
+            "replan", bool, False,
+            "Plan anew where a torque reverses that does not in the plain run.",
+        ),
+    ),
+)  # fmt: skip

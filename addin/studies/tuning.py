@@ -1,23 +1,37 @@
-"""The tuning study: rows of sheet Tuning, combinations spread over processes, ranked results."""
+"""The tuning study: rows of sheet Tuning, combinations parallel_map over processes, ranked results."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 from addin.contract.studies.tuning import TUNING as TUNING_SPEC
 from addin.contract.study_spec import CUT_SHORT
-from addin.studies.study import CutShort, Found, Study
-
-if TYPE_CHECKING:
-    from addin.workers.parallel_map import Spread
-    from engine.case.case import Case
-    from engine.case.study_inputs import StudyInputs
-    from engine.errors import Problem
-    from engine.studies.tuning.evaluate import EvaluatedCombination
-    from engine.studies.tuning.options import Combination
-
-__all__ = ["SHOWN", "TUNING", "Batch"]
+from addin.reading.case_json import case_to_json
+from addin.studies.study import CutShort, Option, Study, StudyResult
+from addin.studies.tuning_tables import map_tables
+from addin.workers.parallel_map import Cancelled, ParallelMap, map_until_cancelled
+from addin.writing.results_json import table_rows
+from addin.xlsx.whole_files import write_json
+from engine.case.case import Case
+from engine.case.study_inputs import StudyInputs
+from engine.errors import Problem
+from engine.studies.tuning.checks import tuning_problems
+from engine.studies.tuning.combinations import plan_tuning
+from engine.studies.tuning.evaluate import EvaluatedCombination, calculate_combination
+from engine.studies.tuning.options import Combination
+from engine.studies.tuning.tuning import (
+    band_rows,
+    best_cases,
+    crossing_rows,
+    in_typed_units,
+    map_rows,
+    rank_combinations,
+    ranked_rows,
+    uncalculated_rows,
+)
 
 #: Combinations of one unit of work; one takes some 50 ms. [count]
 _TOGETHER = 10
@@ -29,8 +43,6 @@ Batch = tuple["Case", tuple["Combination", ...]]
 
 
 def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    from engine.studies.tuning.checks import tuning_problems
-
     return tuning_problems(case, inputs)
 
 
@@ -38,23 +50,9 @@ def _calculate(
     case: Case,
     inputs: StudyInputs,
     settings: Mapping[str, Any],
-    spread: Spread,
+    parallel_map: ParallelMap,
     tell: Callable[[str], None],
-) -> Found:
-    from addin.studies.tuning_tables import map_tables
-    from addin.workers.parallel_map import Cancelled, as_far
-    from addin.writing.results_json import table_rows
-    from engine.studies.tuning.combinations import plan_tuning
-    from engine.studies.tuning.tuning import (
-        band_rows,
-        crossing_rows,
-        in_typed_units,
-        map_rows,
-        rank_combinations,
-        ranked_rows,
-        uncalculated_rows,
-    )
-
+) -> StudyResult:
     plan = plan_tuning(case, inputs)
     every = plan.combinations
     batches: list[Batch] = [
@@ -64,7 +62,11 @@ def _calculate(
     def done(count: int) -> None:
         tell(f"{min(count * _TOGETHER, len(every)):,} of {len(every):,} combinations")
 
-    tried = [one for batch in as_far(spread, calculate_batch, batches, done) for one in batch]
+    tried = [
+        one
+        for batch in map_until_cancelled(parallel_map, calculate_batch, batches, done)
+        for one in batch
+    ]
     if not tried:
         raise Cancelled(why=f"None of {len(every):,} combinations was calculated.")
     result = rank_combinations(case, plan, tried)
@@ -75,7 +77,7 @@ def _calculate(
     shown = [row for place, row in enumerate(every_row) if place < SHOWN or row["as_is"]]
     cut = _cut_short(len(tried), len(every)) if missing else None
     in_si = result.sentence if cut is None else f"{cut.sentence} {result.sentence}"
-    return Found(
+    return StudyResult(
         (case, result),
         {
             "TuningResults": shown,
@@ -112,8 +114,6 @@ def calculate_batch(batch: Batch) -> list[EvaluatedCombination]:
     list of EvaluatedCombination
         In the same order. [SI]
     """
-    from engine.studies.tuning.evaluate import calculate_combination
-
     case, combinations = batch
     return [calculate_combination(case, one) for one in combinations]
 
@@ -165,4 +165,53 @@ def _without_blanks(row: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if value is not None}
 
 
-TUNING = Study(TUNING_SPEC, _check, _calculate)
+def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[str]:
+    """The best combinations and the unchanged case, each with its reason."""
+    for row in study.tables["TuningResults"]:
+        if "rank" in row and (row["rank"] <= options["top"] or row["as_is"]):
+            yield f"{row['rank']:>3}  {row['combination']}"
+            yield f"     {row['reason']}"
+    yield ""
+
+
+def _save(study: StudyResult, options: Mapping[str, Any], source: Path) -> Iterator[Path]:
+    """The best combinations as case JSON files."""
+    folder = options["cases"]
+    if folder is None:
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    case, tuning = study.result
+    for ranked, data in best_cases(case, tuning, options["top"]):
+        title = ": ".join(part for part in (data.title, ranked.combination) if part)
+        path = folder / f"{source.stem}.rank-{ranked.rank}.json"
+        write_json(path, case_to_json(replace(data, title=title)))
+        yield path
+
+
+_HELP = """\
+Try couplings and other quantities in every combination, and rank them with the reasons.
+
+What is tried stands on sheet Tuning of a workbook made with `torsionbook new --studies`, or in the
+tables tuning and catalogue of a case JSON. Each combination is a full start; results go to a new
+workbook, train.tune.xlsx."""
+
+
+TUNING = Study(
+    spec=TUNING_SPEC,
+    check=_check,
+    calculate=_calculate,
+    help=_HELP,
+    options=(
+        Option(
+            "top", int, 5, "How many of the best are listed and saved as cases.", least=1,
+            is_setting=False,
+        ),
+        Option(
+            "cases", Path, None,
+            "Save the best combinations as case JSON files, ready for recalc and new --from.",
+            metavar="FOLDER", is_setting=False,
+        ),
+    ),
+    terminal=_terminal,
+    save=_save,
+)  # fmt: skip

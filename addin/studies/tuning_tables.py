@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.contract.studies.tuning import LINES, MAP_MODES, MAP_ROWS
-
-if TYPE_CHECKING:
-    from engine.operation.margins import Band
-    from engine.studies.tuning.evaluate import EvaluatedCombination
-    from engine.studies.tuning.options import Option, Variable
-    from engine.studies.tuning.tuning import TuningResult
-
-__all__ = ["map_tables", "spread_out"]
+from engine.operation.margins import Band
+from engine.studies.tuning.evaluate import EvaluatedCombination
+from engine.studies.tuning.options import Option, Variable
+from engine.studies.tuning.tuning import TuningResult
 
 Row = dict[str, Any]
 

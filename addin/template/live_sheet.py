@@ -20,7 +20,7 @@ from addin.reading.typed_case import CaseInput, Entry, Typed
 from addin.template.charts import Place
 from addin.template.styles import Styles
 from addin.template.variants import Variant
-from addin.worksheet.functions import TABLES
+from addin.worksheet.functions.model import TABLES
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import call
 

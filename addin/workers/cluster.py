@@ -1,9 +1,7 @@
-"""The work of a batch on an existing Dask cluster.
+"""Tasks on an existing Dask cluster.
 
-The same tasks as on this machine, given to the cluster a few at a time. Files reach the workers by a
-folder that they share with this machine, or as bytes; results come back the same way, and only this
-machine records them and puts them in place. A worker that dies loses nothing: the cluster gives its
-tasks to others.
+The same tasks as on this machine, given to the cluster a few at a time. A worker that dies loses
+nothing: the cluster gives its tasks to others.
 """
 
 from __future__ import annotations
@@ -14,16 +12,11 @@ import threading
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
-from addin.batch.folder import digest_of, stamp_of
-from addin.batch.scheduler import Stopped
-from addin.batch.work import Calculated, Examine, Work, is_locked, refused
 from addin.workers.pool import LOOK, Crashed, Task, Workers
-
-__all__ = ["Cluster", "ClusterRefused", "shared"]
+from addin.workers.stop import Stopped
 
 #: How long the scheduler and a first worker are waited for. [s]
 PATIENCE = 20.0
@@ -35,6 +28,13 @@ class ClusterRefused(Exception):
     """The cluster cannot be used; the sentence says why."""
 
 
+@dataclass(frozen=True)
+class Answered:
+    """In place of what is sent for a task: its answer, known without any worker."""
+
+    answer: Any
+
+
 class Cluster(Workers):
     """Workers of a Dask cluster.
 
@@ -42,6 +42,8 @@ class Cluster(Workers):
     ----------
     address : str
         Of the scheduler, such as ``tcp://10.0.0.5:8786``. [address]
+    version : callable
+        The version of the program, as text; asked here and by each worker.
     patience : float
         How long it is waited for. [s]
     when_lost : str
@@ -58,8 +60,9 @@ class Cluster(Workers):
     def __init__(
         self,
         address: str,
+        version: Callable[[], str],
         patience: float = PATIENCE,
-        when_lost: str = "What was done is kept; run again with --resume.",
+        when_lost: str = "Nothing was written.",
     ) -> None:
         try:
             from distributed import Client
@@ -79,43 +82,28 @@ class Cluster(Workers):
             ) from wrong
         self.address = address
         self._when_lost = when_lost
-        #: Whether files go to the workers as bytes.
-        self.sends_bytes = False
         self._waiting: deque[Task] = deque()
         self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._running: dict[str, tuple[Task, Any]] = {}
-        self._check_versions()
+        self._check_versions(version)
 
-    def _check_versions(self) -> None:
-        from addin.contract.version import product_version
-
+    def _check_versions(self, version: Callable[[], str]) -> None:
         try:
-            found = self._client.run(_version)
+            versions = self._client.run(version)
         except Exception as wrong:  # raised there, of any kind
             self.close()
             raise ClusterRefused(
                 f"The workers of {self.address} cannot use torsionbook ({wrong}). Install it in their "
                 "Python."
             ) from wrong
-        other = {worker: one for worker, one in found.items() if one != product_version()}
+        other = {worker: one for worker, one in versions.items() if one != version()}
         if other:
             self.close()
             named = ", ".join(f"{worker} has {one}" for worker, one in other.items())
             raise ClusterRefused(
                 f"The workers of the cluster have another version of torsionbook: {named}; here it is "
-                f"{product_version()}. Install the same."
+                f"{version()}. Install the same."
             )
-
-    def shares(self, folder: Path, source: Path) -> bool:
-        """Whether every worker sees a folder and a file of this machine under the same paths."""
-        token = uuid.uuid4().hex
-        probe = folder / "probe"
-        probe.write_text(token, encoding="ascii")
-        try:
-            return all(self._client.run(shared, str(folder), token, str(source)).values())
-        finally:
-            for left in folder.glob("probe*"):
-                left.unlink(missing_ok=True)
 
     @property
     def threads(self) -> int:
@@ -144,15 +132,18 @@ class Cluster(Workers):
         """Give tasks to the cluster, as many as keep it busy; what needs no cluster is answered."""
         while self._waiting and len(self._running) < AHEAD * self.threads:
             task = self._waiting.popleft()
-            try:
-                payload = _loaded(task.payload) if self.sends_bytes else task.payload
-            except OSError as wrong:  # the file is not there, or somebody has it open
-                yield task, _not_sent(task, wrong)
+            payload = self.prepare(task)
+            if isinstance(payload, Answered):
+                yield task, payload.answer
                 continue
             key = f"torsionbook-{uuid.uuid4().hex}"
             future = self._client.submit(_alone, task.do, payload, key=key, pure=False)
             self._running[key] = (task, future)
             future.add_done_callback(lambda one: self._done.put(one.key))
+
+    def prepare(self, task: Task) -> Any:
+        """What is sent for a task; `Answered` where no worker is needed."""
+        return task.payload
 
     def _answer(self, future: Any) -> Any:
         from distributed import KilledWorker
@@ -183,35 +174,6 @@ class Cluster(Workers):
             self._client.close(timeout=5)
 
 
-def _loaded(payload: Any) -> Any:
-    """A task with its file as bytes."""
-    if not isinstance(payload, (Work, Examine)):
-        return payload
-    if isinstance(payload, Work):
-        locked = is_locked(payload)
-        if locked is not None:
-            raise _Locked(locked)
-    path = Path(payload.source)
-    stamp = replace(stamp_of(path), sha256=digest_of(path))
-    return replace(payload, content=path.read_bytes(), stamp=stamp)
-
-
-class _Locked(OSError):
-    """Somebody has the file or its result open."""
-
-    def __init__(self, cause: Exception) -> None:
-        super().__init__(str(cause))
-        self.cause = cause
-
-
-def _not_sent(task: Task, wrong: OSError) -> Any:
-    """The answer to a task whose file cannot be sent."""
-    cause = wrong.cause if isinstance(wrong, _Locked) else wrong
-    if isinstance(task.payload, Work):
-        return Calculated(refused(task.payload, cause))
-    return task.do(task.payload)
-
-
 # --- in the workers -------------------------------------------------------------------------------
 
 _ONE = threading.Lock()
@@ -221,23 +183,3 @@ def _alone(do: Callable[[Any], Any], payload: Any) -> Any:
     """A task; one at a time in a process, however many threads a worker has."""
     with _ONE:
         return do(payload)
-
-
-def _version() -> str:
-    from addin.contract.version import product_version
-
-    return product_version()
-
-
-def shared(folder: str, token: str, source: str) -> bool:
-    """Whether this worker sees the folder and the file, and may write there."""
-    place = Path(folder)
-    try:
-        if (place / "probe").read_text(encoding="ascii") != token:
-            return False
-        (place / f"probe-{uuid.uuid4().hex}").write_text(token, encoding="ascii")
-        with open(source, "rb") as file:
-            file.read(1)
-    except OSError:
-        return False
-    return True

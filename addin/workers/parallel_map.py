@@ -6,15 +6,15 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from addin.workers.pool import Crashed, Task, Workers
-
-__all__ = ["Cancelled", "Spread", "UnitLost", "alone", "as_far", "over_workers", "spread_over"]
+from addin.workers.cluster import Cluster
+from addin.workers.pool import Crashed, Pool, Task, Workers
+from addin.workers.stop import cores
 
 Payload = TypeVar("Payload")
 Answer = TypeVar("Answer")
 #: Does a function of a module with each payload; answers in the order of the payloads. The last
 #: argument is called with how many are done.
-Spread = Callable[
+ParallelMap = Callable[
     [Callable[[Any], Any], Sequence[Any], Callable[[int], None]],
     list[Any],
 ]
@@ -42,10 +42,10 @@ class UnitLost(Exception):
     """A process died twice with the same unit of work; the sentence says how."""
 
 
-def alone(stopped: Callable[[], bool] = lambda: False) -> Spread:
+def serial_map(stopped: Callable[[], bool] = lambda: False) -> ParallelMap:
     """Everything in this process."""
 
-    def spread(
+    def parallel_map(
         do: Callable[[Any], Any], payloads: Sequence[Any], done: Callable[[int], None]
     ) -> list[Any]:
         answers: list[Any] = []
@@ -57,13 +57,13 @@ def alone(stopped: Callable[[], bool] = lambda: False) -> Spread:
         done(len(payloads))
         return answers
 
-    return spread
+    return parallel_map
 
 
-def over_workers(workers: Workers, stopped: Callable[[], bool] = lambda: False) -> Spread:
+def pool_map(workers: Workers, stopped: Callable[[], bool] = lambda: False) -> ParallelMap:
     """Over processes of this machine or a cluster."""
 
-    def spread(
+    def parallel_map(
         do: Callable[[Any], Any], payloads: Sequence[Any], done: Callable[[int], None]
     ) -> list[Any]:
         answers: dict[int, Any] = {}
@@ -81,7 +81,7 @@ def over_workers(workers: Workers, stopped: Callable[[], bool] = lambda: False) 
             raise Cancelled(_first(answers))
         return [answers[number] for number in range(len(payloads))]
 
-    return spread
+    return parallel_map
 
 
 def _first(answers: dict[int, Any]) -> list[Any]:
@@ -94,15 +94,15 @@ def _first(answers: dict[int, Any]) -> list[Any]:
     return found
 
 
-def as_far(
-    spread: Spread,
+def map_until_cancelled(
+    parallel_map: ParallelMap,
     do: Callable[[Any], Any],
     payloads: Sequence[Any],
     done: Callable[[int], None],
 ) -> list[Any]:
-    """As `spread`, but after Ctrl-C the answers of the first payloads, as many as there are."""
+    """As `parallel_map`, but after Ctrl-C the answers of the first payloads, as many as there are."""
     try:
-        return spread(do, payloads, done)
+        return parallel_map(do, payloads, done)
     except Cancelled as cut:
         return cut.answers
 
@@ -114,9 +114,12 @@ def _add(workers: Workers, do: Callable[[Any], Any], waiting: Iterator[tuple[int
 
 
 @contextmanager
-def spread_over(
-    jobs: int | None, scheduler: str | None, stopped: Callable[[], bool]
-) -> Iterator[Spread]:
+def open_parallel_map(
+    jobs: int | None,
+    scheduler: str | None,
+    version: Callable[[], str],
+    stopped: Callable[[], bool],
+) -> Iterator[ParallelMap]:
     """The cluster of an address, or processes, or this process where one is asked for.
 
     Parameters
@@ -125,6 +128,8 @@ def spread_over(
         Processes; None = one a core, 1 = this one. [count]
     scheduler : str or None
         Address of a Dask cluster. [address]
+    version : callable
+        The version of the program, which the workers of a cluster must have too.
     stopped : callable
         Asked all the time.
 
@@ -133,21 +138,15 @@ def spread_over(
     addin.workers.cluster.ClusterRefused
         If the cluster cannot be used.
     """
-    from addin.batch.scheduler import cores
-
     if scheduler is None and (jobs or cores()) == 1:
-        yield alone(stopped)
+        yield serial_map(stopped)
         return
     workers: Workers
     if scheduler is not None:
-        from addin.workers.cluster import Cluster
-
-        workers = Cluster(scheduler, when_lost="Nothing was written.")
+        workers = Cluster(scheduler, version)
     else:
-        from addin.workers.pool import Pool
-
         workers = Pool(jobs or cores())
     try:
-        yield over_workers(workers, stopped)
+        yield pool_map(workers, stopped)
     finally:
         workers.close()

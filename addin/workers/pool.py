@@ -18,8 +18,6 @@ from typing import Any
 
 from addin.workers.processes import Process
 
-__all__ = ["Crashed", "Pool", "Task", "Workers"]
-
 #: How often it is looked whether the batch is to stop. [s]
 LOOK = 0.2
 #: How often a task is begun in all, when the processes that had it died. [count]

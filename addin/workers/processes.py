@@ -17,8 +17,6 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
-__all__ = ["LAST_WORDS", "Process", "most_resident"]
-
 #: How long a process that is told to end may take. [s]
 LAST_WORDS = 2.0
 #: How often a process whose program seems gone looks whether it is. [s]

@@ -41,8 +41,6 @@ from engine.case.case import Case
 from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem
 
-__all__ = ["case_of", "problems_in_words", "study_inputs_of"]
-
 #: A header is looked for in so many rows from the top: title, units, headers.
 HEADER_ROWS = 3
 #: Likeness from which a text beside a value is taken for a misspelt name, not for a note. [1]

@@ -30,8 +30,6 @@ from engine.case.case import Case
 from engine.case.data import ADMINISTRATIVE, case_digest
 from engine.errors import InternalError, ModelError
 
-__all__ = ["AT_SPEED", "MODELS", "Model", "Models", "OWNER", "RUN", "handed", "system_of"]
-
 #: Beginning of every handle, digits of the case's digest in it, and of the digest of all typed.
 PREFIX, DIGITS, OWN_DIGITS = "tv:", 16, 16
 #: Names of the results that need a start, and none.

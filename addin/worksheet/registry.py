@@ -321,8 +321,6 @@ def call(name: str, raw: Sequence[Any]) -> list[list[Value]]:
     FunctionError
         With the sentence for the user.
     """
-    from addin.worksheet import functions  # noqa: F401  (enters the functions)
-
     function = FUNCTIONS.get(name.upper())
     if function is None:
         raise FunctionError(f"There is no function {name[:60]}.", "#NAME?")

@@ -20,9 +20,10 @@ from addin.batch import work
 from addin.batch.folder import OWN, FolderRefused, OutFolder
 from addin.batch.inputs import find_inputs
 from addin.batch.records import Record
-from addin.batch.scheduler import Batch, Listener, Stop, Stopped
+from addin.batch.scheduler import Batch, Listener
 from addin.batch.summary import ERROR_COLUMNS, FILE_COLUMNS, guarded, write_summary
 from addin.workers.pool import Crashed
+from addin.workers.stop import Stop, Stopped
 from addin.writing.recalculate import recalculate
 
 #: Tables with times of this very run in them.
@@ -636,7 +637,7 @@ def test_that_the_first_calculation_compiles_is_said_once(few, tmp_path, monkeyp
         def note(self, sentence):
             said.append(sentence)
 
-    monkeypatch.setattr("engine.stepping.compiling.is_compiled", lambda function: False)
+    monkeypatch.setattr("addin.batch.work.is_compiled", lambda function: False)
     assert len(run(few, tmp_path / "out", listener=Told())) == 3
     assert len(said) == 1
     assert said[0].startswith("compiling the numerical routines")

@@ -14,10 +14,11 @@ import pandas as pd
 import pytest
 from batch_helpers import command, environment, make_train, spoil, torsionbook
 
+from addin.batch import cluster_files
+from addin.batch.cluster_files import FileCluster
 from addin.batch.folder import OWN
 from addin.batch.journal import read_journal
-from addin.workers import cluster
-from addin.workers.cluster import Cluster, ClusterRefused
+from addin.workers.cluster import ClusterRefused
 from addin.workers.pool import Crashed, Task
 from tests.dask_cluster import Dask, wait_until
 
@@ -30,8 +31,8 @@ def dask(tmp_path_factory) -> Iterator[Dask]:
 
 
 @contextmanager
-def joined(dask: Dask) -> Iterator[Cluster]:
-    work = Cluster(dask.address)
+def joined(dask: Dask) -> Iterator[FileCluster]:
+    work = FileCluster(dask.address)
     yield work
     work.close()
 
@@ -135,7 +136,7 @@ def test_a_folder_that_workers_do_not_see_is_found_out(dask, tmp_path, monkeypat
         assert work.shares(tmp_path, tmp_path / "a.xlsx")
         assert list(tmp_path.iterdir()) == [tmp_path / "a.xlsx"]
         assert not work.shares(tmp_path, tmp_path / "not there.xlsx")
-    assert not cluster.shared(str(tmp_path), "token", str(tmp_path / "a.xlsx"))
+    assert not cluster_files.shared(str(tmp_path), "token", str(tmp_path / "a.xlsx"))
 
 
 @pytest.mark.slow
@@ -156,7 +157,11 @@ def test_a_task_that_kills_every_worker_is_given_up_and_named(tmp_path):
 
 def test_no_scheduler_and_another_version_are_told(dask, tmp_path, monkeypatch):
     with pytest.raises(ClusterRefused, match="cannot be used, or has no worker"):
-        Cluster("tcp://127.0.0.1:9", patience=1.0)
-    monkeypatch.setattr("addin.contract.version.product_version", lambda: "99.0")
+        FileCluster("tcp://127.0.0.1:9", patience=1.0)
+    here = os.getpid()
+    monkeypatch.setattr(
+        "addin.batch.cluster_files.product_version",
+        lambda: "99.0" if os.getpid() == here else "0.1.0",
+    )
     with pytest.raises(ClusterRefused, match=r"has 0\.\d.*here it is 99\.0"):
-        Cluster(dask.address)
+        FileCluster(dask.address)

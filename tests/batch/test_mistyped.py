@@ -10,9 +10,8 @@ from typer.testing import CliRunner
 
 from addin.batch.folder import OWN
 from addin.batch.inputs import Input, InputsRefused, check_places, find_inputs
-from addin.batch.json_file import holds_results, is_result_json
+from addin.batch.own_files import holds_results, is_result_json, is_summary, is_summary_csv
 from addin.batch.summary import write_summary
-from addin.batch.summary_file import is_summary, is_summary_csv
 from addin.cli.app import app
 
 RUN = CliRunner()

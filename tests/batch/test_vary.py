@@ -16,13 +16,15 @@ import pyarrow.parquet as pq
 import pytest
 from batch_helpers import Here, command, environment, make_train, torsionbook
 
-from addin.batch import vary
+from addin.batch import vary, vary_rows
 from addin.batch.folder import OWN, OutFolder
 from addin.batch.own_files import is_result, is_result_csv
-from addin.batch.scheduler import Listener, Stop
-from addin.batch.vary import Programme, TableRefused, run_programme
+from addin.batch.scheduler import Listener
+from addin.batch.vary import Programme, ProgrammeSettings, run_programme
+from addin.batch.vary_columns import TableRefused
 from addin.reading.workbook import read_workbook
 from addin.workers.pool import Crashed
+from addin.workers.stop import Stop
 from addin.writing.recalculate import recalculate
 
 #: Two discs and a shaft: f = √(k (1/J1 + 1/J2)) / 2π.
@@ -61,7 +63,7 @@ def run(
             table,
             folder,
             workers or Here(),
-            resume=resume,
+            ProgrammeSettings(resume),
             stop=Stop(),
             listener=Listener(),
         )
@@ -350,8 +352,8 @@ def test_resume_calculates_only_chunks_that_are_missing(base, tmp_path, monkeypa
     _, first = run(base, table, out)
     (out / OWN / "vary" / "0000002.parquet").unlink()
     calls = []
-    real = vary._answers
-    monkeypatch.setattr(vary, "_answers", lambda case: calls.append(1) or real(case))
+    real = vary_rows._answers
+    monkeypatch.setattr(vary_rows, "_answers", lambda case: calls.append(1) or real(case))
     done, second = run(base, table, out, resume=True)
     assert len(calls) == vary.ROWS
     assert done.kept == 230 - vary.ROWS
@@ -374,8 +376,8 @@ def test_resume_refuses_another_programme(base, tmp_path, changed):
 
 def test_equal_rows_of_a_chunk_are_calculated_once(base, tmp_path, monkeypatch):
     calls = []
-    real = vary._answers
-    monkeypatch.setattr(vary, "_answers", lambda case: calls.append(1) or real(case))
+    real = vary_rows._answers
+    monkeypatch.setattr(vary_rows, "_answers", lambda case: calls.append(1) or real(case))
     table = csv(tmp_path, "DampingRatio", "0.01", "0.02", "0.01", "1 %")
     _, rows = run(base, table, tmp_path / "out")
     assert len(calls) == 2

@@ -12,7 +12,7 @@ from sheet_ranges import CATALOGUE, SCATTER, TUNING, model_arguments
 from xls_cells import read_cells
 
 from addin.libreoffice.names import programmatic_name
-from addin.worksheet.functions import TABLES
+from addin.worksheet.functions.model import TABLES
 from addin.worksheet.registry import FUNCTIONS, FunctionError, call
 
 pytestmark = pytest.mark.needs_libreoffice

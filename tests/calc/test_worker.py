@@ -66,7 +66,7 @@ def test_a_fault_of_ours_is_told_without_its_trace(monkeypatch, capsys):
     def broken(name, raw):
         raise ZeroDivisionError("secret")
 
-    monkeypatch.setattr("addin.worksheet.registry.call", broken)
+    monkeypatch.setattr("addin.libreoffice.worker.call", broken)
     (answer,) = asked(call_of("TV_CONVERT", 2.0, "m", "mm"))
     assert "ZeroDivisionError" in answer["error"]
     assert "secret" not in answer["error"]
@@ -103,9 +103,9 @@ def test_the_process_speaks_doubles_and_ends_with_its_input():
 
 def test_what_the_process_prints_does_not_spoil_its_answers():
     script = (
-        "from addin.libreoffice import worker\nfrom addin.worksheet import registry\nimport os\n"
+        "from addin.libreoffice import worker\nimport os\n"
         "def noisy(name, raw):\n    print('noise'); os.write(1, b'noise'); return [[1.0]]\n"
-        "registry.call = noisy\nworker.main()"
+        "worker.call = noisy\nworker.main()"
     )
     done = subprocess.run(
         [sys.executable, "-c", script],

@@ -4,17 +4,17 @@ import importlib
 import subprocess
 import sys
 
-import click
 import pytest
 import typer
 from typer.testing import CliRunner
 
 from addin.cli.app import COMMANDS, app
+from addin.studies.registry import found_studies
 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_table_says_what_the_command_says_of_itself(name):
-    command = typer.main.get_command(app).get_command(click.Context(click.Command("x")), name)
+    command = typer.main.get_command(app).get_command(None, name)
     assert command.name == name
     own_help = " ".join((command.help or "").split("\n\n")[0].split())
     assert COMMANDS[name].help == own_help
@@ -46,3 +46,12 @@ def test_a_mistyped_command_is_answered_with_the_nearest():
     done = CliRunner().invoke(app, ["recalk", "train.xlsx"])
     assert done.exit_code == 2
     assert "No such command 'recalk'. Did you mean 'recalc'" in done.output
+
+
+@pytest.mark.parametrize("study", found_studies(), ids=lambda study: study.command)
+def test_a_study_has_the_options_of_its_record(study):
+    command = typer.main.get_command(app).get_command(None, study.command)
+    options = {parameter.name for parameter in command.params}
+    assert options >= {"file", "out", "in_place", "json", "ignore_lock"}
+    assert options >= {option.name for option in study.options}
+    assert ("jobs" in options) is not study.measures_time

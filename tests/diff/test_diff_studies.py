@@ -19,9 +19,9 @@ from addin.diff.studies import _plain
 from addin.diff.wording import as_json
 from addin.reading.case_json import case_to_json
 from addin.reference.json_schemas import diff_schema
-from addin.studies.study import study_one
+from addin.studies.run_study import StudyFiles, study_one
 from addin.studies.tuning import TUNING
-from addin.workers.parallel_map import alone
+from addin.workers.parallel_map import serial_map
 from addin.xlsx import open_workbook
 from addin.xlsx.references import cell_name
 from tests.sample_case import sample_case
@@ -118,11 +118,15 @@ def test_a_study_that_was_cut_short_is_named_beside_a_whole_one(tmp_path: Path) 
     whole = Path(shutil.copy2(part, tmp_path / "whole.xlsx"))
     assert (
         study_one(
-            TUNING, part, alone(iter([False, True, True]).__next__), {}, in_place=True
+            TUNING,
+            part,
+            serial_map(iter([False, True, True]).__next__),
+            {},
+            StudyFiles(in_place=True),
         ).problems
         == ()
     )
-    assert study_one(TUNING, whole, alone(), {}, in_place=True).problems == ()
+    assert study_one(TUNING, whole, serial_map(), {}, StudyFiles(in_place=True)).problems == ()
     (note,) = compare_files(part, whole).studies.notes
     assert note.startswith("Sheet Tuning results in A holds the part of a study that Ctrl-C left")
     assert compare_files(whole, whole).studies.notes == ()

@@ -15,7 +15,6 @@ from windows_layer import ERRORS, MISSING
 
 from addin.excel.signatures import MOST_HELP, RESERVED, excel_functions
 from addin.excel.vba import XLWINGS_VERSION
-from addin.worksheet import functions as _entered  # noqa: F401
 from addin.worksheet.registry import CATEGORY, FUNCTIONS, call
 
 

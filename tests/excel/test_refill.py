@@ -196,7 +196,7 @@ def test_histories_are_kept_beside_the_workbook(tmp_path, kept):
 def test_the_macro_hands_over_the_workbook_that_called(excel, monkeypatch):
     seen = []
     monkeypatch.setattr(excel.xlwings.Book, "caller", lambda: "the workbook")
-    monkeypatch.setattr(module, "refill", seen.append)
+    monkeypatch.setattr(excel.module, "refill", seen.append)
     excel.module.recalculate()
     assert seen == ["the workbook"]
 

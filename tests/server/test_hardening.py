@@ -25,9 +25,10 @@ from addin.reading.workbook import read_workbook
 from addin.server import calls as server_calls
 from addin.server import processes as server_work
 from addin.server import stream as server_stream
+from addin.server.answers import Refused
+from addin.server.bodies import parsed, read_body
 from addin.server.calls import Call, Calls
 from addin.server.processes import Busy, Work
-from addin.server.requests import Refused, parsed, read_body
 from addin.server.running_starts import Starts
 from addin.server.settings import Limits, Settings, SettingsError, check_certificate
 from addin.server.stream import Stream
@@ -405,7 +406,7 @@ def test_a_call_that_was_never_begun_is_told_that_it_waited(monkeypatch):
 
 def test_large_trains_are_calculated_in_the_pool(client, monkeypatch):
     monkeypatch.setattr(server_calls, "LARGE_TRAIN", 5)
-    monkeypatch.setattr("addin.worksheet.functions.speed_results", None)  # would raise
+    monkeypatch.setattr("addin.worksheet.answers.speed_results", None)  # would raise
     sent = submitted(monkeypatch)
     arguments = model_arguments("example_backlash")
     arguments[0] = [*arguments[0]]

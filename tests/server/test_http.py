@@ -154,7 +154,7 @@ def test_what_is_wrong_with_a_train_is_told_by_the_pool_as_well(client):
 
 
 def _named(arguments):
-    from addin.worksheet.functions import TABLES
+    from addin.worksheet.functions.model import TABLES
 
     return zip([*TABLES[:2], "Case", *TABLES[2:]], arguments, strict=True)
 

@@ -11,8 +11,8 @@ from websockets.sync.client import connect
 from addin.reading.case_json import case_to_json
 from addin.reference.json_schemas import study_schema
 from addin.studies.registry import every_study
-from addin.studies.study import study_one
-from addin.workers.parallel_map import alone
+from addin.studies.run_study import StudyFiles, study_one
+from addin.workers.parallel_map import serial_map
 from tests.sample_case import sample_case
 
 TABLES = {
@@ -58,7 +58,7 @@ def test_a_study_is_that_of_the_command_line(server, tmp_path, command, settings
     assert any(any(c.isdigit() for c in one["stage"]) for one in stages) or command == "calibrate"
     study, source = STUDIES[command], tmp_path / "case.json"
     source.write_text(json.dumps(CASE), encoding="utf-8")
-    study_one(study, source, alone(), settings, json_file=tmp_path / "study.json")
+    study_one(study, source, serial_map(), settings, StudyFiles(json_file=tmp_path / "study.json"))
     assert last["value"] == json.loads((tmp_path / "study.json").read_text(encoding="utf-8"))
     jsonschema.validate(last["value"], study_schema(study.spec))
 

@@ -22,12 +22,13 @@ from addin.cli.app import app
 from addin.reading.case_json import case_to_json
 from addin.reference.json_schemas import study_schema
 from addin.studies.calibration import CALIBRATION
+from addin.studies.run_study import StudyFiles, StudyOutcome, study_one
 from addin.studies.sensitivities import SENSITIVITIES
 from addin.studies.starts import STARTS
-from addin.studies.study import Studied, Study, study_one
+from addin.studies.study import Study
 from addin.studies.tolerances import TOLERANCES
 from addin.studies.tuning import TUNING
-from addin.workers.parallel_map import Cancelled, alone, as_far, over_workers
+from addin.workers.parallel_map import Cancelled, map_until_cancelled, pool_map, serial_map
 from tests.batch.batch_helpers import Here
 from tests.dask_cluster import ROOT
 from tests.sample_case import sample_case
@@ -61,10 +62,16 @@ def workbook(folder: Path, case: Any, **tables: Any) -> Path:
 
 
 def studied(
-    study: Study, source: Path, units: int, settings: dict[str, Any], **more: Any
-) -> tuple[Studied, dict[str, Any]]:
+    study: Study, source: Path, units: int, settings: dict[str, Any], *, in_place: bool = False
+) -> tuple[StudyOutcome, dict[str, Any]]:
     place = source.with_name("part.json")
-    done = study_one(study, source, alone(after(units)), settings, json_file=place, **more)
+    done = study_one(
+        study,
+        source,
+        serial_map(after(units)),
+        settings,
+        StudyFiles(json_file=place, in_place=in_place),
+    )
     assert done.problems == ()
     found = json.loads(place.read_text(encoding="utf-8"))
     jsonschema.validate(found, study_schema(study.spec))
@@ -126,7 +133,7 @@ def test_a_part_holds_the_numbers_of_the_whole(tmp_path: Path) -> None:
 def test_too_few_samples_are_no_result(tmp_path: Path) -> None:
     source = written(tmp_path, sample_case("proposed"), scatter=SCATTER)
     with pytest.raises(Cancelled) as ended:
-        study_one(TOLERANCES, source, alone(after(1)), SAMPLED)
+        study_one(TOLERANCES, source, serial_map(after(1)), SAMPLED)
     assert ended.value.why == "0 of 200 samples were calculated; fewer than 30 bound no P10."
     assert sorted(p.name for p in tmp_path.iterdir()) == ["case.json"]
 
@@ -153,7 +160,7 @@ def test_combinations_that_were_not_reached_are_named(tmp_path: Path) -> None:
     assert [row["Rank"] for row in shown] == [*range(1, 11), *[None] * 11]
     assert all("Not calculated" in str(row["Reason"]) for row in shown[10:])
     assert said_in(source, "tuning_Sentence").startswith("Cut short by Ctrl-C")
-    assert done.found is not None
+    assert done.result is not None
 
 
 def test_kinds_of_start_that_were_not_reached_are_named(tmp_path: Path) -> None:
@@ -185,7 +192,7 @@ def test_kinds_of_start_that_were_not_reached_are_named(tmp_path: Path) -> None:
 def test_of_nothing_nothing_is_written(study: Study, tables: Any, tmp_path: Path) -> None:
     source = written(tmp_path, sample_case("proposed"), **tables)
     with pytest.raises(Cancelled):
-        study_one(study, source, alone(lambda: True), {})
+        study_one(study, source, serial_map(lambda: True), {})
     assert sorted(p.name for p in tmp_path.iterdir()) == ["case.json"]
 
 
@@ -217,8 +224,8 @@ def test_only_answers_before_the_first_that_is_missing_count(
     answered: int, told: Sequence[int]
 ) -> None:
     """Else what is quickly calculated would be told more often than what takes its time."""
-    spread = over_workers(OutOfOrder(), after(answered))
-    assert as_far(spread, double, range(10), lambda n: None) == told
+    spread = pool_map(OutOfOrder(), after(answered))
+    assert map_until_cancelled(spread, double, range(10), lambda n: None) == told
 
 
 class Watched:

@@ -15,10 +15,10 @@ from addin.contract.shipped import template_path
 from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
 from addin.recorded.provenance import is_own_of_each_run
 from addin.studies.accuracy import ACCURACY
-from addin.studies.study import study_one
+from addin.studies.run_study import StudyFiles, study_one
 from addin.verify.file import verify_file
 from addin.verify.findings import Agreement, Finding, Verification
-from addin.workers.parallel_map import alone
+from addin.workers.parallel_map import serial_map
 from addin.writing.recalculate import recalculate
 from addin.xlsx import Formula, Workbook, open_workbook
 from addin.xlsx.references import cell_name
@@ -368,8 +368,8 @@ def test_wrong_inputs_are_listed_and_nothing_is_judged(edited):
 @pytest.mark.slow
 def test_an_accuracy_study_stays_and_is_held_against_its_inputs(train, tmp_path):
     studied = tmp_path / "studied.xlsx"
-    done = study_one(ACCURACY, train, alone(), {"rounds": 1}, destination=studied)
-    assert done.found is not None
+    done = study_one(ACCURACY, train, serial_map(), {"quick": True}, StudyFiles(studied))
+    assert done.result is not None
     assert verify_file(studied).passes
     workbook = open_workbook(studied)
     workbook.set_name("run_AccuracyInputs", "Study of the inputs with SHA-256 0123456789ab…")

@@ -2,11 +2,14 @@
 
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import openpyxl
 from openpyxl.utils import range_boundaries
 
-from addin.worksheet.functions import TABLES
+from addin.worksheet import answers
+from addin.worksheet.functions import model
+from addin.worksheet.functions.model import TABLES
 
 TEMPLATES = Path(__file__).resolve().parents[2] / "templates"
 #: Function → result table of the workbook with the same cells.
@@ -58,3 +61,9 @@ def model_arguments(name="example_proposed"):
     ]
     rest = [table(book, one) for one in TABLES[2:]]
     return [table(book, "Stations"), table(book, "Elements"), case, *rest]
+
+
+def replace_models(monkeypatch: Any, models: Any) -> None:
+    """Let the functions keep their cases in another store."""
+    for module in (answers, model):
+        monkeypatch.setattr(module, "MODELS", models)

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sheet_ranges import TEMPLATES, model_arguments
+from sheet_ranges import TEMPLATES, model_arguments, replace_models
 
 from addin.reading.workbook import read_workbook
-from addin.worksheet import functions
-from addin.worksheet.models import OWNER, _size
+from addin.worksheet import answers
+from addin.worksheet.models import MODELS, OWNER, _size
 from addin.worksheet.registry import FunctionError, call, rows_of
 from addin.xlsx.values import ErrorValue
 
@@ -25,15 +25,15 @@ def titled(title, name="example_proposed"):
 
 
 def test_a_model_has_the_title_of_whoever_made_it_and_shares_the_numbers(monkeypatch):
-    models = functions.MODELS.__class__()
-    monkeypatch.setattr(functions, "MODELS", models)
+    models = MODELS.__class__()
+    replace_models(monkeypatch, models)
     one, other, again = (
         models.of(call("TV_MODEL", titled(title))[0][0]) for title in ("Ours", "Theirs", "Ours")
     )
     assert [one.case.title, other.case.title] == ["Ours", "Theirs"]
     assert again is one
     rows = call("TV_FREQUENCIES", [one.handle])
-    monkeypatch.setattr(functions, "speed_results", None)  # would raise
+    monkeypatch.setattr(answers, "speed_results", None)  # would raise
     assert call("TV_FREQUENCIES", [other.handle]) == rows
 
 
@@ -41,14 +41,14 @@ def test_cases_that_differ_in_the_last_digit_do_not_share_numbers():
     other = copy.deepcopy(model_arguments())
     row = other[0][2]
     row[2] = math.nextafter(row[2], math.inf)
-    one, two = (functions.MODELS.of(call("TV_MODEL", a)[0][0]) for a in (model_arguments(), other))
+    one, two = (MODELS.of(call("TV_MODEL", a)[0][0]) for a in (model_arguments(), other))
     assert one.handle.split(".")[0] == two.handle.split(".")[0]  # the digest of the audit trail
     assert one.handle != two.handle
     assert one.kept is not two.kept
 
 
 def test_each_client_has_its_share_of_the_cases():
-    models = functions.MODELS.__class__(most_cases=4)
+    models = MODELS.__class__(most_cases=4)
     case, system = read_workbook(TEMPLATES / "example_proposed.xlsx").case(), "US"
 
     def add(owner, number):
@@ -68,8 +68,8 @@ def test_each_client_has_its_share_of_the_cases():
 
 def test_cases_are_bounded_by_their_memory():
     case = read_workbook(TEMPLATES / "example_proposed.xlsx").case()
-    size = functions.MODELS.__class__().add_case(case, "US").size
-    models = functions.MODELS.__class__(most_case_memory=3 * size + 100)
+    size = MODELS.__class__().add_case(case, "US").size
+    models = MODELS.__class__(most_case_memory=3 * size + 100)
     handles = [models.add_case(replace(case, title=str(k)), "US").handle for k in range(5)]
     assert [h in models._models for h in handles] == [False, False, True, True, True]
 

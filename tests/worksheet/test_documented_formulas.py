@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from sheet_ranges import model_arguments, workbook
 
-from addin.worksheet import studies
+from addin.worksheet.functions import studies
 from addin.worksheet.registry import FUNCTIONS, call
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -9,11 +9,11 @@ import re
 
 import openpyxl
 import pytest
-from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, table
+from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, replace_models, table
 
 from addin.reading.workbook import read_workbook
-from addin.worksheet import functions
-from addin.worksheet.functions import TABLES
+from addin.worksheet.functions.model import TABLES
+from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FUNCTIONS, FunctionError, call
 from addin.writing.recalculate import recalculate
 from engine.case.data import case_digest
@@ -438,8 +438,8 @@ def test_a_start_is_calculated_once_for_every_cell(handle, monkeypatch):
 
 
 def test_results_are_dropped_and_calculated_again_when_memory_is_short(monkeypatch):
-    models = functions.MODELS.__class__(most_cases=3, most_memory=1)
-    monkeypatch.setattr(functions, "MODELS", models)
+    models = MODELS.__class__(most_cases=3, most_memory=1)
+    replace_models(monkeypatch, models)
     first = call("TV_MODEL", model_arguments())[0][0]
     second = call("TV_MODEL", model_arguments("example_modified"))[0][0]
     rows = call("TV_FREQUENCIES", [first])
@@ -453,8 +453,8 @@ def test_results_are_dropped_and_calculated_again_when_memory_is_short(monkeypat
 
 
 def test_only_so_many_cases_are_remembered(monkeypatch):
-    models = functions.MODELS.__class__(most_cases=2)
-    monkeypatch.setattr(functions, "MODELS", models)
+    models = MODELS.__class__(most_cases=2)
+    replace_models(monkeypatch, models)
     names = ("example_proposed", "example_modified", "example_backlash")
     handles = [call("TV_MODEL", model_arguments(name))[0][0] for name in names]
     assert refused("TV_FREQUENCIES", handles[0]).code == "#N/A"

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from addin.cli.app import app
 from addin.contract.tables import json_key
-from addin.worksheet import studies
+from addin.worksheet.functions import studies
 from addin.worksheet.registry import FunctionError, call
 
 

@@ -12,24 +12,48 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from addin.contract.tables import Field, TableSpec, result_table
-from addin.worksheet.blocks import study_inputs_of
-from addin.worksheet.functions import (
+from addin.worksheet.answers import (
     HEADERS,
     MODEL,
     UNITS,
     Rows,
-    _one_of,
-    _run,
-    _si,
-    _system,
+    name_in_case,
+    run_of,
+    si_unit,
+    system_for,
     table_cells,
 )
+from addin.worksheet.blocks import study_inputs_of
 from addin.worksheet.models import MODELS, Model
 from addin.worksheet.registry import Argument, Block, FunctionError, registered
 from engine.case.study_inputs import DAMPING, DIAMETER, INERTIA, STIFFNESS, DisplayUnit, StudyInputs
 from engine.errors import ModelError, Problem
+from engine.studies.sensitivities.differences import differences
+from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
+from engine.studies.sensitivities.sensitivities import gather_derivatives
+from engine.studies.sensitivities.tables import derivative_rows, frequency_rows
+from engine.studies.sensitivities.tangent import tangent_of
+from engine.studies.tolerances.sample import (
+    ToleranceSettings,
+    evaluate,
+    plan_tolerances,
+    tolerance_problems,
+    units_of,
+)
+from engine.studies.tolerances.tables import tolerance_tables
+from engine.studies.tolerances.tolerances import summarise_sample
+from engine.studies.tuning.checks import tuning_problems
+from engine.studies.tuning.combinations import plan_tuning
+from engine.studies.tuning.evaluate import calculate_combination
+from engine.studies.tuning.tuning import (
+    TuningResult,
+    in_typed_units,
+    rank_combinations,
+    ranked_rows,
+)
 
-__all__ = ["MOST_COMBINATIONS", "MOST_SAMPLES", "TIME_LIMIT"]
+#: Place of these functions among all, in lists and in the documentation.
+ORDER = 100
 
 #: Combinations and samples that a cell calculates. [count]
 MOST_COMBINATIONS, MOST_SAMPLES = 100, 500
@@ -119,7 +143,7 @@ def _usual_units(system: str) -> dict[tuple[str, str], DisplayUnit]:
         (STIFFNESS, "torsional stiffness"), (DAMPING, "torsional damping"), (INERTIA, "inertia"),
         (DIAMETER, "length"), ("stress", "pressure"), ("torque", "torque"),
     ):  # fmt: skip
-        unit, size = _si(dimension, system)
+        unit, size = si_unit(dimension, system)
         found["", quantity] = DisplayUnit(unit.replace("*", " ").replace("^2", "²"), size)
     return found
 
@@ -147,16 +171,6 @@ def tv_tune(
     At most 100 combinations and 30 s: beyond that `torsionbook tune` does it. Order, numbers and words
     are those of the command and of sheet Tuning results, which has more columns, maps and crossings.
     """
-    from engine.studies.tuning.checks import tuning_problems
-    from engine.studies.tuning.combinations import plan_tuning
-    from engine.studies.tuning.evaluate import calculate_combination
-    from engine.studies.tuning.tuning import (
-        TuningResult,
-        in_typed_units,
-        rank_combinations,
-        ranked_rows,
-    )
-
     found = MODELS.of(model)
     inputs = _read(found, {"Tuning": tuning, "Catalogue": catalogue})
     _refuse(tuning_problems(found.case, inputs))
@@ -175,11 +189,11 @@ def tv_tune(
         return rank_combinations(found.case, plan, tried)
 
     result = _kept(found, f"tune {plan.study_digest}", calculate)
-    words = {**_usual_units(_system(units, found)), **inputs.units}
+    words = {**_usual_units(system_for(units, found)), **inputs.units}
     rows = ranked_rows(in_typed_units(found.case, result, words))
     spec = result_table("TuningResults")
     columns = [spec.column(name) for name in TUNED_COLUMNS]
-    return table_cells(spec, rows, _system(units, found), headers, columns)
+    return table_cells(spec, rows, system_for(units, found), headers, columns)
 
 
 @registered(
@@ -220,18 +234,8 @@ def tv_tolerances(
     A Latin hypercube of at most 500 samples, in at most 30 s: `torsionbook tolerances` takes any
     number, and says whether they were enough. The same samples and seed give the same numbers there.
     """
-    from engine.studies.tolerances.sample import (
-        ToleranceSettings,
-        evaluate,
-        plan_tolerances,
-        tolerance_problems,
-        units_of,
-    )
-    from engine.studies.tolerances.tables import tolerance_tables
-    from engine.studies.tolerances.tolerances import summarise_sample
-
-    asked = _one_of("Quantity", quantity or "starts", list(ANSWERS))
-    found, plain = _run(model)
+    asked = name_in_case("Quantity", quantity or "starts", list(ANSWERS))
+    found, plain = run_of(model)
     if samples is not None and samples > MOST_SAMPLES:
         raise FunctionError(
             f"Samples: found {samples:,}; a cell calculates {MOST_SAMPLES} at the most. For more run: "
@@ -253,7 +257,7 @@ def tv_tolerances(
     if not rows:
         raise FunctionError(f"The case has no {asked}: nothing of it scatters.", "#N/A")
     spec = result_table(ANSWERS[asked])
-    return table_cells(spec, rows, _system(units, found), headers)
+    return table_cells(spec, rows, system_for(units, found), headers)
 
 
 @registered(
@@ -272,14 +276,8 @@ def tv_sensitivities(model: str, of: str | None, units: str | None, headers: boo
     Frequencies: the relative change over that of the quantity, ± half its share of the energy. Start:
     what + 1 % of each quantity does, by the derivative and in runs at ± 1 %, in at most 30 s.
     """
-    from engine.studies.sensitivities.differences import differences
-    from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
-    from engine.studies.sensitivities.sensitivities import gather_derivatives
-    from engine.studies.sensitivities.tables import derivative_rows, frequency_rows
-    from engine.studies.sensitivities.tangent import tangent_of
-
-    asked = _one_of("Of", of or "frequencies", list(FOLLOWING))
-    found, plain = _run(model)
+    asked = name_in_case("Of", of or "frequencies", list(FOLLOWING))
+    found, plain = run_of(model)
 
     def calculate() -> list[dict[str, Any]]:
         clock = _Clock("sensitivities")
@@ -293,7 +291,7 @@ def tv_sensitivities(model: str, of: str | None, units: str | None, headers: boo
     spec = result_table(FOLLOWING[asked])
     if not rows:
         raise FunctionError("Nothing can be told: the case has no start with a peak.", "#N/A")
-    return table_cells(spec, rows, _system(units, found), headers, _columns_of(spec, rows))
+    return table_cells(spec, rows, system_for(units, found), headers, _columns_of(spec, rows))
 
 
 def _columns_of(spec: TableSpec, rows: Sequence[Mapping[str, Any]]) -> list[Field]:

@@ -1,0 +1,99 @@
+"""How the files of a batch reach a cluster: by a folder that it shares with this machine, or as bytes.
+
+Results come back the same way, and only this machine records them and puts them in place.
+"""
+
+from __future__ import annotations
+
+import uuid
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from addin.batch.folder import digest_of, stamp_of
+from addin.batch.work import Calculated, Examine, Work, is_locked, refused
+from addin.contract.version import product_version
+from addin.workers.cluster import PATIENCE, Answered, Cluster
+from addin.workers.pool import Task
+
+
+class FileCluster(Cluster):
+    """A Dask cluster that calculates files; they reach it by a shared folder or as bytes.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler. [address]
+    patience : float
+        How long it is waited for. [s]
+    """
+
+    def __init__(self, address: str, patience: float = PATIENCE) -> None:
+        super().__init__(
+            address, product_version, patience, "What was done is kept; run again with --resume."
+        )
+        #: Whether files go to the workers as bytes.
+        self.sends_bytes = False
+
+    def shares(self, folder: Path, source: Path) -> bool:
+        """Whether every worker sees a folder and a file of this machine under the same paths."""
+        token = uuid.uuid4().hex
+        probe = folder / "probe"
+        probe.write_text(token, encoding="ascii")
+        try:
+            return all(self._client.run(shared, str(folder), token, str(source)).values())
+        finally:
+            for left in folder.glob("probe*"):
+                left.unlink(missing_ok=True)
+
+    def prepare(self, task: Task) -> Any:
+        """What is sent for a task; `Answered` where its file is not there or somebody has it open."""
+        if not self.sends_bytes:
+            return task.payload
+        try:
+            return _loaded(task.payload)
+        except OSError as wrong:
+            return Answered(_not_sent(task, wrong))
+
+
+def _loaded(payload: Any) -> Any:
+    """A task with its file as bytes."""
+    if not isinstance(payload, (Work, Examine)):
+        return payload
+    if isinstance(payload, Work):
+        locked = is_locked(payload)
+        if locked is not None:
+            raise _Locked(locked)
+    path = Path(payload.source)
+    stamp = replace(stamp_of(path), sha256=digest_of(path))
+    return replace(payload, content=path.read_bytes(), stamp=stamp)
+
+
+class _Locked(OSError):
+    """Somebody has the file or its result open."""
+
+    def __init__(self, cause: Exception) -> None:
+        super().__init__(str(cause))
+        self.cause = cause
+
+
+def _not_sent(task: Task, wrong: OSError) -> Any:
+    """The answer to a task whose file cannot be sent."""
+    cause = wrong.cause if isinstance(wrong, _Locked) else wrong
+    if isinstance(task.payload, Work):
+        return Calculated(refused(task.payload, cause))
+    return task.do(task.payload)
+
+
+def shared(folder: str, token: str, source: str) -> bool:
+    """Whether this worker sees the folder and the file, and may write there."""
+    place = Path(folder)
+    try:
+        if (place / "probe").read_text(encoding="ascii") != token:
+            return False
+        (place / f"probe-{uuid.uuid4().hex}").write_text(token, encoding="ascii")
+        with open(source, "rb") as file:
+            file.read(1)
+    except OSError:
+        return False
+    return True

@@ -1,0 +1,235 @@
+"""Rows of a programme: values put into the base case, calculated, and told as one line of results. Runs in any process."""
+
+from __future__ import annotations
+
+import pickle
+import re
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from addin.batch.records import (
+    DONE,
+    FAULT,
+    WRONG_INPUT,
+)
+from addin.batch.vary_columns import Varied
+from addin.calculation.key_figures import key_figures
+from addin.contract.problems import shortened
+from addin.contract.tables import SCALAR_TABLE
+from addin.contract.units import UnitScale
+from addin.reading.case_json import typed_value
+from addin.reading.typed_case import (
+    Findings,
+    Typed,
+    TypedCase,
+    all_problems,
+    in_typed_units,
+    to_case_data,
+)
+from engine.case.case import Case
+from engine.case.data import TABLES, CaseData, case_digest
+from engine.errors import CaseError, ModelError, Problem
+from engine.results.tables import result_tables
+from engine.run import run
+
+if TYPE_CHECKING:
+    pass
+
+if TYPE_CHECKING:
+    pass
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """The task of calculating some rows."""
+
+    base: bytes  #: Pickled `TypedCase`. [bytes]
+    columns: tuple[Varied, ...]  #: The table's columns, without the one of names.
+    #: Row number, name and values of each row. [as read]
+    rows: tuple[tuple[int, str | None, tuple[Any, ...]], ...]
+    #: Fields of the case that the command line sets. [SI]
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    comma: bool = False  #: The comma is the decimal sign of the table.
+
+
+def calculate_rows(task: Chunk) -> list[dict[str, Any]]:
+    """Calculate the rows of a chunk; one that cannot be calculated is a row with the reason.
+
+    Parameters
+    ----------
+    task : Chunk
+
+    Returns
+    -------
+    list of dict
+        Of the columns of the result. [SI]
+    """
+    base: TypedCase = pickle.loads(task.base)
+    known: dict[str, dict[str, Any]] = {}
+    found = []
+    for number, name, values in task.rows:
+        began = time.perf_counter()
+        row = {"row": number, "name": name} | _calculated(task, values, base, known)
+        found.append(row | {"seconds": time.perf_counter() - began})
+    return found
+
+
+def _calculated(
+    task: Chunk,
+    values: Sequence[Any],
+    base: TypedCase,
+    known: dict[str, dict[str, Any]],
+) -> dict[str, Any]:
+    """One row; `known` holds the cases of this chunk."""
+    columns = task.columns
+    findings = Findings()
+    typed = TypedCase(dict(base.scalars), {name: list(rows) for name, rows in base.tables.items()})
+    inputs, relative = _put(task, values, typed, findings)
+    if len(values) != len(columns):
+        reason = f"the row has {len(values)} values, the table {len(columns)} columns."
+        return inputs | {"outcome": WRONG_INPUT, "reason": reason}
+    try:
+        data = to_case_data(typed, findings)
+        problems = all_problems(data, findings)
+        if problems:
+            reasons = [_reason(one, columns, typed) for one in problems]
+            return inputs | {"outcome": WRONG_INPUT, "reason": "\n".join(reasons)}
+        inputs |= {one.header: _in_case(one, data) for one in relative}
+        case = Case(**(vars(data) | dict(task.overrides)))
+        digest = case_digest(data)
+        if digest not in known:
+            known[digest] = _answers(case)
+        return inputs | known[digest] | {"case_sha256": digest}
+    except CaseError as wrong:
+        reason = "\n".join(one.message for one in wrong.problems)
+        return inputs | {"outcome": WRONG_INPUT, "reason": reason}
+    except ModelError as wrong:
+        return inputs | {"outcome": WRONG_INPUT, "reason": str(wrong)}
+    except Exception as wrong:  # one row's fault never ends a programme; the row says what happened
+        reason = f"this is an error inside torsionbook; please report it: {wrong!r}"
+        return inputs | {"outcome": FAULT, "reason": reason}
+
+
+def _put(
+    task: Chunk, values: Sequence[Any], typed: TypedCase, findings: Findings
+) -> tuple[dict[str, Any], list[Varied]]:
+    """Put the values of a row into a case.
+
+    Returns what was put, for the result, and the columns of which only the case knows how much that
+    is: texts such as ``12 %`` of the rated torque.
+    """
+    inputs: dict[str, Any] = {}
+    relative = []
+    for column, value in zip(task.columns, values, strict=False):
+        if task.comma and isinstance(value, str) and column.spec.is_number:
+            value = _with_point(column, value, findings)
+        entry = _entry(column, value, findings)
+        inputs[column.header] = _shown(column, entry)
+        if entry is None:
+            continue
+        if inputs[column.header] is None:
+            relative.append(column)
+        table, row, name = column.place
+        if row is None:
+            typed.scalars[name] = entry
+        else:
+            rows = typed.tables[table]
+            rows[row - 1] = {**rows[row - 1], name: entry}
+    return inputs, relative
+
+
+def _in_case(column: Varied, data: CaseData) -> float | None:
+    """The input of a case in the unit of its column; None where that unit hangs on the case, too."""
+    table, row, _ = column.place
+    there: Any = data if row is None else getattr(data, TABLES[table][0])[row - 1]
+    value = getattr(there, column.spec.attribute)
+    scale = column.scale or UnitScale(1.0)
+    return None if value is None or scale.base else scale.from_si(value)
+
+
+def _with_point(column: Varied, value: str, findings: Findings) -> str:
+    """A number whose decimal sign is the comma; blank where it has points as well, which is noted."""
+    number = _SIGNED.match(value)
+    if number is None:
+        return value
+    if "." in number.group():
+        findings.add(
+            column.place,
+            shortened(value),
+            "a number with a decimal comma and no points",
+            f"found '{shortened(value)}'; the decimal sign of this table is the comma. Write the "
+            "number without points between thousands.",
+        )
+        return ""
+    return number.group().replace(",", ".") + value[number.end() :]
+
+
+def _entry(column: Varied, value: Any, findings: Findings) -> Typed | str | None:
+    """A value of the table as an input; None for a blank and for one that cannot be read."""
+    if value is None or (isinstance(value, str) and not value.strip()):
+        return None
+    if isinstance(value, str) and column.spec.is_number:
+        try:
+            value = float(value)
+        except ValueError:
+            value = value.strip()
+    elif not column.spec.is_number and not isinstance(value, str):
+        value = f"{value:.15g}" if isinstance(value, float) else str(value)
+    entry = typed_value(value, column.spec, column.place, findings, column.unit)
+    if isinstance(entry, Typed) and column.scale is not None and not isinstance(value, str):
+        return Typed(entry.number, column.scale, column.unit)
+    return entry
+
+
+def _shown(column: Varied, entry: Typed | str | None) -> Any:
+    """An input for the result, in the unit of its column; None where that cannot be."""
+    if not isinstance(entry, Typed):
+        return entry
+    own, there = entry.scale, column.scale or UnitScale(1.0)
+    if own == there:
+        return entry.number
+    return None if own.base or there.base else there.from_si(own.to_si(entry.number))
+
+
+def _reason(problem: Problem, columns: Sequence[Varied], typed: TypedCase) -> str:
+    """What is wrong in a row, by its column where it is one of the table's."""
+    told = in_typed_units(problem, typed)
+    place = (problem.table, problem.row, problem.column)
+    for column in columns:
+        if column.place == place:
+            return f"{column.header}: {told.message}"
+    row = "" if problem.row is None else f"[{problem.row}]"
+    where = problem.column if problem.table == SCALAR_TABLE else f"{problem.table}{row}.{problem.column}"  # fmt: skip
+    return f"{where.rstrip('.')} (of the base case): {told.message}"
+
+
+def _answers(case: Any) -> dict[str, Any]:
+    """The numbers of one case."""
+    results = run(case)
+    found = key_figures(results, result_tables(results)["StartupPeaks"])
+    modes = {f"mode_{n}_Hz": f for n, f in enumerate(found.frequencies, start=1)}
+    return {
+        "outcome": DONE,
+        "verdict": found.verdict,
+        "checks_not_judged": found.not_judged,
+        "start": found.outcome,
+        **modes,
+        "worst_margin": found.margin,
+        "worst_margin_at": found.margin_where,
+        "peak_torque_N_m": found.peak_torque,
+        "peak_torque_over_rated": found.peak_over_rated,
+        "peak_torque_at": found.peak_where,
+        "peak_to_peak_stress_Pa": found.stress,
+        "peak_to_peak_stress_at": found.stress_where,
+        "torque_reversals": found.reversals,
+        "torque_reverses_at": found.reversals_where,
+        "allowable_starts": found.starts,
+        "starts_unlimited": found.starts_unlimited,
+        "starts_governed_by": found.starts_where,
+        "warnings": "\n".join(results.warnings) or None,
+    }
+
+
+_SIGNED = re.compile(r"\s*[+-]?[\d.,]+", re.ASCII)

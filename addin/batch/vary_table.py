@@ -1,0 +1,152 @@
+"""A programme's table, CSV or Parquet, read as a stream."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from addin.batch.vary_columns import TableRefused, Varied
+
+if TYPE_CHECKING:
+    pass
+
+
+#: Rows of a chunk. [count]
+ROWS = 50
+
+
+#: Marks at the begin of a file in UTF-16, Excel's "Unicode text".
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+
+
+#: A number with a decimal comma; the second cannot be a comma between thousands either.
+_COMMA = re.compile(r"\s*[+-]?[\d.]*,\d+(?:[eE][+-]?\d+)?(?:\s.*)?", re.ASCII | re.DOTALL)
+
+
+_SURE_COMMA = re.compile(
+    r"\s*[+-]?[\d.]*,(?!\d{3}(?:\s|$))\d+(?:[eE][+-]?\d+)?(?:\s.*)?|\s*[+-]?0,\d+(?:\s.*)?",
+    re.ASCII | re.DOTALL,
+)
+
+
+@dataclass(frozen=True)
+class CsvForm:
+    """How a CSV is written."""
+
+    encoding: str = "utf-8-sig"  #: UTF-8, or UTF-16 where the file begins with its mark.
+    separator: str = ","  #: Comma, semicolon or tab. [character]
+    states: bool = False  #: Its first line is Excel's ``sep=;``.
+
+
+@dataclass(frozen=True)
+class VariedTable:
+    """A table that is read as a stream."""
+
+    path: Path  #: CSV or Parquet.
+
+    def headers(self) -> list[str]:
+        """Its column names. [text]
+
+        Raises
+        ------
+        TableRefused
+            If it cannot be read.
+        """
+        with self._reading():
+            if self._is_parquet:
+                return [str(name) for name in self._parquet().schema_arrow.names]
+            return next(iter(self._csv()), [])
+
+    def count(self) -> int:
+        """Its rows. [count]"""
+        with self._reading():
+            if self._is_parquet:
+                return int(self._parquet().metadata.num_rows)
+            return max(sum(1 for row in self._csv() if row) - 1, 0)
+
+    def rows(self) -> Iterator[list[Any]]:
+        """Its rows, one at a time."""
+        with self._reading():
+            if not self._is_parquet:
+                rows = self._csv()
+                next(rows, None)
+                yield from (row for row in rows if row)
+                return
+            for batch in self._parquet().iter_batches(batch_size=ROWS):
+                columns = [column.to_pylist() for column in batch.columns]
+                yield from (list(row) for row in zip(*columns, strict=True))
+
+    @property
+    def _is_parquet(self) -> bool:
+        return self.path.suffix.lower() in (".parquet", ".pq")
+
+    def _reading(self) -> _Reading:
+        return _Reading(self.path)
+
+    def _parquet(self) -> Any:
+        from pyarrow.parquet import ParquetFile
+
+        return ParquetFile(self.path)
+
+    def form(self) -> CsvForm:
+        """Encoding and separator of a CSV, by its begin.
+
+        Raises
+        ------
+        TableRefused
+            If it cannot be read.
+        """
+        if self._is_parquet:
+            return CsvForm()
+        with self._reading():
+            with open(self.path, "rb") as file:
+                encoding = "utf-16" if file.read(2) in _UTF_16 else "utf-8-sig"
+            with open(self.path, encoding=encoding, newline="") as text:
+                first = text.readline().rstrip("\r\n")
+        stated = re.fullmatch(r'"?sep=(.)"?', first, re.IGNORECASE)
+        if stated:
+            return CsvForm(encoding, stated.group(1), states=True)
+        return CsvForm(encoding, max((",", ";", "\t"), key=first.count))
+
+    def has_decimal_commas(self, columns: Sequence[Varied | None]) -> bool:
+        """Whether the comma is the decimal sign: a table has one, never both."""
+        separator = self.form().separator
+        if self._is_parquet or separator == ",":
+            return False
+        # Excel writes semicolons where the comma is the decimal sign, tabs anywhere.
+        comma = _COMMA if separator == ";" else _SURE_COMMA
+        numbers = [i for i, one in enumerate(columns) if one is not None and one.spec.is_number]
+        return any(comma.fullmatch(row[i]) for row in self.rows() for i in numbers if i < len(row))
+
+    def _csv(self) -> Iterator[list[str]]:
+        form = self.form()
+        with open(self.path, encoding=form.encoding, newline="") as file:
+            if form.states:
+                file.readline()
+            yield from csv.reader(file, delimiter=form.separator)
+
+
+class _Reading:
+    """What goes wrong while a table is read, as one sentence."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: Any, wrong: BaseException | None, trace: Any) -> None:
+        if isinstance(wrong, UnicodeDecodeError):
+            raise TableRefused(
+                ["it is not UTF-8 text. Give a CSV saved as CSV UTF-8, or a .parquet file."]
+            ) from wrong
+        if isinstance(wrong, (OSError, csv.Error)):
+            why = getattr(wrong, "strerror", None) or wrong
+            raise TableRefused([f"it cannot be read: {why}."]) from wrong
+        if wrong is not None and type(wrong).__module__.startswith("pyarrow"):
+            raise TableRefused(["it is no Parquet file that can be read."]) from wrong

@@ -1,0 +1,140 @@
+"""Bodies of requests: read within limits of size and time, as long as the client is there."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable
+from typing import Any, TypeVar
+
+from starlette.requests import ClientDisconnect, Request
+
+from addin.server.answers import Refused, too_large
+from addin.server.settings import BODY_RATE
+
+T = TypeVar("T")
+
+
+async def read_body(request: Request, limit: int, seconds: float = 20.0) -> bytes:
+    """The body of a request, given up as soon as it is too large or comes too slowly.
+
+    Parameters
+    ----------
+    request : Request
+        The request.
+    limit : int
+        Most bytes. [B]
+    seconds : float
+        How long it may take, and a second more for every `BODY_RATE`. [s]
+
+    Returns
+    -------
+    bytes
+        The body.
+
+    Raises
+    ------
+    Refused
+        With 413 or 408.
+    """
+    parts, size = [], 0
+    began = asyncio.get_running_loop().time()
+    try:
+        async with asyncio.timeout_at(began + seconds) as until:
+            async for part in request.stream():
+                size += len(part)
+                if size > limit:
+                    raise too_large(limit)
+                parts.append(part)
+                until.reschedule(began + seconds + size / BODY_RATE)
+    except TimeoutError:
+        raise Refused(
+            408,
+            f"The request came too slowly: {size:,} bytes after "
+            f"{asyncio.get_running_loop().time() - began:.0f} s. Send it again.",
+            {"Connection": "close"},
+        ) from None
+    except ClientDisconnect:
+        raise Refused(400, "The connection was closed before the request was complete.") from None
+    return b"".join(parts)
+
+
+async def read_json(request: Request, limit: int, seconds: float = 20.0) -> tuple[Any, int]:
+    """The body of a request as plain values, and its size.
+
+    Parameters
+    ----------
+    request : Request
+        The request.
+    limit : int
+        Most bytes. [B]
+    seconds : float
+        As in `read_body`. [s]
+
+    Returns
+    -------
+    tuple of object and int
+        What the JSON holds, and its bytes. [B]
+
+    Raises
+    ------
+    Refused
+        If it is no JSON, or too large.
+    """
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().casefold()
+    if kind != "application/json":
+        raise Refused(415, "Send JSON, with the header Content-Type: application/json.")
+    body = await read_body(request, limit, seconds)
+    return await asyncio.to_thread(parsed, body), len(body)
+
+
+def parsed(text: bytes | str) -> Any:
+    """Plain values of a JSON text.
+
+    Raises
+    ------
+    Refused
+        If it is no JSON, or holds what JSON does not know, such as NaN.
+    """
+    try:
+        return json.loads(text, parse_constant=_no_constant)
+    except RecursionError:
+        raise Refused(400, "The JSON is nested too deeply.") from None
+    except (ValueError, UnicodeDecodeError) as wrong:
+        if "set_int_max_str_digits" in str(wrong):
+            raise Refused(
+                400,
+                "The JSON holds a whole number of more digits than any number of a cell has. "
+                "Correct it.",
+            ) from None
+        raise Refused(400, f"This is no JSON that can be read: {wrong}.") from None
+
+
+def _no_constant(name: str) -> None:
+    raise ValueError(f"{name} is no number in JSON; leave a blank cell null")
+
+
+async def while_connected(request: Request, work: Awaitable[T]) -> T:
+    """Do something for a client, and give it up when the client is gone.
+
+    Raises
+    ------
+    Refused
+        If the client is gone; nobody will read it.
+    """
+    task = asyncio.ensure_future(work)
+    gone = asyncio.create_task(_gone(request))
+    try:
+        await asyncio.wait({task, gone}, return_when=asyncio.FIRST_COMPLETED)
+        if task.done():
+            return task.result()
+        raise Refused(400, "The client has closed the connection.")
+    finally:
+        for one in (task, gone):
+            one.cancel()
+        await asyncio.gather(task, gone, return_exceptions=True)
+
+
+async def _gone(request: Request) -> None:
+    while (await request.receive())["type"] != "http.disconnect":
+        pass

@@ -1,0 +1,286 @@
+"""One input through a study: read, check, calculate, write."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from addin.calculation.audit import Stamp
+from addin.contract.digests import short_digest
+from addin.contract.json_formats import RESULTS_FORMAT
+from addin.contract.problems import CellProblem, placed
+from addin.contract.tables import input_table, json_key, result_table
+from addin.contract.version import product_version
+from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
+from addin.reading.typed_case import CaseInput
+from addin.reading.workbook import WorkbookInput
+from addin.recorded.studies import rows_digest
+from addin.studies.study import Study, StudyResult
+from addin.workers.parallel_map import ParallelMap
+from addin.writing.recalculate import case_problems
+from addin.writing.results_json import table_rows
+from addin.writing.workbook import write_study_results
+from addin.xlsx.errors import PackageError
+from addin.xlsx.whole_files import write_json
+from engine.case.data import case_digest
+from engine.case.study_inputs import StudyInputs
+from engine.errors import CaseError, ModelError, Problem
+
+
+@dataclass(frozen=True)
+class StudyFiles:
+    """Where a study is written."""
+
+    #: The copy of the workbook; None = beside it, ``train.tune.xlsx``. [path]
+    destination: Path | None = None
+    in_place: bool = False  #: Write into the workbook itself; it stays as ``.bak``.
+    #: The JSON; None = none, but of a case JSON ``case.tune.json``. [path]
+    json_file: Path | None = None
+    ignore_lock: bool = False  #: Go on although a lock file says somebody has the workbook open.
+
+
+@dataclass(frozen=True, eq=False)
+class StudyOutcome:
+    """What became of one input."""
+
+    source: Path  #: The input.
+    result: StudyResult | None  #: The study; None if something was wrong. [SI]
+    problems: tuple[CellProblem, ...]  #: Everything wrong with the input.
+    warnings: tuple[str, ...]  #: What the engineer should know.
+    written: tuple[Path, ...] = ()  #: Files written: workbook, JSON.
+
+
+def study_one(
+    study: Study,
+    source: Path,
+    parallel_map: ParallelMap,
+    settings: Mapping[str, Any],
+    files: StudyFiles = StudyFiles(),
+    on_stage: Callable[[str], None] = lambda stage: None,
+) -> StudyOutcome:
+    """Study one input and write what it showed.
+
+    Parameters
+    ----------
+    study : Study
+        What is asked.
+    source : Path
+        Workbook or case JSON. [path]
+    parallel_map : ParallelMap
+        Where units of work are done.
+    settings : mapping
+        Of the command line. [names and values]
+    files : StudyFiles, optional
+        Where it is written.
+    on_stage : callable, optional
+        Called with a word on what is being done.
+
+    Raises
+    ------
+    addin.workers.parallel_map.Cancelled
+        After Ctrl-C, where what was calculated is not enough to be told; nothing is written.
+    """
+    on_stage("reading")
+    read = read_checked(source)
+    if isinstance(read, Unreadable):
+        return StudyOutcome(source, None, read.problems, read.warnings)
+    is_workbook = source.suffix.lower() in WORKBOOK_ENDINGS
+    missing = _missing_sheets(read, study) if is_workbook else []
+    json_file = files.json_file
+    if missing and json_file is None:
+        return StudyOutcome(source, None, (*_unread(study, read), *missing), _warned(read))
+    result, problems, told = calculate_study(study, read, parallel_map, settings, on_stage)
+    if result is None:
+        return StudyOutcome(source, None, problems, told)
+    warnings = list(told)
+    on_stage("writing")
+    written: list[Path] = []
+    try:
+        if is_workbook and not missing:
+            target = source if files.in_place else files.destination or beside(source, study)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            write = study.write or partial(_write, study)
+            warnings += write(read, None if files.in_place else target, result, files.ignore_lock)
+            written.append(target)
+        elif is_workbook:
+            warnings.append(
+                f"{source.name} has no sheets for this study: its results are in the JSON only."
+            )
+        elif json_file is None:
+            json_file = files.destination or beside(source, study)
+        if json_file is not None:
+            as_json = study.as_json or partial(to_json, study)
+            write_json(json_file, as_json(result, read, tuple(warnings)))
+            written.append(json_file)
+    except (PackageError, OSError) as failed:
+        problem = file_problem(source, failed)
+        return StudyOutcome(source, None, (problem,), tuple(warnings), tuple(written))
+    return StudyOutcome(source, result, (), tuple(warnings), tuple(written))
+
+
+def calculate_study(
+    study: Study,
+    read: CaseInput,
+    parallel_map: ParallelMap,
+    settings: Mapping[str, Any],
+    on_stage: Callable[[str], None],
+) -> tuple[StudyResult | None, tuple[CellProblem, ...], tuple[str, ...]]:
+    """Make a study of an input that has been read; nothing is written.
+
+    Parameters
+    ----------
+    study : Study
+        What is asked.
+    read : CaseInput
+        The input. [SI]
+    parallel_map : ParallelMap
+        Where units of work are done.
+    settings : mapping
+        Of the command line. [names and values]
+    on_stage : callable
+        Called with a word on what is being done.
+
+    Returns
+    -------
+    result : StudyResult or None
+        None if something is wrong. [SI]
+    problems : tuple of CellProblem
+        Everything wrong. [problems]
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+    """
+    inputs = StudyInputs() if read.studies is None else read.studies.inputs
+    warnings, unread = _warned(read), _unread(study, read)
+    if read.problems:
+        return None, unread, warnings
+    try:
+        case = read.case()
+        wrong = study.check(case, inputs, settings)
+        if unread or wrong:
+            return None, _told(read, study, wrong), warnings
+        result = _said(study.calculate(case, inputs, settings, parallel_map, on_stage))
+    except (CaseError, ModelError) as refused:
+        return None, (*unread, *case_problems(refused)), warnings
+    return result, (), (*warnings, *result.warnings)
+
+
+def _unread(study: Study, read: CaseInput) -> tuple[CellProblem, ...]:
+    """What cannot be read of the case, and of the tables of the study."""
+    more = () if read.studies is None else read.studies.problems_of(study.inputs)
+    return (*read.problems, *more)
+
+
+def _warned(read: CaseInput) -> tuple[str, ...]:
+    return (*read.warnings, *(() if read.studies is None else read.studies.warnings))
+
+
+def _said(result: StudyResult) -> StudyResult:
+    """That a study was cut short stands before anything else it says."""
+    if result.cut_short is None:
+        return result
+    return replace(result, sentence=f"{result.cut_short.sentence} {result.sentence}")
+
+
+def beside(source: Path, study: Study) -> Path:
+    """Default name of what a study writes: train.tune.xlsx, case.tune.json."""
+    return source.with_name(f"{source.stem}.{study.command}{source.suffix}")
+
+
+def to_json(
+    study: Study, result: StudyResult, read: CaseInput, warnings: tuple[str, ...]
+) -> dict[str, Any]:
+    """A study as JSON: its result tables under their keys, as in results of the contract.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    result : StudyResult
+        Its result. [SI]
+    read : CaseInput
+        Its case.
+    warnings : tuple of str
+        What the engineer should know. [sentences]
+
+    Returns
+    -------
+    dict
+        Keys format, study, case_sha256, study_sha256, version, sentence, warnings, errors, one a
+        result table, the details of the study, and cut_short where it was.
+    """
+    cut = result.cut_short
+    part = {} if cut is None else {"calculated": cut.calculated, "planned": cut.planned}
+    return {
+        "format": RESULTS_FORMAT,
+        "study": study.key,
+        "case_sha256": case_digest(read.data),
+        "study_sha256": result.digest,
+        "version": product_version(),
+        "sentence": result.sentence,
+        "warnings": list(warnings),
+        "errors": [],
+        **({"cut_short": part} if part else {}),
+        **{_key(name): table_rows(name, rows) for name, rows in result.tables.items()},
+        **result.details,
+    }
+
+
+def _key(table: str) -> str:
+    return json_key(table)
+
+
+def _told(read: CaseInput, study: Study, wrong: Sequence[Problem]) -> tuple[CellProblem, ...]:
+    """Problems of the study's rows with their cells; of a case without such tables as they are."""
+    if read.studies is not None:
+        return read.studies.problems_of(study.inputs, wrong)
+
+    return tuple(placed(one, input_table(one.table).sheet, "", "cell") for one in wrong)
+
+
+def _missing_sheets(read: CaseInput, study: Study) -> list[CellProblem]:
+    """A workbook without the sheets of the study, as one problem."""
+    assert isinstance(read, WorkbookInput)
+    known = {name.casefold() for name in read.workbook.tables}
+    needed = (*study.inputs, *study.spec.result_names)
+    absent = [name for name in needed if name.casefold() not in known]
+    if not absent:
+        return []
+    first = absent[0]
+    spec = input_table(first) if first in study.inputs else result_table(first)
+    name = read.path.name
+    sentence = (
+        f"the workbook has no table {', '.join(absent)}, which torsionbook {study.command} needs. "
+        f"torsionbook new studies-{name} --studies --from {name} makes a workbook with the same inputs "
+        "and the sheets of the studies; or say --json for results without a sheet."
+    )
+    return [CellProblem(spec.sheet, first, None, "", None, f"table {first}", sentence, "")]
+
+
+def _write(
+    study: Study, read: CaseInput, destination: Path | None, result: StudyResult, ignore_lock: bool
+) -> tuple[str, ...]:
+    """Write a study into the workbook it was read from; sentences the user should read."""
+    assert isinstance(read, WorkbookInput)
+    made, digest = Stamp.now(), case_digest(read.data)
+    rows = rows_digest(study.inputs, StudyInputs() if read.studies is None else read.studies.inputs)
+    facts = {
+        f"{study.key}_Sentence": result.sentence,
+        f"{study.key}_Stamp": (
+            f"Made by {made.software} on {made.date:%Y-%m-%d %H:%M} UTC from the inputs with SHA-256 "
+            f"{short_digest(digest)} and study rows {short_digest(rows)}"
+        ),
+        f"{study.key}_SHA256": digest,
+    }
+    report = write_study_results(
+        read.workbook,
+        destination,
+        {**result.tables, **result.charts},
+        facts,
+        read.data.ratings.rated_torque,
+        recorded=f"{study.key}_Tables",
+        ignore_lock=ignore_lock,
+    )
+    return report.notes

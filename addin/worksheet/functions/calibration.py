@@ -1,0 +1,75 @@
+"""Stiffnesses that explain measured frequencies."""
+
+from __future__ import annotations
+
+from addin.contract.tables import result_table
+from addin.worksheet.answers import (
+    HEADERS,
+    MODEL,
+    UNITS,
+    Rows,
+    system_for,
+    table_cells,
+)
+from addin.worksheet.models import MODELS
+from addin.worksheet.registry import Argument, FunctionError, registered
+from engine.case.study_inputs import STIFFNESS, MeasuredFrequencyRow, ScatterRow, StudyInputs
+from engine.studies.calibration.calibration import calibrate
+from engine.studies.calibration.inputs import calibration_problems
+from engine.studies.calibration.tables import parameter_rows
+
+#: Place of these functions among all, in lists and in the documentation.
+ORDER = 70
+
+
+#: Columns of `CalibratedParameters` that a formula shows.
+CALIBRATED = (
+    "Name", "Stiffness", "Calibrated stiffness", "Change", "Change low", "Change high", "Determined",
+)  # fmt: skip
+
+
+@registered(
+    "TV_CALIBRATE",
+    MODEL,
+    Argument("Frequencies", "numbers", "The measured natural frequencies [Hz], in any order."),
+    Argument("Uncertainty", "number", "Their standard deviation, 0.01 or 1 %; blank = 1 %.", True),
+    Argument("Spread", "number", "How sure every stiffness is; blank = 10 %.", True),
+    UNITS,
+    HEADERS,
+    columns=len(CALIBRATED),
+    example="=TV_CALIBRATE(A1, 30.1, 0.01, 0.1)",
+)
+def tv_calibrate(
+    model: str,
+    frequencies: Rows,
+    uncertainty: float | None,
+    spread: float | None,
+    units: str | None,
+    headers: bool | None,
+) -> Rows:
+    """The least change of all stiffnesses that explains measured natural frequencies.
+
+    Each frequency is taken for the mode that it fits best, one to one. A frequency that no mode can
+    have is refused. Sheet Calibration (`torsionbook calibrate`) tells more, and knows inertias,
+    modes that are named and peak torques.
+    """
+    found = MODELS.of(model)
+    typed = [float(v) for line in frequencies for v in line if v is not None]
+    if not typed:
+        raise FunctionError("Frequencies is blank. Give measured natural frequencies [Hz].")
+    asked = StudyInputs(
+        scatter=() if spread is None else (ScatterRow(None, STIFFNESS, None, spread),),
+        measured_frequencies=tuple(MeasuredFrequencyRow(None, f, uncertainty) for f in typed),
+    )
+    wrong = calibration_problems(found.case, asked)
+    if wrong:
+        said = wrong[0]
+        raise FunctionError(f"{said.column or said.table}: {said.message}", "#NUM!")
+    result = calibrate(found.case, asked)
+    unused = next((m for m in result.measurements if not m.used), None)
+    if unused is not None:
+        raise FunctionError(f"Frequencies: {unused.measured:.10g} Hz. {unused.note}", "#N/A")
+    spec = result_table("CalibratedParameters")
+    columns = [spec.column(name) for name in CALIBRATED]
+    rows = parameter_rows(result)
+    return table_cells(spec, rows, system_for(units, found), headers, columns)

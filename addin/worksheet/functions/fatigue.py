@@ -1,0 +1,182 @@
+"""Fatigue: damaging cycles, allowable starts, life of an S-N line, and what a duty uses up."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from addin.charts.start_cycles import start_cycle_rows
+from addin.worksheet.answers import (
+    HEADERS,
+    MODEL,
+    NO_SHAFT,
+    UNITS,
+    Rows,
+    name_in_case,
+    no_rows,
+    result_spec,
+    run_of,
+    run_table,
+    si_unit,
+    system_for,
+    table_cells,
+    width_of,
+)
+from addin.worksheet.models import MODELS
+from addin.worksheet.registry import Argument, FunctionError, registered
+from engine.errors import ModelError
+from engine.fatigue.sn_curve import sn_curve_for
+from engine.studies.starts.damage_ledger import remaining_life
+
+#: Place of these functions among all, in lists and in the documentation.
+ORDER = 60
+
+
+#: A stress this little above another is that stress, typed in another unit.
+_SAME_STRESS = 1.0 + 1e-9
+
+
+@registered(
+    "TV_CYCLES",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=width_of("StartCycles"),
+    example="=TV_CYCLES(A1)",
+)
+def tv_cycles(model: str, units: str | None, headers: bool | None) -> Rows:
+    """The most damaging cycles of one start of the governing shaft: n, N and n/N."""
+    found, run = run_of(model)
+    rows = start_cycle_rows(run.view)
+    if not rows:
+        judged = run.tables.get("AllowableStarts")
+        raise no_rows(run, "The start makes no stress cycle." if judged else NO_SHAFT)
+    return table_cells(result_spec("StartCycles"), rows, system_for(units, found), headers)
+
+
+@registered(
+    "TV_STARTS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=width_of("AllowableStarts"),
+    example="=TV_STARTS(A1)",
+)
+def tv_starts(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Damage of one start and allowable starts of every judged shaft."""
+    return run_table("AllowableStarts", model, units, headers, NO_SHAFT)
+
+
+@registered(
+    "TV_SN_LIFE",
+    MODEL,
+    Argument("Material", "text", "The name in table Materials."),
+    Argument("Stress", "numbers", "The zero-to-peak stress, nominal times SCF [MPa or psi]."),
+    UNITS,
+    Argument(
+        "Remarks",
+        "flag",
+        "TRUE adds beside each life where the S-N line is extended beyond its points.",
+        True,
+    ),
+    example='=TV_SN_LIFE(A1, "Alloy steel", 200, "SI")',
+)
+def tv_sn_life(
+    model: str, material: str, stress: Rows, units: str | None, remarks: bool | None
+) -> Rows:
+    """Cycles to failure at a stress, on the S-N line in torsion; below endurance 'unlimited'.
+
+    Above the first S-N point the first slope is extended, as in the count of allowable starts: the
+    life is a number, but no tested one, and such starts are not judged. Remarks `TRUE` says so
+    beside each life. Above UTS there is no life: the stress is refused.
+    """
+    found = MODELS.of(model)
+    case = found.case
+    name = name_in_case("Material", material, [str(m.material) for m in case.materials])
+    row = next(m for m in case.materials if str(m.material) == name)
+    try:
+        curve = sn_curve_for(row, case.sn_points)
+    except ModelError as wrong:
+        raise FunctionError(str(wrong), "#NUM!") from None
+    unit, pascal = si_unit("pressure", system_for(units, found))
+    answer: Rows = []
+    for i, line in enumerate(stress):
+        lives: list[Any] = []
+        for j, value in enumerate(line):
+            if value is not None:
+                _check_stress(value * pascal, value, unit, pascal, row, (i, j))
+            life = None if value is None else float(curve.cycles_to_failure(value * pascal))
+            lives.append(life if life is None or math.isfinite(life) else "unlimited")
+        said = [None if v is None else _extended(curve, v * pascal) for v in line]
+        answer.append([*lives, *said] if remarks else lives)
+    return answer
+
+
+def _check_stress(
+    stress: float, value: float, unit: str, pascal: float, material: Any, at: tuple[int, int]
+) -> None:
+    """Refuse a stress that no S-N line answers for."""
+    place = "Stress" if at == (0, 0) else f"Stress, row {at[0] + 1}, column {at[1] + 1}"
+    if value < 0.0:
+        raise FunctionError(f"{place}: found {value:.10g}; give 0 or more.", "#NUM!")
+    strength = material.uts
+    if strength is not None and stress > strength * _SAME_STRESS:
+        raise FunctionError(
+            f"{place}: found {value:.10g} {unit}; it lies above UTS of '{material.material}', "
+            f"{strength / pascal:.6g} {unit}, where no S-N line holds.",
+            "#NUM!",
+        )
+
+
+def _extended(curve: Any, stress: float) -> str | None:
+    """Where the S-N line is not between its points; nothing is said where it is."""
+    if curve.above_first_point(stress / _SAME_STRESS):
+        return "above the first S-N point: its slope extended"
+    if stress <= curve.endurance:
+        rule = curve.below_endurance
+        return None if rule == "none" else f"below endurance: {rule}"
+    if stress * _SAME_STRESS < curve.stress[-1]:
+        return "below the last S-N point: its slope extended to endurance"
+    return None
+
+
+@registered(
+    "TV_LIFE",
+    Argument("Damage", "numbers", "The damage of one start of each kind, as TV_STARTS gives it."),
+    Argument("Per year", "numbers", "How many of each kind a year; 0 = none."),
+    Argument("So far", "numbers", "How many of each kind so far.", True),
+    Argument("Starts factor", "number", "StartsFactor; blank = 1.", True),
+    example="=TV_LIFE(0.002, 24, 60, 2)",
+)
+def tv_life(damage: Rows, per_year: Rows, so_far: Rows | None, factor: float | None) -> Rows:
+    """Damage ledger of a duty: used, damage a year, what is left, and years that it lasts.
+
+    Palmgren-Miner: damage of all starts is added up, their order is ignored; a shaft is used up at
+    1 / Starts factor. One shaft a call; years are `unlimited` where nothing is taken.
+    """
+    one, yearly = _column("Damage", damage), _column("Per year", per_year)
+    blank = so_far is None or all(value is None for line in so_far for value in line)
+    seen = [0.0] * len(one) if blank else _column("So far", so_far or [])
+    for name, column in (("Per year", yearly), ("So far", seen)):
+        if len(column) != len(one):
+            raise FunctionError(
+                f"{name}: found {len(column)} cells beside {len(one)} of Damage; give as many."
+            )
+    if factor is not None and not factor > 0.0:
+        raise FunctionError(f"Starts factor: found {factor:.10g}; give more than 0.", "#NUM!")
+    used = math.fsum(q * n for q, n in zip(one, seen, strict=True))
+    a_year = math.fsum(q * n for q, n in zip(one, yearly, strict=True))
+    left = 1.0 / (factor or 1.0) - used
+    years = remaining_life(left, a_year)
+    return [[used, a_year, left, "unlimited" if years is None else years]]
+
+
+def _column(name: str, cells: Rows) -> list[float]:
+    """Numbers of a range, none of them negative; blank = 0."""
+    found = [0.0 if value is None else float(value) for line in cells for value in line]
+    wrong = next((value for value in found if value < 0.0), None)
+    if wrong is not None:
+        raise FunctionError(f"{name}: found {wrong:.10g}; give 0 or more.", "#NUM!")
+    return found

@@ -1,0 +1,120 @@
+"""The start: speed, peaks, histories and torque reversals."""
+
+from __future__ import annotations
+
+import math
+
+from addin.charts.rows import decimate, thinned
+from addin.worksheet.answers import (
+    HEADERS,
+    MODEL,
+    NO_START,
+    UNITS,
+    Rows,
+    name_in_case,
+    run_of,
+    run_table,
+    system_for,
+    units_of,
+    width_of,
+)
+from addin.worksheet.registry import Argument, FunctionError, registered
+
+#: Place of these functions among all, in lists and in the documentation.
+ORDER = 50
+
+
+#: Points of a decimated curve, unless asked otherwise; and the most. [count]
+USUAL_POINTS, MOST_POINTS = 501, 20_001
+
+
+def _points(points: int | None) -> int:
+    if points is not None and not 3 <= points <= MOST_POINTS:
+        raise FunctionError(f"Points: found {points}; give 3 to {MOST_POINTS}.", "#NUM!")
+    return USUAL_POINTS if points is None else points
+
+
+@registered(
+    "TV_SPEED_TIME",
+    MODEL,
+    Argument(
+        "Points", "count", f"Rows at the most without the header, {USUAL_POINTS} unless said.", True
+    ),
+    HEADERS,
+    long=True,
+    columns=3,
+    example="=TV_SPEED_TIME(A1, 200)",
+)
+def tv_speed_time(model: str, points: int | None, headers: bool | None) -> Rows:
+    """Mean speed of the motor against time during the start."""
+    limit = _points(points)
+    _, run = run_of(model)
+    if run.view.speed_time is None or not run.case.ratings.synchronous_speed:
+        raise FunctionError(NO_START, "#N/A")
+    time, speed = run.view.speed_time
+    kept = thinned(time, speed, limit)
+    share = speed / run.case.ratings.synchronous_speed
+    found: Rows = [
+        [float(time[i]), float(speed[i]) * 30.0 / math.pi, 100.0 * float(share[i])] for i in kept
+    ]
+    return found if headers is False else [["Time [s]", "Speed [rpm]", "Speed [%]"], *found]
+
+
+@registered(
+    "TV_PEAKS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=width_of("StartupPeaks"),
+    example="=TV_PEAKS(A1)",
+)
+def tv_peaks(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Largest and least torque of every element in the start, with the estimated error."""
+    return run_table("StartupPeaks", model, units, headers)
+
+
+@registered(
+    "TV_HISTORY",
+    MODEL,
+    Argument("Element", "text", "The name of the element."),
+    Argument(
+        "Points", "count", f"Rows at the most without the header, {USUAL_POINTS} unless said.", True
+    ),
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=2,
+    example='=TV_HISTORY(A1, "LS coupling", 1000)',
+)
+def tv_history(
+    model: str, element: str, points: int | None, units: str | None, headers: bool | None
+) -> Rows:
+    """Torque of an element against time; thinned so that every interval keeps its extremes."""
+    limit = _points(points)
+    found, run = run_of(model)
+    histories = run.view.histories or {}
+    if not histories:
+        raise FunctionError(NO_START, "#N/A")
+    name = name_in_case("Element", element, list(histories))
+    shown, place = units_of(system_for(units, found)), ("StartupPeaks", "Maximum torque")
+    unit, factor = shown.name(*place), shown.factor(*place)
+    time, torque = histories[name]
+    kept = decimate(time, torque, limit)
+    rows: Rows = [[float(time[i]), float(torque[i]) / factor] for i in kept]
+    return rows if headers is False else [["Time [s]", f"Torque [{unit}]"], *rows]
+
+
+@registered(
+    "TV_REVERSALS",
+    MODEL,
+    UNITS,
+    HEADERS,
+    long=True,
+    columns=width_of("TorqueReversals"),
+    example="=TV_REVERSALS(A1)",
+)
+def tv_reversals(model: str, units: str | None, headers: bool | None) -> Rows:
+    """Torque reversals, impacts and tooth force of meshes and geared couplings."""
+    missing = "The train has no gear mesh and no geared coupling."
+    return run_table("TorqueReversals", model, units, headers, missing)
