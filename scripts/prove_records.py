@@ -131,7 +131,7 @@ FUNCTION = Patch(
             '@registered("TV_STATIONS", MODEL, scalar=True, example="=TV_STATIONS(A1)")\n'
             "def tv_stations(model: str) -> int:\n"
             '    """How many stations the train has."""\n'
-            "    return len(_at_speed(model)[0].case.stations)\n\n\n",
+            "    return len(at_speed_tables(model)[0].case.stations)\n\n\n",
         ),
     ),
     derived=(("docs/functions.md", "## TV_STATIONS"),),
