@@ -1,7 +1,8 @@
 """Write every file that is derived from the records: `make generated`.
 
-Schemas, the pages of results and functions, the commands of the studies, and the workbooks in templates/. Nothing of them is edited by
-hand; a test builds them all and names those that are stale.
+Schemas, the pages of results and functions, the commands of the studies, the list of sentences, and the
+workbooks in templates/. Nothing of them is edited by hand; a test builds them all and names those that are
+stale.
 
     python scripts/generated.py [ROOT]
 """
@@ -9,7 +10,11 @@ hand; a test builds them all and names those that are stale.
 from __future__ import annotations
 
 import sys
+import zipfile
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+from list_sentences import listing  # noqa: E402  (beside this file)
 
 ROOT = Path(__file__).resolve().parents[1]
 #: What the test says to run.
@@ -41,6 +46,7 @@ def write_generated(root: Path) -> list[Path]:
         "docs/results.md": results_page(),
         "docs/functions.md": functions_page(),
         "addin/cli/study_commands.py": study_commands(),
+        "scripts/sentences.txt": listing(ROOT),
     }
     for name, text in pages.items():
         path = root / name
@@ -52,13 +58,21 @@ def write_generated(root: Path) -> list[Path]:
     return [path.relative_to(root) for path in written]
 
 
+def _content(path: Path) -> object:
+    """What a file holds; of a workbook its parts, since how they are packed depends on the machine."""
+    if path.suffix != ".xlsx":
+        return path.read_bytes()
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
 def stale_files(root: Path, fresh: Path) -> list[str]:
     """What differs from the records in a checkout; `fresh` is a folder to build in. [names]"""
     written = write_generated(fresh)
     stale = []
     for name in written:
         path = root / name
-        if not path.is_file() or path.read_bytes() != (fresh / name).read_bytes():
+        if not path.is_file() or _content(path) != _content(fresh / name):
             stale.append(name.as_posix())
     for folder in FOLDERS:
         there = {path.relative_to(root) for path in (root / folder).iterdir() if path.is_file()}

@@ -1,7 +1,7 @@
-"""List every sentence that a user can meet: `python scripts/list_sentences.py [--write]`.
+"""List every sentence that a user can meet: `python scripts/list_sentences.py`.
 
 Read from the sources: texts of at least three words in engine and addin, docstrings, comments and names of
-tests apart; what is put into a text stands as {…}. The list is committed as scripts/sentences.txt, so that a
+tests apart; what is put into a text stands as {…}. `make generated` writes scripts/sentences.txt, so that a
 change of words is seen in review, and a test refuses words that were replaced (see `REPLACED`).
 """
 
@@ -16,19 +16,18 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-LIST = Path(__file__).with_name("sentences.txt")
 #: A text is a sentence for people when it has so many words in a row.
 _WORDS = re.compile(r"[A-Za-zÀ-ÿ’'-]{2,}(?:[ ,;:.()%–−]+(?:\{…\}|[A-Za-z0-9À-ÿ’'-]+)){2,}")
 #: What no sentence says any more, and what it says instead.
 REPLACED = {
     r"\bgiven up\b": "cancelled, stopped",
-    r"\b(is|are) told\b|\btold (in|as)\b": "is shown, is reported",
+    r"\b(is|are) told\b|\btold (in|as)\b(?! Boolean)": "is shown, is reported",
     r"\bhangs? on\b": "depends on",
-    r"\bas (it|they) stands?\b(?! in)": "unchanged",
+    r"\bas (it|they) stands?\b": "unchanged",
     r"\bsideways\b": "lateral",
     r"\bblows?\b": "impact",
     r"\bteeth part\b|\bruns that part\b|\btrain that parts\b": "separate, diverge",
-    r"\bis not a start\b|\bis no start\b": "is an incomplete start",
+    r"\bis not a start\b|(?<!there )\bis no start\b": "is an incomplete start",
     r"\bstands? in the way of\b|\bwants it no more\b|\bcounts nothing\b": "plain words",
 }
 
@@ -116,14 +115,11 @@ def riddles(root: Path = ROOT) -> Iterator[tuple[str, str, str]]:
 def main() -> int:
     """Print the list, or write it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help="rewrite scripts/sentences.txt")
     parser.add_argument("--riddles", action="store_true", help="only sentences with replaced words")
     options = parser.parse_args()
     if options.riddles:
         for place, sentence, instead in riddles():
             sys.stdout.write(f"{place}: {sentence}  → {instead}\n")
-    elif options.write:
-        LIST.write_text(listing(), encoding="utf-8")
     else:
         sys.stdout.write(listing())
     return 0

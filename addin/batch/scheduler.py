@@ -381,7 +381,7 @@ class Batch:
 
     def _crashed(self, one: Input, answer: Crashed) -> Record:
         sentence = (
-            f"{one.name} was given up: {answer.sentence}, twice. Perhaps memory ran out: calculate it "
+            f"{one.name} was stopped: {answer.sentence}, twice. Perhaps memory ran out: calculate it "
             "by itself with torsionbook recalc; if that fails too, please report it."
         )
         return failed(one.name, str(one.path), CRASHED, sentence)

@@ -111,8 +111,8 @@ def _blow_words(worst: Mapping[str, Any]) -> str:
     if not worst.get("impacts"):
         return f"{name}: torque at its least value, the teeth do not part"
     if worst["minimum_torque"] < 0.0:
-        return f"{name}: teeth part (torque zero), cross the gap and strike the back flank (below zero)"
-    return f"{name}: teeth part (torque zero) and meet again on the drive flank"
+        return f"{name}: teeth separate (torque zero), cross the gap and strike the back flank (below zero)"
+    return f"{name}: teeth separate (torque zero) and re-engage on the drive flank"
 
 
 def _depth(reversal: Mapping[str, Any]) -> tuple[float, float]:

@@ -352,7 +352,7 @@ def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
     try:
         work.process(inputs)
     except Abandoned:
-        return f"Interrupted; files that were being calculated were given up. {_AGAIN}"
+        return f"Interrupted; files that were being calculated were stopped. {_AGAIN}"
     except Stopped as wrong:
         stop.reason = stop.reason or str(wrong)
     if stop.reason:

@@ -115,12 +115,12 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Mass drive", "mass",
                 "Mass of the gear on the From side, where it moves on its bearings.",
-                blank="gear does not move sideways",
+                blank="gear does not move laterally",
             ),
             number(
                 "Mass driven", "mass",
                 "Mass of the gear on the To side, where it moves on its bearings.",
-                blank="gear does not move sideways",
+                blank="gear does not move laterally",
             ),
             number(
                 "Bearing stiffness drive", "linear stiffness",

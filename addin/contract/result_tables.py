@@ -163,7 +163,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "ModeShapes", sheet="Frequencies", caption="Mode shapes",
-        help="Twist of each station, largest = 1; no twist where a gear only moves sideways.",
+        help="Twist of each station, largest = 1; no twist where a gear only moves laterally.",
         row_name=("Station",), rank=1,
         columns=(text("Station", "Station.", kind="station", trace=named("Stations.Station")),),
         repeated=number(
@@ -796,7 +796,7 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
         row_name=("Quantity", "Of"),
         columns=(
             text(
-                "Quantity", "stiffness or inertia; bearing stiffness, sideways mass of gears.",
+                "Quantity", "stiffness or inertia; bearing stiffness, lateral mass of gears.",
                 "Stiffness or inertia", SVD, of_case=MODAL,
             ),
             text("Of", "Element or station.", "Element or station, as typed", SVD, of_case=MODAL),

@@ -30,7 +30,7 @@ REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
     (
         "Model",
         "linear: the teeth are taken to stay in contact, the torque below zero says that they would "
-        "not. clearance: the teeth part, cross the gap and meet again; time unloaded is then the "
+        "not. clearance: the teeth separate, cross the gap and re-engage; time unloaded is then the "
         "time without contact, tooth force and recontact speed are along the normal of the flank.",
     ),
     (

@@ -156,7 +156,7 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> ComparedFile:
         None,
         None,
         _plain_tables(tables),
-        "as they stand in the file, which holds no inputs",
+        "as recorded in the file, which holds no inputs",
         f"torsionbook {content.get('version', '')}".strip(),
         str(content.get("case_sha256") or ""),
         json_provenance(content).settings,
@@ -177,7 +177,7 @@ def _of_workbook(
     if recorded.digest == digest and not recalculate:
         return ComparedFile(
             source, read.data, read.typed, units, tables,
-            "as they stand in the file, whose recorded digest is that of its inputs",
+            "as recorded in the file, whose recorded digest is that of its inputs",
             recorded.software, digest, recorded.settings,
         )  # fmt: skip
     if not recorded.digest:

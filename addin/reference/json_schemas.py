@@ -86,7 +86,7 @@ def verify_schema() -> dict[str, Any]:
         "made_by": {"description": "Version that made the results; empty = not recorded.", **text},
         "verified_by": {"description": "Version that verified them.", **text},
         "recorded_sha256": {
-            "description": "Digest the file records, as it stands there; empty = none.",
+            "description": "Digest that the file records; empty = none.",
             **text,
         },
         "case_sha256": {"description": "Digest of the inputs; empty = not readable.", **digest},
@@ -336,7 +336,7 @@ def _details() -> dict[str, Any]:
                 **shares,
             },
             "sideways_kinetic_energy": {
-                "description": "Share of the sideways motion of each such gear. [1]",
+                "description": "Share of the lateral motion of each such gear. [1]",
                 **shares,
             },
             "nodes": {

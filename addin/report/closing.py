@@ -142,7 +142,7 @@ def _study(subject: Subject) -> Section:
                 study.rows,
                 subject.shown,
                 "Error against time of this case",
-                note="As it stands in the workbook: what torsionbook accuracy measured, and when.",
+                note="As recorded in the workbook: what torsionbook accuracy measured, and when.",
             )
         )
     told = " ".join(filter(None, (clean(study.reference), clean(study.inputs))))

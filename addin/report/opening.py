@@ -160,7 +160,7 @@ def conclusions(subject: Subject) -> Iterator[str]:
     failing = [str(row["check"]) for row in verdicts if row["verdict"] in ("fail", "unbounded")]
     open_checks = [str(row["check"]) for row in verdicts if row["verdict"] == "not judged"]
     if failing:
-        yield f"Not accepted as it stands: {', '.join(failing)}."
+        yield f"Not accepted in this form: {', '.join(failing)}."
     elif len(open_checks) < len(verdicts):
         yield "No check that could be judged fails."
     if open_checks:

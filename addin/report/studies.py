@@ -40,8 +40,8 @@ def studies(subject: Subject, there: Sequence[RecordedStudy]) -> Section:
         One part a study.
     """
     sentence = (
-        "Studies are calculated by commands of their own and stand in the workbook. They are printed as "
-        "they stand there, where they belong to the inputs of this document; nothing of them was "
+        "Studies are calculated by commands of their own and written into the workbook. They are printed from "
+        "there where they belong to the inputs of this document; nothing of them was "
         "calculated again."
     )
     return Section("Studies", (Paragraph(sentence),), tuple(_part(subject, one) for one in there))
@@ -89,7 +89,7 @@ def _tuning(subject: Subject, one: RecordedStudy) -> Iterator[Block]:
         return [r for r, k in ranks if k is not None and (k <= rank or r.get("As is") is True)]
 
     best = until(_BEST)
-    some = _part_of(len(best), len(rows), "the best and the case as it stands")
+    some = _part_of(len(best), len(rows), "the best and the unchanged case")
     yield from _tables(
         standing_table(
             "TuningResults", best, shown, "Combinations by rank",

@@ -176,4 +176,4 @@ async def _found(job: Job, tell: Tell) -> Any:
     except FunctionError as wrong:
         return wrong
     except Cancelled:
-        raise RuntimeError("The calculation was given up. Ask for it again.") from None
+        raise RuntimeError("The calculation was stopped. Ask for it again.") from None

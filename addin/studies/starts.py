@@ -81,7 +81,7 @@ def _cut_short(calculated: int, planned: int, has_duty: bool) -> CutShort:
         "'not calculated'."
     )
     if has_duty:
-        sentence += " What a duty uses up is told only if all of its starts were calculated."
+        sentence += " What a duty uses up is shown only if all of its starts were calculated."
     return CutShort(calculated, planned, sentence)
 
 

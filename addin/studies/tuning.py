@@ -131,8 +131,8 @@ def _warnings(count: int, missing: int) -> tuple[str, ...]:
         return ()
     rest = f", {missing:,} of them not calculated," if missing else ""
     return (
-        f"Sheet Tuning results shows the best {SHOWN} of {count:,} combinations{rest} and the case as "
-        "it stands; --json writes all of them.",
+        f"Sheet Tuning results shows the best {SHOWN} of {count:,} combinations{rest} and the unchanged case; "
+        "--json writes all of them.",
     )
 
 

@@ -439,7 +439,9 @@ _HISTORY_AXIS = r"(Tooth load|Nominal shear stress|Torque)( \[.*\])?"
 _SN_TITLE, _SN_AXIS = r"S-N line.*", r"Stress amplitude with SCF.*"
 _REVERSAL_TITLE = r".*: torque around its least value.*|Torque around the deepest reversal.*"
 _REVERSAL_AXIS = r"Torque( \[.*\])?"
-_BLOW_TITLE = r"Torque at its deepest moment.*|.*: (torque at its least value|teeth part).*"
+_BLOW_TITLE = (
+    r"Torque at its deepest moment.*|.*: (torque at its least value|teeth (part|separate)).*"
+)
 _FORCE_TITLE = r"Tooth and bearing forces.*|.*: (forces at its deepest moment|no forces drawn).*"
 _FORCE_AXIS = r"Force( \[.*\])?"
 _ACCURACY_TITLE = "Accuracy title"

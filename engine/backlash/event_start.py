@@ -538,13 +538,13 @@ def _outcome(
     if linear.runup is None or synchronous is None:
         outcome = replace(linear.outcome, end_speed=speed)
         if run.gave_up:
-            text = f"Given up after {run.trajectory.n_steps} steps at {end:.4g} s."
+            text = f"Stopped after {run.trajectory.n_steps} steps at {end:.4g} s."
             outcome = replace(outcome, outcome=Outcome.TIME_OUT, time=end, sentence=text)
         return outcome
     share, rpm = speed / synchronous, speed * 30.0 / math.pi
     if run.gave_up:
         text = (
-            f"Time out: given up after {run.trajectory.n_steps} steps at {end:.4g} s ({share:.1%} "
+            f"Time out: stopped after {run.trajectory.n_steps} steps at {end:.4g} s ({share:.1%} "
             f"speed), {len(run.log)} changes of contact so far. Check stiffness and damping of the "
             "elements with a clearance."
         )

@@ -189,9 +189,9 @@ def pulling_teeth_warnings(
         if plan.lateral and r.reversals and r.element in meshes - gaps:
             yield (
                 f"'{r.element}': the torque falls to {float(f'{r.minimum_torque:.4g}'):,g} N m, but "
-                "with Backlash blank or 0 its teeth cannot part in the calculation: they pull along "
+                "with Backlash blank or 0 its teeth cannot separate in the calculation: they pull along "
                 "the drive flank instead of pushing on the back flank, and the bearing forces of its "
-                "gears are those of a pull. Give its Backlash in table Meshes to have the teeth part."
+                "gears are those of a pull. Give its Backlash in table Meshes to let the teeth separate."
             )
 
 

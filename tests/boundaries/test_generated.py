@@ -6,9 +6,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def generated_script():
-    """scripts/generated.py as a module."""
-    place = importlib.util.spec_from_file_location("generated", ROOT / "scripts" / "generated.py")
+def generated_script(name="generated"):
+    """A module of scripts/."""
+    place = importlib.util.spec_from_file_location(name, ROOT / "scripts" / f"{name}.py")
     module = importlib.util.module_from_spec(place)
     place.loader.exec_module(module)
     return module
@@ -31,4 +31,21 @@ def test_a_stale_file_is_named(tmp_path):
     assert script.stale_files(root, fresh) == [
         "docs/results.md",
         "addin/reference/schemas/gone.schema.json (of no record)",
+    ]
+
+
+def test_no_sentence_has_words_that_were_replaced():
+    """The words of design that a reader had to decode; see scripts/list_sentences.py."""
+    riddles = generated_script("list_sentences").riddles
+    found = [f"{place}: {text} → {instead}" for place, text, instead in riddles(ROOT)]
+    assert not found, "\n".join(found)
+
+
+def test_a_replaced_word_is_found(tmp_path):
+    (tmp_path / "engine").mkdir()
+    (tmp_path / "engine" / "a.py").write_text(
+        '"""Hangs on nothing."""\nX = "The verdict hangs on it."\n'
+    )
+    assert [text for _, text, _ in generated_script("list_sentences").riddles(tmp_path)] == [
+        "The verdict hangs on it."
     ]

@@ -77,7 +77,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         help="Relative change of each frequency over that of the quantity: ± ½ × share of the energy.",
         columns=(
             text(
-                "Quantity", "stiffness or inertia; bearing stiffness, sideways mass.",
+                "Quantity", "stiffness or inertia; bearing stiffness, lateral mass.",
                 trace=_AS_TYPED,
             ),
             text("Of", "Element or station.", trace=_AS_TYPED),

@@ -428,7 +428,7 @@ def _details() -> Shape:
         "samples_planned": COUNT,
         "samples_calculated": COUNT,
         "converged": FLAG,
-        "driven": described("The answer whose drivers are told.", TEXT),
+        "driven": described("The answer whose drivers are shown.", TEXT),
         "explained": described("Share that the ranks explain; null = not told.", BLANK),
         "sentences": list_of(TEXT),
         "percentiles": list_of(closed_object(answer)),

@@ -149,12 +149,12 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_COMBINATION, width=36.0,
             ),
             flag(
-                "As is", "yes for the case as it stands.", "Whether nothing is changed", _PAGE,
+                "As is", "yes for the unchanged case.", "Whether nothing is changed", _PAGE,
                 of_case=_ROWS,
             ),
             flag(
-                "Better", "yes where it ranks above the case as it stands.",
-                "Whether it ranks above the case as it stands", _RULES,
+                "Better", "yes where it ranks above the unchanged case.",
+                "Whether it ranks above the unchanged case", _RULES,
                 of_row=("TuningResults.Rank",),
             ),
             verdict(
@@ -178,7 +178,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             sentence(
                 "Reason", "Why it stands there.",
-                "Limits, governing crossing, starts and stress in words, against the case as it stands",
+                "Limits, governing crossing, starts and stress in words, against the unchanged case",
                 _RULES, of_row=("TuningResults.Rank",), width=54.0,
             ),
             text(
@@ -275,8 +275,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_case=_ROWS,
             ),
             sentence(
-                "Note", "What a reader must know besides, and not of the case as it stands.",
-                "Warnings of the run of this combination that the case as it stands does not have",
+                "Note", "What a reader must know besides, and not of the unchanged case.",
+                "Warnings of the run of this combination that the unchanged case does not have",
                 _RUN, of_case=_ROWS, width=60.0,
             ),
         ),
@@ -436,7 +436,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_case=("MaximumSpeed", "Excitations.Order", "Excitations.Frequency"),
             ),
             text(
-                "Modes inside", "Of the case as it stands.",
+                "Modes inside", "Of the unchanged case.",
                 "Modes whose margin from it is less than required", _STEADY,
                 of_case=("SeparationMargins.Margin",),
             ),
@@ -537,7 +537,7 @@ _SHEETS: tuple[Sheet, ...] = (
         breaks=("M",),
         repeated="B:D",
         intro="Where 2 × slip frequency crosses the modes, for the best combinations and for "
-        "the case as it stands.",
+        "the unchanged case.",
     ),
     Sheet(
         "StudyData",

@@ -11,7 +11,7 @@ def has_bearings(case: CaseData) -> bool:
 
 BEARINGS = Effect(
     "bearings",
-    "gears move sideways on their bearings (lateral-torsional coupling at the mesh)",
+    "lateral motion of gears on their bearings (lateral-torsional coupling at the mesh)",
     order=10,
     inputs=EffectInputs(
         "a bearing stiffness and the mass of its gear in table Meshes", "are blank", has_bearings

@@ -22,7 +22,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     why = f"Lowest torque less its error: {number:.3g} of the largest, at '{worst.element}'"
     names = modelled or reversing(e)
     if names:
-        why += f"; teeth part at {quoted(names)}."
+        why += f"; teeth separate at {quoted(names)}."
         return Finding(True, possible, number, limit, None, why)
     if number >= 0.0:
         why += ": no reversal, so the linear solution holds with every clearance."

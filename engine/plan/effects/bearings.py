@@ -16,7 +16,7 @@ NO_FORCES = (
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The largest relative change that the bearings make to a mode."""
     if e.bearing_number is None:
-        why = "No bearing data in Meshes: gears are held sideways."
+        why = "No bearing data in Meshes: gears are held laterally."
         return Finding(False, False, None, None, None, why, cost=0.0)
     number, limit = e.bearing_number, e.tolerance / BEARING_GAIN
     wanted = number > limit

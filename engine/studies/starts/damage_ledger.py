@@ -250,7 +250,7 @@ def _verdict(
     if (low < allowed) != (high < allowed):
         sentences.append(
             f"Within the error of the calculation it may be {low:.4g} or {high:.4g}: the verdict "
-            "hangs on it. Tighten ToleranceStarts."
+            "depends on it. Tighten ToleranceStarts."
         )
     extended = [r.condition.name for r in duty if (s := _shaft(r, name)) and s.extended]
     if extended:

@@ -45,7 +45,7 @@ class Ranked:
     rank: int  #: 1 = the best.
     combination: str  #: What it is made of.
     tried: EvaluatedCombination  #: What became of it. [SI]
-    better: bool  #: Whether it is better than the case as it stands.
+    better: bool  #: Whether it is better than the unchanged case.
     reason: str  #: Why it stands there.
 
 
@@ -255,8 +255,8 @@ def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> s
     n_kept = sum(r.tried.answers is not None and not r.tried.answers.broken for r in rows)
     sentence += f"; {n_kept:,} {'keeps' if n_kept == 1 else 'keep'} all limits that are judged"
     if as_is is None:
-        return f"{sentence}. The case as it stands was not among them."
-    sentence += f", {better:,} {'is' if better == 1 else 'are'} better than the case as it stands (rank {as_is.rank:,})."
+        return f"{sentence}. The unchanged case was not among them."
+    sentence += f", {better:,} {'is' if better == 1 else 'are'} better than the unchanged case (rank {as_is.rank:,})."
     if better and len(rows) < planned:  # short: what was not calculated may be better
         return f"{sentence} The best of them is {rows[0].combination}."
     if better:
