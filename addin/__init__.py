@@ -1,38 +1,37 @@
 """The Excel side of torsionbook: workbooks, JSON and the command line; no physics.
 
-===================  ============================================================================
-module               responsibility
-===================  ============================================================================
-`fields`             the one table of inputs and outputs: name, key, unit, choices, sheet, help
-`units`              shown unit ↔ SI; the only home of rpm, mm, lbf*ft and per unit
-`problems`           a problem with its sheet and cell; the nearest of known words
-`cells`              one cell → a number, words, or a sentence on what is wrong with it
-`typed_case`         everything typed → `CaseData`; per unit and % of synchronous speed resolved
-`read_workbook`      workbook → `CaseData` and every problem with its cell
-`case_json`          case JSON ↔ `CaseData`
-`results_json`       results → JSON
-`json_schemas`       JSON Schemas of both, and of `verify` and `diff`, into `schemas/`
-`calculation`        a checked case → everything shown of it
-`run_view`           what the workbook shows of a run
-`audit`              the audit trail
-`write_workbook`     results → the cells the product owns
-`shown_units`        units above the columns → their worth in SI
-`standing_results`   results as they stand in a workbook, in SI
-`processes`          processes of our own with a line to each
-`layout`             what template and writer agree on beside the fields
-`chart_data`         numbers behind the charts
-`charts`             which series goes on which chart
-`history_file`       full torque histories beside the workbook
-`template`           builds the shipped workbooks; `template_sheets`, `_styles`, `_text` are its data
-`template_files`     where the shipped workbooks are
-`examples`           the two filled examples
-`recalc`             one input file in, its results out
-`worksheet`          the worksheet functions, one registry for every front
-`server`             the functions and the recalculation over HTTP; `client` asks it from Python
-`cli`                the command line
-`version`            the version as installed
-`package`            writing into somebody's workbook without damaging it
-===================  ============================================================================
+=============  ===================================================================================
+module         responsibility
+=============  ===================================================================================
+`contract`     the one description of inputs and outputs: fields, units, tables, sheets and texts.
+               data, and look-ups in it
+`calculation`  one case through `engine.run`; key figures and the audit trail
+`charts`       the numbers behind charts, for every renderer, in the units shown on the sheets
+`workers`      work in other processes
+`xlsx`         edits an .xlsx file part by part and leaves everything else byte for byte as it is
+`reading`      workbook or case JSON to `CaseData`, with every problem and its cell
+`recorded`     results as a workbook holds them, their provenance and digests
+`worksheet`    the worksheet functions: written once here, carried to Excel, Calc and HTTP by thin
+               fronts
+`libreoffice`  the worksheet functions in LibreOffice Calc: an extension (.oxt) and the process
+               behind it
+`calc`         kept for installed LibreOffice extensions, which start `python -m
+               addin.calc.worker`
+`template`     builds the shipped workbooks from the records of `addin.contract`
+`writing`      results into cells, JSON and history files; one file from input to output
+`batch`        folders of inputs and programmes of cases, on all cores or a cluster
+`studies`      one input through a study: check, calculate, write
+`reference`    generated reference: JSON Schemas, the pages of results and of functions; written
+               by ``make generated``
+`server`       the calculation server: the worksheet functions and the recalculation over HTTP
+`excel`        desktop Excel on Windows: the worksheet functions through xlwings, without a
+               licence
+`verify`       whether the results in a file follow from the inputs in it
+`diff`         two revisions of a train side by side: what changed in the inputs, and what it did
+`report`       the calc sheet as a document: one model, built once from the results, and two thin
+               writers
+`cli`          the command line, one module a command; the only room that prints
+=============  ===================================================================================
 
 Everything shown carries its unit beside it; everything handed to `engine` is in SI.
 """

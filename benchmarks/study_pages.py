@@ -16,7 +16,7 @@ from benchmarks.measure import Timing, time_at
 from benchmarks.plots import draw_growth, draw_tolerances
 from benchmarks.report import Section, Table
 from benchmarks.scaling import MEMORY, LoopRow, MemoryRow, exponent
-from benchmarks.tolerance_study import MOST_NUDGES, ClassSummary, Study, classes_of
+from benchmarks.study_answers import MOST_NUDGES, ClassSummary, Study, classes_of
 
 __all__ = ["draw_effects", "effect_goals", "effect_sections", "study_sections", "write_study"]
 

@@ -14,7 +14,7 @@ module          responsibility
 `fatigue`       from a stress history to cycles, damage and allowable starts
 `operation`     continuous operation: separation margins, forbidden bands, harmonic response
 `start`         the linear start: simulation, peaks, outcome, crossings, reversals, pull-in
-`backlash`      starts with clearances, sideways motion of gears, field application and trip
+`backlash`      starts with clearances, lateral motion of gears, field application and trip
 `plan`          which effects a case calls for, each with the number that decided it
 `results`       the frozen results of a run, verdicts, warnings, rows of the result tables
 `run`           the conductor: a case in, results out

@@ -147,32 +147,26 @@ def test_engine_imports_only_numerics():
     assert list(third_party_complaints(ROOT)) == []
 
 
-@pytest.mark.xfail(strict=False, reason="the rooms are being put in order")
 def test_imports_point_downwards():
     assert list(direction_complaints(ROOT)) == []
 
 
-@pytest.mark.xfail(strict=False, reason="the rooms are being put in order")
 def test_there_is_no_circle():
     assert circles(ROOT, *PACKAGES) == []
 
 
-@pytest.mark.xfail(strict=False, reason="the rooms are being put in order")
 def test_benchmarks_have_no_circle():
     assert circles(ROOT, "benchmarks") == []
 
 
-@pytest.mark.xfail(strict=False, reason="the rooms are being put in order")
 def test_no_import_is_hidden_in_a_function():
     assert list(hidden_complaints(ROOT)) == []
 
 
-@pytest.mark.xfail(strict=False, reason="the rooms are being put in order")
 def test_each_folder_opens_with_its_table():
     assert list(table_complaints(ROOT)) == []
 
 
-@pytest.mark.xfail(strict=False, reason="the rooms are being put in order")
 def test_no_function_has_too_many_parameters():
     assert list(parameter_complaints(ROOT)) == []
 

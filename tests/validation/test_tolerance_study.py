@@ -6,8 +6,9 @@ import math
 
 import pytest
 
+from benchmarks.study_answers import classes_of, summary_of
 from benchmarks.study_trains import gaps_of, study_train
-from benchmarks.tolerance_study import QUICK, classes_of, study, summary_of
+from benchmarks.tolerance_study import QUICK, study
 
 
 def record(**changes: object) -> dict[str, object]:
