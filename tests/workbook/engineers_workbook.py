@@ -24,6 +24,7 @@ from office_package import added, edited, part_of_sheet, related
 
 from addin.contract.sheets import SHEETS
 from addin.template import build as template
+from addin.template import front_sheets
 from addin.template.examples import EXAMPLES
 
 VBA = bytes.fromhex("D0CF11E0A1B11AE1") + bytes(range(256)) * 16
@@ -68,12 +69,14 @@ def engineers_workbook(
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(template, "SHEETS", sheets)
-        halves = (("D", template.CASE_HALVES[0][1]), ("J", template.CASE_HALVES[1][1]))
-        patch.setattr(template, "CASE_HALVES", halves)
+        halves = (("D", front_sheets.CASE_HALVES[0][1]), ("J", front_sheets.CASE_HALVES[1][1]))
+        patch.setattr(front_sheets, "CASE_HALVES", halves)
         blocks = template._chart_rows(example, "us")
         options = {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
         with xlsxwriter.Workbook(path, options) as book:
-            builder = template._Builder(book, "us", example, blocks, provenance=())
+            builder = template._Builder(
+                book, "us", example, blocks, provenance=(), variant=template.PLAIN
+            )
             builder.build()
             own = _own_sheet(book)
             _ornaments(book, builder.sheets, own)
