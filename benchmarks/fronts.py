@@ -23,7 +23,7 @@ os.environ.update(single_threaded())
 
 ROOT = Path(__file__).resolve().parents[1]
 TESTS = ROOT / "tests"
-sys.path[:0] = [str(TESTS / one) for one in ("excel", "server", "worksheet", "calc")]
+sys.path[:0] = [str(TESTS / one) for one in ("excel", "server", "worksheet", "libreoffice")]
 
 from benchmarks import report  # noqa: E402
 from benchmarks.report import Section, Table  # noqa: E402

@@ -115,8 +115,8 @@ subprocess.run([sys.executable, "-m", "addin.cli", "verify", str(out)], check=Tr
 """,
     tests=(
         "tests/boundaries/test_generated.py",
-        "tests/addin/test_traces.py",
-        "tests/addin/test_results_json.py",
+        "tests/contract/test_traces.py",
+        "tests/writing/test_results_json.py",
         "tests/workbook/test_templates.py",
     ),
 )
@@ -150,7 +150,7 @@ assert "STATIONS" in json.dumps(functions_json())
     tests=(
         "tests/boundaries/test_generated.py",
         "tests/worksheet",
-        "tests/calc/test_oxt.py",
+        "tests/libreoffice/test_oxt.py",
         "tests/server/test_office.py",
     ),
 )
@@ -197,7 +197,7 @@ assert not decision.on and "not simulated" in decision.why
 """,
     tests=(
         "tests/boundaries/test_generated.py",
-        "tests/engine/test_plan.py",
+        "tests/engine/plan/test_plan.py",
         "tests/workbook/test_templates.py",
         "tests/worksheet/test_documented_formulas.py",
     ),

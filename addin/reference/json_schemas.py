@@ -14,7 +14,7 @@ from addin.contract.json_shapes import TEXT, closed_object, list_of, whole_objec
 from addin.contract.studies.registry import STUDIES
 from addin.contract.study_spec import StudySpec
 from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, SCALARS, Field, TableSpec
-from engine.start.outcome import Outcome
+from engine.case.result_words import Outcome
 
 #: Where the shipped schemas are.
 SCHEMA_FOLDER = Path(__file__).resolve().parent / "schemas"

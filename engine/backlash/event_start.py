@@ -29,6 +29,7 @@ from engine.case.choices import ContactLaw, Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, LONGEST_START
 from engine.case.effect import StartEffects
+from engine.case.result_words import Outcome
 from engine.errors import ModelError
 from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
@@ -37,7 +38,7 @@ from engine.model.motor import electrical_arrays, motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
 from engine.start.event_results import PullIn, Repeatability
-from engine.start.outcome import Outcome, StartOutcome, outcome_of, run_length
+from engine.start.outcome import StartOutcome, outcome_of, run_length
 from engine.start.peaks import element_peaks, relative_errors, worst_outputs
 from engine.start.prescribed import prescribed_torques, run_prescribed
 from engine.start.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear

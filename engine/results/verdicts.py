@@ -11,11 +11,10 @@ from dataclasses import dataclass
 
 from engine.case.data import CaseData
 from engine.case.effects import choice_of
-from engine.case.result_words import Judgement
+from engine.case.result_words import Judgement, Outcome
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.operation.margins import SeparationMargins
 from engine.operation.steady_state import SteadyState
-from engine.start.outcome import Outcome
 from engine.start.reversals import Reversal
 from engine.start.start import Start
 from engine.start.start_fatigue import WHOLE_STARTS

@@ -10,11 +10,11 @@ import numpy as np
 from engine.case.choices import ElementKind, Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_STARTS
+from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.plan.plan import Plan
-from engine.start.outcome import Outcome
 from engine.start.reversals import Reversal
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts

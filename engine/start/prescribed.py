@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from engine.case.choices import Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
+from engine.case.result_words import Outcome
 from engine.errors import ModelError
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
 from engine.model.train import Train
-from engine.start.outcome import Outcome, StartOutcome
+from engine.start.outcome import StartOutcome
 from engine.start.peaks import element_peaks, relative_errors, worst_outputs
 from engine.start.start import Start
 from engine.start.time_response import PrescribedTorque, linear, time_response

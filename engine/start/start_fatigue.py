@@ -10,6 +10,7 @@ import numpy as np
 
 from engine.case.choices import RainflowResidue
 from engine.case.data import CaseData, ElementRow
+from engine.case.result_words import Outcome
 from engine.fatigue.allowable_starts import (
     AllowableStarts,
     ShaftFatigue,
@@ -19,7 +20,6 @@ from engine.fatigue.allowable_starts import (
 from engine.fatigue.damage import needs_counting
 from engine.fatigue.sn_curve import SNCurve, sn_curve_for
 from engine.fatigue.stress import stress_of_unit_torque
-from engine.start.outcome import Outcome
 from engine.start.start import Start
 
 #: Outcomes after which the cycles are those of a whole start.

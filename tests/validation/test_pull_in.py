@@ -17,7 +17,14 @@ from scipy.integrate import solve_ivp
 from engine.case.case import Case
 from engine.case.data import LoadTorqueRow
 from engine.start.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
-from tests.engine.test_electrical import FIELD_TIME, INERTIA, LINE, MACHINE, SYNCHRONOUS, simulated
+from tests.engine.start.test_electrical import (
+    FIELD_TIME,
+    INERTIA,
+    LINE,
+    MACHINE,
+    SYNCHRONOUS,
+    simulated,
+)
 from tests.trains import motor
 
 PULL_OUT, PAIRS = 20e3, 2.0

@@ -1,6 +1,6 @@
 """Reduced voltage, aborted start and field application, whole runs against scipy's DOP853.
 
-The equations of the motor are those of `tests.engine.test_electrical`, written out from their
+The equations of the motor are those of `tests.engine.start.test_electrical`, written out from their
 formulas; here the field comes, and the motor trips, when a speed is reached.
 """
 

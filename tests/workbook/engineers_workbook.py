@@ -22,7 +22,7 @@ import xlsxwriter
 from office_objects import pivot_sheet, pivot_tables, rich_cells, rich_values, slicers
 from office_package import added, edited, part_of_sheet, related
 
-from addin.contract.sheets import SHEETS
+from addin.contract.sheets import CASE_HALVES, SHEETS
 from addin.template import build as template
 from addin.template import front_sheets
 from addin.template.examples import EXAMPLES
@@ -69,7 +69,7 @@ def engineers_workbook(
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(template, "SHEETS", sheets)
-        halves = (("D", front_sheets.CASE_HALVES[0][1]), ("J", front_sheets.CASE_HALVES[1][1]))
+        halves = (("D", CASE_HALVES[0][1]), ("J", CASE_HALVES[1][1]))
         patch.setattr(front_sheets, "CASE_HALVES", halves)
         blocks = template._chart_rows(example, "us")
         options = {"default_format_properties": {"font_name": "Arial", "font_size": 10}}

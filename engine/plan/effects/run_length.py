@@ -3,9 +3,9 @@
 import math
 
 from engine.case.data import CaseData
+from engine.case.result_words import Outcome
 from engine.plan.decision import Finding
 from engine.plan.evidence import Evidence
-from engine.start.outcome import Outcome
 
 
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from engine.case.case import Case
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
+from engine.case.result_words import Outcome
 from engine.errors import TorsionError
 from engine.fatigue.allowable_starts import ShaftFatigue
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.results.results import Results
 from engine.run import run
-from engine.start.outcome import Outcome
 from engine.start.start import Start
 from engine.start.start_fatigue import is_counted, judged_shafts
 from engine.studies.starts.conditions import StartCondition, condition_case

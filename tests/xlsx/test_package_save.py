@@ -27,7 +27,7 @@ from addin.xlsx.references import Rect
 from addin.xlsx.values import row_xml
 from addin.xlsx.written import Written
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def edited(path: Path) -> Workbook:

@@ -7,25 +7,18 @@ LibreOffice with the extension added, and batch is the workbook recalculated as 
 """
 
 import struct
-import sys
-from pathlib import Path
 
 import openpyxl
 import pytest
+from office_page import cell, launched, load_in_office
+from servers import inside, outside
 from sheet_ranges import SAME_CELLS, TEMPLATES, model_arguments, table
 from test_calc_workbook import calculated, every_call, expected  # noqa: F401  (fixtures)
+from windows_layer import machinery
 
+from addin.server.settings import Settings
 from addin.worksheet.registry import FUNCTIONS, call
 from addin.writing.recalculate import recalculate
-
-TESTS = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TESTS / "excel"), str(TESTS / "server")]
-
-from office_page import cell, launched, load_in_office  # noqa: E402
-from servers import inside, outside  # noqa: E402
-from windows_layer import machinery  # noqa: E402
-
-from addin.server.settings import Settings  # noqa: E402
 
 pytestmark = [pytest.mark.needs_libreoffice, pytest.mark.needs_browser]
 

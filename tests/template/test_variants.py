@@ -1,6 +1,6 @@
 """The variants of the workbooks: one sheet `Live`, spelled as each program wants it.
 
-LibreOffice calculates the one for Calc (tests/calc/test_live_sheet.py). Here: the others hold the
+LibreOffice calculates the one for Calc (tests/libreoffice/test_live_sheet.py). Here: the others hold the
 same formulas under the names their programs know, and a calculation leaves the sheet alone.
 """
 

@@ -111,7 +111,7 @@ def test_repeated_columns():
 
 def test_importing_the_readers_loads_nothing_heavy():
     script = (
-        "import sys, addin.reading.case_json, addin.writing.results_json, addin.contract.units\n"
+        "import sys, addin.reading.case_json, addin.reference.json_schemas, addin.writing.results_json, addin.contract.units\n"
         "print([m for m in ('pint', 'openpyxl', 'lxml', 'numpy', 'scipy', 'numba') "
         "if m in sys.modules])"
     )

@@ -3,16 +3,11 @@
 import os
 import shlex
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from addin.libreoffice.oxt import extension, worker_command
-
-TESTS = Path(__file__).resolve().parents[1]
-# ranges of the shipped workbooks; LibreOffice
-sys.path[:0] = [str(TESTS / "worksheet"), str(TESTS)]
 
 
 @pytest.fixture(scope="session")

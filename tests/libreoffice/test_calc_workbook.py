@@ -1,7 +1,7 @@
 """A workbook with every function, recalculated by LibreOffice with the extension added.
 
 The reference is the registry called in this process. Numbers are compared as doubles, read from a
-file that LibreOffice writes with all their bits (tests/calc/xls_cells.py).
+file that LibreOffice writes with all their bits (tests/libreoffice/xls_cells.py).
 """
 
 import struct
