@@ -27,6 +27,7 @@ DERIVED = (
     "docs/results.md",
     "docs/functions.md",
     "addin/cli/study_commands.py",
+    "scripts/sentences.txt",
 )
 
 
