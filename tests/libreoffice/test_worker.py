@@ -127,3 +127,16 @@ def test_requests_of_another_form_are_answered_and_the_next_one_is_served():
     assert "error" in worker._answer_to(b'{"function": 3, "arguments": []}')
     for one in (deep, deeper):
         assert "failed inside" not in worker._answer_to(one.encode())["error"]
+
+
+@pytest.mark.parametrize("name", ["addin.libreoffice.worker", "addin.calc.worker"])
+def test_it_is_started_by_the_name_of_today_and_by_that_of_installed_extensions(name):
+    request = packed({"function": "TV_CONVERT", "arguments": [1.0, "m", "mm"]})
+    done = subprocess.run(
+        [sys.executable, "-P", "-m", name],
+        input=request,
+        capture_output=True,
+        timeout=120,
+        check=True,
+    )
+    assert unpacked(done.stdout) == [{"rows": [[1000.0]]}]
