@@ -18,6 +18,7 @@ from addin.batch.own_files import SUMMARY_SHEETS
 from addin.batch.records import DONE, Record
 from addin.contract.sheet import text_height
 from addin.xlsx.whole_files import write_whole
+from engine.case.result_words import NoNumber
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,9 +62,9 @@ def _mode(number: int) -> Callable[[Record], Any]:
 
 def _starts(record: Record) -> Any:
     if record.results.get("starts_not_judged"):
-        return "not judged"
+        return NoNumber.NOT_JUDGED
     if record.results.get("starts_unlimited"):
-        return "unlimited"
+        return NoNumber.UNLIMITED
     found = record.results.get("starts")
     return None if found is None else math.floor(found)
 

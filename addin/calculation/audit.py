@@ -14,6 +14,7 @@ from typing import Any
 
 from addin.contract.audit_items import DIGEST_ITEM, SETTING_ITEM, SOFTWARE_ITEM
 from addin.contract.version import product_version
+from engine.case.result_words import NoNumber
 from engine.plan.decision import EffectDecision
 from engine.results.results import Results
 
@@ -227,5 +228,5 @@ def _accuracy(results: Results) -> Iterator[tuple[str, str]]:
         f"time{'' if start.halvings == 1 else 's'} to meet the wanted error",
     )
     for name, error in results.starts_error:
-        shown = "unlimited" if error is None else _percent(error)
+        shown = NoNumber.UNLIMITED if error is None else _percent(error)
         yield f"Estimated error of starts, {name}", shown

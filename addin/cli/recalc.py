@@ -18,6 +18,7 @@ from addin.cli.terminal import list_problems, progress, refuse_clashes
 from addin.contract.problems import printable
 from addin.writing.history_file import history_stems
 from addin.writing.recalculate import PreparedInput, RecalculationOutcome, beside, recalculate
+from engine.case.result_words import NoNumber
 
 
 def recalc(
@@ -176,9 +177,9 @@ def _summary_cells(one: RecalculationOutcome) -> list[str]:
     elif shown.peak_torque is not None:
         peak = f"{shown.peak_torque:.4g} N m {shown.peak_where}"
     if shown.starts_not_judged:
-        starts = "not judged"
+        starts = NoNumber.NOT_JUDGED
     elif shown.starts_unlimited:
-        starts = "unlimited"
+        starts = NoNumber.UNLIMITED
     elif shown.starts is not None:
         starts = f"{math.floor(shown.starts):,}"
     outcome = "–" if one.calculation.results.start is None else shown.outcome

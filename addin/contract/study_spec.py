@@ -26,28 +26,6 @@ class StudyScale:
 
 
 @dataclass(frozen=True)
-class Setting:
-    """One setting of a study, as a client of the server may state it."""
-
-    name: str  #: Its key, and its option on the command line.
-    kind: type  #: ``int``, ``bool`` or ``str``.
-    allowed: str  #: What it may be, in words.
-    least: int | None = None  #: Of a number.
-    most: int | None = None  #: Likewise.
-    choices: tuple[str, ...] = ()  #: Of words.
-
-    def fits(self, value: object) -> bool:
-        """Whether a value may be used."""
-        if type(value) is not self.kind:  # a flag is no number here
-            return False
-        if isinstance(value, int) and not isinstance(value, bool):
-            if self.least is not None and value < self.least:
-                return False
-            return self.most is None or value <= self.most
-        return not self.choices or value in self.choices
-
-
-@dataclass(frozen=True)
 class StudySpec:
     """One study as data; its check and its calculation are in `addin.studies`."""
 
@@ -60,7 +38,6 @@ class StudySpec:
     results: tuple[TableSpec, ...]  #: Its result tables, those of the workbook alone among them.
     sheets: tuple[Sheet, ...]  #: Its sheets, of inputs and of results.
     details: Shape = field(default_factory=dict)  #: What its JSON has beside its tables.
-    settings: tuple[Setting, ...] = ()  #: What can be set beside its tables.
     reads: tuple[str, ...] = ()  #: Input tables of other studies that it reads as well. [names]
     height: float = 42.0  #: Of the line that says what was found. [points]
     #: Further sheets of its results with the last columns of their lines. [names, letters]

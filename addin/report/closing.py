@@ -21,6 +21,7 @@ from addin.report.equations import EQUATIONS, METHODS, REFERENCES, by
 from addin.report.numbers import clean, scientific
 from addin.report.subject import Subject
 from addin.report.tables import result_table, without_blanks
+from engine.case.result_words import NoNumber
 
 _EFFECT_COLUMNS = ("Effect", "Choice", "Deciding number", "Limit", "Bound", "Why")
 #: Items of table Audit that tell how accurate the answers are.
@@ -157,8 +158,8 @@ def _starts_errors(subject: Subject) -> list[tuple[str, str]]:
         for item, value in subject.audit.items()
         if item.startswith(head)
     }
-    found = [(f"{head}{clean(k)}", clean(v)) for k, v in errors.items() if v != "unlimited"]
-    unlimited = sum(1 for value in errors.values() if value == "unlimited")
+    found = [(f"{head}{clean(k)}", clean(v)) for k, v in errors.items() if v != NoNumber.UNLIMITED]
+    unlimited = sum(1 for value in errors.values() if value == NoNumber.UNLIMITED)
     if unlimited:
         shafts = "1 shaft" if unlimited == 1 else f"{unlimited} shafts"
         found.append(("Unlimited starts", f"{shafts}: no cycle does damage"))

@@ -23,6 +23,7 @@ from addin.report.document import (
 from addin.report.numbers import clean, fixed, significant
 from addin.report.subject import Subject
 from addin.report.tables import result_table
+from engine.case.result_words import Judgement
 from engine.start.start_fatigue import is_counted
 
 #: Longest tag below the title; the title block has all of it. [characters]
@@ -117,7 +118,7 @@ def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str
     open_checks = dict.fromkeys(
         str(row["check"])
         for row in verdicts
-        if row["verdict"] == "not judged" and row is not overall
+        if row["verdict"] == Judgement.NOT_JUDGED and row is not overall
     )
     return f"{sentence} Not judged: {', '.join(open_checks)}." if open_checks else sentence
 
@@ -157,8 +158,12 @@ def summary(subject: Subject) -> Section:
 def conclusions(subject: Subject) -> Iterator[str]:
     """What follows from the verdicts: where the train could be changed, what to enter, what to measure."""
     verdicts = [row for row in subject.rows("Verdicts") if row["check"] != "Overall"]
-    failing = [str(row["check"]) for row in verdicts if row["verdict"] in ("fail", "unbounded")]
-    open_checks = [str(row["check"]) for row in verdicts if row["verdict"] == "not judged"]
+    failing = [
+        str(row["check"])
+        for row in verdicts
+        if row["verdict"] in (Judgement.FAIL, Judgement.UNBOUNDED)
+    ]
+    open_checks = [str(row["check"]) for row in verdicts if row["verdict"] == Judgement.NOT_JUDGED]
     if failing:
         yield f"Not accepted in this form: {', '.join(failing)}."
     elif len(open_checks) < len(verdicts):

@@ -17,7 +17,7 @@ from addin.contract.field import (
 )
 from addin.contract.json_shapes import FLAG, NUMBER, TEXT, Shape, cut_short, described
 from addin.contract.sheet import ChartAt, Sheet
-from addin.contract.study_spec import Setting, StudySpec
+from addin.contract.study_spec import StudySpec
 
 _NAME, _METHOD = "Name, as typed", "docs/start-matrix.md"
 _MINER = "Szenasi & von Nimitz 1978, Stress criterion, Figure 3; Miner, J. Applied Mechanics 12 (1945) A-159"
@@ -400,7 +400,6 @@ STARTS = StudySpec(
     inputs=_INPUTS,
     results=_RESULTS,
     sheets=_SHEETS,
-    settings=(Setting("standard", bool, "true or false"),),
     details=_details(),
     charts=_CHARTS,
     height=70.0,

@@ -29,7 +29,7 @@ from addin.contract.json_shapes import (
     list_of,
 )
 from addin.contract.sheet import ChartAt, Sheet
-from addin.contract.study_spec import Setting, StudySpec
+from addin.contract.study_spec import StudySpec
 from engine.case.study_inputs import SCATTERED
 
 _SAMPLE = "McKay, Beckman & Conover, Technometrics 21 (1979) 239; docs/tolerances.md"
@@ -446,12 +446,6 @@ TOLERANCES = StudySpec(
     inputs=_INPUTS,
     results=_RESULTS,
     sheets=_SHEETS,
-    settings=(
-        Setting("samples", int, "a whole number from 30 to 100,000", least=30, most=100_000),
-        Setting("seed", int, "a whole number, 0 or more", least=0, most=2**63 - 1),
-        Setting("method", str, "lhs or sobol", choices=("lhs", "sobol")),
-        Setting("replan", bool, "true or false"),
-    ),
     details=_details(),
     charts=_CHARTS,
     height=56.0,
