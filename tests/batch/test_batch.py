@@ -273,7 +273,8 @@ def test_without_resume_everything_is_done_again(few, tmp_path, counted):
 @pytest.mark.slow
 def test_an_earlier_version_is_no_record(few, tmp_path, counted, monkeypatch):
     run(few, tmp_path / "out")
-    monkeypatch.setattr("addin.contract.version.product_version", lambda: "99.0")
+    for where in ("scheduler", "work"):
+        monkeypatch.setattr(f"addin.batch.{where}.product_version", lambda: "99.0")
     run(few, tmp_path / "out", resume=True)
     assert len(counted) == 4
 
