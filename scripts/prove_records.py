@@ -118,7 +118,7 @@ subprocess.run([sys.executable, "-m", "addin.cli", "verify", str(out)], check=Tr
         "tests/boundaries/test_generated.py",
         "tests/contract/test_traces.py",
         "tests/writing/test_results_json.py",
-        "tests/workbook/test_templates.py",
+        "tests/template/test_templates.py",
     ),
 )
 
@@ -199,7 +199,7 @@ assert not decision.on and "not simulated" in decision.why
     tests=(
         "tests/boundaries/test_generated.py",
         "tests/engine/plan/test_plan.py",
-        "tests/workbook/test_templates.py",
+        "tests/template/test_templates.py",
         "tests/worksheet/test_documented_formulas.py",
     ),
 )
@@ -408,7 +408,7 @@ assert any(isinstance(c, float) for c in cells)
         "tests/boundaries/test_generated.py",
         "tests/boundaries/test_imports.py",
         "tests/studies/test_study_pages.py",
-        "tests/workbook/test_templates.py",
+        "tests/template/test_templates.py",
     ),
 )
 
