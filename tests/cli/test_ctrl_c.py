@@ -50,7 +50,7 @@ def folder(tmp_path) -> Path:
         ),
         ("os.replace", "recalc a.xlsx --json a.json"),
         pytest.param(
-            "addin.studies.study.study_one", "accuracy a.xlsx --quick", marks=pytest.mark.slow
+            "addin.studies.run_study.study_one", "accuracy a.xlsx --quick", marks=pytest.mark.slow
         ),
         ("engine.studies.accuracy.accuracy.accuracy_study", "accuracy a.xlsx --quick"),
         ("addin.verify.file.verify_file", "verify a.xlsx --json a.json"),
