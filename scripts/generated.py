@@ -23,6 +23,11 @@ COMMAND = "make generated"
 FOLDERS = ("addin/reference/schemas", "templates")
 
 
+def _write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
 def write_generated(root: Path) -> list[Path]:
     """Write the derived files below a folder.
 
@@ -46,13 +51,12 @@ def write_generated(root: Path) -> list[Path]:
         "docs/results.md": results_page(),
         "docs/functions.md": functions_page(),
         "addin/cli/study_commands.py": study_commands(),
-        "scripts/sentences.txt": listing(ROOT),
     }
     for name, text in pages.items():
-        path = root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8", newline="\n")
-    written = [root / name for name in pages]
+        _write(root / name, text)
+    # last: derived modules have sentences, too
+    _write(root / "scripts/sentences.txt", listing(ROOT))
+    written = [root / name for name in (*pages, "scripts/sentences.txt")]
     written += write_schemas(root / "addin/reference/schemas")
     written += build_all(root / "templates")
     return [path.relative_to(root) for path in written]
