@@ -98,12 +98,12 @@ def margin_rows(found: Calibration) -> list[dict[str, Any]]:
             "excitation_before": before[f.mode].excitation,
             "margin_before": before[f.mode].margin,
             "required_before": before[f.mode].required,
-            "verdict_before": before[f.mode].verdict,
+            "verdict_before": str(before[f.mode].verdict),
             "frequency": after[f.mode].mode_frequency,
             "excitation": after[f.mode].excitation,
             "margin": after[f.mode].margin,
             "required": after[f.mode].required,
-            "verdict": after[f.mode].verdict,
+            "verdict": str(after[f.mode].verdict),
         }
         for f in found.frequencies
         if f.mode in before and f.mode in after

@@ -593,6 +593,6 @@ def test_rows_are_plain_and_finite(case: Case, frequencies: np.ndarray) -> None:
         assert table
         for row in table:
             for key, value in row.items():
-                assert value is None or isinstance(value, str | bool | int | float), key
+                assert value is None or type(value) in (str, bool, int, float), key
                 assert not isinstance(value, float) or math.isfinite(value), key
     assert pickle.loads(pickle.dumps(found)).sentence == found.sentence
