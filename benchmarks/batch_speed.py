@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
@@ -84,7 +84,7 @@ def _cpu() -> float:
 
 
 def ours(
-    source: Path, out: Path, jobs: int, look: Callable[[Any, int], None] | None = None
+    source: Path, out: Path, jobs: int, look: Callable[[int], None] | None = None
 ) -> tuple[float, float]:
     """Wall and processor time of a batch, with the start of its processes. [s]"""
     from addin.batch.folder import OutFolder
@@ -98,7 +98,7 @@ def ours(
         def advance(self, record: Any) -> None:
             if record is not None and look is not None:
                 self.count += 1
-                look(pool, self.count)
+                look(self.count)
 
     pool = Pool(jobs)
     inputs = find_inputs([str(source)], out)
@@ -286,9 +286,9 @@ def memory(place: Path, count: int, jobs: int) -> Table:
     source = make(place / "many", count, EXAMPLES["proposed and modified"])
     seen: list[tuple[int, float, float]] = []
 
-    def look(pool: Any, done: int) -> None:
+    def look(done: int) -> None:
         if done % LOOK == 0:
-            workers = [_resident(pid) for pid in pool.process_ids]
+            workers = [_resident(process.pid) for process in active_children()]
             seen.append((done, _resident("self"), max(workers)))
 
     took = ours(source, place / "out", jobs, look)

@@ -13,8 +13,8 @@ from typing import Any
 from addin.batch.folder import digest_of, stamp_of
 from addin.batch.work import Calculated, Examine, Work, is_locked, refused
 from addin.contract.version import product_version
-from addin.workers.cluster import PATIENCE, Answered, Cluster
-from addin.workers.pool import Task
+from addin.workers.cluster import PATIENCE, Cluster
+from addin.workers.pool import Answered, Task
 
 
 class FileCluster(Cluster):

@@ -14,7 +14,9 @@ module            responsibility
 `requests`        the guard in front of every route: names, origins, keys, and how much at a time
 `studies`         a study of a case that is sent as JSON
 `view`            what the page draws of a model
-`processes`       long calculations in processes of their own: queue, progress, time limit, cancel
+`tasks`           what the processes do: starts, workbooks, tables, studies
+`processes`       long calculations in a pool of processes: a bounded queue, and what is said of
+                  its ends
 `running_starts`  one calculation of a start for everybody who waits for it
 `calls`           a list of function calls → their answers in the same order
 `stream`          long calls over a WebSocket: stages, results as they come, cancel

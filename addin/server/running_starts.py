@@ -7,8 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from addin.server.processes import Cancelled, Job, Work
+from addin.server.processes import Work
 from addin.server.studies import StudyRequest
+from addin.workers.pool import GivenUp, Job
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
 from addin.worksheet.registry import FunctionError
 
@@ -175,5 +176,5 @@ async def _found(job: Job, tell: Tell) -> Any:
         return await waited_for(job, tell)
     except FunctionError as wrong:
         return wrong
-    except Cancelled:
+    except GivenUp:
         raise RuntimeError("The calculation was stopped. Ask for it again.") from None

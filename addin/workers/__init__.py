@@ -5,7 +5,8 @@ module          responsibility
 ==============  ==================================================================================
 `processes`     processes of our own on this machine, each with a line to it; none outlives the
                 program
-`pool`          processes of this machine that do tasks; one that dies loses nothing
+`pool`          processes of this machine that do tasks: progress, time limit, cancel; one that
+                dies is replaced
 `stop`          ctrl-C and the system's request to end, and how many cores there are
 `cluster`       the work of a batch on an existing Dask cluster
 `parallel_map`  units of work over processes or a cluster: in order, with progress, ended by

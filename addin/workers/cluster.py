@@ -7,32 +7,20 @@ nothing: the cluster gives its tasks to others.
 from __future__ import annotations
 
 import contextlib
-import queue
 import threading
 import uuid
-from collections import deque
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
-from addin.workers.pool import LOOK, Crashed, Task, Workers
+from addin.workers.pool import Answered, Crashed, Task, Workers
 from addin.workers.stop import Stopped
 
 #: How long the scheduler and a first worker are waited for. [s]
 PATIENCE = 20.0
-#: Tasks that are with the cluster, a thread of its workers. [count]
-AHEAD = 3
 
 
 class ClusterRefused(Exception):
     """The cluster cannot be used; the sentence says why."""
-
-
-@dataclass(frozen=True)
-class Answered:
-    """In place of what is sent for a task: its answer, known without any worker."""
-
-    answer: Any
 
 
 class Cluster(Workers):
@@ -56,6 +44,7 @@ class Cluster(Workers):
     """
 
     here = False
+    ahead = 3
 
     def __init__(
         self,
@@ -64,6 +53,7 @@ class Cluster(Workers):
         patience: float = PATIENCE,
         when_lost: str = "Nothing was written.",
     ) -> None:
+        super().__init__()
         try:
             from distributed import Client
         except ImportError:
@@ -82,9 +72,6 @@ class Cluster(Workers):
             ) from wrong
         self.address = address
         self._when_lost = when_lost
-        self._waiting: deque[Task] = deque()
-        self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self._running: dict[str, tuple[Task, Any]] = {}
         self._check_versions(version)
 
     def _check_versions(self, version: Callable[[], str]) -> None:
@@ -96,10 +83,10 @@ class Cluster(Workers):
                 f"The workers of {self.address} cannot use torsionbook ({wrong}). Install it in their "
                 "Python."
             ) from wrong
-        other = {worker: one for worker, one in versions.items() if one != version()}
+        other = {worker: its for worker, its in versions.items() if its != version()}
         if other:
             self.close()
-            named = ", ".join(f"{worker} has {one}" for worker, one in other.items())
+            named = ", ".join(f"{worker} has {its}" for worker, its in other.items())
             raise ClusterRefused(
                 f"The workers of the cluster have another version of torsionbook: {named}; here it is "
                 f"{version()}. Install the same."
@@ -110,36 +97,12 @@ class Cluster(Workers):
         """Tasks that the cluster does at a time. [count]"""
         return max(1, sum(self._client.nthreads().values()))
 
-    def add(self, task: Task) -> None:
-        """Put a task at the end of the queue; see `Workers`."""
-        self._waiting.append(task)
-
-    def answers(self, stopped: Callable[[], bool]) -> Iterator[tuple[Task, Any]]:
-        """Each task with its answer; see `Workers`."""
-        while True:
-            if not stopped():
-                yield from self._hand_out()
-            if not self._running:
-                if stopped() or not self._waiting:
-                    return
-                continue
-            with contextlib.suppress(queue.Empty):
-                key = self._done.get(timeout=LOOK)
-                task, future = self._running.pop(key)
-                yield task, self._answer(future)
-
-    def _hand_out(self) -> Iterator[tuple[Task, Any]]:
-        """Give tasks to the cluster, as many as keep it busy; what needs no cluster is answered."""
-        while self._waiting and len(self._running) < AHEAD * self.threads:
-            task = self._waiting.popleft()
-            payload = self.prepare(task)
-            if isinstance(payload, Answered):
-                yield task, payload.answer
-                continue
-            key = f"torsionbook-{uuid.uuid4().hex}"
-            future = self._client.submit(_alone, task.do, payload, key=key, pure=False)
-            self._running[key] = (task, future)
-            future.add_done_callback(lambda one: self._done.put(one.key))
+    def _begun(self, task: Task) -> Any:
+        payload = self.prepare(task)
+        if isinstance(payload, Answered):
+            return payload
+        key = f"torsionbook-{uuid.uuid4().hex}"
+        return self._client.submit(_alone, task.do, payload, key=key, pure=False)
 
     def prepare(self, task: Task) -> Any:
         """What is sent for a task; `Answered` where no worker is needed."""

@@ -96,7 +96,6 @@ def test_processes_end_when_the_batch_is_killed(tmp_path):
         "import test_pool; from addin.workers.pool import Pool, Task\n"
         "if __name__ == '__main__':\n"
         "    pool = Pool(2); pool.add(Task(test_pool.sleeping, None))\n"
-        "    pool._hand_out(); print(pool.process_ids[0], flush=True)\n"
         "    list(pool.answers(lambda: False))\n"
     )
     (tmp_path / "script.py").write_text(script)
@@ -106,7 +105,6 @@ def test_processes_end_when_the_batch_is_killed(tmp_path):
         [sys.executable, str(tmp_path / "script.py")], stdout=subprocess.PIPE, env=here
     )
     pid = int(batch.stdout.readline())
-    time.sleep(0.5)
     batch.kill()
     batch.wait()
     until = time.monotonic() + 30
@@ -119,4 +117,5 @@ def test_processes_end_when_the_batch_is_killed(tmp_path):
 
 
 def sleeping(_):
+    print(os.getpid(), flush=True)
     time.sleep(120)

@@ -23,15 +23,16 @@ from websockets.sync.client import connect
 from addin.reading.case_json import case_to_json
 from addin.reading.workbook import read_workbook
 from addin.server import calls as server_calls
-from addin.server import processes as server_work
 from addin.server import stream as server_stream
+from addin.server import tasks
 from addin.server.answers import Refused
 from addin.server.bodies import parsed, read_body
 from addin.server.calls import Call, Calls
-from addin.server.processes import Busy, Work
+from addin.server.processes import MOST_MEMORY, Busy, Work
 from addin.server.running_starts import Starts
 from addin.server.settings import Limits, Settings, SettingsError, check_certificate
 from addin.server.stream import Stream
+from addin.workers import pool
 from addin.worksheet import registry
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import FunctionError
@@ -442,11 +443,11 @@ def test_files_are_read_in_the_pool_within_limits(client, monkeypatch):
     source = TEMPLATES / "example_proposed.xlsx"
     assert client.post("/api/v1/model", content=source.read_bytes()).status_code == 200
     assert sent == ["read"]
-    monkeypatch.setattr(server_work, "_limits", lambda: FileLimits(total_size=10_000))
-    problems, *_, case, _ = server_work._read(str(source), lambda stage: None)
+    monkeypatch.setattr(tasks, "_limits", lambda: FileLimits(total_size=10_000))
+    problems, *_, case, _ = tasks._read(str(source), lambda stage: None)
     assert case is None
     assert "too large" in problems[0].message or "MB" in problems[0].message
-    (again,), _ = server_work._workbook((str(source), "nowhere"), lambda stage: None)
+    (again,), _ = tasks._workbook((str(source), "nowhere"), lambda stage: None)
     assert again.message == problems[0].message
 
 
@@ -458,11 +459,11 @@ def dying(*scripts):
     left = list(scripts)
 
     class Process:
-        ready = True
-        leaving = False
+        is_ready = True
+        is_leaving = False
         is_alive = True
 
-        def __init__(self):
+        def __init__(self, serve):
             words = iter(left.pop(0) if left else [])
 
             def recv():
@@ -475,22 +476,24 @@ def dying(*scripts):
         def end(self):
             self.is_alive = False
 
+        ended = end
+
     return Process
 
 
 @pytest.mark.parametrize(
     ("scripts", "found"),
     [
-        (([], [("done", 5)]), 5),
-        (([("ready", None)], [("stage", "a"), ("done", 6)]), 6),
-        (([("stage", "a")], [("done", 5)]), None),
-        (([], [], [("done", 5)]), None),
+        (([], [("done", ("done", 5))]), 5),
+        (([("ready", None)], [("stage", "a"), ("done", ("done", 6))]), 6),
+        (([("stage", "a")], [("done", ("done", 5))]), None),
+        (([], [], [("done", ("done", 5))]), None),
     ],
 )
 def test_a_task_whose_process_died_before_its_first_word_is_tried_once_more(
     monkeypatch, scripts, found
 ):
-    monkeypatch.setattr(server_work, "_Process", dying(*scripts))
+    monkeypatch.setattr(pool, "_Process", dying(*scripts))
     work = Work(1, 2, 20.0)
     job = work.submit("wait", 0.0)
     if found is None:
@@ -502,9 +505,8 @@ def test_a_task_whose_process_died_before_its_first_word_is_tried_once_more(
 
 
 def test_a_process_that_has_grown_too_large_is_replaced_without_a_word(monkeypatch, caplog):
-    monkeypatch.setattr(
-        server_work, "_Process", dying([("leaving", None), ("done", 1)], [("done", 2), ("done", 3)])
-    )
+    one, two, three = (("done", ("done", n)) for n in (1, 2, 3))
+    monkeypatch.setattr(pool, "_Process", dying([("leaving", None), one], [two, three]))
     work = Work(1, 2, 20.0)
     assert [work.submit("wait", 0.0).future.result(10.0) for _ in range(3)] == [1, 2, 3]
     work.close()
@@ -515,12 +517,12 @@ def test_a_process_that_has_grown_too_large_is_replaced_without_a_word(monkeypat
     ("used", "said"), [(1e9, ["stage", "done"]), (2e9, ["stage", "leaving", "done"])]
 )
 def test_a_process_that_has_grown_too_large_says_so_with_its_last_answer(monkeypatch, used, said):
-    monkeypatch.setattr(server_work, "most_resident", lambda: used)
+    monkeypatch.setattr(pool, "most_resident", lambda: used)
     ours, theirs = multiprocessing.Pipe()
-    process = threading.Thread(target=server_work._serve, args=(theirs,))
+    process = threading.Thread(target=pool._serve, args=(theirs, tasks.load, MOST_MEMORY))
     process.start()
     assert ours.recv() == ("ready", None)
-    ours.send(("wait", 0.0))
+    ours.send((tasks.answer_of, ("wait", 0.0), True))
     assert [ours.recv()[0] for _ in said] == said
     if "leaving" not in said:
         assert not ours.poll(0.2)
@@ -535,7 +537,7 @@ def test_a_workbook_whose_process_died_is_told_as_busy(client, monkeypatch):
     def submit(self, task, payload):
         job = original(self, "wait", 0.0)
         job.future.cancel()
-        job = server_work.Job(task, payload)
+        job = pool.Job(pool.Task(tasks.answer_of, (task, payload)))
         job.future.set_exception(RuntimeError("The process ended by itself. Try again."))
         return job
 
@@ -555,11 +557,10 @@ def test_tasks_given_up_make_room_in_the_queue():
     for _ in range(5):
         work.submit("wait", 0.0).cancel()
     waiting = work.submit("wait", 0.0)
-    work.stop()
+    work.close()
     for job in (first, waiting):
         with pytest.raises(Busy, match="being stopped"):
             job.future.result(10.0)
-    work.close()
 
 
 @pytest.mark.slow

@@ -407,14 +407,14 @@ def test_a_process_that_ends_by_itself_is_replaced(pool):
 
 
 def test_processes_that_cannot_be_started_are_told_and_tried_again(monkeypatch):
-    from addin.server import processes as module
+    from addin.workers import pool as module
 
     real, refusing = module._Process, True
 
-    def perhaps():
+    def perhaps(serve):
         if refusing:
             raise OSError("no more processes")
-        return real()
+        return real(serve)
 
     monkeypatch.setattr(module, "_Process", perhaps)
     pool = Work(processes=1, waiting=2, time_limit=20.0)

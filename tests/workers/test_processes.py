@@ -23,10 +23,9 @@ if __name__ == "__main__":
     for at in range(0, len(block), mmap.PAGESIZE):
         block[at] = 1
     process = Process(_serve)
-    process.line.send((max, [1]))
-    process.line.recv()
-    process.line.send((eval, "__import__('addin.workers.processes').workers.processes.most_resident()"))
-    print(most_resident(), process.line.recv())
+    assert process.line.recv() == ("ready", None)
+    process.line.send((eval, "__import__('addin.workers.processes').workers.processes.most_resident()", False))
+    print(most_resident(), process.line.recv()[1])
     process.end()
 """
 
@@ -36,9 +35,9 @@ def test_a_closed_pipe_is_not_taken_for_the_end_of_the_program() -> None:
     process = Process(_serve)
     try:
         process._process._popen.finalizer()  # closes this end of the pipe, as a stray close would
-        process.line.send((abs, -3))
+        process.line.send((abs, -3, False))
         assert process.line.poll(60.0)
-        assert process.line.recv() == 3
+        assert [process.line.recv() for _ in range(2)] == [("ready", None), ("done", 3)]
     finally:
         process.end()
 

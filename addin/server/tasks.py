@@ -1,0 +1,141 @@
+"""What the processes of the server do: starts, workbooks, tables, studies; each is told its stages."""
+
+from __future__ import annotations
+
+import pickle
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from addin.calculation.calculation import calculate
+from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, read_checked
+from addin.reading.typed_case import CaseInput
+from addin.reading.workbook import read_workbook
+from addin.server.studies import study_of
+from addin.server.view import speed_view
+from addin.worksheet.answers import speed_results
+from addin.worksheet.models import Model, system_of
+from addin.worksheet.registry import FunctionError
+from addin.writing.recalculate import recalculate
+from addin.xlsx import open_workbook
+from addin.xlsx.container import Container, Limits
+from addin.xlsx.errors import PackageError
+from engine.errors import InternalError, ModelError
+
+Tell = Callable[[str], None]
+
+
+class LazyTables(Mapping[str, Any]):
+    """Tables of a large train: millions of numbers that are unpacked only where they are asked for.
+
+    Parameters
+    ----------
+    tables : dict of str to bytes
+        Pickled by a process of our own.
+    """
+
+    def __init__(self, tables: dict[str, bytes]) -> None:
+        self._tables = tables
+
+    def __getitem__(self, name: str) -> Any:
+        return pickle.loads(self._tables[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._tables)
+
+    def __len__(self) -> int:
+        return len(self._tables)
+
+
+def _workbook(paths: tuple[str, str], tell: Tell) -> Any:
+    """Recalculate a workbook; problems, warnings and the verdict."""
+    source, target = map(Path, paths)
+    tell("reading")
+    try:
+        Container(source, _limits())
+    except PackageError as wrong:
+        return (file_problem(source, wrong),), ()
+    done = recalculate(source, destination=target, on_stage=tell)
+    return done.problems, done.warnings
+
+
+def _read(path: str, tell: Tell) -> Any:
+    """Read a workbook or a case JSON; problems, warnings, the case and its units."""
+    source = Path(path)
+    tell("reading")
+    try:
+        read: CaseInput | Unreadable
+        if source.suffix.lower() in WORKBOOK_ENDINGS:
+            read = read_workbook(open_workbook(source, read_only=True, limits=_limits()))
+        else:
+            read = read_checked(source)
+    except (PackageError, OSError) as wrong:
+        return (file_problem(source, wrong),), (), None, ""
+    if isinstance(read, Unreadable) or read.problems:
+        return read.problems, read.warnings, None, ""
+    return (), read.warnings, read.case(), system_of(read)
+
+
+def _limits() -> Any:
+    """What is taken for a workbook here: less than on a machine of one's own."""
+    return Limits(file_size=25 * 2**20, total_size=100 * 2**20, part_size=60 * 2**20, entries=2_000)
+
+
+def _speed(case: Any, tell: Tell) -> Any:
+    """Tables of a case that need no start, each packed by itself."""
+    tell("frequencies")
+    return LazyTables({name: pickle.dumps(table) for name, table in speed_results(case).items()})
+
+
+def _view(model: tuple[str, Any, str], tell: Tell) -> Any:
+    """What the page draws of a model without its start."""
+    tell("frequencies")
+    return speed_view(Model(*model))
+
+
+def _wait(seconds: float, tell: Tell) -> float:
+    """Be busy for a while: for measurements and tests of the pool."""
+    tell("waiting")
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        sum(range(1000))
+    return seconds
+
+
+#: What the processes can do, by name.
+TASKS: dict[str, Callable[[Any, Tell], Any]] = {
+    "start": lambda case, tell: calculate(case, on_stage=tell),
+    "workbook": _workbook,
+    "read": _read,
+    "speed": _speed,
+    "view": _view,
+    "study": study_of,
+    "wait": _wait,
+}
+
+
+def load() -> None:
+    """Nothing: what every task needs is loaded with this module."""
+
+
+def answer_of(task: tuple[str, Any], tell: Tell) -> tuple[str, Any]:
+    """What becomes of a task, by its name and what it works on.
+
+    Returns
+    -------
+    kind : str
+        ``done``, ``refused`` or ``failed``. [word]
+    value : object
+        The result; sentence and code of the refusal; what is to be logged of an error of ours.
+    """
+    name, payload = task
+    try:
+        return "done", TASKS[name](payload, tell)
+    except FunctionError as wrong:
+        return "refused", (wrong.message, wrong.code)
+    except (ModelError, InternalError) as wrong:
+        return "refused", (str(wrong), "#NUM!")
+    except Exception:
+        return "failed", traceback.format_exc()
