@@ -7,7 +7,6 @@ nothing here names a quantity of a train.
 from __future__ import annotations
 
 import keyword
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -16,16 +15,10 @@ from types import MappingProxyType
 from typing import Any, TypedDict, Unpack
 
 from addin.contract import number_formats as shown
+from engine.case.data import json_key
 
 #: Mode-shape columns of the workbook; further modes are in the JSON only.
 SHAPE_COLUMNS = 10
-
-_WORDS = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
-
-
-def json_key(name: str) -> str:
-    """The JSON key of a contract name: words and capital runs, joined by `_`, lower case."""
-    return "_".join(_WORDS.findall(name)).lower()
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,29 @@ from __future__ import annotations
 
 import hashlib
 import json
+import keyword
 import math
+import re
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import Any
 
 #: The word in From or To that means a fixed end or the ground.
 GROUND = "ground"
+
+_WORDS = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+")
+
+
+@cache
+def json_key(name: str) -> str:
+    """The JSON key of a contract name: words and capital runs, joined by `_`, lower case."""
+    return "_".join(_WORDS.findall(name)).lower()
+
+
+def value_of(row: object, header: str) -> Any:
+    """What stands in a row, or in the case, under a column header or the name of a scalar. [SI]"""
+    key = json_key(header)
+    return getattr(row, f"{key}_" if keyword.iskeyword(key) else key)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from engine.case.checks.problem import check_names, suggestion, wrong_value
+from engine.case.checks.problem import check_names, each_row
 from engine.case.choices import EffectChoice
 from engine.case.data import CaseData
 from engine.case.effects import EFFECTS
@@ -15,21 +15,13 @@ def check_effect_choices(case: CaseData) -> Iterator[Problem]:
     """Known effects and choices; the data of effects that are forced on."""
     table = "EffectChoices"
     yield from check_names(table, "Effect", [e.effect for e in case.effect_choices], "an effect")
-    for row, e in enumerate(case.effect_choices, start=1):
-        if e.effect and e.effect not in EFFECTS:
-            allowed = "one of " + ", ".join(EFFECTS)
-            yield wrong_value(
-                table, row, "Effect", e.effect, allowed, suggestion(e.effect, set(EFFECTS))
-            )
-        if e.choice not in (None, *EffectChoice):
-            yield wrong_value(
-                table, row, "Choice", e.choice, "auto, on or off", "Choose from the list."
-            )
+    for cells, e in each_row(table, case.effect_choices):
+        if e.effect:
+            yield from cells.name("Effect", e.effect, EFFECTS, "one of " + ", ".join(EFFECTS))
+        yield from cells.choice("Choice", e.choice, EffectChoice, "auto, on or off")
         inputs = EFFECTS[e.effect].inputs if e.effect in EFFECTS else None
         if e.choice == EffectChoice.ON and inputs is not None and not inputs.given(case):
-            yield wrong_value(
-                table,
-                row,
+            yield cells.wrong(
                 "Choice",
                 e.choice,
                 f"auto or off while {inputs.cells} {inputs.missing}",

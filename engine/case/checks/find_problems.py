@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from engine.case.checks.effects import check_effect_choices
 from engine.case.checks.fatigue import check_materials, check_sn_points
 from engine.case.checks.gears import check_meshes
+from engine.case.checks.problem import first_of_each_cell
 from engine.case.checks.scalars import check_scalars
 from engine.case.checks.torques import check_excitations, check_torques
 from engine.case.checks.train import (
@@ -54,13 +55,7 @@ def find_problems(
     tuple of Problem
         Empty if the case may be calculated; one problem a cell, the first found. [count]
     """
-    problems: list[Problem] = []
-    reported = set(bad_cells)
-    for p in (p for check in CHECKS for p in check(case)):
-        place = (p.table, p.row, p.column)
-        if place not in reported:
-            problems.append(p)
-            reported.add(place)
+    problems = first_of_each_cell((p for check in CHECKS for p in check(case)), bad_cells)
     unusable = {"Stations", "Elements"} & ({p.table for p in problems} | {b[0] for b in bad_cells})
     if not unusable:
         problems.extend(check_connected(case))

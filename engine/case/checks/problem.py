@@ -3,40 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple, TypeVar
 
-from engine.case.data import CaseData, Ratings
+from engine.case.data import CaseData, Ratings, value_of
 from engine.errors import Problem, Quoted
+
+Row = TypeVar("Row")
 
 
 def number_text(value: object, unit: str = "") -> str:
     """A value as it stands in a sentence."""
     text = f"{value:.6g}" if isinstance(value, (int, float)) else f"'{value}'"
     return f"{text} {unit}".rstrip()
-
-
-def wrong_value(
-    table: str,
-    row: int | None,
-    column: str,
-    found: object,
-    allowed: str,
-    action: str,
-    unit: str = "",
-    quoted: tuple[Quoted, ...] = (),
-) -> Problem:
-    """A problem whose sentence is: found …; it must be …. What to do."""
-    return Problem(
-        table,
-        row,
-        column,
-        found,
-        allowed,
-        f"found {number_text(found, unit)}; it must be {allowed}. {action}",
-        quoted,
-    )
 
 
 def quote_quantity(
@@ -56,13 +37,6 @@ def quote_quantity(
     return (Quoted(number_text(value, unit), value, place),)
 
 
-def blank_cell(table: str, row: int | None, column: str, allowed: str, action: str) -> Problem:
-    """A problem for a blank that may not be blank."""
-    return Problem(
-        table, row, column, None, allowed, f"the cell is blank; it must be {allowed}. {action}"
-    )
-
-
 @dataclass(frozen=True)
 class Allowed:
     """Numbers that a cell may hold, and how a sentence names them."""
@@ -77,34 +51,90 @@ ANY_NUMBER = Allowed(lambda v: True, "a finite number")
 BELOW_ONE = Allowed(lambda v: 0 <= v < 1, "at least 0 and below 1 (100 %)")
 
 
-def check_number(
-    table: str,
-    row: int | None,
-    column: str,
-    value: float | None,
-    allowed: Allowed,
-    unit: str = "",
-    action: str = "Correct the cell.",
-) -> Iterator[Problem]:
-    """A problem if a number is given and is not finite or does not hold.
+class Limit(NamedTuple):
+    """What one number of a row may be."""
 
-    Parameters
-    ----------
-    table, row, column
-        The cell; row is None for a scalar. [names]
-    value : float or None
-        What was typed. [SI]
-    allowed : Allowed
-        What it may be.
-    unit : str, optional
-        Unit of `value`. [unit]
-    action : str, optional
-        What to do about it.
-    """
-    if value is not None and not math.isfinite(value):
-        yield wrong_value(table, row, column, value, "a finite number", "Correct the cell.", unit)
-    elif value is not None and not allowed.holds(value):
-        yield wrong_value(table, row, column, value, allowed.words, action, unit)
+    column: str  #: Column header, or the name of the scalar.
+    allowed: Allowed  #: What it may be.
+    unit: str = ""  #: Unit of the number. [unit]
+    action: str = "Correct the cell."  #: What to do about another one.
+
+
+class Cells(NamedTuple):
+    """The cells of one row, or the scalars of the case, and how a sentence names what is wrong."""
+
+    table: str  #: Input table, or ``Case``.
+    row: int | None = None  #: Counted from 1; None for scalars and for a whole table.
+
+    def problem(
+        self,
+        column: str,
+        found: object,
+        allowed: str,
+        message: str,
+        quoted: tuple[Quoted, ...] = (),
+    ) -> Problem:
+        """A problem with a sentence of its own."""
+        return Problem(self.table, self.row, column, found, allowed, message, quoted)
+
+    def wrong(
+        self,
+        column: str,
+        found: object,
+        allowed: str,
+        action: str,
+        unit: str = "",
+        quoted: tuple[Quoted, ...] = (),
+    ) -> Problem:
+        """A problem whose sentence is: found …; it must be …. What to do."""
+        sentence = f"found {number_text(found, unit)}; it must be {allowed}. {action}"
+        return self.problem(column, found, allowed, sentence, quoted)
+
+    def blank(self, column: str, allowed: str, action: str) -> Problem:
+        """A problem for a blank that may not be blank."""
+        sentence = f"the cell is blank; it must be {allowed}. {action}"
+        return self.problem(column, None, allowed, sentence)
+
+    def number(self, value: float | None, limit: Limit) -> Iterator[Problem]:
+        """A problem if a number is given and is not finite or not allowed; the value in SI."""
+        column, allowed, unit, action = limit
+        if value is not None and not math.isfinite(value):
+            yield self.wrong(column, value, ANY_NUMBER.words, "Correct the cell.", unit)
+        elif value is not None and not allowed.holds(value):
+            yield self.wrong(column, value, allowed.words, action, unit)
+
+    def numbers(self, row: object, limits: Iterable[Limit]) -> Iterator[Problem]:
+        """The numbers of a row, each by itself."""
+        for limit in limits:
+            yield from self.number(value_of(row, limit.column), limit)
+
+    def choice(
+        self, column: str, value: str | None, words: type[StrEnum], allowed: str = ""
+    ) -> Iterator[Problem]:
+        """A problem if a word is given and is not in the list."""
+        if value is not None and value not in tuple(words):
+            allowed = allowed or "one of " + ", ".join(words)
+            yield self.wrong(column, value, allowed, "Choose from the list.")
+
+    def name(
+        self, column: str, name: str | None, names: Collection[str], allowed: str
+    ) -> Iterator[Problem]:
+        """A problem if a name of another table is blank or unknown there."""
+        if name is None:
+            yield self.blank(column, allowed, "Choose it.")
+        elif name not in names:
+            yield self.wrong(column, name, allowed, suggestion(name, names))
+
+
+#: The scalars of the case.
+SCALARS = Cells("Case")
+STATION_NAME = "a station of table Stations"
+MATERIAL_NAME = "a material of table Materials"
+
+
+def each_row(table: str, rows: Iterable[Row]) -> Iterator[tuple[Cells, Row]]:
+    """The rows of a table, each with its cells."""
+    return ((Cells(table, number), row) for number, row in enumerate(rows, start=1))
 
 
 def blank_or_positive(value: float | None) -> bool:
@@ -132,30 +162,23 @@ def possible_poles(case: CaseData) -> bool:
 
 
 def check_names(
-    table: str, column: str, names: Sequence[str | None], what: str
+    table: str, column: str, names: Iterable[str | None], what: str
 ) -> Iterator[Problem]:
     """Blank and repeated names."""
-    counts = Counter(name for name in names if name)
-    first: dict[str, int] = {}
-    for row, name in enumerate(names, start=1):
+    first: dict[str, int | None] = {}
+    for cells, name in each_row(table, names):
         if not name:
-            yield blank_cell(table, row, column, f"the name of {what}", "Name it.")
-        elif counts[name] > 1 and name in first:
-            yield wrong_value(
-                table,
-                row,
-                column,
-                name,
-                f"a name used once (row {first[name]} has it already)",
-                "Rename one of the two."
-                if table in ("Stations", "Elements", "Materials", "Excitations")
-                else "Clear one of the two rows.",
-            )
+            yield cells.blank(column, f"the name of {what}", "Name it.")
+        elif name in first:
+            allowed = f"a name used once (row {first[name]} has it already)"
+            named = table in ("Stations", "Elements", "Materials", "Excitations")
+            action = "Rename one of the two." if named else "Clear one of the two rows."
+            yield cells.wrong(column, name, allowed, action)
         else:
-            first[name] = row
+            first[name] = cells.row
 
 
-def suggestion(name: str, names: set[str]) -> str:
+def suggestion(name: str, names: Collection[str]) -> str:
     """The known name most like a mistyped one."""
     import difflib
 
@@ -164,24 +187,6 @@ def suggestion(name: str, names: set[str]) -> str:
     folded = {k.casefold(): k for k in sorted(names)}
     close = difflib.get_close_matches(name.casefold(), list(folded), n=1)
     return f"Did you mean '{folded[close[0]]}'?" if close else "Correct the name, or add its row."
-
-
-def check_station(
-    case: CaseData, table: str, row: int, station: str | None, column: str = "Station"
-) -> Iterator[Problem]:
-    """A station that is named and known."""
-    stations = {s.station for s in case.stations if s.station}
-    if station is None:
-        yield blank_cell(table, row, column, "a station of table Stations", "Choose it.")
-    elif station not in stations:
-        yield wrong_value(
-            table,
-            row,
-            column,
-            station,
-            "a station of table Stations",
-            suggestion(station, stations),
-        )
 
 
 def first_of_each_cell(

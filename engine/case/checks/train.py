@@ -7,30 +7,53 @@ from collections.abc import Iterator
 from engine.case.checks.problem import (
     ANY_NUMBER,
     BELOW_ONE,
+    MATERIAL_NAME,
     NOT_NEGATIVE,
     POSITIVE,
+    STATION_NAME,
     Allowed,
-    blank_cell,
+    Cells,
+    Limit,
     check_names,
-    check_number,
+    each_row,
     quote_quantity,
     suggestion,
-    wrong_value,
 )
 from engine.case.choices import ElementKind
-from engine.case.data import GROUND, CaseData, ElementRow
+from engine.case.data import GROUND, CaseData, ElementRow, value_of
 from engine.errors import Problem
 
 KINDS = tuple(ElementKind)
+STATION_NUMBERS = (
+    Limit("Running load", ANY_NUMBER, "N m"),
+    Limit("Speed ratio", Allowed(POSITIVE.holds, "positive (blank = 1)")),
+    Limit("Damping", NOT_NEGATIVE, "N m s/rad"),
+)
+ELEMENT_NUMBERS = (
+    Limit("OD", POSITIVE, "m"),
+    Limit("Length", POSITIVE, "m"),
+    Limit("Shear modulus", POSITIVE, "Pa"),
+    Limit("Density", POSITIVE, "kg/m³"),
+    Limit("Stress diameter", POSITIVE, "m"),
+    Limit("SCF", POSITIVE),
+    Limit("Rated torque", POSITIVE, "N m"),
+    Limit("Peak torque limit", POSITIVE, "N m"),
+    Limit("Vibratory limit", POSITIVE, "N m"),
+    Limit("ID", NOT_NEGATIVE, "m"),
+    Limit("Stress bore", NOT_NEGATIVE, "m"),
+    Limit("Damping", NOT_NEGATIVE, "N m s/rad"),
+    Limit("Loss factor", NOT_NEGATIVE),
+    Limit("Reversal limit", NOT_NEGATIVE, "N m"),
+)
+#: What a shaft is computed from, and a gear mesh has not, with its unit.
+SHAFT_GEOMETRY = {"OD": "m", "ID": "m", "Length": "m", "Shear modulus": "Pa", "Density": "kg/m³"}
 
 
 def check_stations(case: CaseData) -> Iterator[Problem]:
     """Names, inertias and speed ratios of the stations."""
     table = "Stations"
     if not case.stations:
-        yield Problem(
-            table,
-            None,
+        yield Cells(table).problem(
             "",
             None,
             "at least one station",
@@ -38,161 +61,82 @@ def check_stations(case: CaseData) -> Iterator[Problem]:
         )
     yield from check_names(table, "Station", [s.station for s in case.stations], "a station")
     shafted = {name for e in case.elements if e.density for name in (e.from_, e.to)}
-    for row, s in enumerate(case.stations, start=1):
+    for cells, s in each_row(table, case.stations):
         if s.station and s.station.lower() == GROUND:
-            yield wrong_value(
-                table,
-                row,
-                "Station",
-                s.station,
-                "another word: 'ground' means a fixed end",
-                "Rename the station.",
-            )
+            allowed = "another word: 'ground' means a fixed end"
+            yield cells.wrong("Station", s.station, allowed, "Rename the station.")
         if s.inertia is None and s.station not in shafted:
-            yield blank_cell(
-                table,
-                row,
+            yield cells.blank(
                 "Inertia",
                 "positive",
                 "Type it, or give a shaft at this station a Density so that its own inertia "
                 "counts.",
             )
-        zero_allowed = s.station in shafted
-        yield from check_number(
-            table,
-            row,
-            "Inertia",
-            s.inertia,
-            NOT_NEGATIVE if zero_allowed else POSITIVE,
-            "kg m²",
-            "Every station needs inertia; join two shafts of a massless point into one stiffness.",
+        allowed_inertia = NOT_NEGATIVE if s.station in shafted else POSITIVE
+        action = (
+            "Every station needs inertia; join two shafts of a massless point into one stiffness."
         )
-        yield from check_number(table, row, "Running load", s.running_load, ANY_NUMBER, "N m")
-        yield from check_number(
-            table,
-            row,
-            "Speed ratio",
-            s.speed_ratio,
-            Allowed(POSITIVE.holds, "positive (blank = 1)"),
-        )
-        yield from check_number(table, row, "Damping", s.damping, NOT_NEGATIVE, "N m s/rad")
+        yield from cells.number(s.inertia, Limit("Inertia", allowed_inertia, "kg m²", action))
+        yield from cells.numbers(s, STATION_NUMBERS)
 
 
-def _ends(case: CaseData, row: int, e: ElementRow) -> Iterator[Problem]:
+def _ends(stations: set[str], cells: Cells, e: ElementRow) -> Iterator[Problem]:
     """From and To: present, known, different, at most one of them ground."""
-    stations = {s.station for s in case.stations if s.station}
     for column, name in (("From", e.from_), ("To", e.to)):
         if name is None:
             if column == "To" and e.kind == ElementKind.SPRING_TO_GROUND:
                 continue
-            yield blank_cell("Elements", row, column, "a station of table Stations", "Choose it.")
+            yield cells.blank(column, STATION_NAME, "Choose it.")
         elif name != GROUND and name not in stations:
-            yield wrong_value(
-                "Elements",
-                row,
-                column,
-                name,
-                "a station of table Stations or the word ground",
-                suggestion(name, stations | {GROUND}),
-            )
+            action = suggestion(name, stations | {GROUND})
+            yield cells.wrong(column, name, f"{STATION_NAME} or the word ground", action)
     if e.from_ is not None and e.from_ == e.to:
-        yield wrong_value(
-            "Elements",
-            row,
-            "To",
-            e.to,
-            "another station than From",
-            "An element joins two stations.",
-        )
-    if (
-        e.kind == ElementKind.SPRING_TO_GROUND
-        and GROUND not in (e.from_, e.to)
-        and e.to is not None
-    ):
-        yield wrong_value(
-            "Elements", row, "To", e.to, "ground", "A spring to ground has ground at one end."
-        )
+        yield cells.wrong("To", e.to, "another station than From", "An element joins two stations.")
+    grounded = GROUND in (e.from_, e.to)
+    if e.kind == ElementKind.SPRING_TO_GROUND and not grounded and e.to is not None:
+        yield cells.wrong("To", e.to, "ground", "A spring to ground has ground at one end.")
     for column, name in (("From", e.from_), ("To", e.to)):
         if e.kind == ElementKind.GEAR_MESH and name == GROUND:
-            yield wrong_value(
-                "Elements", row, column, GROUND, "a station", "A gear mesh joins two gears."
-            )
+            yield cells.wrong(column, GROUND, "a station", "A gear mesh joins two gears.")
 
 
-def _geometry(row: int, e: ElementRow) -> Iterator[Problem]:
+def _geometry(cells: Cells, e: ElementRow) -> Iterator[Problem]:
     """Stiffness, or everything it is computed from."""
-    table = "Elements"
-    for column, value, unit in (
-        ("OD", e.od, "m"),
-        ("Length", e.length, "m"),
-        ("Shear modulus", e.shear_modulus, "Pa"),
-        ("Density", e.density, "kg/m³"),
-        ("Stress diameter", e.stress_diameter, "m"),
-        ("SCF", e.scf, ""),
-        ("Rated torque", e.rated_torque, "N m"),
-        ("Peak torque limit", e.peak_torque_limit, "N m"),
-        ("Vibratory limit", e.vibratory_limit, "N m"),
-    ):
-        yield from check_number(table, row, column, value, POSITIVE, unit)
-    for column, value, unit in (
-        ("ID", e.id, "m"),
-        ("Stress bore", e.stress_bore, "m"),
-        ("Damping", e.damping, "N m s/rad"),
-        ("Loss factor", e.loss_factor, ""),
-        ("Reversal limit", e.reversal_limit, "N m"),
-    ):
-        yield from check_number(table, row, column, value, NOT_NEGATIVE, unit)
+    yield from cells.numbers(e, ELEMENT_NUMBERS)
     if e.scf is not None and 0 < e.scf < 1:
-        yield wrong_value(table, row, "SCF", e.scf, "1 or more", "A notch never lowers the stress.")
+        yield cells.wrong("SCF", e.scf, "1 or more", "A notch never lowers the stress.")
     for outer, inner, column, outside in (
         (e.od, e.id, "ID", "OD"),
         (e.stress_diameter, e.stress_bore, "Stress bore", "Stress diameter"),
     ):
         if outer and inner and inner >= outer:
-            yield wrong_value(
-                table,
-                row,
+            yield cells.wrong(
                 column,
                 inner,
                 f"below the outer diameter {outer:.6g} m",
                 "Correct one of them.",
                 "m",
-                quote_quantity(outer, "m", (table, row, outside)),
+                quote_quantity(outer, "m", (*cells, outside)),
             )
-    yield from _stiffness(row, e)
+    yield from _stiffness(cells, e)
 
 
-def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
-    table = "Elements"
+def _stiffness(cells: Cells, e: ElementRow) -> Iterator[Problem]:
     if e.stiffness is not None:
-        damped = bool(e.damping)
-        yield from check_number(
-            table,
-            row,
-            "Stiffness",
-            e.stiffness,
-            Allowed(
-                (NOT_NEGATIVE if damped else POSITIVE).holds,
-                "positive (0 only where Damping is given)",
-            ),
-            "N m/rad",
-            "Correct it, or leave it blank: a shaft is computed from OD, ID and Length, a gear "
-            "mesh is rigid.",
+        allowed = Allowed(
+            (NOT_NEGATIVE if e.damping else POSITIVE).holds,
+            "positive (0 only where Damping is given)",
         )
-    elif e.kind in ("shaft", "coupling", ElementKind.SPRING_TO_GROUND):
-        absent = [
-            name
-            for name, value in (
-                ("OD", e.od),
-                ("Length", e.length),
-                ("Shear modulus", e.shear_modulus),
-            )
-            if value is None
-        ]
+        action = (
+            "Correct it, or leave it blank: a shaft is computed from OD, ID and Length, a gear "
+            "mesh is rigid."
+        )
+        yield from cells.number(e.stiffness, Limit("Stiffness", allowed, "N m/rad", action))
+    elif e.kind in KINDS and e.kind != ElementKind.GEAR_MESH:
+        needed = ("OD", "Length", "Shear modulus")
+        absent = [column for column in needed if value_of(e, column) is None]
         if absent:
-            yield Problem(
-                table,
-                row,
+            yield cells.problem(
                 "Stiffness",
                 None,
                 "a stiffness, or OD, Length and Shear modulus",
@@ -203,9 +147,7 @@ def _stiffness(row: int, e: ElementRow) -> Iterator[Problem]:
             )
     shaft = e.kind != ElementKind.GEAR_MESH
     if shaft and e.density is not None and (e.od is None or e.length is None):
-        yield Problem(
-            table,
-            row,
+        yield cells.problem(
             "Density",
             e.density,
             "used with OD and Length",
@@ -218,24 +160,19 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
     """Kinds, ends, stiffnesses and materials of the elements."""
     table = "Elements"
     yield from check_names(table, "Element", [e.element for e in case.elements], "an element")
+    stations = {s.station for s in case.stations if s.station}
     ratios = {s.station: (1.0 if s.speed_ratio is None else s.speed_ratio) for s in case.stations}
     materials = {m.material for m in case.materials if m.material}
-    for row, e in enumerate(case.elements, start=1):
+    for cells, e in each_row(table, case.elements):
         if e.kind is None:
-            yield blank_cell(
-                table, row, "Kind", "one of " + ", ".join(KINDS), "Choose from the list."
-            )
-        elif e.kind not in KINDS:
-            yield wrong_value(
-                table, row, "Kind", e.kind, "one of " + ", ".join(KINDS), "Choose from the list."
-            )
-        yield from _ends(case, row, e)
-        yield from _geometry(row, e)
+            yield cells.blank("Kind", "one of " + ", ".join(KINDS), "Choose from the list.")
+        yield from cells.choice("Kind", e.kind, ElementKind)
+        yield from _ends(stations, cells, e)
+        yield from _geometry(cells, e)
         a, b = ratios.get(e.from_), ratios.get(e.to)
-        if e.kind in ("shaft", "coupling") and a and b and abs(a / b - 1.0) > 1e-9:
-            yield Problem(
-                table,
-                row,
+        joins_equals = e.kind in (ElementKind.SHAFT, ElementKind.COUPLING)
+        if joins_equals and a and b and abs(a / b - 1.0) > 1e-9:
+            yield cells.problem(
                 "To",
                 e.to,
                 "a station of the same speed ratio as From",
@@ -243,20 +180,12 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
                 "stations of equal speed. Correct the speed ratios in table Stations, or make it "
                 "a gear mesh.",
             )
-        yield from _rigid_or_shaft(row, e)
-        if e.material and e.material not in materials:
-            yield wrong_value(
-                table,
-                row,
-                "Material",
-                e.material,
-                "a material of table Materials",
-                suggestion(e.material, materials),
-            )
+        if e.kind == ElementKind.GEAR_MESH:
+            yield from _no_shaft(cells, e)
+        if e.material:
+            yield from cells.name("Material", e.material, materials, MATERIAL_NAME)
         if e.material and e.stress_diameter is None:
-            yield Problem(
-                table,
-                row,
+            yield cells.problem(
                 "Stress diameter",
                 None,
                 "positive where a material is named",
@@ -265,21 +194,12 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
             )
 
 
-def _rigid_or_shaft(row: int, e: ElementRow) -> Iterator[Problem]:
+def _no_shaft(cells: Cells, e: ElementRow) -> Iterator[Problem]:
     """What a gear mesh cannot have."""
-    if e.kind != ElementKind.GEAR_MESH:
-        return
-    for column, value, unit in (
-        ("OD", e.od, "m"),
-        ("ID", e.id, "m"),
-        ("Length", e.length, "m"),
-        ("Shear modulus", e.shear_modulus, "Pa"),
-        ("Density", e.density, "kg/m³"),
-    ):
+    for column, unit in SHAFT_GEOMETRY.items():
+        value = value_of(e, column)
         if value is not None:
-            yield wrong_value(
-                "Elements",
-                row,
+            yield cells.wrong(
                 column,
                 value,
                 "blank for a gear mesh",
@@ -300,21 +220,19 @@ def check_connected(case: CaseData) -> Iterator[Problem]:
             name = root[name]
         return name
 
-    joined: dict[frozenset[str], tuple[int, str | None]] = {}
-    for row, e in enumerate(case.elements, start=1):
+    joined: dict[frozenset[str], str | None] = {}
+    for cells, e in each_row("Elements", case.elements):
         if e.from_ not in root or e.to not in root or e.from_ is None or e.to is None:
             continue
         pair = frozenset((e.from_, e.to))
         a, b = find(e.from_), find(e.to)
         if a != b:
             root[a] = b
-            joined.setdefault(pair, (row, e.kind))
-        elif pair in joined and ElementKind.GEAR_MESH not in (e.kind, joined[pair][1]):
+            joined.setdefault(pair, e.kind)
+        elif pair in joined and ElementKind.GEAR_MESH not in (e.kind, joined[pair]):
             continue  # side by side between the same two stations, a spring beside a damper
         else:
-            yield Problem(
-                "Elements",
-                row,
+            yield cells.problem(
                 "Element",
                 e.element,
                 "part of an open train",
@@ -326,15 +244,10 @@ def check_connected(case: CaseData) -> Iterator[Problem]:
     groups: dict[str, list[str]] = {}
     for name in names:
         groups.setdefault(find(name), []).append(name)
-    if len(groups) > 1:
-        main = max(groups.values(), key=len)
-        for group in groups.values():
-            if group is main:
-                continue
-            row = names.index(group[0]) + 1
-            yield Problem(
-                "Stations",
-                row,
+    main = max(groups.values(), key=len, default=[])
+    for group in groups.values():
+        if group is not main:
+            yield Cells("Stations", names.index(group[0]) + 1).problem(
                 "Station",
                 group[0],
                 "joined to the rest of the train",
@@ -345,40 +258,17 @@ def check_connected(case: CaseData) -> Iterator[Problem]:
 
 def check_mode_damping(case: CaseData) -> Iterator[Problem]:
     """Modes that are counted from 1, each once, with a damping ratio."""
-    seen: dict[int, int] = {}
-    for row, m in enumerate(case.mode_damping, start=1):
+    seen: dict[int, int | None] = {}
+    for cells, m in each_row("ModeDamping", case.mode_damping):
         if m.mode is None:
-            yield blank_cell(
-                "ModeDamping", row, "Mode", "the number of an elastic mode", "Count from 1."
-            )
+            yield cells.blank("Mode", "the number of an elastic mode", "Count from 1.")
         elif m.mode < 1 or m.mode != int(m.mode):
-            yield wrong_value(
-                "ModeDamping",
-                row,
-                "Mode",
-                m.mode,
-                "a whole number, 1 or more",
-                "The lowest elastic mode is 1.",
-            )
+            action = "The lowest elastic mode is 1."
+            yield cells.wrong("Mode", m.mode, "a whole number, 1 or more", action)
         elif m.mode in seen:
-            yield wrong_value(
-                "ModeDamping",
-                row,
-                "Mode",
-                m.mode,
-                f"given once (row {seen[m.mode]})",
-                "Clear one row.",
-            )
+            yield cells.wrong("Mode", m.mode, f"given once (row {seen[m.mode]})", "Clear one row.")
         else:
-            seen[m.mode] = row
+            seen[m.mode] = cells.row
         if m.damping_ratio is None:
-            yield blank_cell(
-                "ModeDamping", row, "Damping ratio", "at least 0 and below 1", "Type it."
-            )
-        yield from check_number(
-            "ModeDamping",
-            row,
-            "Damping ratio",
-            m.damping_ratio,
-            BELOW_ONE,
-        )
+            yield cells.blank("Damping ratio", "at least 0 and below 1", "Type it.")
+        yield from cells.number(m.damping_ratio, Limit("Damping ratio", BELOW_ONE))
