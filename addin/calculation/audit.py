@@ -13,6 +13,14 @@ from importlib import metadata
 from typing import Any
 
 from addin.contract.audit_items import DIGEST_ITEM, SETTING_ITEM, SOFTWARE_ITEM
+from addin.contract.sources import (
+    CURVES,
+    INTEGRATORS,
+    MIL_STANDARD,
+    RAINFLOW,
+    SINGULAR_VALUES,
+    STEADY,
+)
 from addin.contract.version import product_version
 from engine.case.result_words import NoNumber
 from engine.plan.decision import EffectDecision
@@ -34,26 +42,26 @@ EQUATIONS: tuple[tuple[str, str], ...] = (
     (
         "Natural frequencies",
         "singular values of √k·B/√m, B the incidence matrix with speed ratios; K = Bᵀ k B "
-        "(Demmel et al., Linear Algebra Appl. 299 (1999))",
+        f"({SINGULAR_VALUES.cited})",
     ),
     (
         "Modal damping",
         "ζ = stated + ½ Σ loss factor × strain-energy share + ½ φᵀCφ/ω at unit modal mass",
     ),
     ("Separation margin", "|f − f_exc| / f_exc, least over the operating speeds; 20 % calculated, "
-     "10 % measured (Szenasi & von Nimitz 1978, Steady state torsional analysis)"),
+     f"10 % measured ({STEADY})"),
     ("Forced response", "direct complex solution of (K(1+iη) + iωC − ω²J) θ = T; 1 % zero-to-peak "
      "of the transmitted torque at motor, gear and driven machine in turn (the same)"),
-    ("Allowable vibratory stress", "UTS/25 (Mil-Std-167, as cited there)"),
+    ("Allowable vibratory stress", f"UTS/25 ({MIL_STANDARD.cited}, as cited there)"),
     ("Pulsation", "T(ω) sin(2 (ω_line t − p θ) + phase); f = 2 f_line (1 − n/n_s) (the same)"),
     ("Start-up crossing", "% speed = 100 (1 − f / 2 f_line) (Table 1 of the same)"),
     ("Start, exponential", "q̈ + 2ζω q̇ + ω² q = Φᵀ T(t, θ, ω), exact step for a force cubic in "
-     "time (Hochbruck & Ostermann, Acta Numerica 19 (2010))"),
+     f"time ({INTEGRATORS.cited})"),
     ("Start, Newmark", "average acceleration, eqs (1) to (3) of the paper; eq. (4) derived from them "
      "(as printed its second C term repeats the velocity for the acceleration)"),
-    ("Torque curves", "monotone cubic through the points, no overshoot (Fritsch & Carlson 1980)"),
+    ("Torque curves", f"monotone cubic through the points, no overshoot ({CURVES.authors} 1980)"),
     ("Shear stress", "τ = 16 T D / (π (D⁴ − d⁴)), nominal; SCF multiplies it for fatigue and UTS/25"),
-    ("Cycle counting", "rainflow, ASTM E1049; history from rest, closed by a return to zero"),
+    ("Cycle counting", f"rainflow, {RAINFLOW.cited}; history from rest, closed by a return to zero"),
     ("Damage", "q = Σ n_i/N_i, starts = 1/q, log-log S-N line, bending data halved for torsion "
      "(Figure 3 and Stress criterion of the paper); mean stress ignored"),
 )  # fmt: skip
@@ -160,7 +168,7 @@ def _settings(results: Results) -> Iterator[tuple[str, str]]:
     if start is not None:
         yield "Method of the start", start.method
         yield "Outcome of the start", start.outcome.sentence
-    yield "Rainflow residue", case.rainflow_residue or "half cycles (ASTM E1049)"
+    yield "Rainflow residue", case.rainflow_residue or f"half cycles ({RAINFLOW.cited})"
     yield "Mean stress", "ignored; amplitude = half range"
     yield (
         "Element torque in a start",

@@ -26,6 +26,7 @@ from addin.contract.sources import (
     ASTM,
     CLEARANCE,
     CLEARANCES,
+    CURVES,
     DAMPING,
     EQUATION_OF_MOTION,
     EXCITATION,
@@ -36,6 +37,7 @@ from addin.contract.sources import (
     LINE,
     MIL,
     MODAL,
+    PAPER,
     PEAK,
     PHILOSOPHY,
     REVERSALS,
@@ -389,14 +391,14 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Average torque", "torque", "Average motor torque there.",
                 "Monotone cubic through Average at that speed, × Voltage²",
-                f"{PHILOSOPHY}; curves: Fritsch & Carlson, SIAM J. Numer. Anal. 17 (1980) 238",
+                f"{PHILOSOPHY}; curves: {CURVES.paged}",
                 us="lbf*ft", of_row=("StartupCrossings.Percent speed",),
                 of_case=("MotorTorque.Speed", "MotorTorque.Average", "Voltage"), format=shown.SIGNED,
             ),
             number(
                 "Pulsating torque", "torque", "Pulsating torque there, zero-to-peak.",
                 "Monotone cubic through Pulsating at that speed, × Voltage²",
-                f"{PHILOSOPHY}; curves: Fritsch & Carlson, SIAM J. Numer. Anal. 17 (1980) 238",
+                f"{PHILOSOPHY}; curves: {CURVES.paged}",
                 us="lbf*ft", of_row=("StartupCrossings.Percent speed",),
                 of_case=("MotorTorque.Speed", "MotorTorque.Pulsating", "Voltage"),
             ),
@@ -435,7 +437,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Peak-to-peak stress", "pressure", "Its nominal stress range at the crossing.",
                 f"{STRESS} of that range; nominal, without SCF",
-                "Szenasi & von Nimitz 1978, Sample case (stress when the first mode is excited)",
+                f"{PAPER.cited}, Sample case (stress when the first mode is excited)",
                 of_row=("StartupCrossings.Peak-to-peak torque",), of_case=SECTION,
                 error=ReportedError.PEAKS, printed="Stress, pk‑pk",
             ),
@@ -777,7 +779,7 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Force", "force", "Largest vibratory and transmitted force together.",
                 "The largest |k_b u + c_b u̇| over x and y, transmitted force included, without weight",
-                "Szenasi & von Nimitz 1978, Figure 4c; docs/method.md, Clearances",
+                f"{PAPER.cited}, Figure 4c; docs/method.md, Clearances",
                 of_row=(
                     "Meshes.Bearing stiffness drive", "Meshes.Bearing stiffness driven",
                     "Meshes.Bearing damping drive", "Meshes.Bearing damping driven",

@@ -3,34 +3,101 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from addin.contract.field import Trace
 
-#: The paper the product implements; its sections, equations and figures are cited below.
-PAPER = (
-    "Szenasi & von Nimitz, Transient analyses of synchronous motor trains, 7th Turbomachinery "
-    "Symposium (1978)"
-)
 
-STEADY = "Szenasi & von Nimitz 1978, Steady state torsional analysis"
-TRANSIENT = "Szenasi & von Nimitz 1978, Transient torsional analyses"
-SLIP = f"{TRANSIENT}, equation of the pulsation frequency"
-REVERSALS = "Szenasi & von Nimitz 1978, Torque reversals"
-PHILOSOPHY = "Szenasi & von Nimitz 1978, Philosophy of resonant response location"
-CRITERION = "Szenasi & von Nimitz 1978, Stress criterion"
-FIGURE_3 = f"{CRITERION}, Figure 3"
-MIL = "Mil-Std-167, as cited in Szenasi & von Nimitz 1978, Steady state torsional analysis"
-SVD = "Demmel et al., Linear Algebra Appl. 299 (1999) 21; docs/method.md, Natural frequencies"
-EXPONENTIAL = (
-    "Szenasi & von Nimitz 1978, eq. (1); exact step: Hochbruck & Ostermann, Acta Numerica 19 (2010) "
-    "209; Newmark: eqs (2) to (4)"
+@dataclass(frozen=True)
+class Source:
+    """A paper or standard, with the words by which it is cited."""
+
+    authors: str  #: Authors, or the number of a standard.
+    place: str  #: Year, or journal, volume and year, as it follows the authors.
+    full: str  #: As in a list of references.
+    page: str = ""  #: First page. [number]
+
+    @property
+    def cited(self) -> str:
+        """Authors and place."""
+        return self.authors + self.place
+
+    @property
+    def named(self) -> str:
+        """Authors as in running text."""
+        return self.authors.replace("&", "and")
+
+    @property
+    def paged(self) -> str:
+        """Authors, place and page."""
+        return f"{self.cited} {self.page}"
+
+
+#: The paper the product implements; its sections, equations and figures are cited below.
+PAPER = Source(
+    "Szenasi & von Nimitz",
+    " 1978",
+    "F. R. Szenasi, W. W. von Nimitz: Transient analyses of synchronous motor trains. Proc. 7th "
+    "Turbomachinery Symposium, Texas A&M University, 1978.",
 )
+#: The same as the workbooks name it.
+PAPER_TITLE = "F. R. Szenasi and W. W. von Nimitz, Transient Analyses of Synchronous Motor Trains"
+MIL_STANDARD = Source(
+    "Mil-Std-167",
+    "",
+    "Mil-Std-167: Mechanical vibrations of shipboard equipment, as cited in [1].",
+)
+SINGULAR_VALUES = Source(
+    "Demmel et al.",
+    ", Linear Algebra Appl. 299 (1999)",
+    "J. Demmel, M. Gu, S. Eisenstat, I. Slapničar, K. Veselić, Z. Drmač: Computing the singular value "
+    "decomposition with high relative accuracy. Linear Algebra and its Applications 299 (1999).",
+    "21",
+)
+INTEGRATORS = Source(
+    "Hochbruck & Ostermann",
+    ", Acta Numerica 19 (2010)",
+    "M. Hochbruck, A. Ostermann: Exponential integrators. Acta Numerica 19 (2010).",
+    "209",
+)
+CURVES = Source(
+    "Fritsch & Carlson",
+    ", SIAM J. Numer. Anal. 17 (1980)",
+    "F. N. Fritsch, R. E. Carlson: Monotone piecewise cubic interpolation. SIAM J. Numerical Analysis "
+    "17 (1980).",
+    "238",
+)
+RAINFLOW = Source(
+    "ASTM E1049",
+    "",
+    "ASTM E1049: Standard practices for cycle counting in fatigue analysis.",
+)
+IMPACT = Source(
+    "Hunt & Crossley",
+    ", J. Applied Mechanics 42 (1975)",
+    "K. H. Hunt, F. R. E. Crossley: Coefficient of restitution interpreted as damping in vibroimpact. "
+    "J. Applied Mechanics 42 (1975).",
+    "440",
+)
+#: As a report numbers them, from 1.
+REFERENCES = (PAPER, MIL_STANDARD, SINGULAR_VALUES, INTEGRATORS, CURVES, RAINFLOW, IMPACT)
+
+STEADY = f"{PAPER.cited}, Steady state torsional analysis"
+TRANSIENT = f"{PAPER.cited}, Transient torsional analyses"
+SLIP = f"{TRANSIENT}, equation of the pulsation frequency"
+REVERSALS = f"{PAPER.cited}, Torque reversals"
+PHILOSOPHY = f"{PAPER.cited}, Philosophy of resonant response location"
+CRITERION = f"{PAPER.cited}, Stress criterion"
+FIGURE_3 = f"{CRITERION}, Figure 3"
+MIL = f"{MIL_STANDARD.cited}, as cited in {STEADY}"
+SVD = f"{SINGULAR_VALUES.paged}; docs/method.md, Natural frequencies"
+EXPONENTIAL = f"{PAPER.cited}, eq. (1); exact step: {INTEGRATORS.paged}; Newmark: eqs (2) to (4)"
+CONTACT = "Modelica Standard Library 4.0, ElastoBacklash"
 CLEARANCE = (
-    "Szenasi & von Nimitz 1978, Analysis of torque reversals, Figure 4; contact law: Modelica "
-    "Standard Library 4.0, ElastoBacklash; Hunt & Crossley, J. Applied Mechanics 42 (1975) 440"
+    f"{PAPER.cited}, Analysis of torque reversals, Figure 4; contact law: {CONTACT}; {IMPACT.paged}"
 )
 STRENGTH = "Timoshenko, Strength of Materials, torsion of a circular shaft"
-ASTM = "ASTM E1049-85, rainflow counting; Miner, J. Applied Mechanics 12 (1945) A-159"
+ASTM = f"{RAINFLOW.cited}-85, rainflow counting; Miner, J. Applied Mechanics 12 (1945) A-159"
 NAME = "Name, as typed"
 LABEL = "docs/nomenclature.md"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from addin.contract.sources import CONTACT, IMPACT, MIL_STANDARD, PAPER, PAPER_TITLE, RAINFLOW
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.case.practice_limits import PRACTICE_LIMITS
 
@@ -36,7 +37,7 @@ REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
     (
         "Contact law",
         "Damping of teeth in contact. limited: never pulls and never exceeds the spring force "
-        "(Modelica Standard Library 4.0, ElastoBacklash; Hunt and Crossley 1975). no adhesion: never "
+        f"({CONTACT}; {IMPACT.named} 1975). no adhesion: never "
         "pulls (ElastoBacklash2). Scalar ContactLaw on sheet Case.",
     ),
     ("", CONTACT_LAW[0]),
@@ -109,7 +110,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "Margins",
-            "20 % for calculated, 10 % for measured frequencies (Szenasi & von Nimitz 1978, "
+            f"20 % for calculated, 10 % for measured frequencies ({PAPER.cited}, "
             "Steady State Torsional Analysis).",
         ),
         (
@@ -133,13 +134,13 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("Shear stress", "τ = 16 T D / (π (D⁴ − d⁴)), nominal; times SCF where it says so."),
         (
             "Steady-state limit",
-            "UTS / 25 (Mil-Std-167 as the paper reads it), compared as Stress basis on sheet "
+            f"UTS / 25 ({MIL_STANDARD.cited} as the paper reads it), compared as Stress basis on sheet "
             "Case says; stresses with SCF.",
         ),
         (
             "Fatigue",
             "q = Σ nᵢ / Nᵢ over the cycles of one start, allowable starts 1 / q (paper, Figure 3). "
-            "Cycles by rainflow counting (ASTM E1049); the paper's cycle-by-cycle count stands "
+            f"Cycles by rainflow counting ({RAINFLOW.cited}); the paper's cycle-by-cycle count stands "
             "beside. Bending data are halved for torsion. N between S-N points is log-log.",
         ),
         ("Yield", "Nominal peak stress is judged against Yield / 2 (maximum shear theory)."),
@@ -162,8 +163,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "Reference",
-            "F. R. Szenasi and W. W. von Nimitz, Transient Analyses of Synchronous Motor Trains, "
-            "1978.",
+            f"{PAPER_TITLE}, 1978.",
         ),
     ),
 }

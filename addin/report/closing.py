@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
+from addin.contract.sources import REFERENCES
 from addin.report.document import (
     Block,
     Column,
@@ -17,7 +18,7 @@ from addin.report.document import (
     SignatureBox,
     Table,
 )
-from addin.report.equations import EQUATIONS, METHODS, REFERENCES, by
+from addin.report.equations import EQUATIONS, METHODS, by
 from addin.report.numbers import clean, scientific
 from addin.report.subject import Subject
 from addin.report.tables import result_table, without_blanks
@@ -168,7 +169,7 @@ def _starts_errors(subject: Subject) -> list[tuple[str, str]]:
 
 def equations(subject: Subject) -> Section:
     """The equations with their sources."""
-    sources = tuple((f"[{k}]", text) for k, text in enumerate(REFERENCES, start=1))
+    sources = tuple((f"[{k}]", source.full) for k, source in enumerate(REFERENCES, start=1))
     return Section(
         "Equations and references",
         (

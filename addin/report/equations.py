@@ -6,10 +6,26 @@ by its name and so by its number.
 
 from __future__ import annotations
 
+from addin.contract.sources import (
+    CURVES,
+    INTEGRATORS,
+    MIL_STANDARD,
+    PAPER,
+    RAINFLOW,
+    REFERENCES,
+    SINGULAR_VALUES,
+    Source,
+)
 from addin.report.document import Equation
 from addin.report.formula import fence, formula, frac, root
 
-_PAPER = "Szenasi and von Nimitz [1]"
+
+def _numbered(source: Source) -> str:
+    """A source by its authors and its number in the list of references."""
+    return f"{source.named} [{REFERENCES.index(source) + 1}]"
+
+
+_PAPER = _numbered(PAPER)
 
 #: In the order in which they are numbered.
 EQUATIONS: tuple[Equation, ...] = (
@@ -25,7 +41,7 @@ EQUATIONS: tuple[Equation, ...] = (
                 frac(formula(root("k"), "*B"), root("*J"))),
         "B incidence matrix of the elements with speed ratios, k stiffnesses, J inertias. The "
         "stiffness matrix is never added up, so a stiff link costs no digits.",
-        "Demmel et al. [3]",
+        _numbered(SINGULAR_VALUES),
     ),
     Equation(
         "Modal damping",
@@ -53,7 +69,7 @@ EQUATIONS: tuple[Equation, ...] = (
         "Allowable vibratory stress",
         formula("τ_allowable =", frac("UTS", "25")),
         "compared with stresses that include SCF.",
-        f"Mil-Std-167, as cited by {_PAPER}",
+        f"{MIL_STANDARD.cited}, as cited by {_PAPER}",
     ),
     Equation(
         "Pulsation",
@@ -74,7 +90,7 @@ EQUATIONS: tuple[Equation, ...] = (
         "Start, exponential",
         formula("q''_r + 2 ζ_r ω_r q'_r + ω_r^2 q_r = φ_r^T *T", fence("t , θ , ω")),
         "integrated by a step that is exact for a torque cubic in time.",
-        "Hochbruck and Ostermann [4]",
+        _numbered(INTEGRATORS),
     ),
     Equation(
         "Start, Newmark",
@@ -107,27 +123,12 @@ METHODS: tuple[tuple[str, str], ...] = (
     (
         "Torque curves",
         "monotone cubic through the typed points, without overshoot; constant outside them "
-        "(Fritsch and Carlson [5]).",
+        f"({_numbered(CURVES)}).",
     ),
     (
         "Cycle counting",
-        "rainflow after ASTM E1049 [6]; the history begins at rest and is closed by a return to zero.",
+        f"rainflow after {_numbered(RAINFLOW)}; the history begins at rest and is closed by a return to zero.",
     ),
-)
-
-#: Sources by number.
-REFERENCES: tuple[str, ...] = (
-    "F. R. Szenasi, W. W. von Nimitz: Transient analyses of synchronous motor trains. Proc. 7th "
-    "Turbomachinery Symposium, Texas A&M University, 1978.",
-    "Mil-Std-167: Mechanical vibrations of shipboard equipment, as cited in [1].",
-    "J. Demmel, M. Gu, S. Eisenstat, I. Slapničar, K. Veselić, Z. Drmač: Computing the singular value "
-    "decomposition with high relative accuracy. Linear Algebra and its Applications 299 (1999).",
-    "M. Hochbruck, A. Ostermann: Exponential integrators. Acta Numerica 19 (2010).",
-    "F. N. Fritsch, R. E. Carlson: Monotone piecewise cubic interpolation. SIAM J. Numerical Analysis "
-    "17 (1980).",
-    "ASTM E1049: Standard practices for cycle counting in fatigue analysis.",
-    "K. H. Hunt, F. R. E. Crossley: Coefficient of restitution interpreted as damping in vibroimpact. "
-    "J. Applied Mechanics 42 (1975).",
 )
 
 _NUMBERS = {equation.name: number for number, equation in enumerate(EQUATIONS, start=1)}

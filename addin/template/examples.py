@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from addin.contract import tables as fields
 from addin.contract.shown_units import ShownUnits
+from addin.contract.sources import PAPER, PAPER_TITLE
 from addin.contract.units import parse_unit
 from engine.case.data import TABLES, CaseData
 
@@ -91,8 +92,7 @@ _MATERIAL = "Alloy steel"
 PROVENANCE: tuple[tuple[str, str], ...] = (
     (
         "Source",
-        "F. R. Szenasi and W. W. von Nimitz, Transient Analyses of Synchronous Motor Trains, "
-        "Southwest Research Institute, 1978: the sample case, Table 1 and Figures 5 to 8.",
+        f"{PAPER_TITLE}, Southwest Research Institute, 1978: the sample case, Table 1 and Figures 5 to 8.",
     ),
     (
         "Published",
@@ -162,7 +162,7 @@ def _shown(value: float, unit: float) -> float:
 def _scalars(design: str) -> dict[str, Value]:
     return {
         "Title": f"Torsional start-up analysis, compressor train, {design} system",
-        "Tag": "Sample case, Szenasi & von Nimitz 1978",
+        "Tag": f"Sample case, {PAPER.cited}",
         "Client": "Example",
         "Document": f"SAMPLE-{design[:3].upper()}",
         "Revision": "0",

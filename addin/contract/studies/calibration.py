@@ -20,6 +20,7 @@ from addin.contract.field import (
 )
 from addin.contract.json_shapes import COUNT, FLAG, NUMBER, TEXT, Shape, described
 from addin.contract.sheet import ChartAt, Sheet
+from addin.contract.sources import STEADY
 from addin.contract.study_spec import StudySpec
 
 _METHOD = "docs/calibration.md"
@@ -27,7 +28,6 @@ _MAP = "Tarantola, Inverse Problem Theory (2005), chapter 3; docs/calibration.md
 _RAYLEIGH = (
     "Friswell & Mottershead, Finite Element Model Updating (1995), chapter 4; docs/calibration.md"
 )
-_PAPER = "Szenasi & von Nimitz 1978, Steady state torsional analysis"
 _TRAIN = ("Stations.Inertia", "Stations.Speed ratio", "Elements.Stiffness")
 _PRIOR = (
     "Scatter.Quantity",
@@ -226,22 +226,22 @@ _RESULTS: tuple[TableSpec, ...] = (
             integer("Mode", "Elastic mode of the case.", "Counted from 1", _METHOD, of_case=_TRAIN),
             text(
                 "Excitation", "The nearest excitation, after calibration.",
-                "The one with the least margin", _PAPER, of_case=_SPEEDS,
+                "The one with the least margin", STEADY, of_case=_SPEEDS,
             ),
             number(
                 "Frequency before", "frequency", "Natural frequency of the case.",
                 "As in CalibratedFrequencies", _METHOD, of_case=_TRAIN,
             ),
             number(
-                "Margin before", "fraction", "Its least margin.", _LEAST_MARGIN, _PAPER,
+                "Margin before", "fraction", "Its least margin.", _LEAST_MARGIN, STEADY,
                 of_row=("CalibratedMargins.Frequency before",), of_case=_SPEEDS, format=shown.TWO_DECIMALS,
             ),
             number(
-                "Required before", "fraction", "Required margin of the case.", _REQUIRED, _PAPER,
+                "Required before", "fraction", "Required margin of the case.", _REQUIRED, STEADY,
                 of_case=_BASIS, format=shown.ONE_DECIMAL,
             ),
             verdict(
-                "Verdict before", "pass, accepted by forced response or fail.", _VERDICT, _PAPER,
+                "Verdict before", "pass, accepted by forced response or fail.", _VERDICT, STEADY,
                 of_row=("CalibratedMargins.Margin before", "CalibratedMargins.Required before"),
             ),
             number(
@@ -249,16 +249,16 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "As in CalibratedFrequencies", _METHOD, of_case=_ALL,
             ),
             number(
-                "Margin", "fraction", "Its least margin.", _LEAST_MARGIN, _PAPER,
+                "Margin", "fraction", "Its least margin.", _LEAST_MARGIN, STEADY,
                 of_row=("CalibratedMargins.Frequency",), of_case=_SPEEDS, format=shown.TWO_DECIMALS,
             ),
             number(
                 "Required", "fraction", "Required margin on the basis that is justified.",
-                f"{_REQUIRED}; measured where every mode below 20 % is known", _PAPER,
+                f"{_REQUIRED}; measured where every mode below 20 % is known", STEADY,
                 of_row=("CalibratedFrequencies.Known",), of_case=_BASIS, format=shown.ONE_DECIMAL,
             ),
             verdict(
-                "Verdict", "pass, accepted by forced response or fail.", _VERDICT, _PAPER,
+                "Verdict", "pass, accepted by forced response or fail.", _VERDICT, STEADY,
                 of_row=("CalibratedMargins.Margin", "CalibratedMargins.Required"),
             ),
         ),

@@ -31,6 +31,7 @@ from addin.contract.json_shapes import (
     list_of,
 )
 from addin.contract.sheet import ChartAt, Sheet
+from addin.contract.sources import PHILOSOPHY, STEADY
 from addin.contract.study_spec import StudyScale, StudySpec
 from engine.case.study_inputs import TUNED
 
@@ -44,8 +45,6 @@ _PAGE = "docs/tuning.md"
 _RULES = f"{_PAGE}, How combinations are ranked"
 _RUN = f"{_PAGE}; as the plain run of that case, see its result sheets"
 _ROWS = ("Tuning.Element", "Tuning.Quantity", "Tuning.Values", "Catalogue.Name")
-_PHILOSOPHY = "Szenasi & von Nimitz 1978, Philosophy of resonant response location"
-_STEADY = "Szenasi & von Nimitz 1978, Steady state torsional analysis"
 
 
 def _as(result: str, equation: str = "") -> Trace:
@@ -63,7 +62,7 @@ _COMBINATION = Trace(
 )
 _ALLOWED_STARTS = _as("AllowableStarts.Allowable starts", "Least of all shafts")
 _WORST_MARGIN = _as("SeparationMargins.Margin", "min |f − f_exc| / f_exc")
-_CROSSING = f"At the crossing with the largest stress range ({_PHILOSOPHY})"
+_CROSSING = f"At the crossing with the largest stress range ({PHILOSOPHY})"
 _BAND = "f_min (1 − m) to f_max (1 + m), from |f − f_exc| / f_exc ≥ m"
 _CELL = "docs/tuning.md, Maps"
 _OPTION = text(
@@ -414,30 +413,30 @@ _RESULTS: tuple[TableSpec, ...] = (
         columns=(
             text(
                 "Excitation", "Name of the excitation.",
-                "Name, as typed or as the usual ones are called", _STEADY,
+                "Name, as typed or as the usual ones are called", STEADY,
                 of_case=("Excitations.Name",),
             ),
             number(
-                "From", "frequency", "Lowest frequency × (1 − required margin).", _BAND, _STEADY,
+                "From", "frequency", "Lowest frequency × (1 − required margin).", _BAND, STEADY,
                 of_case=("MinimumSpeed", "MarginBasis", "MarginRequired"),
             ),
             number(
-                "To", "frequency", "Highest frequency × (1 + required margin).", _BAND, _STEADY,
+                "To", "frequency", "Highest frequency × (1 + required margin).", _BAND, STEADY,
                 of_case=("MaximumSpeed", "MarginBasis", "MarginRequired"),
             ),
             number(
                 "Lowest", "frequency", "Of the excitation, at the lowest speed.",
-                "Order × speed of its station at MinimumSpeed, or its frequency", _STEADY,
+                "Order × speed of its station at MinimumSpeed, or its frequency", STEADY,
                 of_case=("MinimumSpeed", "Excitations.Order", "Excitations.Frequency"),
             ),
             number(
                 "Highest", "frequency", "Of the excitation, at the highest speed.",
-                "Order × speed of its station at MaximumSpeed, or its frequency", _STEADY,
+                "Order × speed of its station at MaximumSpeed, or its frequency", STEADY,
                 of_case=("MaximumSpeed", "Excitations.Order", "Excitations.Frequency"),
             ),
             text(
                 "Modes inside", "Of the unchanged case.",
-                "Modes whose margin from it is less than required", _STEADY,
+                "Modes whose margin from it is less than required", STEADY,
                 of_case=("SeparationMargins.Margin",),
             ),
             integer(
