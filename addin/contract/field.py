@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
 from types import MappingProxyType
-from typing import Any, TypedDict, Unpack
+from typing import Any
 
 from addin.contract import number_formats as shown
 from engine.case.data import json_key
@@ -145,14 +145,16 @@ class Field:
     #: ``verdict``, ``sentence`` (takes the width that is left; another version may word it
     #: otherwise) and ``mixed`` (a number in one row, words in another).
     kind: str
-    dimension: str  #: Key of `DIMENSIONS`.
-    unit_us: str  #: Units shown by the two templates; empty where there is no unit. [unit]
-    unit_si: str  #: Likewise. [unit]
-    #: Drop-down list of the unit cell; empty where there is no unit. [units]
-    units: tuple[str, ...]
-    choices: tuple[str, ...]  #: Allowed words of a choice; the first one is the default.
-    default_text: str  #: What a blank cell means; empty where a blank has no meaning of its own.
     help: str  #: One sentence for the input prompt.
+    dimension: str = "none"  #: Key of `DIMENSIONS`.
+    unit_us: str = ""  #: Units shown by the two templates; empty where there is no unit. [unit]
+    unit_si: str = ""  #: Likewise. [unit]
+    #: Drop-down list of the unit cell; empty where there is no unit. [units]
+    units: tuple[str, ...] = ()
+    choices: tuple[str, ...] = ()  #: Allowed words of a choice; the first one is the default.
+    default_text: str = (
+        ""  #: What a blank cell means; empty where a blank has no meaning of its own.
+    )
     group: str = ""  #: Block of sheet `Case` the scalar stands in; empty for columns.
     trace: Trace | None = None  #: Of a result: equation, source and the inputs it comes from.
     formula: str = ""  #: Live formula of its cells; empty where the calculation fills them.
@@ -220,15 +222,12 @@ class TableSpec:
     #: shipped with names alone; empty = every filled row counts.
     states: str = ""
     caption: str = ""  #: Above the table, and its name in reports and comparisons.
-    short_caption: bool = (
-        False  #: Another table stands close to its right: the caption stands alone.
-    )
-    row_name: tuple[
-        str, ...
-    ] = ()  #: Columns that name a row; empty = rows are matched by their order.
-    changes_shown: tuple[
-        str, ...
-    ] = ()  #: Columns whose changes `diff` shows unless all are asked for.
+    #: Another table stands close to its right: the caption stands alone.
+    short_caption: bool = False
+    #: Columns that name a row; empty = rows are matched by their order.
+    row_name: tuple[str, ...] = ()
+    #: Columns whose changes `diff` shows unless all are asked for.
+    changes_shown: tuple[str, ...] = ()
     room: int = 0  #: Rows kept free above what stands below it; 0 = nothing does. [count]
     #: Its numbers come from the run in time; the others from linear algebra alone.
     of_the_start: bool = False
@@ -275,24 +274,23 @@ class TableSpec:
         return replace(self.repeated, name=name, key=json_key(name))
 
 
-class _Stated(TypedDict, total=False):
-    """What else a field states, see `Field`."""
-
-    kind: str
-    group: str
-    trace: Trace
-    of_row: tuple[str, ...]
-    of_case: tuple[str, ...]
-    formula: str
-    format: str
-    width: float
-    unlimited: bool
-    wall_time: bool
-    error: ReportedError
-    share_of: str
-    pane: Pane
-    printed: str
-    key: str
+def _field(
+    name: str,
+    help: str,
+    equation: str,
+    source: str,
+    *,
+    of_row: tuple[str, ...] = (),
+    of_case: tuple[str, ...] = (),
+    format: str = "",
+    **more: Any,
+) -> Field:
+    """A field whose key follows from its name, with the trace of a result."""
+    if equation:
+        more["trace"] = Trace(equation, source, of_row, of_case)
+    return Field(
+        **{"name": name, "key": json_key(name), "help": help, "own_format": format, **more}
+    )
 
 
 def number(
@@ -305,7 +303,7 @@ def number(
     blank: str = "",
     us: str = "",
     si: str = "",
-    **more: Unpack[_Stated],
+    **more: Any,
 ) -> Field:
     """A number.
 
@@ -336,45 +334,14 @@ def number(
             f"column {name} has the dimension {dimension!r}, which is none: add it to DIMENSIONS in "
             "addin/contract/field.py"
         )
-    return _field(
-        Field(
-            name=name,
-            key=json_key(name),
-            kind="number",
-            dimension=dimension,
-            unit_us=us or usual.unit_us,
-            unit_si=si or usual.unit_si,
-            units=usual.units,
-            choices=(),
-            default_text=blank,
-            help=help,
-        ),
-        equation,
-        source,
-        more,
-    )
+    units = {"unit_us": us or usual.unit_us, "unit_si": si or usual.unit_si, "units": usual.units}
+    plain = {"kind": "number", "dimension": dimension, "default_text": blank, **units}
+    return _field(name, help, equation, source, **plain | more)
 
 
-def _field(plain: Field, equation: str, source: str, more: _Stated) -> Field:
-    """A field with all it states."""
-    stated: dict[str, Any] = dict(more)
-    of_row, of_case = stated.pop("of_row", ()), stated.pop("of_case", ())
-    if equation:
-        stated["trace"] = Trace(equation, source, of_row, of_case)
-    if "format" in stated:
-        stated["own_format"] = stated.pop("format")
-    return replace(plain, **stated)
-
-
-def integer(
-    name: str,
-    help: str,
-    equation: str = "",
-    source: str = "",
-    **more: Unpack[_Stated],
-) -> Field:
+def integer(name: str, help: str, equation: str = "", source: str = "", **more: Any) -> Field:
     """A whole number without unit."""
-    return replace(number(name, "count", help, equation, source, **more), kind="integer")
+    return number(name, "count", help, equation, source, kind="integer", **more)
 
 
 def text(
@@ -383,36 +350,17 @@ def text(
     equation: str = "",
     source: str = "",
     *,
-    choices: tuple[str, ...] = (),
+    kind: str = "text",
     blank: str = "",
-    **more: Unpack[_Stated],
+    **more: Any,
 ) -> Field:
     """Words: free text, a choice, or the name of a station, element or material; see `number`."""
-    plain = Field(
-        name=name,
-        key=json_key(name),
-        kind="text",
-        dimension="none",
-        unit_us="",
-        unit_si="",
-        units=(),
-        choices=choices,
-        default_text=blank,
-        help=help,
-    )
-    return _field(plain, equation, source, more)
+    return _field(name, help, equation, source, kind=kind, default_text=blank, **more)
 
 
-def choice(
-    name: str,
-    choices: tuple[str, ...],
-    help: str,
-    *,
-    blank: str = "",
-    group: str = "",
-) -> Field:
+def choice(name: str, choices: tuple[str, ...], help: str, *, blank: str = "") -> Field:
     """A word from a short list, the default first."""
-    return text(name, help, kind="choice", choices=choices, blank=blank, group=group)
+    return text(name, help, kind="choice", choices=choices, blank=blank)
 
 
 #: A result that is yes or nothing.

@@ -14,8 +14,6 @@ module              responsibility
                     worksheet function
 `frames`            frame of every sheet: widths, banner, strip, print set-up; and the colours of
                     verdicts
-`live_sheet`        sheet `Live`: frequencies, margins and shaft stiffness by worksheet functions,
-                    as inputs are typed
 `table_cells`       tables on the sheets: caption, units, headers, typed rows, formulas beside
                     results
 `front_sheets`      sheets that engineers open first: the scalars of `Case`, the summary, the
@@ -24,6 +22,8 @@ module              responsibility
                     studies
 `reference_sheets`  sheets of words and hidden sheets: notes, trace, lists behind drop-downs,
                     chart data
+`live_sheet`        sheet `Live`: frequencies, margins and shaft stiffness by worksheet functions,
+                    as inputs are typed
 `build`             builds the shipped workbooks from the one table of fields: ``python -m
                     addin.template.build FOLDER``
 ==================  ==============================================================================

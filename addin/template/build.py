@@ -14,21 +14,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import xlsxwriter
-from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
+from xlsxwriter.utility import xl_cell_to_rowcol
 
 from addin.charts.data import chart_blocks
 from addin.charts.rows import Rows
 from addin.contract import tables as fields
-from addin.contract.charts import CHARTS
 from addin.contract.sheet import Sheet
-from addin.contract.sheets import (
-    SHEETS,
-)
+from addin.contract.sheets import SHEETS
 from addin.contract.shown_units import shown_units
-from addin.contract.studies.registry import (
-    STUDY_CHARTS,
-    with_studies,
-)
+from addin.contract.studies.registry import EVERY_CHART, with_studies
 from addin.reading.workbook import read_workbook
 from addin.template.charts import Places, make_chart
 from addin.template.examples import (
@@ -36,16 +30,12 @@ from addin.template.examples import (
     Example,
     example_case,
     example_torque,
-    provenance_of,
     study_rows,
 )
-from addin.template.live_sheet import LIVE_SHEET, LiveAnswers, LiveSheet, live_answers
-from addin.template.reference_sheets import ReferenceSheets
+from addin.template.live_sheet import LIVE_SHEET, NO_ANSWERS, LiveAnswers, LiveSheets, live_answers
 from addin.template.variants import VARIANTS, Variant
 
 _CREATED = dt.datetime(2026, 1, 1)
-
-_CHARTS = {**CHARTS, **STUDY_CHARTS}
 
 #: Without functions.
 PLAIN = VARIANTS["files"]
@@ -84,24 +74,24 @@ def build_template(
     studies: bool = False,
 ) -> Path:
     """Build one workbook; with functions in its cells, a second time with their answers."""
-    _build(path, system, example, variant, None, studies)
+    filled = EXAMPLES[example] if isinstance(example, str) else example or Example({}, {}, {})
+    if studies and isinstance(example, str):
+        filled = replace(filled, tables={**filled.tables, **study_rows(example)})
+    _build(path, system, filled, variant, NO_ANSWERS, studies)
     if variant.spelled is not None and example is not None:
         answers = live_answers(read_workbook(path), system)
-        _build(path, system, example, variant, answers, studies)
+        _build(path, system, filled, variant, answers, studies)
     return path
 
 
 def _build(
     path: Path,
     system: str,
-    example: str | Example | None,
+    filled: Example,
     variant: Variant,
-    answers: LiveAnswers | None,
+    answers: LiveAnswers,
     studies: bool,
 ) -> None:
-    filled = EXAMPLES[example] if isinstance(example, str) else example or Example({}, {}, {})
-    if studies and isinstance(example, str):
-        filled = replace(filled, tables={**filled.tables, **study_rows(example)})
     blocks = _chart_rows(filled, system)
     with xlsxwriter.Workbook(
         path, {"default_format_properties": {"font_name": "Arial", "font_size": 10}}
@@ -115,16 +105,7 @@ def _build(
             }
         )
         workbook.set_size(2400, 1500)
-        provenance = provenance_of(example) if isinstance(example, str) else ()
-        builder = _Builder(
-            workbook,
-            system,
-            filled,
-            blocks,
-            provenance=provenance,
-            variant=variant,
-            studies=studies,
-        )
+        builder = _Builder(workbook, system, filled, blocks, variant=variant, studies=studies)
         builder.build(answers)
 
 
@@ -141,10 +122,10 @@ def _chart_rows(filled: Example, system: str) -> dict[str, Rows]:
     return chart_blocks(example_case(filled, units), units)
 
 
-class _Builder(ReferenceSheets):
+class _Builder(LiveSheets):
     """One workbook under construction."""
 
-    def build(self, answers: LiveAnswers | None = None) -> None:
+    def build(self, answers: LiveAnswers = NO_ANSWERS) -> None:
         """All sheets: first the cells, then the charts that refer to them."""
         layout = with_studies(SHEETS) if self.studies else SHEETS
         layout = layout if self.variant.spelled is None else _with_live(layout)
@@ -176,29 +157,12 @@ class _Builder(ReferenceSheets):
         places = Places(self.places)
         for sheet in layout:
             for at in sheet.charts:
-                chart = make_chart(self.workbook, places, _CHARTS[at.name], (at.width, at.height))
+                chart = make_chart(
+                    self.workbook, places, EVERY_CHART[at.name], (at.width, at.height)
+                )
                 options = {"object_position": 2, "description": at.name}
                 self.sheets[sheet.name].insert_chart(at.cell, chart, options)
         self.sheets["Summary"].activate()
-
-    def _live(self, answers: LiveAnswers | None) -> None:
-        """Sheet `Live`."""
-        rows, columns = zip(*self.scalar_cells, strict=True)
-        first = xl_rowcol_to_cell(min(rows), min(columns), True, True)
-        last = xl_rowcol_to_cell(max(rows), max(columns), True, True)
-        live = LiveSheet(
-            self.workbook,
-            self.sheets[LIVE_SHEET.name],
-            self.style,
-            self.variant,
-            self.places,
-            f"{fields.SCALAR_SHEET}!{first}:{last}",
-            self.system,
-            answers,
-        )
-        live.write()
-        for area in live.verdict_areas:
-            self._colours(LIVE_SHEET.name, *area)
 
 
 def _with_live(sheets: Sequence[Sheet]) -> list[Sheet]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise, repeat
 
 from addin.contract import tables as fields
 from addin.contract.shown_units import ShownUnits
@@ -25,31 +26,21 @@ _LB_FT2 = _POUND * (12.0 * _INCH) ** 2
 _LBF_IN = _LBF * _INCH
 _LBF_FT = 12.0 * _LBF_IN
 
-#: Station: inertia in kg m², at its own speed.
-_MOTOR_SPEED = {"Motor": 460.76, "LS hub M": 6.0, "LS hub G": 6.0, "Bull gear": 167.83}
-_PINION_SPEED = {
-    "Pinion": 0.6835,
-    "HS hub P": 0.15,
-    "HS hub C": 0.15,
-    "LP comp": 18.631,
-    "IC hub L": 0.12,
-    "IC hub H": 0.12,
-    "HP comp": 8.3399,
-}
-_DESCRIPTIONS = {
-    "Motor": "Motor rotor",
-    "LS hub M": "LS coupling, motor half",
-    "LS hub G": "LS coupling, gear half",
-    "Bull gear": "Bull gear",
-    "Pinion": "Pinion",
-    "HS hub P": "HS coupling, pinion half",
-    "HS hub C": "HS coupling, LP half",
-    "LP comp": "LP compressor rotor",
-    "IC hub L": "IC coupling, LP half",
-    "IC hub H": "IC coupling, HP half",
-    "HP comp": "HP compressor rotor",
-}
 _RATIO = 5.6
+#: Station: description, inertia in kg m² at its own speed, and its speed over that of the motor.
+_STATIONS: tuple[tuple[str, str, float, float], ...] = (
+    ("Motor", "Motor rotor", 460.76, 1.0),
+    ("LS hub M", "LS coupling, motor half", 6.0, 1.0),
+    ("LS hub G", "LS coupling, gear half", 6.0, 1.0),
+    ("Bull gear", "Bull gear", 167.83, 1.0),
+    ("Pinion", "Pinion", 0.6835, _RATIO),
+    ("HS hub P", "HS coupling, pinion half", 0.15, _RATIO),
+    ("HS hub C", "HS coupling, LP half", 0.15, _RATIO),
+    ("LP comp", "LP compressor rotor", 18.631, _RATIO),
+    ("IC hub L", "IC coupling, LP half", 0.12, _RATIO),
+    ("IC hub H", "IC coupling, HP half", 0.12, _RATIO),
+    ("HP comp", "HP compressor rotor", 8.3399, _RATIO),
+)
 _RATED_TORQUE = 58400.0  # N m
 
 #: Element: kind and stiffness in N m/rad at its own speed; None = one of `_COUPLINGS`.
@@ -152,6 +143,8 @@ class Example:
     tables: Mapping[str, Sequence[Mapping[str, Value]]]
     #: Units of scalars other than those of the blank template. [units]
     scalar_units: Mapping[str, str] = field(default_factory=dict)
+    #: Where its numbers come from: term and text.
+    provenance: tuple[tuple[str, str], ...] = ()
 
 
 def _shown(value: float, unit: float) -> float:
@@ -179,50 +172,46 @@ def _scalars(design: str) -> dict[str, Value]:
     }
 
 
-def _stations() -> list[dict[str, Value]]:
-    speeds = [(name, inertia, 1.0) for name, inertia in _MOTOR_SPEED.items()]
-    speeds += [(name, inertia, _RATIO) for name, inertia in _PINION_SPEED.items()]
+def _rows(headers: Sequence[str], *rows: Sequence[Value | None]) -> list[dict[str, Value]]:
+    """Rows of an input table below its headers; what is blank is left out."""
     return [
-        {
-            "Station": name,
-            "Description": _DESCRIPTIONS[name],
-            "Inertia": _shown(inertia, _LB_FT2),
-            "Speed ratio": ratio,
-        }
-        for name, inertia, ratio in speeds
+        {name: value for name, value in zip(headers, row, strict=False) if value is not None}
+        for row in rows
     ]
 
 
+def _stations() -> list[dict[str, Value]]:
+    return _rows(
+        ("Station", "Description", "Inertia", "Speed ratio"),
+        *(
+            (name, text, _shown(inertia, _LB_FT2), ratio)
+            for name, text, inertia, ratio in _STATIONS
+        ),
+    )
+
+
 def _elements(design: str) -> list[dict[str, Value]]:
-    stations = [*_MOTOR_SPEED, *_PINION_SPEED]
-    rows: list[dict[str, Value]] = []
-    for (name, kind, stiffness), ends in zip(
-        _ELEMENTS, zip(stations, stations[1:], strict=False), strict=True
-    ):
-        value = _COUPLINGS[design][name] if stiffness is None else stiffness
-        rows.append(
-            {
-                "Element": name,
-                "Kind": kind,
-                "From": ends[0],
-                "To": ends[1],
-                "Stiffness": _shown(value, _LBF_IN),
-            }
-        )
+    names = [station[0] for station in _STATIONS]
+    rows = _rows(
+        ("Element", "Kind", "From", "To", "Stiffness"),
+        *(
+            (name, kind, *ends, _shown(stiffness or _COUPLINGS[design][name], _LBF_IN))
+            for (name, kind, stiffness), ends in zip(_ELEMENTS, pairwise(names), strict=True)
+        ),
+    )
     rows[-1] |= {"Stress diameter": _shown(0.07, _INCH), "SCF": 3, "Material": _MATERIAL}
     return rows
 
 
 def _loads() -> list[dict[str, Value]]:
-    return [
-        {
-            "Station": station,
-            "Speed": speed,
-            "Torque": _shown(load * share * _RATED_TORQUE / _RATIO, _LBF_FT),
-        }
-        for station, share in _LOAD_SHARE.items()
-        for speed, load in zip(_SPEED, _LOAD, strict=True)
-    ]
+    return _rows(
+        ("Station", "Speed", "Torque"),
+        *(
+            (station, speed, _shown(load * share * _RATED_TORQUE / _RATIO, _LBF_FT))
+            for station, share in _LOAD_SHARE.items()
+            for speed, load in zip(_SPEED, _LOAD, strict=True)
+        ),
+    )
 
 
 #: Design whose numbers the third example shares, and its additions in SI.
@@ -257,38 +246,35 @@ def _backlash_example() -> Example:
         plain,
         scalars={**plain.scalars, **title, **_BACKLASH_SCALARS},
         tables={**plain.tables, "Meshes": [gear]},
+        provenance=(*PROVENANCE, *BACKLASH_PROVENANCE),
     )
 
 
 def _example(design: str) -> Example:
-    motor = zip(_SPEED, _AVERAGE, _PULSATING, strict=True)
     tables: dict[str, Sequence[Mapping[str, Value]]] = {
         "Stations": _stations(),
         "Elements": _elements(design),
-        "Meshes": [
-            {
-                "Element": "Mesh",
-                "Pitch radius drive": _shown(0.42, _INCH),
-                "Pitch radius driven": _shown(0.075, _INCH),
-                "Pressure angle": 20,
-            }
-        ],
-        "MotorTorque": [
-            {"Station": "Motor", "Speed": speed, "Average": average, "Pulsating": pulsating}
-            for speed, average, pulsating in motor
-        ],
+        "Meshes": _rows(
+            ("Element", "Pitch radius drive", "Pitch radius driven", "Pressure angle"),
+            ("Mesh", _shown(0.42, _INCH), _shown(0.075, _INCH), 20),
+        ),
+        "MotorTorque": _rows(
+            ("Station", "Speed", "Average", "Pulsating"),
+            *zip(repeat("Motor"), _SPEED, _AVERAGE, _PULSATING, strict=False),
+        ),
         "LoadTorque": _loads(),
-        "Materials": [
-            {"Material": _MATERIAL, "UTS": 110000, "Endurance": 19000, "Basis": "torsion",
-             "Below endurance": "none"}
-        ],
-        "SNPoints": [
-            {"Material": _MATERIAL, "Cycles": cycles, "Stress": stress}
-            for cycles, stress in ((1000, 49500), (1000000, 19000))
-        ],
-    }  # fmt: skip
+        "Materials": _rows(
+            ("Material", "UTS", "Endurance", "Basis", "Below endurance"),
+            (_MATERIAL, 110000, 19000, "torsion", "none"),
+        ),
+        "SNPoints": _rows(
+            ("Material", "Cycles", "Stress"),
+            (_MATERIAL, 1000, 49500),
+            (_MATERIAL, 1000000, 19000),
+        ),
+    }
     units = {("MotorTorque", "Average"): "pu", ("MotorTorque", "Pulsating"): "pu"}
-    return Example(_scalars(design), units, tables)
+    return Example(_scalars(design), units, tables, provenance=PROVENANCE)
 
 
 #: Examples by name.
@@ -296,11 +282,6 @@ EXAMPLES: Mapping[str, Example] = {
     **{design: _example(design) for design in _COUPLINGS},
     _BACKLASH: _backlash_example(),
 }
-
-
-def provenance_of(name: str) -> tuple[tuple[str, str], ...]:
-    """Where the numbers of an example come from: term and text."""
-    return (*PROVENANCE, *(BACKLASH_PROVENANCE if name == _BACKLASH else ()))
 
 
 def example_torque(example: Example) -> float | None:
@@ -365,89 +346,60 @@ Rows = Mapping[str, Sequence[Mapping[str, Value]]]
 
 def _duty(behind_mode_1: float) -> Sequence[Mapping[str, Value]]:
     """A year of starts, and those so far; speed just past the crossing of mode 1. [%]"""
-    return (
-        {"Condition": "normal start", "Per year": 24, "So far": 60},
-        {"Condition": "weak supply", "Voltage": 80, "Per year": 6, "So far": 12},
-        {"Condition": "strong supply", "Voltage": 105, "Per year": 6, "So far": 12},
-        {"Condition": "by-passed", "Load": 0, "Per year": 12, "So far": 20},
-        {"Condition": "hot restart", "Damping ratio": 1.2, "Per year": 4, "So far": 8},
-        {
-            "Condition": "trip behind mode 1",
-            "Trip speed": behind_mode_1,
-            "Per year": 0.5,
-            "So far": 1,
-        },
-        {"Condition": "supply sags to 50 %", "Voltage": 50},
+    return _rows(
+        ("Condition", "Per year", "So far", "Voltage", "Load", "Damping ratio", "Trip speed"),
+        ("normal start", 24, 60),
+        ("weak supply", 6, 12, 80),
+        ("strong supply", 6, 12, 105),
+        ("by-passed", 12, 20, None, 0),
+        ("hot restart", 4, 8, None, None, 1.2),
+        ("trip behind mode 1", 0.5, 1, None, None, None, behind_mode_1),
+        ("supply sags to 50 %", None, None, 50),
     )
+
+
+def _measured(frequencies: Sequence[Sequence[Value]], peak: float) -> Rows:
+    """Frequencies with their uncertainties, and the largest torque of the HS coupling. [Hz, %, lbf ft]"""
+    return {
+        "MeasuredFrequencies": _rows(("Frequency", "Uncertainty"), *frequencies),
+        "MeasuredPeaks": _rows(
+            ("Element", "Maximum torque", "Uncertainty"), ("HS coupling", peak, 5)
+        ),
+    }
 
 
 #: Rows of the study tables, in the units of the US template.
 STUDY_ROWS: Rows = {
-    "Tuning": (
-        {
-            "Element": "HS coupling",
-            "Quantity": "stiffness",
-            "Unit": "%",
-            "Values": "20; 25; 33; 40; 50; 60; 80; 100",
-        },
-        {
-            "Element": "Intermediate coupling",
-            "Quantity": "stiffness",
-            "Unit": "%",
-            "Values": "35; 49; 70; 100",
-        },
+    "Tuning": _rows(
+        ("Element", "Quantity", "Unit", "Values"),
+        ("HS coupling", "stiffness", "%", "20; 25; 33; 40; 50; 60; 80; 100"),
+        ("Intermediate coupling", "stiffness", "%", "35; 49; 70; 100"),
     ),
-    "Catalogue": (
-        {
-            "Element": "LS coupling",
-            "Name": "as proposed",
-            "Fitted": "yes",
-            "Stiffness": 2.56194e8,
-            "Inertia": 85.0,
-        },
-        {"Element": "LS coupling", "Name": "as modified", "Stiffness": 2.19165e8, "Inertia": 85.0},
-        {
-            "Element": "LS coupling",
-            "Name": "softer, 4 % loss factor",
-            "Stiffness": 1.5e8,
-            "Inertia": 130.0,
-            "Loss factor": 0.04,
-            "Rated torque": 6.5e5,
-        },
+    "Catalogue": _rows(
+        ("Element", "Name", "Fitted", "Stiffness", "Inertia", "Loss factor", "Rated torque"),
+        ("LS coupling", "as proposed", "yes", 2.56194e8, 85.0),
+        ("LS coupling", "as modified", None, 2.19165e8, 85.0),
+        ("LS coupling", "softer, 4 % loss factor", None, 1.5e8, 130.0, 0.04, 6.5e5),
     ),
-    "Scatter": (
-        {"Quantity": "stiffness", "Distribution": "normal", "Spread": 5.0},
-        {"Quantity": "inertia", "Distribution": "normal", "Spread": 2.0},
-        {"Quantity": "damping ratio", "Distribution": "uniform", "Spread": 30.0},
-        {"Quantity": "average torque", "Distribution": "normal", "Spread": 5.0},
-        {"Quantity": "pulsating torque", "Distribution": "triangular", "Spread": 10.0},
-        {
-            "Quantity": "load torque",
-            "Distribution": "normal",
-            "Spread": 5.0,
-            "Together": "together",
-        },
-        {"Quantity": "S-N line", "Distribution": "from-to", "From": 90.0, "To": 110.0},
+    "Scatter": _rows(
+        ("Quantity", "Distribution", "Spread", "Together", "From", "To"),
+        ("stiffness", "normal", 5.0),
+        ("inertia", "normal", 2.0),
+        ("damping ratio", "uniform", 30.0),
+        ("average torque", "normal", 5.0),
+        ("pulsating torque", "triangular", 10.0),
+        ("load torque", "normal", 5.0, "together"),
+        ("S-N line", "from-to", None, None, 90.0, 110.0),
     ),
     "StartConditions": _duty(78),
-    "MeasuredFrequencies": (
-        {"Frequency": 29.4, "Uncertainty": 1},
-        {"Frequency": 54.1, "Uncertainty": 1},
-        {"Frequency": 120, "Uncertainty": 0.5},
-    ),
-    "MeasuredPeaks": ({"Element": "HS coupling", "Maximum torque": 14900, "Uncertainty": 5},),
+    **_measured(((29.4, 1), (54.1, 1), (120, 0.5)), 14900),
 }
 
 #: Where an example has others.
 _OF_EXAMPLE: Mapping[str, Rows] = {
     "modified": {
         "StartConditions": _duty(85.5),
-        "MeasuredFrequencies": (
-            {"Frequency": 20.7, "Uncertainty": 1},
-            {"Frequency": 39.6, "Uncertainty": 1},
-            {"Frequency": 68.1, "Uncertainty": 1},
-        ),
-        "MeasuredPeaks": ({"Element": "HS coupling", "Maximum torque": 11500, "Uncertainty": 5},),
+        **_measured(((20.7, 1), (39.6, 1), (68.1, 1)), 11500),
     }
 }
 

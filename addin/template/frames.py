@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from xlsxwriter.utility import xl_cell_to_rowcol, xl_rowcol_to_cell
 
 from addin.charts.rows import Rows
 from addin.contract.sheet import Sheet
-from addin.contract.sheets import (
-    KIND_WORDS,
-    STRIP,
-    TAB_COLOURS,
-)
+from addin.contract.sheets import KIND_WORDS, STRIP, TAB_COLOURS
 from addin.template.charts import Place
-from addin.template.examples import (
-    Example,
-)
+from addin.template.examples import Example
 from addin.template.styles import Styles
 from addin.template.variants import Variant
 
@@ -45,7 +39,6 @@ class Frames:
         example: Example,
         blocks: Mapping[str, Rows],
         *,
-        provenance: Sequence[tuple[str, str]],
         variant: Variant,
         studies: bool = False,
     ) -> None:
@@ -53,7 +46,6 @@ class Frames:
         self.system = system
         self.example = example
         self.blocks = blocks
-        self.provenance = tuple(provenance)
         self.style = Styles(workbook)
         self.places: dict[str, Place] = {}
         self.unit_cells: dict[tuple[str, str], str] = {}
@@ -136,6 +128,20 @@ class Frames:
             page.repeat_columns(sheet.repeated)
         if sheet.printed or sheet.breaks or sheet.row_breaks:
             page.print_area(f"A1:{sheet.printed or sheet.last}{_LAST_ROW}")
+
+    def _put(self, page: Any, row: int, column: int, value: Any, style: Any) -> None:
+        """A number, words or a blank."""
+        if value is None or value == "":
+            page.write_blank(row, column, None, style)
+        elif isinstance(value, str):
+            page.write_string(row, column, value, style)
+        else:
+            page.write_number(row, column, value, style)
+
+    def _worded_caption(self, page: Any, row: int, column: int, words: str, note: str) -> None:
+        """Bold words and a note behind them, in one cell."""
+        caption, pale, plain = (self.style(name) for name in ("caption", "note", "plain"))
+        page.write_rich_string(row, column, caption, words, pale, f"   {note}", plain)
 
     def _heading(self, page: Any, row: int, words: str) -> None:
         page.write_string(row, 1, words, self.style("group"))

@@ -59,12 +59,7 @@ class FrontSheets(Tables):
         style = self.style(
             "input" if field.is_number else "input_wide" if is_wide else "input_text"
         )
-        if value is None:
-            page.write_blank(row, left + 1, None, style)
-        elif field.is_number:
-            page.write_number(row, left + 1, value, style)
-        else:
-            page.write_string(row, left + 1, str(value), style)
+        self._put(page, row, left + 1, value, style)
         page.data_validation(row, left + 1, row, left + 1, input_rule(field))
         self.scalar_cells += [(row, left), (row, left + 2)]
         cell = xl_rowcol_to_cell(row, left + 1, True, True)

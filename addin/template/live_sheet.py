@@ -7,7 +7,7 @@ are the same in every variant but for the spelling of the functions.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,9 +17,7 @@ from addin.contract import tables as fields
 from addin.contract.sheets import Sheet
 from addin.contract.tables import Field
 from addin.reading.typed_case import CaseInput, Entry, Typed
-from addin.template.charts import Place
-from addin.template.styles import Styles
-from addin.template.variants import Variant
+from addin.template.reference_sheets import ReferenceSheets
 from addin.worksheet.functions.model import TABLES
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import call
@@ -61,34 +59,36 @@ LIVE_SHEET = Sheet(
 class LiveAnswers:
     """What the functions say of the shipped inputs, so that a file opens with its numbers."""
 
-    handle: str  #: The model.
-    modes: Sequence[Sequence[Any]]  #: Cells of the two array formulas. [shown units]
-    margins: Sequence[Sequence[Any]]  #: Likewise. [shown units]
+    handle: str = ""  #: The model; empty while the inputs have errors, and all else with it.
+    modes: Sequence[Sequence[Any]] = ()  #: Cells of the two array formulas. [shown units]
+    margins: Sequence[Sequence[Any]] = ()  #: Likewise. [shown units]
     #: Element, geometry, stiffness from geometry and as typed, a row a shaft. [shown units]
-    shafts: Sequence[Sequence[Any]]
+    shafts: Sequence[Sequence[Any]] = ()
 
 
-def live_answers(found: CaseInput, system: str) -> LiveAnswers | None:
+NO_ANSWERS = LiveAnswers()
+
+
+def live_answers(read: CaseInput, system: str) -> LiveAnswers:
     """Ask the functions what the sheet will show.
 
     Parameters
     ----------
-    found : CaseInput
+    read : CaseInput
         The inputs of a workbook. [SI]
     system : str
         ``us`` or ``si``, of the block of shafts. [word]
 
     Returns
     -------
-    LiveAnswers or None
-        None while the inputs have errors.
+    LiveAnswers
+        None of them while the inputs have errors.
     """
-    if found.problems:
-        return None
-
-    handle = MODELS.add(found).handle
+    if read.problems:
+        return NO_ANSWERS
+    handle = MODELS.add(read).handle
     shafts = []
-    for row in found.typed.tables["Elements"][:SHAFTS]:
+    for row in read.typed.tables["Elements"][:SHAFTS]:
         geometry = [_converted(row.get(name), dimension, system) for name, dimension in _GEOMETRY]
         outer, _, length, modulus = geometry
         whole = None not in (outer, length, modulus)
@@ -117,81 +117,40 @@ def _converted(entry: Entry | None, dimension: str, system: str) -> Any:
     """An input in the unit of the block of shafts."""
     if not isinstance(entry, Typed):
         return None
-
     return call("TV_CONVERT", [entry.number, entry.unit, _unit(dimension, system)])[0][0]
 
 
-@dataclass(frozen=True)
-class _StateRow:
-    """A row of the block on the model: label, a function and its value, words and theirs."""
-
-    row: int
-    label: str
-    formula: str
-    value: str
-    words: str
-    shown: str
-    height: float
+#: Cells with verdicts: first row and column, last row and column.
+_VERDICTS = (
+    (_MODES + 1, _LEAST + 2, _MODES + MODE_ROWS - 1, _LEAST + 2),
+    (_MARGINS + 1, _LEFT + 6, _MARGINS + MARGIN_ROWS - 1, _LEFT + 6),
+)
 
 
-class LiveSheet:
-    """The sheet of one workbook under construction.
+class LiveSheets(ReferenceSheets):
+    """Sheets with `Live` among them, in variants that have functions."""
 
-    Parameters
-    ----------
-    workbook, page : xlsxwriter.Workbook and Worksheet
-        Where it goes.
-    style : Styles
-        Its cell formats.
-    variant : Variant
-        How functions are spelled.
-    places : mapping of str to Place
-        Where the input tables stand.
-    case_block : str
-        Range of the scalars with their names and units. [reference]
-    system : str
-        ``us`` or ``si``. [word]
-    answers : LiveAnswers or None
-        Values the file is given.
-    """
-
-    def __init__(
-        self,
-        workbook: Any,
-        page: Any,
-        style: Styles,
-        variant: Variant,
-        places: Mapping[str, Place],
-        case_block: str,
-        system: str,
-        answers: LiveAnswers | None,
-    ) -> None:
-        assert variant.spelled is not None, f"{variant.name} has no functions"
-        self._workbook = workbook
-        self._page = page
-        self._style = style
-        self._variant = variant
-        self._spelled = variant.spelled
-        self._places = places
-        self._case_block = case_block
-        self._system = system
+    def _live(self, answers: LiveAnswers) -> None:
+        """All of sheet `Live`."""
         self._answers = answers
-        self._write_array = (
-            page.write_dynamic_array_formula if variant.dynamic else page.write_array_formula
-        )
-
-    #: Cells with verdicts: first row and column, last row and column.
-    verdict_areas = (
-        (_MODES + 1, _LEAST + 2, _MODES + MODE_ROWS - 1, _LEAST + 2),
-        (_MARGINS + 1, _LEFT + 6, _MARGINS + MARGIN_ROWS - 1, _LEFT + 6),
-    )
-
-    def write(self) -> None:
-        """All of it."""
+        self._page = self.sheets[LIVE_SHEET.name]
         self._state()
         self._modes()
         self._margins()
         self._shafts()
+        for area in _VERDICTS:
+            self._colours(LIVE_SHEET.name, *area)
+
+    def _spelled(self, function: str) -> str:
+        assert self.variant.spelled is not None, f"{self.variant.name} has no functions"
+        return self.variant.spelled(function)
+
+    def _write_array(self, *cells_formula_style_value: Any) -> None:
+        page = self._page
+        write = (
+            page.write_dynamic_array_formula if self.variant.dynamic else page.write_array_formula
+        )
+        write(*cells_formula_style_value)
 
     # ---- the model -------------------------------------------------------------------------------
 
@@ -201,31 +160,31 @@ class LiveSheet:
         Functions stand in cells of their own, since arrays are refused in merged ones; the words
         beside them may be long.
         """
-        shown = self._answers.handle if self._answers else ""
-        self._page.write_string(_STATE, _LEFT, "Model", self._style("caption"))
+        shown = self._answers.handle
+        self._page.write_string(_STATE, _LEFT, "Model", self.style("caption"))
         every, train, model = (self._cell(row) for row in (_ALL_INPUTS, _TRAIN_ONLY, _SHOWN))
         good = {cell: f'IFERROR(LEFT({cell},3)="tv:",FALSE)' for cell in (every, train)}
         said = f'IF(ISERROR({{0}}),"{_SEE_ERROR}",{{0}}&"")'
         rows = (
-            _StateRow(
+            (
                 _ALL_INPUTS, "All inputs", self._model(None), shown,
                 f'=IF({good[every]},"No errors.",{said.format(every)})',
                 "No errors." if shown else "", 42.0,
             ),
-            _StateRow(
+            (
                 _TRAIN_ONLY, "Train, speeds, excitations",
                 f'=IF({good[every]},"",{self._model(_OF_TRAIN)[1:]})', "",
                 f'=IF({good[every]},"",IF({good[train]},"No errors.",{said.format(train)}))', "",
                 42.0,
             ),
-            _StateRow(
+            (
                 _SHOWN, "Model shown below",
                 f'=IF({good[every]},{every},IF({good[train]},{train},""))', shown,
                 f'=IF({model}="","None yet.",IF({good[every]},"All inputs.",'
                 '"Train, speeds and excitations: the other inputs have errors."))',
                 "All inputs." if shown else "None yet.", 15.0,
             ),
-            _StateRow(
+            (
                 _STORED, "Results on the other sheets", "", "",
                 f'=IF(run_SHA256="","Not calculated yet.",IF({good[every]},'
                 f'IF(MID({every},4,16)=LEFT(run_SHA256,16),"They belong to these inputs.",'
@@ -233,17 +192,17 @@ class LiveSheet:
                 "Not calculated yet.", 15.0,
             ),
         )  # fmt: skip
-        for one in rows:
-            self._page.write_string(one.row, _LEFT, one.label, self._style("label"))
-            if one.formula:
-                self._formula(one.row, _VALUE, one.formula, self._style("result_text"), one.value)
+        style, wrapped = self.style("result_text"), self.style("result_wrap")
+        for row, label, formula, value, sentence, shown_sentence, height in rows:
+            self._page.write_string(row, _LEFT, label, self.style("label"))
+            if formula:
+                self._formula(row, _VALUE, formula, style, value)
             else:
-                self._page.write_blank(one.row, _VALUE, None, self._style("result_text"))
-            words = self._style("result_wrap")
-            self._page.merge_range(one.row, _VALUE + 1, one.row, _LEAST + 2, "", words)
-            self._page.write_formula(one.row, _VALUE + 1, one.words, words, one.shown)
-            self._page.set_row(one.row, one.height)
-        self._workbook.define_name(MODEL_NAME, f"=Live!{model}")
+                self._page.write_blank(row, _VALUE, None, style)
+            self._page.merge_range(row, _VALUE + 1, row, _LEAST + 2, "", wrapped)
+            self._page.write_formula(row, _VALUE + 1, sentence, wrapped, shown_sentence)
+            self._page.set_row(row, height)
+        self.workbook.define_name(MODEL_NAME, f"=Live!{model}")
 
     def _cell(self, row: int, column: int = _VALUE) -> str:
         return str(xl_rowcol_to_cell(row, column, True, True))
@@ -260,8 +219,10 @@ class LiveSheet:
     def _block(self, name: str) -> str:
         """A table with its headers and the row of units; it grows with the table."""
         if name == "Case":
-            return self._case_block
-        spec, place = fields.input_table(name), self._places[name]
+            rows, columns = zip(*self.scalar_cells, strict=True)
+            first, last = self._cell(min(rows), min(columns)), self._cell(max(rows), max(columns))
+            return f"{fields.SCALAR_SHEET}!{first}:{last}"
+        spec, place = fields.input_table(name), self.places[name]
         top = place.first - (2 if any(field.has_unit for field in spec.columns) else 1)
         corner = xl_rowcol_to_cell(top, min(place.columns.values()), True, True)
         # LibreOffice does not know [#All], so the data alone; the corner takes in what is above.
@@ -272,11 +233,17 @@ class LiveSheet:
 
     def _modes(self) -> None:
         spec = fields.result_table("NaturalFrequencies")
-        self._caption(_MODES - 1, _LEFT, "Natural frequencies", "and the least margin of each mode")
-        values = self._answers.modes if self._answers else ()
+        self._worded_caption(
+            self._page,
+            _MODES - 1,
+            _LEFT,
+            "Natural frequencies",
+            "and the least margin of each mode",
+        )
+        values = self._answers.modes
         self._array(_MODES, MODE_ROWS, "TV_FREQUENCIES", spec.columns, values)
         for k, words in enumerate(("Least margin [%]", "From", "Verdict")):
-            self._page.write_string(_MODES, _LEAST + k, words, self._style("header_check"))
+            self._page.write_string(_MODES, _LEAST + k, words, self.style("header_check"))
         for row in range(_MODES + 1, _MODES + MODE_ROWS):
             self._least(row, values[row - _MODES][0] if values else None)
 
@@ -296,17 +263,17 @@ class LiveSheet:
         formulas = (
             (
                 judged.format(f'IF({left_out}>0,"see Margins",MIN(IF({modes}={this},{margins})))'),
-                self._style("check", "0.00"),
+                self.style("check", "0.00"),
             ),
-            (f'IF(ISNUMBER({least}),INDEX({names},{at}),"")', self._style("result_text")),
-            (f'IF(ISNUMBER({least}),INDEX({verdicts},{at}),"")', self._style("verdict")),
+            (f'IF(ISNUMBER({least}),INDEX({names},{at}),"")', self.style("result_text")),
+            (f'IF(ISNUMBER({least}),INDEX({verdicts},{at}),"")', self.style("verdict")),
         )
         for k, ((formula, style), value) in enumerate(zip(formulas, found, strict=True)):
             at_column = _LEAST + k
             self._write_array(row, at_column, row, at_column, f"={formula}", style, value)
 
     def _least_of(self, mode: Any) -> tuple[Any, Any, Any]:
-        rows = [r for r in (self._answers.margins[1:] if self._answers else ()) if r[0] == mode]
+        rows = [row for row in self._answers.margins[1:] if row[0] == mode]
         if mode is None or not rows:
             return "", "", ""
         worst = min(rows, key=lambda row: row[4])
@@ -314,9 +281,10 @@ class LiveSheet:
 
     def _margins(self) -> None:
         spec = fields.result_table("SeparationMargins")
-        self._caption(_MARGINS - 1, _LEFT, "Separation margins", "of every mode and excitation")
-        values = self._answers.margins if self._answers else ()
-        self._array(_MARGINS, MARGIN_ROWS, "TV_MARGINS", spec.columns, values)
+        self._worded_caption(
+            self._page, _MARGINS - 1, _LEFT, "Separation margins", "of every mode and excitation"
+        )
+        self._array(_MARGINS, MARGIN_ROWS, "TV_MARGINS", spec.columns, self._answers.margins)
 
     def _array(
         self,
@@ -328,7 +296,7 @@ class LiveSheet:
     ) -> None:
         """A table of a function, header included, as one array formula."""
         text = f'=IF({MODEL_NAME}="","",{self._spelled(function)}({MODEL_NAME},"",TRUE,{rows}))'
-        header = self._style("header_result")
+        header = self.style("header_result")
         last = top + rows - 1, _LEFT + len(columns) - 1
         first = values[0][0] if values else ""
         self._write_array(top, _LEFT, *last, text, header, first)
@@ -337,57 +305,62 @@ class LiveSheet:
             for j, field in enumerate(columns):
                 if i or j:
                     style = header if i == 0 else self._column_style(field)
-                    self._value(top + i, _LEFT + j, values[i][j] if values else None, style)
+                    value = values[i][j] if values else None
+                    self._put(self._page, top + i, _LEFT + j, value, style)
 
     def _column_style(self, field: Field) -> Any:
         if field.name == "Verdict":
-            return self._style("verdict")
+            return self.style("verdict")
         if field.kind == "integer":
-            return self._style("result_center")
+            return self.style("result_center")
         if field.is_number:
-            return self._style("result", field.format)
-        return self._style("result_text")
+            return self.style("result", field.format)
+        return self.style("result_text")
 
     # ---- shafts ----------------------------------------------------------------------------------
 
     def _shafts(self) -> None:
         """Stiffness from geometry beside the stiffness typed, a row an element of sheet Train."""
-        self._caption(
-            _MARGINS - 1, _SHAFT, "Shaft stiffness", "from geometry, beside the stiffness typed"
+        self._worded_caption(
+            self._page,
+            _MARGINS - 1,
+            _SHAFT,
+            "Shaft stiffness",
+            "from geometry, beside the stiffness typed",
         )
-        stiffness = _unit("torsional stiffness", self._system)
+        stiffness = _unit("torsional stiffness", self.system)
         headers = (
             "Element",
-            *(f"{name} [{_unit(dimension, self._system)}]" for name, dimension in _GEOMETRY),
+            *(f"{name} [{_unit(dimension, self.system)}]" for name, dimension in _GEOMETRY),
             f"From geometry [{stiffness}]",
             f"Typed [{stiffness}]",
         )
         for k, words in enumerate(headers):
             style = "header_check" if 0 < k < len(headers) - 1 else "header_result"
-            self._page.write_string(_MARGINS, _SHAFT + k, words, self._style(style))
+            self._page.write_string(_MARGINS, _SHAFT + k, words, self.style(style))
+        shafts = self._answers.shafts
         for k in range(SHAFTS):
-            known = self._answers.shafts if self._answers else ()
-            self._shaft(k, known[k] if k < len(known) else [""] * len(headers))
+            self._shaft(k, shafts[k] if k < len(shafts) else [""] * len(headers))
 
     def _shaft(self, k: int, values: Sequence[Any]) -> None:
         row = _MARGINS + 1 + k
         cells = [f"${xl_col_to_name(_SHAFT + j)}{row + 1}" for j in range(len(_GEOMETRY) + 1)]
         large = fields.DIMENSIONS["torsional stiffness"].format
         formulas: list[tuple[str, Any]] = [
-            (self._typed("Element", k, '{0}&""'), self._style("result_text"))
+            (self._typed("Element", k, '{0}&""'), self.style("result_text"))
         ]
         formulas += [
-            (self._in_unit(column, dimension, k), self._style("check", "General"))
+            (self._in_unit(column, dimension, k), self.style("check", "General"))
             for column, dimension in _GEOMETRY
         ]
         _, outer, bore, length, modulus = cells
         formulas += [
             (
                 f'=IF(OR({outer}="",{length}="",{modulus}=""),"",{self._spelled("TV_STIFFNESS")}'
-                f'({outer},{bore},{length},{modulus},"{self._system.upper()}"))',
-                self._style("check", large),
+                f'({outer},{bore},{length},{modulus},"{self.system.upper()}"))',
+                self.style("check", large),
             ),
-            (self._in_unit("Stiffness", "torsional stiffness", k), self._style("result", large)),
+            (self._in_unit("Stiffness", "torsional stiffness", k), self.style("result", large)),
         ]
         for j, ((formula, style), value) in enumerate(zip(formulas, values, strict=True)):
             self._formula(row, _SHAFT + j, formula, style, "" if value is None else value)
@@ -399,33 +372,19 @@ class LiveSheet:
 
     def _in_unit(self, column: str, dimension: str, k: int) -> str:
         """A cell of table Elements in the unit of this block; blank stays blank."""
-        place = self._places["Elements"]
+        place = self.places["Elements"]
         unit = xl_rowcol_to_cell(place.first - 2, place.columns[column], True, True)
         convert = (
             f'IF({{0}}="","",{self._spelled("TV_CONVERT")}({{0}},{place.sheet}!{unit},'
-            f'"{_unit(dimension, self._system)}"))'
+            f'"{_unit(dimension, self.system)}"))'
         )
         return self._typed(column, k, convert)
 
     # ---- cells -----------------------------------------------------------------------------------
 
-    def _caption(self, row: int, column: int, words: str, note: str) -> None:
-        self._page.write_rich_string(
-            row, column, self._style("caption"), words, self._style("note"), f"   {note}",
-            self._style("plain"),
-        )  # fmt: skip
-
     def _formula(self, row: int, column: int, formula: str, style: Any, value: Any) -> None:
         """A formula of one cell; a dynamic one where Excel would else cut the answer to one cell."""
-        if self._variant.dynamic and self._spelled("TV_") in formula:
+        if self.variant.dynamic and self._spelled("TV_") in formula:
             self._write_array(row, column, row, column, formula, style, value)
         else:
             self._page.write_formula(row, column, formula, style, value)
-
-    def _value(self, row: int, column: int, value: Any, style: Any) -> None:
-        if value is None or value == "":
-            self._page.write_blank(row, column, None, style)
-        elif isinstance(value, str):
-            self._page.write_string(row, column, value, style)
-        else:
-            self._page.write_number(row, column, value, style)

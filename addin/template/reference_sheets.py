@@ -10,12 +10,8 @@ from xlsxwriter.utility import xl_col_to_name, xl_rowcol_to_cell
 from addin.contract.chart_tables import CHART_TABLES
 from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import NOTES_WIDTH, text_height
-from addin.contract.studies.registry import (
-    STUDY_FACTS,
-)
-from addin.contract.texts import (
-    NOTES,
-)
+from addin.contract.studies.registry import STUDY_FACTS
+from addin.contract.texts import NOTES
 from addin.contract.trace_table import TRACE_HEADERS, trace_groups, trace_rows
 from addin.template.charts import Place
 from addin.template.front_sheets import NOT_CALCULATED_YET
@@ -33,8 +29,8 @@ class ReferenceSheets(ResultSheets):
         page = self.sheets["Notes"]
         row = self._legend(page, 3)
         blocks = dict(NOTES)
-        if self.provenance:
-            blocks = {"Provenance of this example": self.provenance} | blocks
+        if self.example.provenance:
+            blocks = {"Provenance of this example": self.example.provenance} | blocks
         for heading, lines in blocks.items():
             self._heading(page, row, heading)
             for k, (term, text) in enumerate(lines, row + 1):

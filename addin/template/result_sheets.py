@@ -18,17 +18,10 @@ from addin.contract.sheets import (
     FACT_LINES,
     REVERSAL_NOTES_AT,
 )
-from addin.contract.studies.registry import (
-    COLOUR_SCALE,
-    STUDIES,
-)
+from addin.contract.studies.registry import COLOUR_SCALE, STUDIES
 from addin.contract.study_spec import StudyScale
 from addin.contract.tables import TableSpec
-from addin.contract.texts import (
-    CONTACT_LAW,
-    EFFECT_NOTES,
-    REVERSAL_NOTES,
-)
+from addin.contract.texts import CONTACT_LAW, EFFECT_NOTES, REVERSAL_NOTES
 from addin.template.frames import column_number
 from addin.template.front_sheets import FrontSheets
 from engine.case.effects import EFFECTS

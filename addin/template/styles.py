@@ -13,209 +13,93 @@ from addin.contract.palette import PALETTE
 #: Metric-compatible fonts exist on every system, so that nothing is clipped on another computer.
 FONT = "Arial"
 
-_THIN = {"border": 1, "border_color": PALETTE["silver"]}
-_SIDELESS = {
+#: Pale ground of live formulas.
+_LIVE = "#F1F8F7"
+
+
+def _format(ink: str = "", paper: str = "", **more: Any) -> dict[str, Any]:
+    """A format in the middle of the row's height; colours are words of the palette or ``#RRGGBB``."""
+    colours = {"font_color": ink, "bg_color": paper}
+    return {
+        **{name: PALETTE.get(word, word) for name, word in colours.items() if word},
+        "valign": "vcenter",
+        **more,
+    }
+
+
+def _boxed(ink: str = "", paper: str = "", **more: Any) -> dict[str, Any]:
+    """The same with a thin frame."""
+    return _format(ink, paper, border=1, border_color=PALETTE["silver"], **more)
+
+
+def _header(paper: str) -> dict[str, Any]:
+    """Header of a column."""
+    frame = {"border": 1, "border_color": PALETTE["white"]}
+    return _format("white", paper, bold=True, text_wrap=True, align="center", **frame)
+
+
+def _verdict(word: str) -> dict[str, Any]:
+    """Colours of a verdict, over those of its cell."""
+    return {"bg_color": PALETTE[word], "font_color": PALETTE.get(f"{word}_ink", PALETTE["grey"])}
+
+
+#: Frame of a cell that runs on into its neighbours.
+_SIDELESS: Mapping[str, Any] = {
     "top": 1,
     "bottom": 1,
     "top_color": PALETTE["silver"],
     "bottom_color": PALETTE["silver"],
 }
-_INPUT = {"bg_color": PALETTE["input"], "font_color": PALETTE["blue"], **_THIN}
-_HEADER = {
-    "bold": True,
-    "font_color": PALETTE["white"],
-    "text_wrap": True,
-    "align": "center",
-    "valign": "vcenter",
-    "border": 1,
-    "border_color": PALETTE["white"],
-}
+_LEFT: Mapping[str, Any] = {"align": "left", "indent": 1}
+_UNIT: Mapping[str, Any] = {"align": "center", "font_size": 8}
 
 #: Cell formats by name; each starts from Arial 9.
 _FORMATS: Mapping[str, Mapping[str, Any]] = {
     "plain": {},
-    "banner": {
-        "bold": True,
-        "font_size": 16,
-        "font_color": PALETTE["white"],
-        "valign": "vcenter",
-        "bg_color": PALETTE["navy"],
-        "indent": 1,
-    },
-    "banner_right": {
-        "font_size": 9,
-        "font_color": PALETTE["white"],
-        "valign": "vcenter",
-        "align": "right",
-        "bg_color": PALETTE["navy"],
-        "indent": 1,
-    },
-    "strip": {
-        "font_color": PALETTE["navy"],
-        "bg_color": PALETTE["mist"],
-        "valign": "vcenter",
-        "indent": 1,
-    },
-    "strip_right": {
-        "font_color": PALETTE["navy"],
-        "bg_color": PALETTE["mist"],
-        "valign": "vcenter",
-        "align": "center",
-        "bold": True,
-        "shrink": True,
-    },
+    "banner": _format("white", "navy", bold=True, font_size=16, indent=1),
+    "banner_right": _format("white", "navy", align="right", indent=1),
+    "strip": _format("navy", "mist", indent=1),
+    "strip_right": _format("navy", "mist", align="center", bold=True, shrink=True),
     "note": {"italic": True, "font_color": PALETTE["grey"]},
     "note_beside": {"italic": True, "font_color": PALETTE["grey"], "indent": 1},
-    "fact": {"bold": True, "font_color": PALETTE["navy"], "valign": "vcenter", "align": "left"},
-    "sentence": {
-        "bold": True,
-        "font_size": 11,
-        "font_color": PALETTE["navy"],
-        "bg_color": PALETTE["paper"],
-        "text_wrap": True,
-        "align": "left",
-        "valign": "vcenter",
-        "indent": 1,
-        **_THIN,
-    },
+    "fact": _format("navy", bold=True, align="left"),
+    "sentence": _boxed("navy", "paper", bold=True, font_size=11, text_wrap=True, **_LEFT),
     "caption": {"bold": True, "font_size": 11, "font_color": PALETTE["navy"]},
-    "drawn": {
-        "bold": True,
-        "font_color": PALETTE["navy"],
-        "valign": "vcenter",
-        "align": "left",
-        "indent": 1,
-        "shrink": True,
-    },
-    "group": {
-        "bold": True,
-        "font_color": PALETTE["white"],
-        "bg_color": PALETTE["steel"],
-        "valign": "vcenter",
-        "indent": 1,
-    },
-    "label": {"bg_color": PALETTE["paper"], "valign": "vcenter", "indent": 1, **_THIN},
-    "hint": {
-        "italic": True,
-        "font_size": 8,
-        "font_color": PALETTE["grey"],
-        "valign": "vcenter",
-        "indent": 1,
-        **_THIN,
-    },
-    "input": {**_INPUT, "valign": "vcenter"},
-    "input_text": {
-        **_INPUT,
-        "valign": "vcenter",
-        "align": "left",
-        "indent": 1,
-        "num_format": "@",
-    },
-    "input_wide": {
-        "bg_color": PALETTE["input"],
-        "font_color": PALETTE["blue"],
-        "valign": "vcenter",
-        "align": "left",
-        "indent": 1,
-        "num_format": "@",
-        **_SIDELESS,
-    },
+    "drawn": _format("navy", bold=True, shrink=True, **_LEFT),
+    "group": _format("white", "steel", bold=True, indent=1),
+    "label": _boxed(paper="paper", indent=1),
+    "hint": _boxed("grey", italic=True, font_size=8, indent=1),
+    "input": _boxed("blue", "input"),
+    "input_text": _boxed("blue", "input", num_format="@", **_LEFT),
+    "input_wide": _format("blue", "input", num_format="@", **_LEFT, **_SIDELESS),
     "input_more": {"bg_color": PALETTE["input"], **_SIDELESS},
-    "input_unit": {
-        **_INPUT,
-        "italic": True,
-        "align": "center",
-        "valign": "vcenter",
-        "font_size": 8,
-    },
-    "no_unit": {
-        "align": "center",
-        "valign": "vcenter",
-        "font_size": 8,
-        "bg_color": PALETTE["paper"],
-        "font_color": PALETTE["grey"],
-        **_THIN,
-    },
-    "fixed_unit": {
-        "align": "center",
-        "valign": "vcenter",
-        "font_size": 8,
-        "italic": True,
-        "bg_color": PALETTE["paper"],
-        "font_color": PALETTE["grey"],
-        **_THIN,
-    },
-    "header_input": {**_HEADER, "bg_color": PALETTE["navy"]},
-    "header_result": {**_HEADER, "bg_color": PALETTE["grey"]},
-    "header_check": {**_HEADER, "bg_color": PALETTE["teal"]},
-    "result": {**_THIN, "valign": "vcenter", "align": "right"},
-    "result_text": {**_THIN, "valign": "vcenter", "align": "left", "indent": 1, "shrink": True},
-    "result_wrap": {
-        **_THIN,
-        "valign": "vcenter",
-        "align": "left",
-        "indent": 1,
-        "text_wrap": True,
-    },
-    "result_mixed": {
-        **_THIN,
-        "valign": "vcenter",
-        "align": "right",
-        "shrink": True,
-        "num_format": "#,##0.####",
-    },
-    "result_center": {**_THIN, "valign": "vcenter", "align": "center"},
-    "verdict": {
-        **_THIN,
-        "valign": "vcenter",
-        "align": "center",
-        "bold": True,
-        "font_size": 8,
-        "shrink": True,
-    },
-    "check": {**_THIN, "valign": "vcenter", "font_color": PALETTE["teal"], "bg_color": "#F1F8F7"},
-    "check_value": {
-        **_THIN,
-        "valign": "vcenter",
-        "align": "right",
-        "font_color": PALETTE["teal"],
-        "bg_color": "#F1F8F7",
-    },
-    "title_label": {
-        "font_size": 8,
-        "font_color": PALETTE["grey"],
-        "bg_color": PALETTE["paper"],
-        "indent": 1,
-        "valign": "vcenter",
-        **_THIN,
-    },
-    "title_value": {
-        "bold": True,
-        "font_color": PALETTE["navy"],
-        "indent": 1,
-        "valign": "vcenter",
-        "align": "left",
-        **_THIN,
-    },
-    "verdict_banner": {
-        "bold": True,
-        "font_size": 12,
-        "align": "center",
-        "valign": "vcenter",
-        "bg_color": PALETTE["open"],
-        "font_color": PALETTE["grey"],
-        **_THIN,
-    },
-    "key_label": {"bg_color": PALETTE["paper"], "indent": 1, "valign": "vcenter", **_THIN},
-    "key_value": {"bold": True, "align": "right", "valign": "vcenter", **_THIN},
-    "key_unit": {"font_color": PALETTE["grey"], "indent": 1, "valign": "vcenter", **_THIN},
+    "input_unit": _boxed("blue", "input", italic=True, **_UNIT),
+    "no_unit": _boxed("grey", "paper", **_UNIT),
+    "fixed_unit": _boxed("grey", "paper", italic=True, **_UNIT),
+    "header_input": _header("navy"),
+    "header_result": _header("grey"),
+    "header_check": _header("teal"),
+    "result": _boxed(align="right"),
+    "result_text": _boxed(shrink=True, **_LEFT),
+    "result_wrap": _boxed(text_wrap=True, **_LEFT),
+    "result_mixed": _boxed(align="right", shrink=True, num_format="#,##0.####"),
+    "result_center": _boxed(align="center"),
+    "verdict": _boxed(align="center", bold=True, font_size=8, shrink=True),
+    "check": _boxed("teal", _LIVE),
+    "check_value": _boxed("teal", _LIVE, align="right"),
+    "title_label": _boxed("grey", "paper", font_size=8, indent=1),
+    "title_value": _boxed("navy", bold=True, **_LEFT),
+    "verdict_banner": _boxed("grey", "open", bold=True, font_size=12, align="center"),
+    "key_label": _boxed(paper="paper", indent=1),
+    "key_value": _boxed(bold=True, align="right"),
+    "key_unit": _boxed("grey", indent=1),
     "prose": {"text_wrap": True, "valign": "top"},
-    "prose_beside": {"text_wrap": True, "valign": "vcenter", "indent": 1},
+    "prose_beside": _format(text_wrap=True, indent=1),
     "prose_bold": {"text_wrap": True, "valign": "top", "bold": True},
-    "cf_pass": {"bg_color": PALETTE["pass"], "font_color": PALETTE["pass_ink"]},
-    "cf_accepted": {"bg_color": PALETTE["accepted"], "font_color": PALETTE["accepted_ink"]},
-    "cf_fail": {"bg_color": PALETTE["fail"], "font_color": PALETTE["fail_ink"]},
-    "cf_open": {"bg_color": PALETTE["open"], "font_color": PALETTE["grey"]},
+    "cf_pass": _verdict("pass"),
+    "cf_accepted": _verdict("accepted"),
+    "cf_fail": _verdict("fail"),
+    "cf_open": _verdict("open"),
 }
 
 

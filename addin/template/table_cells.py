@@ -68,13 +68,10 @@ class Tables(Frames):
         return self.example.tables.get(spec.name, ())
 
     def _caption(self, page: Any, row: int, left: int, spec: TableSpec) -> None:
-        caption, note = self.style("caption"), self.style("note")
         if spec.short_caption:  # another table stands close by
-            page.write_string(row, left, spec.caption, caption)
-            return
-        page.write_rich_string(
-            row, left, caption, spec.caption, note, f"   {spec.help}", self.style("plain")
-        )
+            page.write_string(row, left, spec.caption, self.style("caption"))
+        else:
+            self._worded_caption(page, row, left, spec.caption, spec.help)
 
     def _column_options(self, spec: TableSpec, field: Field, is_input: bool) -> dict[str, Any]:
         kind = "input" if is_input else "check" if field in spec.extra_columns else "result"
@@ -136,12 +133,8 @@ class Tables(Frames):
             value = rows[k].get(field.name) if k < len(rows) else None
             if formula:
                 page.write_formula(row, column, formula, style, "")
-            elif value is None:
-                page.write_blank(row, column, None, style)
-            elif isinstance(value, str):
-                page.write_string(row, column, value, style)
             else:
-                page.write_number(row, column, value, style)
+                self._put(page, row, column, value, style)
         if is_input:
             page.data_validation(first, column, last, column, input_rule(field))
 

@@ -8,10 +8,10 @@ from math import isclose
 from typing import Any
 
 from addin.contract.chart_tables import LABELS
-from addin.contract.charts import CHARTS, FirstCell, Label, Words
+from addin.contract.charts import FirstCell, Label, Words
 from addin.contract.problems import shortened
 from addin.contract.sheets import SHEETS, Sheet
-from addin.contract.studies.registry import STUDY_CHARTS, with_studies
+from addin.contract.studies.registry import EVERY_CHART, with_studies
 from addin.contract.tables import INPUT_TABLES
 from addin.verify.compare import ROUNDING
 from addin.verify.findings import Finding
@@ -169,10 +169,9 @@ def _is_ours(one: _Expected, chart: DrawnChart, series: Sequence[Series]) -> boo
 
 def _expected(workbook: Workbook) -> Iterator[_Expected]:
     """Charts of ours whose tables the workbook has."""
-    specs = {**CHARTS, **STUDY_CHARTS}
     for sheet in with_studies(SHEETS):
         for at in sheet.charts:
-            spec = specs[at.name]
+            spec = EVERY_CHART[at.name]
             try:
                 title = _words(workbook, spec.title)
                 series = tuple(

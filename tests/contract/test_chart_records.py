@@ -1,12 +1,10 @@
 """Records of charts: what they name exists, and every chart of a sheet has its record."""
 
 from addin.contract.chart_tables import CHART_TABLES, LABELS
-from addin.contract.charts import CHARTS, FirstCell, Label
+from addin.contract.charts import FirstCell, Label
 from addin.contract.sheets import SHEETS
-from addin.contract.studies.registry import STUDY_CHARTS, with_studies
+from addin.contract.studies.registry import EVERY_CHART, with_studies
 from addin.contract.tables import EVERY_TABLE
-
-SPECS = {**CHARTS, **STUDY_CHARTS}
 
 
 def columns() -> dict[str, set[str]]:
@@ -21,14 +19,14 @@ def columns() -> dict[str, set[str]]:
 
 def test_a_chart_draws_columns_that_exist():
     known = columns()
-    for spec in SPECS.values():
+    for spec in EVERY_CHART.values():
         for series in spec.series:
             assert {series.x, series.y} <= known[series.table], (spec.name, series)
 
 
 def test_words_of_a_chart_exist():
     known = columns()
-    for spec in SPECS.values():
+    for spec in EVERY_CHART.values():
         axes = [spec.x, spec.y, *([spec.second] if spec.second else [])]
         for words in (spec.title, *(a.title for a in axes), *(s.name for s in spec.series)):
             if isinstance(words, Label):
@@ -39,4 +37,4 @@ def test_words_of_a_chart_exist():
 
 def test_every_chart_on_a_sheet_has_its_record_and_the_other_way_round():
     placed = {at.name for sheet in with_studies(SHEETS) for at in sheet.charts}
-    assert placed == set(SPECS)
+    assert placed == set(EVERY_CHART)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from addin.contract.charts import ChartSpec
+from addin.contract.charts import CHARTS, ChartSpec
 from addin.contract.field import IncompleteRecord
 from addin.contract.records import find_records
 from addin.contract.sheet import Sheet
@@ -31,9 +31,10 @@ STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
     )
 )
 
-#: Every chart of a study by name.
-STUDY_CHARTS: Mapping[str, ChartSpec] = {
-    spec.name: spec for study in STUDIES for spec in study.charts
+#: Every chart by name, those of the studies last.
+EVERY_CHART: Mapping[str, ChartSpec] = {
+    **CHARTS,
+    **{spec.name: spec for study in STUDIES for spec in study.charts},
 }
 
 #: From the least to the most of a map, by rank: starts differ by powers of ten.
