@@ -66,7 +66,7 @@ class Made:
     pdf: Path
     docx: Path
     results: dict
-    said: str
+    printed: str
 
 
 def make(folder: Path, source: Path) -> Made:
@@ -76,4 +76,4 @@ def make(folder: Path, source: Path) -> Made:
     calculated = torsionbook("recalc", source, "--out", "o", "--json", "o/r.json", cwd=folder)
     assert calculated.returncode == 0, calculated.stderr
     results = json.loads((folder / "o" / "r.json").read_text(encoding="utf-8"))
-    return Made(folder / "r.pdf", folder / "r.docx", results, done.stdout + done.stderr)
+    return Made(folder / "r.pdf", folder / "r.docx", results, done.stdout)

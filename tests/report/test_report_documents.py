@@ -391,6 +391,6 @@ def test_results_of_other_inputs_are_told(proposed, tmp_path):
 
 
 def test_a_report_tells_what_it_wrote_and_a_blank_workbook_has_no_results(proposed):
-    assert proposed.said.splitlines() == ["written: r.pdf", "written: r.docx"]
+    assert proposed.printed.splitlines() == ["written: r.pdf", "written: r.docx"]
     blank = read_checked(ROOT / "templates" / "blank_us.xlsx")
     assert stored_results(blank, "0" * 64) == ()
