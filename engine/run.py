@@ -21,8 +21,8 @@ from engine.model.modes import (
     damped_eigenvalues,
     nodes_of,
 )
-from engine.operation.margins import interference, judge, separation_margins
-from engine.operation.steady_state import steady_state
+from engine.operation.margins import interference, separation_margins
+from engine.operation.steady_state import judge, steady_state
 from engine.plan.evidence import (
     Evidence,
     collect_evidence,
@@ -185,7 +185,7 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
     with stage("separation margins"):
         excitations = excitations_of(case, train)
         margins = separation_margins(case, train, modes, excitations)
-        diagram = interference(case, train, modes, excitations)
+        diagram = interference(case, modes, excitations)
     with stage("steady state"):
         steady = steady_state(case, analysis.reported, excitations, margins)
     return analysis, AtSpeed(

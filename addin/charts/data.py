@@ -407,9 +407,9 @@ def _interference_rows(
     names: Rows = [[None, None] for _ in range(LINES)]
     diagram = run.interference if run else None
     line, sync = case.ratings.line_frequency, case.ratings.synchronous_speed
-    if diagram is None or not line or not sync or not diagram.speed.size:
+    if diagram is None or not line or not sync or diagram.highest_speed is None:
         return [[None] * (8 + 2 * LINES)], names
-    top, right = 2.5 * line, _rpm(float(diagram.speed[-1]))
+    top, right = 2.5 * line, _rpm(diagram.highest_speed)
     modes = [float(f) for f in diagram.mode_frequency if 0.0 < f <= top]
     running = [_rpm(case.minimum_speed or sync), _rpm(case.maximum_speed or sync)]
     columns: list[Sequence[Cell]] = [
@@ -421,13 +421,8 @@ def _interference_rows(
         *_segments([[(n, 0.0), (n, top)] for n in dict.fromkeys(running)]),
     ]
     lines = [
-        (str(name), _clipped(right, float(frequency[-1]), top), _ORDER_LABEL)
-        for name, frequency in zip(diagram.order_names, diagram.order_frequency, strict=True)
-    ] + [
-        (str(name), [(0.0, float(f)), (right, float(f))], _FIXED_LABEL)
-        for name, f in zip(diagram.fixed_names, diagram.fixed_frequency, strict=True)
-        if f <= top
-    ]
+        (name, _clipped(right, frequency, top), _ORDER_LABEL) for name, frequency in diagram.orders
+    ] + [(name, [(0.0, f), (right, f)], _FIXED_LABEL) for name, f in diagram.fixed if f <= top]
     for k, (name, ends, at) in enumerate(lines[:LINES]):
         (x0, y0), (x1, y1) = ends
         at = 1.0 if y1 == top else at

@@ -354,8 +354,6 @@ class ModalDamping:
     #: Coefficient d of q̈ + d q̇ + ω² q, also for rigid modes. [1/s] Shape (n_modes,).
     rate: Floats
     neglected: float  #: Largest off-diagonal term of the modal damping matrix. [1/s]
-    #: The pair of modes (counted from 0, rigid first) it couples. [indices]
-    neglected_modes: tuple[int, int]
     #: Largest |d_ij| ω_j / |ω_i² − ω_j²|: the part of one mode that appears in another; small
     #: against one means the modal form is good. [1]
     coupling: float
@@ -412,19 +410,11 @@ def modal_damping(case: CaseData, train: Train, modes: Modes) -> ModalDamping:
     ratio = np.where(modes.omega > 0.0, structural + 0.5 * np.diag(physical) / safe, 0.0)
     rate = np.where(modes.omega > 0.0, 2.0 * ratio * modes.omega, np.diag(physical))
     off = np.abs(physical - np.diag(np.diag(physical)))
-    pair = np.unravel_index(int(np.argmax(off)), off.shape)
     gap = np.abs(modes.omega[:, None] ** 2 - modes.omega[None, :] ** 2)
     speed = np.maximum(modes.omega[:, None], modes.omega[None, :])
     with np.errstate(divide="ignore", invalid="ignore"):
         coupling = np.where(off > 1e-12 * np.max(np.diag(physical)), off * speed / gap, 0.0)
-    return ModalDamping(
-        ratio,
-        structural,
-        rate,
-        float(off[pair]),
-        (int(pair[0]), int(pair[1])),
-        float(np.nanmax(coupling)),
-    )
+    return ModalDamping(ratio, structural, rate, float(np.max(off)), float(np.nanmax(coupling)))
 
 
 def modal_damping_matrix(train: Train, modes: Modes) -> Floats:
@@ -446,25 +436,6 @@ def modal_damping_matrix(train: Train, modes: Modes) -> Floats:
     """
     nodal = train.ground_damping[:, None] * modes.shape
     return np.asarray((modes.row_twist.T * train.viscous) @ modes.row_twist + modes.shape.T @ nodal)
-
-
-def state_matrix(train: Train) -> Floats:
-    """State matrix of the viscously damped train for the state [θ, θ̇].
-
-    Parameters
-    ----------
-    train : Train
-        The train. [SI]
-
-    Returns
-    -------
-    ndarray, shape (2 n_dof, 2 n_dof)
-        A of ẋ = A x. [mixed: 1, 1/s, 1/s²]
-    """
-    B, m = train.incidence, train.inertia[:, None]
-    K = (B.T * train.stiffness) @ B
-    n = train.n_dof
-    return np.block([[np.zeros((n, n)), np.eye(n)], [-K / m, -train.damping_matrix() / m]])
 
 
 def damped_eigenvalues(train: Train, modes: Modes) -> NDArray[np.complex128]:

@@ -91,18 +91,11 @@ def rigid_meshes(rigid: list[tuple[int, int, int]], ratio: Floats) -> tuple[Rigi
     tuple of RigidMesh
         One a rigid mesh. [indices]
     """
-    meshes = []
-    for element, a, b in rigid:
-        side = {b}
-        grown = True
-        while grown:
-            grown = False
-            for other, p, q in rigid:
-                if other != element and (p in side) != (q in side):
-                    side |= {p, q}
-                    grown = True
-        meshes.append(RigidMesh(element, tuple(sorted(side)), float(ratio[a])))
-    return tuple(meshes)
+    sides = driven_side(rigid, len(ratio), 1 + max((element for element, _, _ in rigid), default=0))
+    return tuple(
+        RigidMesh(element, tuple(np.flatnonzero(sides[element]).tolist()), float(ratio[a]))
+        for element, a, _ in rigid
+    )
 
 
 def _neighbours(edges: list[tuple[int, int, int]], n: int) -> list[list[tuple[int, int]]]:

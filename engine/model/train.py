@@ -194,14 +194,3 @@ class Train:
             Index. [index]
         """
         return self.stations.index(name)
-
-    def damping_matrix(self) -> Floats:
-        """Physical viscous damping, dampers across elements and to ground.
-
-        Returns
-        -------
-        ndarray, shape (n_dof, n_dof)
-            C. [N m s/rad]
-        """
-        B = self.incidence
-        return np.asarray((B.T * self.viscous) @ B + np.diag(self.ground_damping))

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -177,55 +177,6 @@ def _warnings(
     return tuple(warnings)
 
 
-class JudgedResponse(Protocol):
-    """What `judge` asks of a row of the steady-state response: mode, excitation, verdict."""
-
-    @property
-    def mode(self) -> int | None:
-        """Elastic mode whose resonance the row is evaluated at; None for a sweep. [count]"""
-
-    @property
-    def excitation(self) -> str:
-        """Excitation. [name]"""
-
-    @property
-    def verdict(self) -> str:
-        """``pass``, ``fail``, ``unbounded`` or ``not judged``. [word]"""
-
-
-def judge(margins: SeparationMargins, responses: Sequence[JudgedResponse]) -> SeparationMargins:
-    """Margins with their final verdicts.
-
-    ``pass``: the margin is kept, or equal to the required one to 1e-9. ``accepted by forced
-    response``: it is not, but at the resonance with this excitation at least one element could
-    be judged and every judged one is within its limit. ``fail``: the rest.
-
-    Parameters
-    ----------
-    margins : SeparationMargins
-        Margins. [1]
-    responses : sequence of JudgedResponse
-        Rows of the steady-state response. [rows]
-
-    Returns
-    -------
-    SeparationMargins
-        The same rows with their verdicts. [1]
-    """
-    verdicts: dict[tuple[int, str], set[str]] = {}
-    for r in responses:
-        if r.mode is not None and r.verdict != Judgement.NOT_JUDGED:
-            verdicts.setdefault((r.mode, r.excitation), set()).add(r.verdict)
-    rows = []
-    for row in margins.rows:
-        verdict = Judgement.PASS
-        if not row.kept:
-            accepted = verdicts.get((row.mode, row.excitation)) == {Judgement.PASS}
-            verdict = Judgement.ACCEPTED if accepted else Judgement.FAIL
-        rows.append(replace(row, verdict=verdict))
-    return replace(margins, rows=tuple(rows))
-
-
 @dataclass(frozen=True)
 class Band:
     """Frequencies that one excitation forbids to every mode."""
@@ -308,18 +259,12 @@ def rows_of_bands(
     list of dict
         Keys excitation, from, to, lowest, highest [Hz] and modes_inside (None = clear).
     """
-    return [
-        {
-            "excitation": band.excitation,
-            "from": band.from_,
-            "to": band.to,
-            "lowest": band.lowest,
-            "highest": band.highest,
-            "modes_inside": ", ".join(f"mode {m}" for m, x in too_near if x == band.excitation)
-            or None,
-        }
-        for band in bands
-    ]
+    rows = []
+    for band in bands:
+        inside = [f"mode {mode}" for mode, excitation in too_near if excitation == band.excitation]
+        row = {name.rstrip("_"): value for name, value in asdict(band).items()}
+        rows.append(row | {"modes_inside": ", ".join(inside) or None})
+    return rows
 
 
 def percent_speed(frequency: float, line_frequency: float) -> float | None:
@@ -346,74 +291,38 @@ def percent_speed(frequency: float, line_frequency: float) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class Interference:
-    """Lines of the interference (Campbell) diagram."""
+    """Lines of the interference (Campbell) diagram: each is straight, from standstill on."""
 
-    #: Speed of the reference shaft, from 0; empty if no speed is known. [rad/s] Shape (n_speeds,).
-    speed: Floats
+    #: Speed of the reference shaft to which it reaches; None if no speed is known. [rad/s]
+    highest_speed: float | None
     mode_frequency: Floats  #: Natural frequencies, the horizontal lines. [Hz] Shape (n_elastic,).
-    order_names: tuple[str, ...]  #: Excitations that follow the speed.
-    order_frequency: Floats  #: Their frequencies. [Hz] Shape (n_orders, n_speeds).
-    fixed_names: tuple[str, ...]  #: Excitations of fixed frequency.
-    fixed_frequency: Floats  #: Their frequencies. [Hz] Shape (n_fixed,).
-    #: Twice the slip frequency during the start; NaN above synchronous speed or if the line
-    #: frequency is unknown. [Hz] Shape (n_speeds,).
-    slip_frequency: Floats
-    #: Percent speed where it crosses each mode; None where it never does. [%]
-    crossing_percent: tuple[float | None, ...]
-    speed_range: tuple[float, float] | None  #: Speeds of continuous operation. [rad/s]
+    #: Excitations that follow the speed, each with its frequency at the highest speed. [Hz]
+    orders: tuple[tuple[str, float], ...]
+    fixed: tuple[tuple[str, float], ...]  #: Excitations of fixed frequency, each with it. [Hz]
 
 
-def interference(
-    case: CaseData,
-    train: Train,
-    modes: Modes,
-    excitations: Sequence[Excitation],
-    *,
-    n_speeds: int = 111,
-) -> Interference:
+def interference(case: CaseData, modes: Modes, excitations: Sequence[Excitation]) -> Interference:
     """Interference diagram from standstill to 1.1 times synchronous (or the highest) speed.
 
     Parameters
     ----------
     case : CaseData
         The case. [SI]
-    train : Train
-        Its train. [SI]
     modes : Modes
         Its modes. [SI]
     excitations : sequence of Excitation
         What shakes it. [SI]
-    n_speeds : int
-        Number of speeds; 111 puts every percent of synchronous speed on the grid. [count]
 
     Returns
     -------
     Interference
         The lines. [Hz]
     """
-    speeds, ratings = operating_range(case), case.ratings
-    top = max((speeds or (0.0,))[-1], ratings.synchronous_speed or 0.0)
-    speed = np.linspace(0.0, DIAGRAM_REACH * top, n_speeds) if top > 0.0 else np.empty(0)
-    orders = [x for x in excitations if x.frequency is None]
-    fixed = [x for x in excitations if x.frequency is not None]
-    slope = np.array([x.frequency_at(1.0) for x in orders])
-    line = ratings.line_frequency
-    slip = np.full(len(speed), np.nan)
-    crossing: list[float | None] = [None] * len(modes.elastic_frequency)
-    if line:
-        crossing = [percent_speed(f, line) for f in modes.elastic_frequency.tolist()]
-        if ratings.synchronous_speed:
-            fraction = speed / ratings.synchronous_speed
-            below = fraction <= 1.0 + 1e-12
-            slip[below] = 2.0 * line * np.maximum(0.0, 1.0 - fraction[below])
+    speeds = operating_range(case) or (0.0,)
+    highest = DIAGRAM_REACH * max(speeds[-1], case.ratings.synchronous_speed or 0.0)
     return Interference(
-        speed,
+        highest or None,
         modes.elastic_frequency,
-        tuple(x.name for x in orders),
-        slope[:, None] * speed[None, :],
-        tuple(x.name for x in fixed),
-        np.array([x.frequency for x in fixed], dtype=float),
-        slip,
-        tuple(crossing),
-        speeds,
+        tuple((x.name, x.frequency_at(1.0) * highest) for x in excitations if x.frequency is None),
+        tuple((x.name, x.frequency) for x in excitations if x.frequency is not None),
     )

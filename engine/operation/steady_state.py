@@ -460,6 +460,39 @@ def steady_state(
     return SteadyState(tuple(rows), basis, tuple(warnings))
 
 
+def judge(margins: SeparationMargins, responses: Sequence[SteadyStateRow]) -> SeparationMargins:
+    """Margins with their final verdicts.
+
+    ``pass``: the margin is kept, or equal to the required one to 1e-9. ``accepted by forced
+    response``: it is not, but at the resonance with this excitation at least one element could
+    be judged and every judged one is within its limit. ``fail``: the rest.
+
+    Parameters
+    ----------
+    margins : SeparationMargins
+        Margins. [1]
+    responses : sequence of SteadyStateRow
+        Rows of the steady-state response. [rows]
+
+    Returns
+    -------
+    SeparationMargins
+        The same rows with their verdicts. [1]
+    """
+    verdicts: dict[tuple[int, str], set[str]] = {}
+    for r in responses:
+        if r.mode is not None and r.verdict != Judgement.NOT_JUDGED:
+            verdicts.setdefault((r.mode, r.excitation), set()).add(r.verdict)
+    rows = []
+    for row in margins.rows:
+        verdict = Judgement.PASS
+        if not row.kept:
+            accepted = verdicts.get((row.mode, row.excitation)) == {Judgement.PASS}
+            verdict = Judgement.ACCEPTED if accepted else Judgement.FAIL
+        rows.append(replace(row, verdict=verdict))
+    return replace(margins, rows=tuple(rows))
+
+
 def _pole_frequencies(modal: ModalTrain) -> Floats:
     """Frequencies where a response may peak: natural ones, damped ones, coupled ones. [Hz]"""
     train, modes, damping = modal

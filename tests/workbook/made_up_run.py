@@ -324,16 +324,14 @@ def _histories(elements: list[str]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 
 def _interference() -> Any:
-    speed = np.linspace(0.0, 1.1 * 1800.0 * RPM, 111)
-    hertz = speed / (2.0 * np.pi)
+    highest = 1.1 * 1800.0 * RPM
     orders = {"1× motor": 1.0, "2× motor": 2.0, "1× pinion": 5.6, "2× pinion": 11.2}
+    hertz = highest / (2.0 * np.pi)
     return SimpleNamespace(
-        speed=speed,
+        highest_speed=highest,
         mode_frequency=np.array(FREQUENCIES),
-        order_names=tuple(orders),
-        order_frequency=np.array([order * hertz for order in orders.values()]),
-        fixed_names=("1× line", "2× line"),
-        fixed_frequency=np.array([60.0, 120.0]),
+        orders=tuple((name, order * hertz) for name, order in orders.items()),
+        fixed=(("1× line", 60.0), ("2× line", 120.0)),
     )
 
 

@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from state_space import state_matrix
 
 from engine.case.case import Case
 from engine.case.data import CaseData, ElementRow, MeshRow, MotorTorqueRow, StationRow
 from engine.errors import ModelError
 from engine.model.build_train import build_train
 from engine.model.gears import line_of_action
-from engine.model.modes import modal_damping, modes_of, natural_modes, nodes_of, state_matrix
+from engine.model.modes import modal_damping, modes_of, natural_modes, nodes_of
 
 STEEL = {"shear_modulus": 8e10}
 

@@ -19,7 +19,8 @@ from engine.model.excitation import (
     transmitted_torque,
 )
 from engine.model.modes import modes_of
-from engine.operation.margins import interference, judge, percent_speed, separation_margins
+from engine.operation.margins import interference, percent_speed, separation_margins
+from engine.operation.steady_state import judge
 from engine.run import at_speed
 
 RPM = math.pi / 30.0
@@ -396,18 +397,11 @@ def test_percent_speed_of_table_1():
 def test_the_lines_of_the_interference_diagram():
     case = sample_case("modified")
     train = build_train(case)
-    modes = modes_of(train)
-    d = interference(case, train, modes, excitations_of(case, train))
-    synchronous = case.ratings.synchronous_speed
-    assert d.speed[[0, 100, 110]] == pytest.approx([0.0, synchronous, 1.1 * synchronous], abs=1e-9)
-    assert d.order_names == tuple(n for n in names_of(case) if "speed" in n)
-    assert d.order_frequency[:, 100] == pytest.approx([30.0, 60.0, 168.0, 336.0])
-    assert d.fixed_names == ("1× line", "2× line")
-    assert d.fixed_frequency.tolist() == [60.0, 120.0]
-    assert d.slip_frequency[[0, 50, 100]] == pytest.approx([120.0, 60.0, 0.0], abs=1e-9)
-    assert np.all(np.isnan(d.slip_frequency[101:]))
-    assert d.crossing_percent[:3] == pytest.approx([82.5, 67.5, 42.5], abs=1e-5)
-    assert set(d.crossing_percent[3:]) == {None}
+    d = interference(case, modes_of(train), excitations_of(case, train))
+    assert d.highest_speed == pytest.approx(1.1 * case.ratings.synchronous_speed, rel=1e-12)
+    assert [name for name, _ in d.orders] == [n for n in names_of(case) if "speed" in n]
+    assert [f for _, f in d.orders] == pytest.approx([33.0, 66.0, 184.8, 369.6])
+    assert d.fixed == (("1× line", 60.0), ("2× line", 120.0))
 
 
 @pytest.mark.parametrize(("share", "reach"), [(0.8, 1.1), (1.0, 1.1), (1.3, 1.43)])
@@ -418,20 +412,17 @@ def test_the_interference_diagram_reaches_beyond_the_highest_speed(share, reach)
         "modified", minimum_speed=0.5 * synchronous, maximum_speed=share * synchronous
     )
     train = build_train(case)
-    d = interference(case, train, modes_of(train), excitations_of(case, train))
-    assert d.speed[0] == 0.0
-    assert d.speed[-1] == pytest.approx(reach * synchronous, rel=1e-12)
-    assert d.speed_range == pytest.approx((0.5 * synchronous, share * synchronous))
-    assert np.max(d.order_frequency[0]) == pytest.approx(reach * 30.0, rel=1e-12)
+    d = interference(case, modes_of(train), excitations_of(case, train))
+    assert d.highest_speed == pytest.approx(reach * synchronous, rel=1e-12)
+    assert d.orders[0][1] == pytest.approx(reach * 30.0, rel=1e-12)
 
 
 def test_the_interference_diagram_of_a_case_without_speeds():
     case = two_disks()
     train = build_train(case)
-    d = interference(case, train, modes_of(train), excitations_of(case, train))
-    assert d.speed.shape == d.slip_frequency.shape == (0,)
-    assert d.order_frequency.shape == (2, 0)
-    assert d.crossing_percent == (None,)
+    d = interference(case, modes_of(train), excitations_of(case, train))
+    assert d.highest_speed is None
+    assert [f for _, f in d.orders] == [0.0, 0.0]
 
 
 def test_two_names_of_one_frequency_have_one_margin():

@@ -23,8 +23,8 @@ from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import modal_damping, modes_of, natural_modes, stated_damping
-from engine.operation.margins import judge, separation_margins
-from engine.operation.steady_state import harmonic_response, steady_state
+from engine.operation.margins import separation_margins
+from engine.operation.steady_state import harmonic_response, judge, steady_state
 
 
 def respond(case, omega, loads, **kwargs):
