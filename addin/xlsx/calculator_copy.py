@@ -145,7 +145,7 @@ def _unread_tables(
     """Tables that no formula needs, those of their own columns included, and no defined name mentions."""
     # Those of parts of tables become plain ranges, or are left out.
     plain = [one.text for one in workbook.structure.names if not _STRUCTURED.search(one.text)]
-    of_names = {one.name.casefold() for text in plain for one in parse_formula(text).names}
+    of_names = {name.casefold() for text in plain for name in parse_formula(text).names}
     unclear = [text.casefold() for text in plain if parse_formula(text).unclear]
 
     def is_needed(table: Table) -> bool:

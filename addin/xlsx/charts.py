@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property
 from math import isfinite
 from xml.sax.saxutils import escape
 
@@ -38,8 +38,6 @@ _LABELS, _LABELS_F, _LABELS_CACHE = (
 _PLACE = re.compile(rb"<[^<>]*pt idx=\"points-([0-9]{1,7})\"/>")
 # Some whole columns; programs draw far fewer points.
 MOST_POINTS = 4 * 2**20
-#: Points of the longest series that our own charts draw, twice over.
-_USUAL_POINTS = 2048
 
 
 class ChartPart:
@@ -232,24 +230,13 @@ def _levels_xml(areas: list[Area], shown: Shown, prefix: str) -> str:
 
 def _points_xml(points: Sequence[str | float | None], prefix: str) -> str:
     end = f"</{prefix}v></{prefix}pt>"
-    count = len(points)
-    starts = _kept_starts(prefix, count) if count <= _USUAL_POINTS else _starts(prefix, count)
     return "".join(
         [
-            f"{start}{point}{end}"
-            for start, point in zip(starts, points, strict=True)
+            f'<{prefix}pt idx="{index}"><{prefix}v>{point}{end}'
+            for index, point in enumerate(points)
             if point is not None
         ]
     )
-
-
-def _starts(prefix: str, count: int) -> list[str]:
-    """What stands before the value of each point."""
-    return [f'<{prefix}pt idx="{index}"><{prefix}v>' for index in range(count)]
-
-
-#: Kept, as charts have many series of the same length.
-_kept_starts = lru_cache(maxsize=32)(_starts)
 
 
 def _other_number(value: Constant) -> float | None:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from addin.xlsx.errors import WorkbookRefused
+from addin.xlsx.errors import WorkbookRefused, damaged
 from addin.xlsx.xml_part import Element, parse_part
 
 _OLE_MAGIC = bytes.fromhex("D0CF11E0A1B11AE1")
@@ -155,10 +155,6 @@ class Container:
             )
         return data
 
-    def stored(self, entry: zipfile.ZipInfo) -> bytes:
-        """The stored (compressed) bytes of an entry."""
-        return stored_bytes(self.data, entry)
-
     def write(
         self,
         stream: BinaryIO,
@@ -188,25 +184,18 @@ class Container:
         """
         directory: list[bytes] = []
         position = 0
-        for entry in self.entries:
+        new_content = {**replaced, **(added or {})}
+        for entry in (*self.entries, *map(_new_entry, added or ())):
             if entry.filename in dropped:
                 continue
-            if entry.filename in replaced:
+            if entry.filename in new_content:
                 local, central, payload = _packed_entry(
-                    entry, replaced[entry.filename], compress, position
+                    entry, new_content[entry.filename], compress, position
                 )
             else:
-                payload = self.stored(entry)
+                payload = stored_bytes(self.data, entry)
                 sizes = (entry.CRC, len(payload), entry.file_size)
                 local, central = _headers(entry, entry.compress_type, sizes, position)
-            stream.write(local)
-            stream.write(payload)
-            directory.append(central)
-            position += len(local) + len(payload)
-        for name, data in (added or {}).items():
-            entry = zipfile.ZipInfo(name, _FIXED_DATE)
-            entry.create_system = 0  # the same bytes on every system
-            local, central, payload = _packed_entry(entry, data, compress, position)
             stream.write(local)
             stream.write(payload)
             directory.append(central)
@@ -381,10 +370,13 @@ def _check_size(entry: zipfile.ZipInfo, path: Path, limits: Limits) -> None:
 
 
 def _damaged(path: Path, detail: str) -> WorkbookRefused:
-    return WorkbookRefused(
-        "damaged",
-        f"{path.name} is damaged ({detail}). Open it in the spreadsheet program, let it repair the file, and save it again.",
-    )
+    return damaged(f"{path.name} is damaged ({detail}).")
+
+
+def _new_entry(name: str) -> zipfile.ZipInfo:
+    entry = zipfile.ZipInfo(name, _FIXED_DATE)
+    entry.create_system = 0  # the same bytes on every system
+    return entry
 
 
 def _packed_entry(

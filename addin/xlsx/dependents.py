@@ -6,12 +6,19 @@ The graph is conservative: it may name a formula too many, never one too few.
 from __future__ import annotations
 
 from array import array
-from bisect import bisect_left
+from bisect import bisect_left, insort
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from addin.xlsx.formula_text import Reference, Span, TableReference, parse_formula, shifted_range
+from addin.xlsx.formula_text import (
+    NameReference,
+    Reference,
+    Span,
+    TableReference,
+    parse_formula,
+    shifted_range,
+)
 from addin.xlsx.references import MAX_COLUMN, MAX_ROW, Rect, parse_range, split_sheet
 from addin.xlsx.tables import Table
 from addin.xlsx.workbook_part import DefinedName
@@ -39,34 +46,51 @@ class FormulaCell:
     #: Whether it is a data table (What-If Analysis), whose values no other formula gives.
     is_data_table: bool = False
 
+    @property
+    def home(self) -> Rect:
+        """The cell that holds it."""
+        return Rect(self.rect.top, self.rect.left, self.rect.top, self.rect.left)
+
 
 @dataclass
 class ChangedCells:
     """Cells whose values changed, by sheet: rectangles for blocks, single cells for the rest."""
 
-    rects: dict[str, list[Rect]] = field(default_factory=lambda: defaultdict(list))
-    cells: dict[str, set[tuple[int, int]]] = field(default_factory=lambda: defaultdict(set))
+    rects: dict[str, set[Rect]] = field(default_factory=lambda: defaultdict(set))
+    #: Rows of single cells by sheet and column, in order.
+    rows: dict[str, dict[int, list[int]]] = field(
+        default_factory=lambda: defaultdict(lambda: defaultdict(list))
+    )
 
     def add(self, sheet: str, rect: Rect) -> None:
         """Note a change."""
-        if rect.is_single:
-            self.cells[sheet].add((rect.top, rect.left))
-        elif rect not in self.rects[sheet]:
-            self.rects[sheet].append(rect)
+        if not rect.is_single:
+            self.rects[sheet].add(rect)
+        elif not self.touch(sheet, rect):
+            insort(self.rows[sheet][rect.left], rect.top)
 
     def touch(self, sheet: str, rect: Rect) -> bool:
         """Whether any changed cell lies in the rectangle."""
-        if any(one.meets(rect) for one in self.rects.get(sheet, ())):
+        if any(block.meets(rect) for block in self.rects.get(sheet, ())):
             return True
-        singles = self.cells.get(sheet)
-        if not singles:
-            return False
-        if rect.is_single:
-            return (rect.top, rect.left) in singles
-        return any(rect.has(row, column) for row, column in singles)
+        columns = self.rows.get(sheet, {})
+        return any(_between(columns[column], rect) for column in _columns_in(columns, rect))
 
     def __bool__(self) -> bool:
-        return any(self.rects.values()) or any(self.cells.values())
+        return bool(self.rects or self.rows)
+
+
+def _columns_in(columns: Collection[int], area: Rect) -> list[int]:
+    """Those of some columns that lie in an area."""
+    width = range(area.left, area.right + 1)
+    if len(columns) < area.width:
+        return [column for column in columns if column in width]
+    return [column for column in width if column in columns]
+
+
+def _between(rows: Sequence[int], area: Rect) -> range:
+    """Positions of the sorted row numbers that lie in the rows of the area."""
+    return range(bisect_left(rows, area.top), bisect_left(rows, area.bottom + 1))
 
 
 class ReferenceResolver:
@@ -110,47 +134,36 @@ class ReferenceResolver:
         self._name_steps += depth > 0
         if parsed.unclear or depth > 20 or self._name_steps > _MOST_NAME_STEPS:
             return None
-        found: list[tuple[str, Rect]] = []
-        for reference in parsed.cells:
-            area = self._area(reference.sheet, reference.text, sheet, shift)
-            if area is None:
+        areas: list[tuple[str, Rect]] = []
+        for reference in parsed.references:
+            read = self._areas(reference, sheet, at, shift, depth)
+            if read is None:
                 return None
-            found.extend(area)
-        for table_reference in parsed.tables:
-            table_area = self._table_area(table_reference.table, table_reference.inside, sheet, at)
-            if table_area is None:
-                return None
-            found.append(table_area)
-        for name in parsed.names:
-            areas = self._name_areas(name.sheet, name.name, sheet, at, depth)
-            if areas is None:
-                return None
-            found.extend(areas)
-        for span in parsed.spans:
-            around = self._span_area(span, sheet, at, shift, depth)
-            if around is None:
-                return None
-            found.extend(around)
-        return found
+            areas.extend(read)
+        return areas
 
-    def _span_area(
-        self, span: Span, sheet: str, at: Rect, shift: tuple[int, int], depth: int
+    def _areas(
+        self,
+        reference: Reference | TableReference | NameReference | Span,
+        sheet: str,
+        at: Rect,
+        shift: tuple[int, int],
+        depth: int,
     ) -> list[tuple[str, Rect]] | None:
-        """The rectangle around both ends of a span."""
-        start = self._area(span.start.sheet, span.start.text, sheet, shift)
-        end: list[tuple[str, Rect]] | None
-        if isinstance(span.within, Reference):
-            end = self._area(span.within.sheet, span.within.text, sheet, shift)
-        elif isinstance(span.within, TableReference):
-            area = self._table_area(span.within.table, span.within.inside, sheet, at)
-            end = None if area is None else [area]
-        else:
-            end = self._name_areas(span.within.sheet, span.within.name, sheet, at, depth)
+        if isinstance(reference, Reference):
+            return self._cells(reference.sheet, reference.text, sheet, shift)
+        if isinstance(reference, TableReference):
+            return self._table_area(reference.table, reference.inside, sheet, at)
+        if isinstance(reference, NameReference):
+            return self._name_areas(reference.sheet, reference.name, sheet, at, depth)
+        # Of a span the rectangle around both ends.
+        start = self._areas(reference.start, sheet, at, shift, depth)
+        end = self._areas(reference.within, sheet, at, shift, depth)
         if not start or not end or len(end) > 1 or start[0][0] != end[0][0]:
             return None
         return [(start[0][0], start[0][1].join(end[0][1]))]
 
-    def _area(
+    def _cells(
         self, prefix: str, text: str, sheet: str, shift: tuple[int, int]
     ) -> list[tuple[str, Rect]] | None:
         target = self._sheet(prefix, sheet)
@@ -173,15 +186,14 @@ class ReferenceResolver:
             return ""
         return self._sheets.get(name.lower())
 
-    def _table_area(self, name: str, inside: str, sheet: str, at: Rect) -> tuple[str, Rect] | None:
-        table = self._tables.get(name.lower()) if name else self._table_around(sheet, at)
-        return None if table is None else (table.sheet, table.read_by(inside, at))
-
-    def _table_around(self, sheet: str, at: Rect) -> Table | None:
-        around = (
-            table for table in self._tables.values() if table.sheet == sheet and table.ref.meets(at)
-        )
-        return next(around, None)
+    def _table_area(
+        self, name: str, inside: str, sheet: str, at: Rect
+    ) -> list[tuple[str, Rect]] | None:
+        """Cells of a part of a table; without a name, of the one around the formula."""
+        tables = self._tables.values()
+        around = (table for table in tables if table.sheet == sheet and table.ref.meets(at))
+        table = self._tables.get(name.lower()) if name else next(around, None)
+        return None if table is None else [(table.sheet, table.read_by(inside, at))]
 
     def _name_areas(
         self, prefix: str, name: str, sheet: str, at: Rect, depth: int
@@ -198,18 +210,14 @@ class ReferenceResolver:
             if any("$" not in one.text for one in _written_cells(defined.text)):
                 return None
             return self._reads(defined.text, scope or sheet, at, (0, 0), depth + 1)
-        table = self._tables.get(key)
-        return None if table is None else [(table.sheet, table.read_by("", at))]
+        return self._table_area(name, "", sheet, at) if key in self._tables else None
 
 
 def _written_cells(text: str) -> Iterator[Reference]:
     """All references to cells in a formula."""
-    parsed = parse_formula(text)
-    yield from parsed.cells
-    for span in parsed.spans:
-        yield span.start
-        if isinstance(span.within, Reference):
-            yield span.within
+    for reference in parse_formula(text).references:
+        ends = (reference.start, reference.within) if isinstance(reference, Span) else (reference,)
+        yield from (end for end in ends if isinstance(end, Reference))
 
 
 class DependencyGraph:
@@ -310,17 +318,13 @@ class _FormulaIndex:
     def within(self, sheet: str, area: Rect) -> list[int]:
         """Formulas that show results in an area."""
         columns = self._rows.get(sheet, {})
-        width = range(area.left, area.right + 1)
-        near = [c for c in columns if c in width] if len(columns) < area.width else [
-            c for c in width if c in columns
-        ]  # fmt: skip
         self.looked_at += min(len(columns), area.width) + len(self._blocks)
         found = [
             index
             for index, formula in self._blocks
             if formula.sheet == sheet and formula.rect.meets(area)
         ]
-        for column in near:
+        for column in _columns_in(columns, area):
             rows = columns[column]
             first = bisect_left(rows, (area.top, 0))
             found += (index for _, index in rows[first : bisect_left(rows, (area.bottom + 1, 0))])
@@ -330,22 +334,19 @@ class _FormulaIndex:
 class _AreaIndex:
     """Areas by place, so that those around changed cells are found without comparing all with all.
 
-    Single cells are looked up; small areas are filed under each column and band of rows that they touch; large ones are
-    each asked once a wave whether any cell of the wave lies inside.
+    Small areas are filed under each column and band of rows that they touch; large ones are each asked once a wave
+    whether any cell of the wave lies inside.
     """
 
-    BAND = 64
+    BAND = 16
     LARGEST_WIDTH = 16
     LARGEST_HEIGHT = 1024
 
     def __init__(self, areas: Iterable[tuple[str, Rect]]) -> None:
-        self._singles: set[tuple[str, Rect]] = set()
         self._small: dict[tuple[str, int, int], set[Rect]] = defaultdict(set)
         self._large: set[tuple[str, Rect]] = set()
         for sheet, rect in areas:
-            if rect.is_single:
-                self._singles.add((sheet, rect))
-            elif self._is_small(rect):
+            if self._is_small(rect):
                 for column, band in self._bands(rect):
                     self._small[sheet, column, band].add(rect)
             else:
@@ -353,50 +354,31 @@ class _AreaIndex:
 
     def take(self, wave: Sequence[tuple[str, Rect]]) -> set[tuple[str, Rect]]:
         """Take out all areas that share a cell with any rectangle of the wave."""
-        hits = self._large_hits(wave) if self._large else set()
+        reached = ChangedCells()
+        hits = set()
         for sheet, rect in wave:
             hits |= self._hits_around(sheet, rect)
+            if self._large:
+                reached.add(sheet, rect)
+        hits |= {area for area in self._large if reached.touch(*area)}
         for sheet, area in hits:
-            if self._is_small(area) and not area.is_single:
+            if self._is_small(area):
                 for column, band in self._bands(area):
                     self._small[sheet, column, band].discard(area)
-        self._singles -= hits
         self._large -= hits
         return hits
 
     def _hits_around(self, sheet: str, rect: Rect) -> set[tuple[str, Rect]]:
         if rect.is_single:
             band = self._small.get((sheet, rect.left, rect.top // self.BAND), ())
-            hits = {(sheet, area) for area in band if area.meets(rect)}
-            if (sheet, rect) in self._singles:
-                hits.add((sheet, rect))
-            return hits
+            return {(sheet, area) for area in band if area.meets(rect)}
         # Array formulas and spilled results: few, so all areas may be gone through.
-        small = {(key[0], area) for key, areas in self._small.items() for area in areas}
-        return {
-            (one, area) for one, area in small | self._singles if one == sheet and area.meets(rect)
-        }
-
-    def _large_hits(self, wave: Sequence[tuple[str, Rect]]) -> set[tuple[str, Rect]]:
-        rows: dict[str, dict[int, list[int]]] = defaultdict(lambda: defaultdict(list))
-        blocks: list[tuple[str, Rect]] = []
-        for sheet, rect in wave:
-            if rect.is_single:
-                rows[sheet][rect.left].append(rect.top)
-            else:
-                blocks.append((sheet, rect))
-        for columns in rows.values():
-            for tops in columns.values():
-                tops.sort()
         return {
             (sheet, area)
-            for sheet, area in self._large
-            if any(
-                _any_between(tops, area)
-                for column, tops in rows[sheet].items()
-                if area.left <= column <= area.right
-            )
-            or any(sheet == one and area.meets(block) for one, block in blocks)
+            for (filed, _, _), areas in self._small.items()
+            if filed == sheet
+            for area in areas
+            if area.meets(rect)
         }
 
     def _is_small(self, rect: Rect) -> bool:
@@ -406,12 +388,6 @@ class _AreaIndex:
         for column in range(rect.left, rect.right + 1):
             for band in range(rect.top // self.BAND, rect.bottom // self.BAND + 1):
                 yield column, band
-
-
-def _any_between(rows: Sequence[int], area: Rect) -> bool:
-    """Whether any of the sorted row numbers lies in the rows of the area."""
-    position = bisect_left(rows, area.top)
-    return position < len(rows) and rows[position] <= area.bottom
 
 
 def spill_rect(anchor: Rect) -> Rect:

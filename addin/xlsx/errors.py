@@ -41,6 +41,14 @@ class WorkbookRefused(PackageError):
         self.message = message
 
 
+def damaged(what: str) -> WorkbookRefused:
+    """A file that a spreadsheet program may repair."""
+    return WorkbookRefused(
+        "damaged",
+        f"{what} Open the workbook in the spreadsheet program, let it repair the file, and save it again.",
+    )
+
+
 class WorkbookLocked(WorkbookRefused):
     """The workbook is open in a spreadsheet program.
 

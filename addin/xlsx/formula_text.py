@@ -78,14 +78,24 @@ class Span:
 class Parsed:
     """What a formula text refers to."""
 
-    cells: tuple[Reference, ...]
-    tables: tuple[TableReference, ...]
-    names: tuple[NameReference, ...]
-    spans: tuple[Span, ...]  #: Their two ends are not repeated among cells, tables and names.
+    #: In its order; the two ends of a span are not repeated.
+    references: tuple[Reference | TableReference | NameReference | Span, ...]
     functions: frozenset[str]  #: Upper case, without ``_xlfn.`` and ``_xlws.``.
     #: Something was not understood, or a function reads cells that are not named: it may read
     #: everything.
     unclear: bool
+
+    @property
+    def names(self) -> list[str]:
+        """The names that it refers to; not those within spans."""
+        return [one.name for one in self.references if isinstance(one, NameReference)]
+
+
+_KINDS: dict[str, type[Reference] | type[TableReference] | type[NameReference]] = {
+    "cells": Reference,
+    "table": TableReference,
+    "name": NameReference,
+}
 
 
 @lru_cache(maxsize=65_536)
@@ -93,11 +103,8 @@ def parse_formula(text: str) -> Parsed:
     """Find the references and functions of a formula."""
     if len(text) > MAX_FORMULA or (len(text) > 1_000 and _has_stray_quotes(text)):
         # No program takes it, or each of its quotes would be followed to the end.
-        return Parsed((), (), (), (), frozenset(), unclear=True)
-    cells: list[Reference] = []
-    tables: list[TableReference] = []
-    names: list[NameReference] = []
-    spans: list[Span] = []
+        return Parsed((), frozenset(), unclear=True)
+    references: list[Reference | TableReference | NameReference | Span] = []
     functions: set[str] = set()
     rest: list[str] = []
     tokens = list(_tokens(text))
@@ -106,17 +113,13 @@ def parse_formula(text: str) -> Parsed:
         kind, first, second = tokens[at]
         span = _span(tokens[at : at + 5])
         if span is not None:
-            spans.append(span)
+            references.append(span)
             functions.add("INDEX")
             at += 4
             continue
         at += 1
-        if kind == "cells":
-            cells.append(Reference(first, second))
-        elif kind == "table":
-            tables.append(TableReference(first, second))
-        elif kind == "name":
-            names.append(NameReference(first, second))
+        if kind in _KINDS:
+            references.append(_KINDS[kind](first, second))
         elif kind == "function":
             functions.add(first)
         else:
@@ -124,9 +127,7 @@ def parse_formula(text: str) -> Parsed:
     leftover = "".join(rest)
     # A colon or bracket that is not part of a plain range builds a reference at run time, e.g. A1:CHOOSE(...).
     unclear = any(mark in leftover for mark in ":![]") or not READS_ANYTHING.isdisjoint(functions)
-    return Parsed(
-        tuple(cells), tuple(tables), tuple(names), tuple(spans), frozenset(functions), unclear
-    )
+    return Parsed(tuple(references), frozenset(functions), unclear)
 
 
 def _has_stray_quotes(text: str) -> bool:
@@ -143,10 +144,7 @@ def _span(tokens: Sequence[tuple[str, str, str]]) -> Span | None:
     # Anything but a comma behind it makes the argument an expression.
     if after[0] != "rest" or not after[1].lstrip().startswith(","):
         return None
-    kinds: dict[str, type[Reference] | type[TableReference] | type[NameReference]] = {
-        "cells": Reference, "table": TableReference, "name": NameReference
-    }  # fmt: skip
-    kind = kinds.get(within[0])
+    kind = _KINDS.get(within[0])
     return None if kind is None else Span(Reference(*start[1:]), kind(*within[1:]))
 
 

@@ -33,10 +33,11 @@ from addin.xlsx.formula_text import (
     CHANGES_BY_ITSELF,
     LOOKS_AT_HIDDEN_ROWS,
     Reference,
+    Span,
     TableReference,
     parse_formula,
 )
-from addin.xlsx.references import Rect, cell_name
+from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.values import MAX_FORMULA, Constant, ErrorValue
@@ -71,14 +72,11 @@ class CacheReport:
 
     #: ``"not needed"`` (no formula depends on a changed cell), ``"recalculated"`` or ``"removed"``.
     method: str
-    formulas: int = 0  #: Formula cells of the workbook whose value is not given by the writer.
+    formulas: int = 0  #: Formula cells of the workbook.
     affected: int = 0  #: Those that depend on changed cells.
     changed: int = 0  #: Those that got a new value.
     #: Those that were left without a value, to be calculated when the workbook is opened.
     removed: int = 0
-    #: Formula cells written with a value that the recalculation gets otherwise (relative
-    #: difference above 1e-9).
-    disagreements: tuple[str, ...] = ()
     reason: str = ""  #: Why values were removed, in words; empty otherwise.
 
 
@@ -90,24 +88,22 @@ def refresh_formula_caches(workbook: WorkbookState) -> CacheReport:
     if not workbook.changed:
         return CacheReport("not needed")
     everything = list(_formula_cells(workbook))
-    others = [
-        cell
-        for cell in everything
-        if not workbook.is_owned_formula(cell.sheet, cell.rect.top, cell.rect.left)
-    ]
-    if not others:
-        return CacheReport("not needed")
     resolver = ReferenceResolver(
         workbook.sheet_names, workbook.structure.names, workbook.tables.values()
     )
-    graph = DependencyGraph(others, resolver.reads)
+    graph = DependencyGraph(everything, resolver.reads)
     reached = graph.downstream_of_cells(workbook.changed)
-    reached |= graph.downstream_of_formulas(_over_shown_rows(workbook, others, resolver.reads))
-    affected = [others[index] for index in sorted(reached)]
-    affected += _never_calculated(workbook, others, affected)
+    reached |= graph.downstream_of_formulas(_over_shown_rows(workbook, everything, resolver.reads))
+    affected = [everything[index] for index in sorted(reached)]
+    # And those that we wrote, which nothing else makes us calculate.
+    affected += [
+        cell
+        for index, cell in enumerate(everything)
+        if index not in reached and workbook.changed.touch(cell.sheet, cell.home)
+    ]
     if not affected:
-        return CacheReport("not needed", formulas=len(others))
-    return _Refresh(workbook, everything, affected, len(others), resolver.reads).run()
+        return CacheReport("not needed", formulas=len(everything))
+    return _Refresh(workbook, everything, affected, resolver.reads).run()
 
 
 def _over_shown_rows(
@@ -133,7 +129,7 @@ def _looking_at_hidden_rows(
     found = {}
     for index, cell in enumerate(cells):
         parsed = parse_formula(cell.text)
-        by_name = any(one.name.casefold() in names for one in parsed.names)
+        by_name = any(name.casefold() in names for name in parsed.names)
         if by_name or not LOOKS_AT_HIDDEN_ROWS.isdisjoint(parsed.functions):
             found[index] = by_name
     return found
@@ -146,22 +142,10 @@ def _names_looking_at_hidden_rows(workbook: WorkbookState) -> set[str]:
     while more := {
         name
         for name, one in parsed
-        if name not in found and any(inner.name.casefold() in found for inner in one.names)
+        if name not in found and any(inner.casefold() in found for inner in one.names)
     }:
         found |= more
     return found
-
-
-def _never_calculated(
-    workbook: WorkbookState, others: Sequence[FormulaCell], affected: Sequence[FormulaCell]
-) -> list[FormulaCell]:
-    """Formulas that we wrote without a value, which nothing else makes us calculate."""
-    known = set(map(id, affected))
-    return [
-        cell
-        for cell in others
-        if id(cell) not in known and workbook.changed.touch(cell.sheet, _home(cell))
-    ]
 
 
 def _formula_cells(workbook: WorkbookState) -> Iterator[FormulaCell]:
@@ -215,11 +199,6 @@ def _rich_values(workbook: WorkbookState) -> ChangedCells:
     return found
 
 
-def _home(cell: FormulaCell) -> Rect:
-    """The cell that holds the formula."""
-    return Rect(cell.rect.top, cell.rect.left, cell.rect.top, cell.rect.left)
-
-
 def _naming(
     workbook: WorkbookState, cells: Sequence[FormulaCell], left_out: Collection[str] = ()
 ) -> dict[str, list[FormulaCell]]:
@@ -229,12 +208,12 @@ def _naming(
     for cell in cells:
         if cell.text in left_out:
             continue
-        parsed = parse_formula(cell.text)
-        ends = [span.within for span in parsed.spans]
+        references = parse_formula(cell.text).references
+        ends = [one.within if isinstance(one, Span) else one for one in references]
         words = {
-            one.table if isinstance(one, TableReference) else one.name
-            for one in (*parsed.tables, *parsed.names, *ends)
-            if not isinstance(one, Reference)
+            end.table if isinstance(end, TableReference) else end.name
+            for end in ends
+            if not isinstance(end, Reference)
         }
         named = [table for word in words if (table := tables.get(word.casefold()))]
         if "" in words:
@@ -268,13 +247,11 @@ class _Refresh:
         workbook: WorkbookState,
         everything: Sequence[FormulaCell],
         affected: Sequence[FormulaCell],
-        count: int,
         reads: Callable[[FormulaCell], list[tuple[str, Rect]] | None],
     ) -> None:
         self.workbook = workbook
         self.everything = everything
         self.affected = affected
-        self.count = count
         self.reads = reads
         self.rich_values = _rich_values(workbook)
         self.left_out: Collection[str] = frozenset()
@@ -282,31 +259,29 @@ class _Refresh:
         self.removed = 0
 
     def run(self) -> CacheReport:
-        with_formulas = {cell.sheet for cell in self.everything}
-        recalculated, reason = self._recalculate(with_formulas)
-        if recalculated is None:
-            for cell in self.affected:
-                self._remove(cell)
-            return self._report("removed", reason)
-        suspects = self._suspects(recalculated)
+        recalculated, reason = self._recalculate()
+        suspects = set(self.affected) if recalculated is None else self._suspects(recalculated)
         for cell in self.affected:
-            if cell in suspects:
+            if recalculated is None or cell in suspects:
                 self._remove(cell)
             else:
                 self._renew(cell, recalculated)
-        disagreements = tuple(self._disagreements(recalculated))
-        reason = "Some formulas cannot be recalculated for certain." if self.removed else ""
-        return self._report("recalculated", reason, disagreements)
+        if recalculated is not None:
+            reason = "Some formulas cannot be recalculated for certain." if self.removed else ""
+        return CacheReport(
+            "removed" if recalculated is None else "recalculated",
+            len(self.everything),
+            len(self.affected),
+            self.changed,
+            self.removed,
+            reason,
+        )
 
-    def _recalculate(self, with_formulas: Collection[str]) -> tuple[_Recalculated | None, str]:
+    def _recalculate(self) -> tuple[_Recalculated | None, str]:
         """A recalculated copy of the whole, or else of the formulas of which is known what they read."""
         areas = [self.reads(cell) for cell in self.everything]
         known = {area for found in areas for area in found or ()}
-        read = None if None in areas else known
-        naming = _naming(self.workbook, self.everything)
-        recalculated, reason = _recalculate(
-            self.workbook, self.everything, with_formulas, read, named=naming
-        )
+        recalculated, reason = self._calculated(None if None in areas else known)
         if recalculated is not None:
             return recalculated, reason
         # Formulas that may read anything need more tables than the calculator takes, or are what it refuses; and it
@@ -314,57 +289,78 @@ class _Refresh:
         # beyond spreadsheet programs.
         circles = DependencyGraph(self.everything, self.reads).in_circles()
         left_out = {self.everything[index].text for index in circles}
-        left_out |= {cell.text for cell in self.everything if _is_beyond_programs(cell.text)}
         left_out |= {cell.text for cell in self._over_hidden_rows()}
         left_out |= {
-            cell.text for cell in self.everything if "LAMBDA" in parse_formula(cell.text).functions
-        }
-        left_out |= {
-            cell.text for cell, area in zip(self.everything, areas, strict=True) if area is None
+            cell.text
+            for cell, area in zip(self.everything, areas, strict=True)
+            if area is None
+            or _is_beyond_programs(cell.text)
+            or "LAMBDA" in parse_formula(cell.text).functions
         }
         crowded = _beyond_the_limit(
             self.workbook, _naming(self.workbook, self.everything, left_out)
         )
         left_out |= {cell.text for cells in crowded.values() for cell in cells}
 
-        def calculated_without(texts: Collection[str]) -> tuple[_Recalculated | None, str]:
-            naming = _naming(self.workbook, self.everything, texts)
-            return _recalculate(self.workbook, self.everything, with_formulas, known, texts, naming)
-
         if left_out:
-            again = calculated_without(left_out)
+            again = self._calculated(known, left_out)
             recalculated, reason = again[0], again[1] or reason
         if recalculated is None:
-            refused = self._refused(left_out, calculated_without, reason)
+            refused = self._refused(known, left_out, reason)
             if refused:
                 left_out |= refused
-                again = calculated_without(left_out)
+                again = self._calculated(known, left_out)
                 recalculated, reason = again[0], again[1] or reason
         self.left_out = left_out
         return recalculated, reason
 
+    def _calculated(
+        self, read: Collection[tuple[str, Rect]] | None, left_out: Collection[str] = ()
+    ) -> tuple[_Recalculated | None, str]:
+        """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
+        try:
+            import formualizer
+        except ImportError:
+            return (
+                None,
+                "The package formualizer is not installed, so formulas were not recalculated.",
+            )
+        cells = self.everything
+        if any(_is_beyond_programs(cell.text) for cell in cells if cell.text not in left_out):
+            return None, "A formula is longer or deeper than a spreadsheet program takes."
+        with_formulas = {cell.sheet for cell in cells}
+        named = _naming(self.workbook, cells, left_out)
+        fed, dropped = calculator_copy(self.workbook, with_formulas, read, left_out, named)
+        package = io.BytesIO()
+        # Not compressed, as it lives for milliseconds.
+        self.workbook.container.write(package, fed, dropped, compress=False)
+        try:
+            result = formualizer.recalculate_xlsx_bytes(package.getvalue())
+        except (KeyboardInterrupt, SystemExit):
+            raise
+        except BaseException as problem:  # a panic of the Rust side is a BaseException
+            return None, f"The formulas could not be recalculated ({in_short(problem)})."
+        return _Recalculated(self.workbook, fed, result), ""
+
     def _refused(
-        self,
-        left_out: set[str],
-        calculated_without: Callable[[Collection[str]], tuple[_Recalculated | None, str]],
-        reason: str,
+        self, read: Collection[tuple[str, Rect]], left_out: set[str], reason: str
     ) -> set[str]:
         """Formulas that the calculator does not take, of which it refuses the whole workbook; found by halving them.
 
         Those that are not told from their neighbours in the tries allowed are among them.
         """
         texts = dict.fromkeys(cell.text for cell in self.everything)
-        asked = [text for text in texts if text not in left_out]
+        given = [text for text in texts if text not in left_out]
         tries = min(_MOST_TRIES, _MOST_TRIED // max(len(self.everything), 1))
 
         def refusal(of: Collection[str]) -> str | None:
-            calculated, why = calculated_without((texts.keys() - set(of)).union(left_out))
+            calculated, why = self._calculated(read, (texts.keys() - set(of)).union(left_out))
             return why if calculated is None else None
 
-        if not asked or not tries or refusal([]) is not None:
+        if not given or not tries or refusal([]) is not None:
             return set()  # it is no formula that it refuses
         refused: set[str] = set()
-        doubtful = [(asked, reason)]
+        doubtful = [(given, reason)]
         while doubtful:
             group, reason = doubtful.pop()
             if len(group) == 1 or tries <= 0:
@@ -397,17 +393,6 @@ class _Refresh:
                     yield cell
                     break
 
-    def _report(self, method: str, reason: str, disagreements: tuple[str, ...] = ()) -> CacheReport:
-        return CacheReport(
-            method,
-            self.count,
-            len(self.affected),
-            self.changed,
-            self.removed,
-            disagreements,
-            reason,
-        )
-
     def _suspects(self, recalculated: _Recalculated) -> set[FormulaCell]:
         """Formulas whose recalculated value is not to be trusted."""
         affected = set(self.affected)
@@ -437,14 +422,13 @@ class _Refresh:
         home = (cell.rect.top, cell.rect.left)
         if sheet.arrays.get(home) != again.arrays.get(home):
             return True
-        trusted = affected or self.workbook.is_owned_formula(cell.sheet, *home)
         for row, column in self._places(cell):
             old, new = sheet.constant(row, column), again.constant(row, column)
             if old == new:
                 continue
             if isinstance(new, ErrorValue) and new.code not in _HONEST_ERRORS:
                 return True
-            if not trusted and old is not None and not _alike(old, new, _SAME_RESULT):
+            if not affected and old is not None and not _alike(old, new, _SAME_RESULT):
                 return True
         return False
 
@@ -480,16 +464,6 @@ class _Refresh:
                 self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
         self.removed += 1
 
-    def _disagreements(self, recalculated: _Recalculated) -> Iterator[str]:
-        for cell in self.everything:
-            row, column = cell.rect.top, cell.rect.left
-            if not self.workbook.is_owned_formula(cell.sheet, row, column):
-                continue
-            ours = self.workbook.sheet_part(cell.sheet).constant(row, column)
-            theirs = recalculated.value(cell.sheet, row, column)
-            if not isinstance(theirs, ErrorValue) and not _alike(ours, theirs, _SAME_RESULT):
-                yield f"{cell.sheet}!{cell_name(row, column)}"
-
 
 class _Recalculated:
     """Values of a recalculated copy of the workbook.
@@ -512,8 +486,9 @@ class _Recalculated:
         self._zip = zipfile.ZipFile(io.BytesIO(result["bytes"]))
         self._sheets: dict[str, SheetPart] = {}
         unknown = result["summary"].get("unknown_functions", ())
-        names = frozenset(name for one in unknown for name in _spellings(one["name"]))
-        self.doubtful_functions = names | CHANGES_BY_ITSELF
+        names = {function["name"].upper() for function in unknown}
+        bare_names = {name.rpartition(".")[2] for name in names}
+        self.doubtful_functions = names | bare_names | CHANGES_BY_ITSELF
 
     def value(self, sheet: str, row: int, column: int) -> Constant:
         """Recalculated value of a cell."""
@@ -530,11 +505,6 @@ class _Recalculated:
             )
             self._sheets[name] = again
         return self._sheets[name]
-
-
-def _spellings(name: str) -> Iterator[str]:
-    yield name.upper()
-    yield name.upper().rpartition(".")[2]
 
 
 def _parted(texts: Sequence[str], reason: str) -> tuple[list[str], list[str]]:
@@ -555,34 +525,6 @@ def _is_beyond_programs(text: str) -> bool:
         depth += 1 if mark == "(" else -1
         deepest = max(deepest, depth)
     return deepest > MAX_DEPTH
-
-
-def _recalculate(
-    workbook: WorkbookState,
-    everything: Sequence[FormulaCell],
-    with_formulas: Collection[str],
-    read: Collection[tuple[str, Rect]] | None,
-    left_out: Collection[str] = (),
-    named: Collection[str] | None = None,
-) -> tuple[_Recalculated | None, str]:
-    """A recalculated copy, or None and the reason; see `calculator_copy` for the arguments."""
-    try:
-        import formualizer
-    except ImportError:
-        return None, "The package formualizer is not installed, so formulas were not recalculated."
-    if any(_is_beyond_programs(cell.text) for cell in everything if cell.text not in left_out):
-        return None, "A formula is longer or deeper than a spreadsheet program takes."
-    fed, dropped = calculator_copy(workbook, with_formulas, read, left_out, named)
-    package = io.BytesIO()
-    # Not compressed, as it lives for milliseconds.
-    workbook.container.write(package, fed, dropped, compress=False)
-    try:
-        result = formualizer.recalculate_xlsx_bytes(package.getvalue())
-    except (KeyboardInterrupt, SystemExit):
-        raise
-    except BaseException as problem:  # a panic of the Rust side is a BaseException
-        return None, f"The formulas could not be recalculated ({in_short(problem)})."
-    return _Recalculated(workbook, fed, result), ""
 
 
 def _alike(old: Constant, new: Constant, tolerance: float) -> bool:

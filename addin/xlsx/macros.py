@@ -12,12 +12,14 @@ import posixpath
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 from addin.xlsx.errors import WorkbookRefused
 from addin.xlsx.formulas import CacheReport
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
+from addin.xlsx.values import row_xml
 from addin.xlsx.workbook import Workbook
 from addin.xlsx.workbook_part import CONTENT_TYPES_PART, XLSM_TYPE, XLSX_TYPE, relationships_part
 from addin.xlsx.xml_part import DRAWING, MAIN, RELATIONSHIP_IDS
@@ -84,19 +86,16 @@ def settings_of(workbook: Workbook, sheet: str) -> dict[str, Setting] | None:
     dict of str to (str or bool) or None
         From the first row to the first without a name; None if there is no such sheet.
     """
-    there = _named(sheet, workbook.sheet_names)
-    if there is None:
+    stored = _named(sheet, workbook.sheet_names)
+    if stored is None:
         return None
-    sheet = there
-    found: dict[str, Setting] = {}
-    row = 1
-    while isinstance(name := workbook.shown_value(sheet, f"A{row}"), str) and name:
-        value = workbook.shown_value(sheet, f"B{row}")
-        found[name] = (
-            value if isinstance(value, (str, bool)) else "" if value is None else f"{value}"
-        )
-        row += 1
-    return found
+    settings: dict[str, Setting] = {}
+    for row in count(1):
+        name, value = (workbook.shown_value(stored, f"{column}{row}") for column in "AB")
+        if not (isinstance(name, str) and name):
+            break
+        settings[name] = value if isinstance(value, bool) else str("" if value is None else value)
+    return settings
 
 
 def save_with_macros(
@@ -310,21 +309,12 @@ def _shape(button: Button, number: int) -> str:
 def _sheet(settings: Mapping[str, Setting], code_name: str) -> bytes:
     """A sheet of names and values, in need of no other part."""
     code = f"<sheetPr codeName={quoteattr(code_name)}/>" if code_name else ""
-    rows = "".join(_row(i, pair) for i, pair in enumerate(settings.items(), start=1))
+    starts, no_styles = [f'<c r="{column}' for column in "AB"], [None, None]
+    rows = "".join(
+        f'<row r="{i}">{row_xml(i, starts, no_styles, (name, None if value == "" else value))}</row>'
+        for i, (name, value) in enumerate(settings.items(), start=1)
+    )
     return (
         f'{_DECLARATION}<worksheet xmlns="{MAIN}">{code}'
         f'<dimension ref="A1:B{len(settings)}"/><sheetData>{rows}</sheetData></worksheet>'
     ).encode()
-
-
-def _row(number: int, pair: Sequence[Setting]) -> str:
-    cells = (_cell(f"{column}{number}", value) for column, value in zip("AB", pair, strict=True))
-    return f'<row r="{number}">{"".join(cells)}</row>'
-
-
-def _cell(where: str, value: Setting) -> str:
-    if isinstance(value, bool):
-        return f'<c r="{where}" t="b"><v>{int(value)}</v></c>'
-    if not value:
-        return ""
-    return f'<c r="{where}" t="inlineStr"><is><t>{escape(value)}</t></is></c>'

@@ -12,7 +12,8 @@ import os
 import stat
 import tempfile
 import zipfile
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -83,9 +84,8 @@ def save_package(
     container.write(payload, change.replaced, change.dropped, added=change.added)
     package = payload.getvalue()
     _verify(container, package, change, check)
-    with _Temporary(target) as temporary:
-        temporary.write(package, _mode(target, container.path))
-        if temporary.path.read_bytes() != package:
+    with _beside(target, package, _mode(target, container.path)) as temporary:
+        if temporary.read_bytes() != package:
             raise SaveRefused(
                 f"{target.name} was not written: the disk returned other data than were stored on it."
             )
@@ -93,7 +93,7 @@ def save_package(
         backup = None
         if destination.in_place:
             backup = _keep_original(container, target, destination.keep_backups)
-        temporary.put(target)
+        _put(temporary, target)
     return SaveReport(
         target,
         backup,
@@ -172,7 +172,7 @@ def _identical(
         new.CRC,
         new.file_size,
         new.compress_type,
-    ) and (container.stored(old) == stored_bytes(package, new))
+    ) and (stored_bytes(container.data, old) == stored_bytes(package, new))
 
 
 def _check_source(container: Container) -> None:
@@ -198,69 +198,49 @@ def _keep_original(container: Container, target: Path, keep_backups: bool) -> Pa
     while keep_backups and backup.exists():
         number += 1
         backup = target.with_name(f"{target.name}.bak{number}")
-    with _Temporary(backup) as temporary:
-        temporary.write(container.data, _mode(target, container.path))
-        temporary.put(backup)
+    with _beside(backup, container.data, _mode(target, container.path)) as temporary:
+        _put(temporary, backup)
     return backup
 
 
-class _Temporary:
-    """A file beside the target that takes its place in one step or disappears.
-
-    Parameters
-    ----------
-    target : Path
-        The file to make or to replace.
-    """
-
-    def __init__(self, target: Path) -> None:
-        self._target = target
-        self._done = False
+@contextmanager
+def _beside(target: Path, data: bytes, mode: int) -> Iterator[Path]:
+    """A file beside the target, flushed to the disk, that takes its place or disappears."""
+    try:
+        handle, name = tempfile.mkstemp(
+            dir=target.parent, prefix=f".~{target.name}.", suffix=".tmp"
+        )
+    except OSError as problem:
+        raise SaveRefused(
+            f"Nothing can be written in the folder {target.parent} ({problem.strerror})."
+        ) from problem
+    try:
         try:
-            handle, name = tempfile.mkstemp(
-                dir=target.parent, prefix=f".~{target.name}.", suffix=".tmp"
-            )
-        except OSError as problem:
-            raise SaveRefused(
-                f"Nothing can be written in the folder {target.parent} ({problem.strerror})."
-            ) from problem
-        os.close(handle)
-        self.path = Path(name)
-
-    def __enter__(self) -> _Temporary:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if not self._done:
-            self.path.unlink(missing_ok=True)
-
-    def write(self, data: bytes, mode: int) -> None:
-        """Write and flush to the disk."""
-        try:
-            with open(self.path, "wb") as file:
+            with open(handle, "wb") as file:
                 file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
-            os.chmod(self.path, mode)
+            os.chmod(name, mode)
         except OSError as problem:
             raise SaveRefused(
-                f"{self._target.name} could not be written ({problem.strerror})."
+                f"{target.name} could not be written ({problem.strerror})."
             ) from problem
+        yield Path(name)
+    finally:
+        Path(name).unlink(missing_ok=True)
 
-    def put(self, target: Path) -> None:
-        """Put the file in its place."""
-        try:
-            os.replace(self.path, target)
-        except PermissionError as problem:
-            raise SaveRefused(
-                f"{target.name} could not be replaced; it is probably open in Excel. Close it there and run again."
-            ) from problem
-        except OSError as problem:
-            raise SaveRefused(
-                f"{target.name} could not be replaced ({problem.strerror})."
-            ) from problem
-        self._done = True
-        flush_folder(target.parent)
+
+def _put(temporary: Path, target: Path) -> None:
+    """Put a file in its place."""
+    try:
+        os.replace(temporary, target)
+    except PermissionError as problem:
+        raise SaveRefused(
+            f"{target.name} could not be replaced; it is probably open in Excel. Close it there and run again."
+        ) from problem
+    except OSError as problem:
+        raise SaveRefused(f"{target.name} could not be replaced ({problem.strerror}).") from problem
+    flush_folder(target.parent)
 
 
 def flush_folder(folder: Path) -> None:

@@ -13,7 +13,7 @@ from typing import NamedTuple, cast
 
 from lxml import etree
 
-from addin.xlsx.errors import CellRefused, WorkbookRefused
+from addin.xlsx.errors import CellRefused, damaged
 from addin.xlsx.formula_text import shifted_formula
 from addin.xlsx.references import (
     MAX_COLUMN,
@@ -34,7 +34,6 @@ from addin.xlsx.values import (
     constant_text,
     read_cell,
     read_constant,
-    row_writer,
     row_xml,
 )
 from addin.xlsx.xml_part import (
@@ -88,9 +87,7 @@ class SheetPart:
         self._root = parse_part(data, part)
         self._data = self._root.find(main("sheetData"))
         if self._data is None:
-            raise WorkbookRefused(
-                "damaged", f"Sheet {name} has no cell data. Open the workbook and save it again."
-            )
+            raise damaged(f"Sheet {name} has no cell data.")
         self._rows: dict[int, Element] = {}
         self._row_numbers: list[int] = []
         self._indexed: dict[int, Row] = {}
@@ -222,21 +219,30 @@ class SheetPart:
         column: int,
         value: CellValue,
         *,
-        style: str | None = None,
         replace_formula: bool = False,
     ) -> list[str]:
-        """Write one cell, keeping its style unless another is given.
+        """Write one cell, keeping its style.
 
         Raises
         ------
         CellRefused
             For a merged cell other than the first, a part of an array formula, or a formula that may not be replaced.
         """
-        self._check_single(row, column, value, replace_formula)
-        here = Rect(row, column, row, column)
-        if style is None:
-            return self.write_rows(here, [[value]])
-        return self.write_rows(here, [[value]], styles=[style], keep_styles=False)
+        name = cell_name(row, column)
+        cell = Rect(row, column, row, column)
+        merge = self.merge_across(cell)
+        if merge is not None and (merge.top, merge.left) != (row, column):
+            raise CellRefused(self.name, name, f"lies inside the merged range {merge}. Unmerge it.")
+        array = self.array_across(cell)
+        if array is not None:
+            raise CellRefused(
+                self.name, name, f"belongs to the array formula in {array}. Move that formula away."
+            )
+        if (row, column) in self.formulas and not (replace_formula or isinstance(value, Formula)):
+            raise CellRefused(
+                self.name, name, "holds a formula, which is not overwritten. Clear the cell first."
+            )
+        return self.write_rows(cell, [[value]])
 
     def write_rows(
         self,
@@ -244,9 +250,8 @@ class SheetPart:
         rows: Sequence[Sequence[CellValue]],
         *,
         styles: Sequence[str | None] | None = None,
-        keep_styles: bool = True,
     ) -> list[str]:
-        """Write a rectangle of cells.
+        """Write a rectangle of cells; those that exist keep their style.
 
         Parameters
         ----------
@@ -256,8 +261,6 @@ class SheetPart:
             Values that have passed `values.clean`, as wide as the rectangle.
         styles : sequence of (str or None), optional
             Style for each column, for cells that do not exist yet; left out, they take the style of their row or column.
-        keep_styles : bool
-            Whether cells that exist keep their style.
 
         Returns
         -------
@@ -265,23 +268,15 @@ class SheetPart:
             XML of the cells of each row, as it stands in the part when its namespace has no prefix.
         """
         self._forget_formulas(rect)
-        column_styles = None if styles is not None else self._column_styles(rect)
+        column_styles = self._column_styles(rect) if styles is None else styles
         starts = [f'<c r="{column_letters(column)}' for column in range(rect.left, rect.right + 1)]
         blank: list[CellValue] = [None] * rect.width
         texts = []
-        usual = list(column_styles if column_styles is not None else styles or ())
-        usual_row = row_writer(starts, usual)
         for offset in range(rect.height):
             number = rect.top + offset
             row = rows[offset] if offset < len(rows) else blank
-            default = usual
-            if column_styles is not None:
-                default = self._default_styles(number, column_styles)
-            row_styles = self._row_styles(number, rect, default, keep_styles)
-            if row_styles is usual:
-                texts.append(usual_row(number, row))
-            else:
-                texts.append(row_xml(number, starts, row_styles, row))
+            default = self._default_styles(number, column_styles) if styles is None else styles
+            texts.append(row_xml(number, starts, self._row_styles(number, rect, default), row))
         self._graft(rect, texts)
         with_formulas = [offset for offset, text in enumerate(texts) if FORMULA_MARK in text]
         for offset in with_formulas:
@@ -419,10 +414,8 @@ class SheetPart:
         for element in self._data.iterchildren(_ROW):
             number = whole_number(element.get("r") or str(last + 1))
             if number is None or number <= last:
-                raise WorkbookRefused(
-                    "damaged",
-                    f"The rows of sheet {self.name} are out of order, or beyond the end of a sheet, after row {last}. "
-                    "Open the workbook in the spreadsheet program and save it again.",
+                raise damaged(
+                    f"The rows of sheet {self.name} are out of order, or beyond the end of a sheet, after row {last}."
                 )
             element.set("r", str(number))
             self._rows[number] = element
@@ -490,16 +483,14 @@ class SheetPart:
             first = whole_number(entry.get("min"), MAX_COLUMN)
             last = whole_number(entry.get("max"), MAX_COLUMN)
             if first is None or last is None:
-                raise WorkbookRefused(
-                    "damaged",
-                    f"Sheet {self.name} gives a width to columns that no sheet has. "
-                    "Open the workbook in the spreadsheet program and save it again.",
-                )
+                raise damaged(f"Sheet {self.name} gives a width to columns that no sheet has.")
             for column in range(max(first, rect.left), min(last, rect.right) + 1):
                 styles[column - rect.left] = entry.get("style")
         return styles
 
-    def _default_styles(self, number: int, column_styles: list[str | None]) -> list[str | None]:
+    def _default_styles(
+        self, number: int, column_styles: Sequence[str | None]
+    ) -> Sequence[str | None]:
         """Styles of cells that do not exist yet: a formatted row goes before the columns."""
         element = self._rows.get(number)
         if element is not None and element.get("customFormat") in ("1", "true"):
@@ -507,9 +498,10 @@ class SheetPart:
         return column_styles
 
     def _row_styles(
-        self, number: int, rect: Rect, new_styles: list[str | None], keep_styles: bool
-    ) -> list[str | None]:
-        if not keep_styles or number not in self._rows:
+        self, number: int, rect: Rect, new_styles: Sequence[str | None]
+    ) -> Sequence[str | None]:
+        """Styles of the cells of a row: of those that exist their own."""
+        if number not in self._rows:
             return new_styles
         row = self._row_as_it_is(number)
         if row.right < rect.left:
@@ -517,13 +509,10 @@ class SheetPart:
         if row.waits_in(rect):
             self._with_cells(row)
         start = bisect_left(row.columns, rect.left)
-        stop = bisect_left(row.columns, rect.right + 1)
-        if start == stop:
-            return new_styles
-        new_styles = list(new_styles)
-        for column in row.columns[start:stop]:
-            new_styles[column - rect.left] = row.cells[column].get("s")
-        return new_styles
+        styles = list(new_styles)
+        for column in row.columns[start : bisect_left(row.columns, rect.right + 1)]:
+            styles[column - rect.left] = row.cells[column].get("s")
+        return styles
 
     def _graft(self, rect: Rect, texts: Sequence[str]) -> None:
         """Put rows of new cells, given as XML, in the place of the old cells of the rectangle."""
@@ -535,7 +524,9 @@ class SheetPart:
         built = etree.fromstring(f'<d xmlns="{MAIN}"><row>{body}</row></d>')
         for number, new_row in enumerate(list(built), rect.top):
             if number in self._rows:
-                self._replace_cells(number, rect, new_row)
+                row = self._row(number)
+                row.take_out(rect)
+                row.put_in(new_row[:])
             elif len(new_row):
                 new_row.set("r", str(number))
                 self._insert_row(number, new_row)
@@ -577,27 +568,6 @@ class SheetPart:
         if not row.waiting:  # as in `Row.put_in`
             row.element.attrib.pop("spans", None)
         row.waiting[rect.left] = rect.right, len(self._texts) - 1
-
-    def _replace_cells(self, number: int, rect: Rect, new_row: Element) -> None:
-        old = self._rows[number]
-        indexed = self._indexed.get(number)
-        columns = (
-            indexed.columns if indexed is not None and len(old) == len(indexed.columns) else None
-        )
-        if columns is None or (
-            columns and not rect.left <= columns[0] <= columns[-1] <= rect.right
-        ):
-            row = self._row(number)
-            row.take_out(rect)
-            row.put_in(new_row[:])
-            return
-        # No other cell in this row: exchange it whole, which spares touching each cell.
-        for name, value in old.attrib.items():
-            if name != "spans":
-                new_row.set(name, value)
-        self._data.replace(old, new_row)
-        self._rows[number] = new_row
-        self._indexed.pop(number, None)
 
     def _forget_blocks(self, rect: Rect) -> None:
         """Values of blocks that are changed in part are asked of the cells from now on."""
@@ -643,22 +613,6 @@ class SheetPart:
                 formula.text = shifted_formula(text, to_row - row, to_column - column)
                 for attribute in ("t", "si", "ref"):
                     formula.attrib.pop(attribute, None)
-
-    def _check_single(self, row: int, column: int, value: CellValue, replace_formula: bool) -> None:
-        name = cell_name(row, column)
-        here = Rect(row, column, row, column)
-        merge = self.merge_across(here)
-        if merge is not None and (merge.top, merge.left) != (row, column):
-            raise CellRefused(self.name, name, f"lies inside the merged range {merge}. Unmerge it.")
-        array = self.array_across(here)
-        if array is not None:
-            raise CellRefused(
-                self.name, name, f"belongs to the array formula in {array}. Move that formula away."
-            )
-        if (row, column) in self.formulas and not (replace_formula or isinstance(value, Formula)):
-            raise CellRefused(
-                self.name, name, "holds a formula, which is not overwritten. Clear the cell first."
-            )
 
     # ---- dimension ---------------------------------------------------------------------------------------------
 

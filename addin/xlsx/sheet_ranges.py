@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from addin.xlsx.errors import WorkbookRefused
+from addin.xlsx.errors import damaged
 from addin.xlsx.references import Rect, parse_range, retargeted
 from addin.xlsx.xml_part import EXCEL_2010, EXCEL_2010_FORMULA, Element, main
 
@@ -50,10 +50,8 @@ def read_range(text: str, what: str) -> Rect:
     try:
         return parse_range(text)
     except ValueError as problem:
-        raise WorkbookRefused(
-            "damaged",
-            f"{what} says that it covers {text[:40]!r}, which is no range of a sheet. "
-            "Open the workbook in the spreadsheet program and save it again.",
+        raise damaged(
+            f"{what} says that it covers {text[:40]!r}, which is no range of a sheet."
         ) from problem
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from lxml import etree
 
-from addin.xlsx.errors import WorkbookRefused
+from addin.xlsx.errors import damaged
 from addin.xlsx.references import MAX_COLUMN, Rect, cell_name, column_number
 from addin.xlsx.xml_part import Element, main
 
@@ -83,10 +83,8 @@ def index_row(sheet: str, number: int, element: Element) -> Row:
             row.cells[last] = cell
             row.columns.append(last)
     except ValueError as problem:
-        raise WorkbookRefused(
-            "damaged",
-            f"Sheet {sheet} has a cell named {str(name)[:40]!r} in row {number}, where none belongs. "
-            "Open the workbook in the spreadsheet program and save it again.",
+        raise damaged(
+            f"Sheet {sheet} has a cell named {str(name)[:40]!r} in row {number}, where none belongs."
         ) from problem
     if len(row.columns) != len(row.element):
         # Positions of cells are used below: comments between them would shift these.

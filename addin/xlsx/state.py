@@ -13,7 +13,7 @@ from lxml import etree
 from addin.xlsx.charts import Area, ChartPart
 from addin.xlsx.container import Container, shown_name
 from addin.xlsx.dependents import ChangedCells
-from addin.xlsx.errors import WorkbookMismatch, WorkbookRefused
+from addin.xlsx.errors import WorkbookMismatch, WorkbookRefused, damaged
 from addin.xlsx.references import (
     MAX_COLUMN,
     Rect,
@@ -24,7 +24,7 @@ from addin.xlsx.references import (
 )
 from addin.xlsx.sheet_part import SheetPart
 from addin.xlsx.tables import Table, apply_table, check_places, parse_table
-from addin.xlsx.values import FORMULA_MARK, CellValue, Formula, rich_text
+from addin.xlsx.values import CellValue, rich_text
 from addin.xlsx.workbook_part import DefinedName, WorkbookPart
 from addin.xlsx.written import Written
 from addin.xlsx.xml_part import Element, main, serialise
@@ -64,7 +64,6 @@ class WorkbookState:
         self._sheets: dict[str, SheetPart] = {}
         self._table_roots: dict[str, Element] = {}
         self._changed_tables: dict[str, bytes] = {}
-        self._given_formulas: dict[str, set[tuple[int, int]]] = {}
         self.formulas_current = False
         self.charts_current = True
 
@@ -198,11 +197,9 @@ class WorkbookState:
     def _shared_string(self, index: str) -> str:
         number = whole_number(index.strip(), len(self._strings) - 1)
         if number is None:
-            raise WorkbookRefused(
-                "damaged",
+            raise damaged(
                 f"A cell of {self.path.name} shows text number {shown_name(index)}, but the workbook has "
-                f"{len(self._strings)} texts. Open it in the spreadsheet program, let it repair the file, and save it "
-                "again.",
+                f"{len(self._strings)} texts."
             )
         return self._strings[number]
 
@@ -241,10 +238,6 @@ class WorkbookState:
 
     # ---- changes -----------------------------------------------------------------------------------------------
 
-    def is_owned_formula(self, sheet: str, row: int, column: int) -> bool:
-        """Whether a formula was written here together with its value."""
-        return (row, column) in self._given_formulas.get(sheet, ())
-
     def note_changed(self, sheet: str, rect: Rect) -> None:
         """Note changed values, so that charts renew their caches."""
         self.changed.add(sheet, rect)
@@ -256,29 +249,12 @@ class WorkbookState:
     ) -> None:
         """Note a rectangle that was written, to be found again when the file is checked."""
         self.written.setdefault(sheet, []).append(Written(rect, grid, texts))
-        self._forget_formulas(sheet, rect)
-        given = self._given_formulas.setdefault(sheet, set())
-        for offset, row in enumerate(grid):
-            if FORMULA_MARK in texts[offset]:
-                for column, value in enumerate(row, rect.left):
-                    if isinstance(value, Formula) and value.cached is not None:
-                        given.add((rect.top + offset, column))
         self.note_changed(sheet, rect)
 
     def forget_written(self, sheet: str, rect: Rect) -> None:
         """Expect no longer to find what was written into rows that are given up now."""
-        self._forget_formulas(sheet, rect)
         written = self.written.get(sheet, [])
-        blank = [one for one in written if one.rect.meets(rect)]
-        for one in blank:
-            written.remove(one)
-
-    def _forget_formulas(self, sheet: str, rect: Rect) -> None:
-        given = self._given_formulas.get(sheet, set())
-        if rect.is_single:
-            given.discard((rect.top, rect.left))
-        else:
-            given -= {place for place in given if rect.has(*place)}
+        written[:] = [block for block in written if not block.rect.meets(rect)]
 
     def update_table(self, table: Table, formulas: Mapping[str, str]) -> None:
         """Put the size and the calculated columns of a table into its part."""

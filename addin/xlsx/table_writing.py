@@ -28,8 +28,8 @@ class TableData:
     #: Columns that are written; the others stay the user's. Left out = all columns of the table in
     #: order.
     columns: Sequence[str] | None = None
-    #: Formula text of calculated columns. The row's value of such a column is the formula's cached
-    #: value; for a column that is not among ``columns`` the value is recalculated.
+    #: Formula text of calculated columns, which are not among ``columns``; their values are
+    #: recalculated.
     formulas: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -72,16 +72,14 @@ def plan_table(workbook: WorkbookState, data: TableData) -> TablePlan:
     """
     table = workbook.table(data.name)
     names = list(data.columns) if data.columns is not None else list(table.columns)
-    added = [
-        name for name in data.formulas if name.casefold() not in {one.casefold() for one in names}
-    ]
     for number, row in enumerate(data.rows, 1):
         if len(row) != len(names):
             raise WorkbookMismatch(
                 f"Row {number} for table {table.name} has {len(row)} values for {len(names)} columns."
             )
-    sources = {table.column_index(name): source for source, name in enumerate(names + added)}
-    if len(sources) != len(names) + len(added):
+    written = [*names, *data.formulas]
+    sources = {table.column_index(name): source for source, name in enumerate(written)}
+    if len(sources) != len(written):
         raise WorkbookMismatch(
             f"Columns for table {table.name} are named twice: {', '.join(names)}."
         )
@@ -91,30 +89,14 @@ def plan_table(workbook: WorkbookState, data: TableData) -> TablePlan:
             f"Table {table.name} cannot have {len(data.rows)} rows: the sheet ends before."
         )
     columns = [table.data.left + table.column_index(name) for name in names]
-    blanks: list[CellValue] = [None] * len(added)
+    formulas = [Formula(text) for text in data.formulas.values()]
     rows = [
-        cleaned_row(table.sheet, number, columns, row) + blanks
+        [*cleaned_row(table.sheet, number, columns, row), *formulas]
         for number, row in enumerate(data.rows, new.data.top)
     ]
     positions = sorted(sources)
-    order = [sources[position] for position in positions]
-    texts = {table.column_index(name): text for name, text in data.formulas.items()}
-    formulas = [(index, Formula(texts[one])) for index, one in enumerate(positions) if one in texts]
-    as_given = not formulas and order == list(range(len(rows[0]) if rows else 0))
-    grid = rows if as_given else [_in_table_order(row, order, formulas) for row in rows]
+    grid = [[row[sources[position]] for position in positions] for row in rows]
     return TablePlan(table, new, positions, grid, dict(data.formulas))
-
-
-def _in_table_order(
-    row: Sequence[CellValue], order: Sequence[int], formulas: Sequence[tuple[int, Formula]]
-) -> list[CellValue]:
-    """Cells of a row as the table has its columns, values of calculated columns with their formula."""
-    cells = [row[source] for source in order]
-    for index, formula in formulas:
-        value = cells[index]
-        if not isinstance(value, Formula):
-            cells[index] = formula if value is None else Formula(formula.text, value)
-    return cells
 
 
 def obstacles_of(workbook: WorkbookState, plan: TablePlan) -> Iterator[Obstacle]:

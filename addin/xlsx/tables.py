@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
-from addin.xlsx.errors import WorkbookMismatch, WorkbookRefused
-from addin.xlsx.references import Rect, parse_range
+from addin.xlsx.errors import WorkbookMismatch, damaged
+from addin.xlsx.references import Rect
+from addin.xlsx.sheet_ranges import read_range
 from addin.xlsx.values import unescape
 from addin.xlsx.xml_part import Element, main
 
@@ -79,7 +80,8 @@ class Table:
     def read_by(self, inside: str, at: Rect) -> Rect:
         """Cells that a structured reference reads, rather too many than too few."""
         if inside not in self._read:
-            self._read[inside] = _names_this_row(inside), self._area(inside)
+            this_row = not _special_words(inside).isdisjoint(("@", "#this row"))
+            self._read[inside] = this_row, self._area(inside)
         this_row, area = self._read[inside]
         if this_row and self.ref.top <= at.top and at.bottom <= self.ref.bottom:
             return Rect(at.top, area.left, at.bottom, area.right)
@@ -129,27 +131,16 @@ def _special_words(inside: str) -> frozenset[str]:
     return frozenset(found | ({"@"} if inside.lstrip().startswith("@") else set()))
 
 
-@lru_cache(maxsize=4096)
-def _names_this_row(inside: str) -> bool:
-    words = _INNER.findall(inside) or [inside]
-    return inside.startswith("@") or any(word.strip().lower() == "#this row" for word in words)
-
-
 def parse_table(root: Element, sheet: str, part: str) -> Table:
     """Read a table part."""
     columns = root.findall(f"{main('tableColumns')}/{main('tableColumn')}")
     formulas = [column.findtext(main("calculatedColumnFormula")) for column in columns]
     name, written = root.get("displayName") or root.get("name"), root.get("ref", "")
     if not name:
-        raise _damaged(f"A table on sheet {sheet} has no name.")
-    try:
-        ref = parse_range(written)
-    except ValueError as problem:
-        raise _damaged(
-            f"Table {name[:80]} on sheet {sheet} says that it covers {written[:40]!r}, which is no range of a sheet."
-        ) from problem
+        raise damaged(f"A table on sheet {sheet} has no name.")
+    ref = read_range(written, f"Table {name[:80]} on sheet {sheet}")
     if len(columns) != ref.width:
-        raise _damaged(
+        raise damaged(
             f"Table {name[:80]} on sheet {sheet} has {len(columns)} columns but says that it covers {ref}."
         )
     table = Table(
@@ -163,7 +154,7 @@ def parse_table(root: Element, sheet: str, part: str) -> Table:
         part=part,
     )
     if table.data.height < 1:
-        raise _damaged(f"Table {name[:80]} on sheet {sheet} covers {ref}, which leaves it no row.")
+        raise damaged(f"Table {name[:80]} on sheet {sheet} covers {ref}, which leaves it no row.")
     return table
 
 
@@ -182,18 +173,11 @@ def check_places(tables: Sequence[Table]) -> None:
         ]
         for other in above:
             if other.ref.meets(table.ref):
-                raise _damaged(
+                raise damaged(
                     f"Tables {other.name[:80]} ({other.ref}) and {table.name[:80]} ({table.ref}) on sheet "
                     f"{table.sheet} cover the same cells."
                 )
         above.append(table)
-
-
-def _damaged(what: str) -> WorkbookRefused:
-    return WorkbookRefused(
-        "damaged",
-        f"{what} Open the workbook in the spreadsheet program, let it repair the file, and save it again.",
-    )
 
 
 def apply_table(root: Element, table: Table, formulas: Mapping[str, str]) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import numbers
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 from xml.sax.saxutils import escape
@@ -54,13 +54,12 @@ class ErrorValue:
 
 @dataclass(frozen=True)
 class Formula:
-    """A formula with the value that it has now."""
+    """A formula, and the value that was read with it; one that is written is calculated when saving."""
 
     #: The formula in file syntax: English names, commas, ``Table[[#This Row],[Column]]``,
     #: ``_xlfn.`` where Excel wants it. A leading ``=`` is dropped.
     text: str
-    #: Its value. None = not known: it is recalculated with the formulas of the workbook, or left
-    #: blank.
+    #: Its value; None = not known.
     cached: bool | int | float | str | ErrorValue | None = None
 
     def __post_init__(self) -> None:
@@ -156,52 +155,14 @@ def row_xml(
     return "".join(texts)
 
 
-def row_writer(
-    starts: Sequence[str], styles: Sequence[str | None]
-) -> Callable[[int, Sequence[CellValue]], str]:
-    """`row_xml` for many rows with the same styles, quick where they hold numbers and blanks."""
-    around = [
-        (start, f'" s="{style}"><v>' if style and style.isdigit() else '"><v>')
-        for start, style in zip(starts, styles, strict=True)
-    ]
-    bare = not any(styles)
-
-    def written(number: int, row: Sequence[CellValue]) -> str:
-        kinds = set(map(type, row))
-        if not (_NUMBERS_AND_BLANKS if bare else _NUMBERS).issuperset(kinds):
-            return row_xml(number, starts, styles, row)
-        cells = [
-            f"{start}{number}{end}{value!r}</v></c>"
-            for (start, end), value in zip(around, row, strict=True)
-            if value is not None
-        ]
-        return "".join(cells).replace(".0</v>", "</v>")  # as `number_text`
-
-    return written
-
-
-_NUMBERS = frozenset([float])
-_NUMBERS_AND_BLANKS = frozenset([float, type(None)])
-
-
 def _rest_of_cell(value: CellValue) -> str:
     if isinstance(value, str):
         return f' t="inlineStr"><is>{_text_xml(value)}</is></c>'
     if isinstance(value, Formula):
-        kind, cached = constant_xml(value.cached)
-        return f"{kind}><f>{escape(value.text)}</f>{cached}</c>"
-    kind, body = constant_xml(value)
-    return f"{kind}>{body}</c>"
-
-
-def constant_xml(value: Constant) -> tuple[str, str]:
-    """Type attribute and ``<v>`` element of a constant (text as a formula's result)."""
+        return f"><f>{escape(value.text)}</f></c>"
     kind, text = constant_text(value)
-    if text is None:
-        return "", ""
-    if kind == "str" and _NEEDS_SPACE.search(text):
-        return f' t="{kind}"', f'<v xml:space="preserve">{escape(text)}</v>'
-    return (f' t="{kind}"' if kind else ""), f"<v>{escape(text)}</v>"
+    named = f' t="{kind}"' if kind else ""
+    return f"{named}><v>{text}</v></c>"
 
 
 def constant_text(value: Constant) -> tuple[str, str | None]:
@@ -210,10 +171,8 @@ def constant_text(value: Constant) -> tuple[str, str | None]:
         return "", None
     if isinstance(value, bool):
         return "b", "1" if value else "0"
-    if isinstance(value, float):
+    if isinstance(value, float | int):
         return "", number_text(value)
-    if isinstance(value, int):
-        return "", str(value)
     if isinstance(value, ErrorValue):
         return "e", value.code
     return "str", _ESCAPE.sub("_x005F_", value)

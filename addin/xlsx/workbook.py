@@ -13,7 +13,6 @@ from addin.xlsx.chart_titles import TitleLink
 from addin.xlsx.charts import Area
 from addin.xlsx.container import DEFAULT_LIMITS, Container, Limits
 from addin.xlsx.errors import (
-    CellRefused,
     Obstacle,
     ObstaclesFound,
     WorkbookMismatch,
@@ -25,7 +24,6 @@ from addin.xlsx.references import (
     Rect,
     cell_name,
     parse_cell,
-    parse_range,
 )
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
 from addin.xlsx.sheet_part import SheetPart
@@ -33,7 +31,7 @@ from addin.xlsx.state import WorkbookState
 from addin.xlsx.table_writing import TableData, TablePlan, carry_out, obstacles_of, plan_table
 from addin.xlsx.values import CellValue, Constant
 from addin.xlsx.workbook_part import WorkbookPart
-from addin.xlsx.written import cleaned, cleaned_row, misread
+from addin.xlsx.written import cleaned, misread
 
 
 def open_workbook(
@@ -100,22 +98,16 @@ class Workbook(WorkbookState):
         cell: str,
         value: Any,
         *,
-        style_from: str | None = None,
-        style_id: int | None = None,
         replace_formula: bool = False,
     ) -> None:
-        """Write one cell.
+        """Write one cell; it keeps its style, and a new cell takes that of its row or column.
 
         Parameters
         ----------
         sheet, cell : str
             Where, e.g. ``"Case"``, ``"B4"``.
         value : None, bool, int, float, str, ErrorValue or Formula
-            None = blank, the style stays. Text is written as text, never as a formula.
-        style_from : str, optional
-            A cell of the same sheet whose style is taken.
-        style_id : int, optional
-            Style index; left out, the cell keeps its style, and a new cell takes that of its row or column.
+            None = blank. Text is written as text, never as a formula.
         replace_formula : bool
             Whether a formula in that cell may be replaced by a value.
 
@@ -126,11 +118,8 @@ class Workbook(WorkbookState):
         """
         part = self.sheet_part(sheet)
         row, column = parse_cell(cell)
-        style = str(style_id) if style_id is not None else None
-        if style_from is not None:
-            style = part.style(*parse_cell(style_from)) or "0"
         held = cleaned(part.name, row, column, value)
-        texts = part.set_cell(row, column, held, style=style, replace_formula=replace_formula)
+        texts = part.set_cell(row, column, held, replace_formula=replace_formula)
         self.note_written(part.name, Rect(row, column, row, column), [[held]], texts)
 
     def set_name(self, name: str, value: Any, *, replace_formula: bool = False) -> None:
@@ -144,52 +133,6 @@ class Workbook(WorkbookState):
             value,
             replace_formula=replace_formula,
         )
-
-    def write_block(self, sheet: str, ref: str, rows: Sequence[Sequence[Any]]) -> None:
-        """Write a block of cells of fixed capacity, blanking what is not used.
-
-        Parameters
-        ----------
-        sheet : str
-            Its sheet.
-        ref : str
-            The block, e.g. ``"B5:M2005"``; a single cell is the top left of a block just as large as the rows.
-        rows : sequence of sequence
-            Values; fewer rows and columns than the block has are blank.
-
-        Raises
-        ------
-        CellRefused
-            When the rows do not fit, or a merged range or an array formula reaches into the block.
-        """
-        part = self.sheet_part(sheet)
-        rect = parse_range(ref)
-        height, width = len(rows), max(map(len, rows), default=0)
-        if rect.is_single:
-            rect = Rect(
-                rect.top, rect.left, rect.top + max(height, 1) - 1, rect.left + max(width, 1) - 1
-            )
-        if height > rect.height or width > rect.width:
-            raise CellRefused(
-                part.name,
-                ref,
-                f"takes {rect.height} rows and {rect.width} columns, {height} and {width} were given.",
-            )
-        blocked = part.merge_across(rect) or part.array_across(rect)
-        if blocked is not None:
-            raise CellRefused(
-                part.name,
-                str(blocked),
-                f"is merged or an array formula and reaches into block {rect}.",
-            )
-        grid = []
-        for number, row in enumerate(rows, rect.top):
-            columns = range(rect.left, rect.left + len(row))
-            held = cleaned_row(part.name, number, columns, row)
-            grid.append(held + [None] * (rect.width - len(row)))
-        styles = [part.style(rect.top, column) for column in range(rect.left, rect.right + 1)]
-        texts = part.write_rows(rect, grid, styles=styles)
-        self.note_written(part.name, rect, grid, texts)
 
     def write_table(
         self,

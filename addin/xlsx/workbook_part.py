@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from urllib.parse import unquote
 
 from addin.xlsx.container import Container, shown_name
-from addin.xlsx.errors import WorkbookRefused
+from addin.xlsx.errors import WorkbookRefused, damaged
 from addin.xlsx.references import Rect, parse_range, split_sheet, whole_number
 from addin.xlsx.xml_part import CONTENT_TYPES, RELATIONSHIP_IDS, STRICT_HOST, Element, main
 
@@ -244,10 +244,9 @@ class WorkbookPart:
             if relationship is None or self._container.find(relationship.part) is None:
                 raise self._refused("damaged", f"lacks the part of sheet {shown_name(name)}")
             if not name or name.casefold() in seen or relationship.part in seen:
-                raise self._refused(
-                    "damaged",
-                    f"has two sheets of one name, or one without a name ({shown_name(name)}). Open it in the "
-                    "spreadsheet program, let it repair the file, and save it again",
+                raise damaged(
+                    f"{self._container.path.name} has two sheets of one name, or one without a name "
+                    f"({shown_name(name)})."
                 )
             seen.update((name.casefold(), relationship.part))
             sheets[name] = relationship

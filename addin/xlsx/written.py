@@ -98,6 +98,6 @@ def misread(sheet: SheetPart, written: Sequence[Written]) -> Iterator[str]:
 
 
 def _same(read: CellValue, written: CellValue) -> bool:
-    if isinstance(written, Formula) and isinstance(read, Formula) and written.cached is None:
+    if isinstance(written, Formula) and isinstance(read, Formula):
         return read.text == written.text
     return read == written or (written == "" and read is None)

@@ -11,7 +11,7 @@ from typing import Any
 
 from lxml import etree
 
-from addin.xlsx.errors import WorkbookRefused
+from addin.xlsx.errors import WorkbookRefused, damaged
 
 MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 RELATIONSHIP_IDS = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
@@ -77,10 +77,8 @@ def parse_part(data: bytes, name: str) -> Element:
     try:
         root = etree.fromstring(data, _own.parser)
     except etree.XMLSyntaxError as problem:
-        raise WorkbookRefused(
-            "damaged",
-            f"The part {name} of the workbook is not well-formed XML ({in_short(problem)}). "
-            "Open it in the spreadsheet program, let it repair the file, and save it again.",
+        raise damaged(
+            f"The part {name} of the workbook is not well-formed XML ({in_short(problem)})."
         ) from problem
     if root.getroottree().docinfo.internalDTD is not None:
         raise _dtd(name)

@@ -13,7 +13,6 @@ from rich_workbooks import parts_of, with_parts
 
 from addin.xlsx import (
     CellRefused,
-    ErrorValue,
     Formula,
     WorkbookMismatch,
     open_workbook,
@@ -74,8 +73,6 @@ def test_numbers_that_no_sheet_knows_are_refused(train: Path, value: Any) -> Non
         book.set_cell("Start-up", "D3", value)
     with pytest.raises(CellRefused, match="Frequencies!C6"):
         book.write_table("Modes", [[1, value, 2, 3]])
-    with pytest.raises(CellRefused, match="Start-up!B6"):
-        book.write_block("Start-up", "A5:B14", [[1.0, 2.0], [3.0, value]])
     assert book.save(train.with_name("out.xlsx")).parts == ()
 
 
@@ -116,19 +113,6 @@ def test_blank_keeps_the_style(train: Path) -> None:
     assert after.style_id == before.style_id != 0
 
 
-def test_styles(train: Path) -> None:
-    book = open_workbook(train)
-    book.set_cell("Case", "A20", 1.0, style_from="A1")
-    book.set_cell("Case", "A21", 1.0, style_id=2)
-    book.set_cell("Case", "A1", 1.0, style_from="B2")
-    out = book.save(train.with_name("out.xlsx")).path
-    sheet = openpyxl.load_workbook(out)["Case"]
-    first = openpyxl.load_workbook(train)["Case"]["A1"].font.b
-    assert sheet["A20"].font.b is first is True
-    assert sheet["A21"].number_format == "0.000"
-    assert not sheet["A1"].font.b
-
-
 def test_new_cells_take_the_style_of_their_row_or_column(train: Path) -> None:
     with_parts(
         train,
@@ -152,14 +136,6 @@ def test_new_cells_take_the_style_of_their_row_or_column(train: Path) -> None:
     ]
 
 
-def test_formula_with_its_value(train: Path) -> None:
-    for cached in (2.5, "words", True, ErrorValue("#N/A")):
-        value = Formula("=A5*2", cached)
-        assert written(train, value, data_only=False) == "=A5*2"
-        book = open_workbook(train.with_name("out.xlsx"))
-        assert book.value("Start-up", "D3") == Formula("A5*2", cached)
-
-
 def test_formulas_are_not_overwritten_by_values(train: Path) -> None:
     book = open_workbook(train)
     with pytest.raises(CellRefused, match="holds a formula"):
@@ -180,10 +156,6 @@ def test_array_formulas_and_merged_cells_are_refused(train: Path) -> None:
     with pytest.raises(CellRefused, match="merged range A8:C8"):
         book.set_cell("Case", "B8", 1.0)
     book.set_cell("Case", "A8", "anchor")
-    with pytest.raises(CellRefused):
-        book.write_block("Case", "A7:B9", [[1.0, 2.0]])
-    with pytest.raises(CellRefused):
-        book.write_block("Summary", "D2:D9", [[1.0]])
 
 
 def test_missing_sheets_names_and_tables_are_named(train: Path) -> None:

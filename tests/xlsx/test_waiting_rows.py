@@ -13,7 +13,7 @@ import pytest
 from addin.charts.rows import plain
 from addin.xlsx.references import Rect
 from addin.xlsx.sheet_part import SheetPart
-from addin.xlsx.values import CellValue, Formula, row_writer, row_xml
+from addin.xlsx.values import CellValue, Formula
 from addin.xlsx.written import cleaned_row
 from addin.xlsx.xml_part import MAIN
 
@@ -97,15 +97,6 @@ def test_rows_do_not_wait_where_their_text_would_be_mistaken(data: bytes) -> Non
     assert not sheet._texts
     assert sheet.value(29, 2) == 2.5
     assert (b'written-0"' in sheet.to_bytes()) == (b"written-0" in data)
-
-
-@pytest.mark.parametrize("styles", [[None] * 3, ["4", None, "x"]])
-def test_rows_of_numbers_are_written_as_any_row_is(styles: list[str | None]) -> None:
-    starts = ['<c r="A', '<c r="B', '<c r="C']
-    write, chance = row_writer(starts, styles), random.Random(1)
-    for number in range(1, 2000):
-        row = [_value(chance) for _ in starts]
-        assert write(number, row) == row_xml(number, starts, styles, row)
 
 
 def test_rows_of_numbers_are_cleaned_as_any_row_is() -> None:
