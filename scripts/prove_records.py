@@ -273,31 +273,23 @@ SCALING = StudySpec(
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from addin.contract.studies.scaling import SCALING as SCALING_SPEC
-from addin.studies.study import Study, StudyResult
-from addin.workers.parallel_map import ParallelMap
+from addin.studies.study import Study, StudyResult, StudyTask
 from engine.case.case import Case
 from engine.case.study_inputs import StudyInputs, study_digest
 from engine.errors import Problem
 from engine.studies.scaling.scaling import factor_problems, scaled_rows
 
 
-def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
+def _check(case: Case, inputs: StudyInputs) -> Sequence[Problem]:
     return factor_problems(inputs.rows("Scaling"))
 
 
-def _calculate(
-    case: Case,
-    inputs: StudyInputs,
-    settings: Mapping[str, Any],
-    parallel_map: ParallelMap,
-    on_stage: Callable[[str], None],
-) -> StudyResult:
-    rows = inputs.rows("Scaling")
-    table = scaled_rows(case, [row.factor for row in rows])
+def _calculate(task: StudyTask) -> StudyResult:
+    rows = task.inputs.rows("Scaling")
+    table = scaled_rows(task.case, [row.factor for row in rows])
     return StudyResult(
         result=table,
         tables={"ScaledFrequencies": table},

@@ -8,7 +8,7 @@ JSON is that of results, as its table is one of them. It measures times, so it r
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +19,11 @@ from addin.contract.study_spec import StudySpec
 from addin.contract.version import product_version
 from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
-from addin.studies.study import Option, Study, StudyResult, TerminalTable
-from addin.workers.parallel_map import ParallelMap
+from addin.studies.study import Option, Study, StudyResult, StudyTask, TerminalTable
 from addin.writing.results_json import table_rows
 from addin.writing.workbook import RunStamp, write_study
-from engine.case.case import Case
 from engine.case.data import case_digest
-from engine.case.study_inputs import StudyInputs, study_digest
-from engine.errors import Problem
+from engine.case.study_inputs import study_digest
 from engine.results.tables import accuracy_cost
 from engine.stepping.compiling import is_compiled
 from engine.stepping.linear_loop import advance_start
@@ -36,21 +33,13 @@ from engine.studies.accuracy.accuracy import accuracy_study
 ROUNDS, QUICK_ROUNDS = 5, 1
 
 
-def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    return ()
-
-
-def _calculate(
-    case: Case,
-    inputs: StudyInputs,
-    settings: Mapping[str, Any],
-    parallel_map: ParallelMap,
-    tell: Callable[[str], None],
-) -> StudyResult:
+def _calculate(task: StudyTask) -> StudyResult:
     if not is_compiled(advance_start):
-        tell(COMPILING)
+        task.tell(COMPILING)
     found = accuracy_study(
-        case, rounds=QUICK_ROUNDS if settings.get("quick") else ROUNDS, on_progress=tell
+        task.case,
+        rounds=QUICK_ROUNDS if task.settings.get("quick") else ROUNDS,
+        on_progress=task.tell,
     )
     tables = {"AccuracyCost": list(accuracy_cost(found.rows))}
     return StudyResult(
@@ -128,7 +117,6 @@ Example: `torsionbook accuracy train.xlsx` writes train.accuracy.xlsx."""
 #: The study of ``torsionbook accuracy``; its sheet is one of every workbook, made with studies or not.
 ACCURACY = Study(
     spec=StudySpec("accuracy", 6, "accuracy", "Accuracy", "P", (), (), ()),
-    check=_check,
     calculate=_calculate,
     write=_write,
     as_json=_to_json,

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from addin.contract.studies.calibration import CALIBRATION as CALIBRATION_SPEC
 from addin.reading.case_json import case_to_json
-from addin.studies.study import Option, Study, StudyResult, TerminalTable
-from addin.workers.parallel_map import ParallelMap
+from addin.studies.study import Option, Study, StudyResult, StudyTask, TerminalTable
 from addin.xlsx.whole_files import write_json
-from engine.case.case import Case
 from engine.case.data import CaseData
-from engine.case.study_inputs import MEASURED_FREQUENCY, MEASURED_TORQUE, DisplayUnit, StudyInputs
-from engine.errors import Problem
+from engine.case.study_inputs import MEASURED_FREQUENCY, MEASURED_TORQUE, DisplayUnit
 from engine.studies.calibration.calibration import calibrate
 from engine.studies.calibration.inputs import calibration_problems
 from engine.studies.calibration.tables import (
@@ -25,25 +22,15 @@ from engine.studies.calibration.tables import (
 )
 
 
-def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    return calibration_problems(case, inputs)
-
-
-def _calculate(
-    case: Case,
-    inputs: StudyInputs,
-    settings: Mapping[str, Any],
-    parallel_map: ParallelMap,
-    tell: Callable[[str], None],
-) -> StudyResult:
+def _calculate(task: StudyTask) -> StudyResult:
     def each(do: Callable[[CaseData], Any], cases: Iterable[CaseData]) -> list[Any]:
         bundle = list(cases)
-        return parallel_map(
-            do, bundle, lambda done: tell(f"start {min(done + 1, len(bundle))} of {len(bundle)}")
+        return task.map(
+            do, bundle, lambda done: f"start {min(done + 1, len(bundle))} of {len(bundle)}"
         )
 
-    tell("measured frequencies")
-    found = calibrate(case, inputs, each_start=each)
+    task.tell("measured frequencies")
+    found = calibrate(task.case, task.inputs, each_start=each)
     return StudyResult(
         result=found,
         tables={
@@ -65,7 +52,7 @@ def _calculate(
             "margin_basis_reason": found.basis_reason,
             "starts": found.starts,
         },
-        units=inputs.units,
+        units=task.inputs.units,
     )
 
 
@@ -134,7 +121,7 @@ Example: `torsionbook calibrate train.xlsx --case calibrated.json`"""
 
 CALIBRATION = Study(
     spec=CALIBRATION_SPEC,
-    check=_check,
+    check=calibration_problems,
     calculate=_calculate,
     help=_HELP,
     options=(

@@ -72,6 +72,6 @@ def of_studies(read: CaseInput | Unreadable) -> tuple[CellProblem, ...]:
     case = read.case()
     problems: list[Problem] = []
     for spec in stated:
-        problems += study_of(spec).check(case, inputs, {})
+        problems += study_of(spec).check(case, inputs)
     tables = [name for spec in STUDIES for name in spec.input_names]
     return tuple(dict.fromkeys(read.studies.problems_of(tables, problems)))

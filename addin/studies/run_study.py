@@ -18,7 +18,7 @@ from addin.reading.one_file import WORKBOOK_ENDINGS, Unreadable, file_problem, r
 from addin.reading.typed_case import CaseInput
 from addin.reading.workbook import WorkbookInput
 from addin.recorded.studies import rows_digest
-from addin.studies.study import Study, StudyResult
+from addin.studies.study import Study, StudyResult, StudyTask
 from addin.workers.parallel_map import ParallelMap
 from addin.writing.recalculate import case_problems
 from addin.writing.results_json import table_rows
@@ -158,10 +158,10 @@ def calculate_study(
         return None, unread, warnings
     try:
         case = read.case()
-        wrong = study.check(case, inputs, settings)
+        wrong = study.check(case, inputs)
         if unread or wrong:
             return None, _told(read, study, wrong), warnings
-        result = _said(study.calculate(case, inputs, settings, parallel_map, on_stage))
+        result = _said(study.calculate(StudyTask(case, inputs, settings, parallel_map, on_stage)))
     except (CaseError, ModelError) as refused:
         return None, (*unread, *case_problems(refused)), warnings
     return result, (), (*warnings, *result.warnings)

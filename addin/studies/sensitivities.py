@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
-
 from addin.contract.studies.sensitivities import SENSITIVITIES as SENSITIVITIES_SPEC
-from addin.studies.study import Study, StudyResult
-from addin.workers.parallel_map import ParallelMap
-from engine.case.case import Case
-from engine.case.study_inputs import StudyInputs, study_digest
-from engine.errors import Problem
+from addin.studies.study import Study, StudyResult, StudyTask
+from engine.case.study_inputs import study_digest
 from engine.studies.sensitivities.differences import differences
 from engine.studies.sensitivities.plan import derivative_units, plan_derivatives
 from engine.studies.sensitivities.sensitivities import Derivatives, gather_derivatives
@@ -18,24 +12,12 @@ from engine.studies.sensitivities.tables import derivative_rows, element_rows, f
 from engine.studies.sensitivities.tangent import tangent_of
 
 
-def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    return ()
-
-
-def _calculate(
-    case: Case,
-    inputs: StudyInputs,
-    settings: Mapping[str, Any],
-    parallel_map: ParallelMap,
-    on_stage: Callable[[str], None],
-) -> StudyResult:
-    on_stage("plain run")
-    plan = plan_derivatives(case)
+def _calculate(task: StudyTask) -> StudyResult:
+    task.tell("plain run")
+    plan = plan_derivatives(task.case)
     units = derivative_units(plan)
-    parts = parallel_map(
-        differences, units, lambda count: on_stage(f"{count} of {len(units)} quantities")
-    )
-    on_stage("tangent of the start")
+    parts = task.map(differences, units, lambda done: f"{done} of {len(units)} quantities")
+    task.tell("tangent of the start")
     found = gather_derivatives(plan, parts, tangent_of(plan))
     return StudyResult(
         found,
@@ -80,7 +62,6 @@ Example: `torsionbook sensitivities train.xlsx`"""
 #: The study of ``torsionbook sensitivities``.
 SENSITIVITIES = Study(
     spec=SENSITIVITIES_SPEC,
-    check=_check,
     calculate=_calculate,
     help=_HELP,
 )  # fmt: skip

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from addin.contract.studies.starts import STARTS as STARTS_SPEC
 from addin.contract.study_spec import CUT_SHORT
-from addin.studies.study import CutShort, Option, Study, StudyResult, TerminalTable
-from addin.workers.parallel_map import Cancelled, ParallelMap, map_until_cancelled
+from addin.studies.study import CutShort, Option, Study, StudyResult, StudyTask, TerminalTable
+from addin.workers.parallel_map import Cancelled
 from engine.case.case import Case
-from engine.case.study_inputs import StudyInputs
-from engine.errors import Problem
 from engine.studies.starts.condition_result import ConditionResult, calculate_condition
 from engine.studies.starts.conditions import StartCondition, condition_problems
 from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
@@ -20,29 +18,19 @@ from engine.studies.starts.matrix import gather_matrix, start_rows, voltage_rows
 from engine.studies.starts.plan import plan_matrix
 
 
-def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    return condition_problems(case, inputs)
-
-
 def _one(unit: tuple[Case, StartCondition]) -> ConditionResult:
     """One start of the matrix: the unit of work."""
     return calculate_condition(*unit)
 
 
-def _calculate(
-    case: Case,
-    inputs: StudyInputs,
-    settings: Mapping[str, Any],
-    parallel_map: ParallelMap,
-    tell: Callable[[str], None],
-) -> StudyResult:
-    plan = plan_matrix(case, inputs, with_standard=bool(settings.get("standard")))
+def _calculate(task: StudyTask) -> StudyResult:
+    case, inputs = task.case, task.inputs
+    plan = plan_matrix(case, inputs, with_standard=bool(task.settings.get("standard")))
     number = len(plan.units)
-    rows = map_until_cancelled(
-        parallel_map,
+    rows = task.map_until_cancelled(
         _one,
         [(case, condition) for condition in plan.units],
-        lambda done: tell(f"start {min(done + 1, number)} of {number}"),
+        lambda done: f"start {min(done + 1, number)} of {number}",
     )
     if not rows:
         raise Cancelled(why=f"None of {number} starts was calculated.")
@@ -114,7 +102,7 @@ Example: `torsionbook starts train.xlsx` writes train.starts.xlsx."""
 
 STARTS = Study(
     spec=STARTS_SPEC,
-    check=_check,
+    check=condition_problems,
     calculate=_calculate,
     help=_HELP,
     options=(

@@ -13,7 +13,7 @@ from typing import Any
 
 from addin.contract.study_spec import StudySpec
 from addin.reading.typed_case import CaseInput
-from addin.workers.parallel_map import ParallelMap
+from addin.workers.parallel_map import ParallelMap, map_until_cancelled
 from engine.case.case import Case
 from engine.case.study_inputs import DisplayUnit, StudyInputs
 from engine.errors import Problem
@@ -46,6 +46,31 @@ class StudyResult:
     remarks: tuple[str, ...] = ()  #: Lines for the terminal below the sentence.
     #: What the engineer typed in, for the terminal; see `StudyInputs`. [units]
     units: Mapping[tuple[str, str], DisplayUnit] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class StudyTask:
+    """What one study is asked, and where its units of work are done."""
+
+    case: Case  #: The checked case. [SI]
+    inputs: StudyInputs  #: Its checked rows. [SI]
+    settings: Mapping[str, Any]  #: Of its command. [names and values]
+    parallel_map: ParallelMap  #: Where units of work are done.
+    tell: Callable[[str], None]  #: Called with a word on what is being done.
+
+    def map(
+        self, do: Callable[[Any], Any], units: Sequence[Any], stage: Callable[[int], str]
+    ) -> list[Any]:
+        """What a function makes of each unit; how many are done is told in the words of `stage`."""
+        return self.parallel_map(do, units, lambda done: self.tell(stage(done)))
+
+    def map_until_cancelled(
+        self, do: Callable[[Any], Any], units: Sequence[Any], stage: Callable[[int], str]
+    ) -> list[Any]:
+        """As `map`, but after Ctrl-C the answers of the first units, as many as there are."""
+        return map_until_cancelled(
+            self.parallel_map, do, units, lambda done: self.tell(stage(done))
+        )
 
 
 @dataclass(frozen=True)
@@ -88,12 +113,9 @@ class Study:
     """One kind of study; found by its module in `addin.studies`, the only `Study` of that."""
 
     spec: StudySpec  #: Its tables, sheets and command.
-    #: Case, inputs and settings → every problem of its rows.
-    check: Callable[[Case, StudyInputs, Mapping[str, Any]], Sequence[Problem]]
-    #: Case, inputs, settings, `ParallelMap` and what is told the stage → `StudyResult`.
-    calculate: Callable[
-        [Case, StudyInputs, Mapping[str, Any], ParallelMap, Callable[[str], None]], StudyResult
-    ]
+    calculate: Callable[[StudyTask], StudyResult]  #: What it does.
+    #: Case and inputs → every problem of its rows.
+    check: Callable[[Case, StudyInputs], Sequence[Problem]] = lambda case, inputs: ()
     #: Help of its command: a line, a blank line, and more; by default what its sheet says. [markdown]
     help: str = ""
     options: tuple[Option, ...] = ()  #: What its command takes beside what all take.

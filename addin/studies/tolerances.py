@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from itertools import accumulate
 
 from addin.contract.studies.tolerances import TOLERANCES as TOLERANCES_SPEC
 from addin.contract.study_spec import CUT_SHORT
-from addin.studies.study import CutShort, Option, Study, StudyResult
-from addin.workers.parallel_map import Cancelled, ParallelMap, map_until_cancelled
+from addin.studies.study import CutShort, Option, Study, StudyResult, StudyTask
+from addin.workers.parallel_map import Cancelled
 from engine.case.case import Case
 from engine.case.study_inputs import StudyInputs
 from engine.errors import Problem
@@ -19,26 +19,18 @@ from engine.studies.tolerances.tables import tolerance_details, tolerance_tables
 from engine.studies.tolerances.tolerances import Tolerances, summarise_sample
 
 
-def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
+def _check(case: Case, inputs: StudyInputs) -> Sequence[Problem]:
     return scatter_problems(case, inputs.scatter)
 
 
-def _calculate(
-    case: Case,
-    inputs: StudyInputs,
-    settings: Mapping[str, Any],
-    parallel_map: ParallelMap,
-    on_stage: Callable[[str], None],
-) -> StudyResult:
-    from itertools import accumulate
-
-    on_stage("plain run")
-    plan = plan_tolerances(case, inputs.scatter, ToleranceSettings(**settings))
+def _calculate(task: StudyTask) -> StudyResult:
+    task.tell("plain run")
+    plan = plan_tolerances(task.case, task.inputs.scatter, ToleranceSettings(**task.settings))
     # the runs of one factor at a time first: without them a study that is cut short has no tornado
     units = sorted(units_of(plan), key=lambda unit: unit.first < plan.n_samples)
     runs = [0, *accumulate(len(unit.values) for unit in units)]
-    parts = map_until_cancelled(
-        parallel_map, evaluate, units, lambda n: on_stage(f"{runs[n]:,} of {plan.n_runs:,} trains")
+    parts = task.map_until_cancelled(
+        evaluate, units, lambda done: f"{runs[done]:,} of {plan.n_runs:,} trains"
     )
     drawn = plan.n_samples - (plan.n_runs - runs[len(parts)])
     cut = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,23 +10,20 @@ from typing import Any
 from addin.contract.studies.tuning import TUNING as TUNING_SPEC
 from addin.contract.study_spec import CUT_SHORT
 from addin.reading.case_json import case_to_json
-from addin.studies.study import CutShort, Option, Study, StudyResult
+from addin.studies.study import CutShort, Option, Study, StudyResult, StudyTask
 from addin.studies.tuning_tables import map_tables
-from addin.workers.parallel_map import Cancelled, ParallelMap, map_until_cancelled
+from addin.workers.parallel_map import Cancelled
 from addin.writing.results_json import table_rows
 from addin.xlsx.whole_files import write_json
 from engine.case.case import Case
-from engine.case.study_inputs import StudyInputs
-from engine.errors import Problem
 from engine.studies.tuning.checks import tuning_problems
-from engine.studies.tuning.combinations import plan_tuning
+from engine.studies.tuning.combinations import in_typed_units, plan_tuning
 from engine.studies.tuning.evaluate import EvaluatedCombination, calculate_combination
 from engine.studies.tuning.options import Combination
 from engine.studies.tuning.tuning import (
     band_rows,
     best_cases,
     crossing_rows,
-    in_typed_units,
     map_rows,
     rank_combinations,
     ranked_rows,
@@ -42,38 +39,27 @@ SHOWN, SHOWN_CROSSINGS = 200, 20
 Batch = tuple["Case", tuple["Combination", ...]]
 
 
-def _check(case: Case, inputs: StudyInputs, settings: Mapping[str, Any]) -> Sequence[Problem]:
-    return tuning_problems(case, inputs)
-
-
-def _calculate(
-    case: Case,
-    inputs: StudyInputs,
-    settings: Mapping[str, Any],
-    parallel_map: ParallelMap,
-    tell: Callable[[str], None],
-) -> StudyResult:
+def _calculate(task: StudyTask) -> StudyResult:
+    case, inputs = task.case, task.inputs
     plan = plan_tuning(case, inputs)
     every = plan.combinations
     batches: list[Batch] = [
         (case, every[k : k + _TOGETHER]) for k in range(0, len(every), _TOGETHER)
     ]
-
-    def done(count: int) -> None:
-        tell(f"{min(count * _TOGETHER, len(every)):,} of {len(every):,} combinations")
-
-    tried = [
-        one
-        for batch in map_until_cancelled(parallel_map, calculate_batch, batches, done)
-        for one in batch
-    ]
+    answers = task.map_until_cancelled(
+        calculate_batch,
+        batches,
+        lambda done: f"{min(done * _TOGETHER, len(every)):,} of {len(every):,} combinations",
+    )
+    tried = [one for batch in answers for one in batch]
     if not tried:
         raise Cancelled(why=f"None of {len(every):,} combinations was calculated.")
     result = rank_combinations(case, plan, tried)
     missing = uncalculated_rows(plan, result)
     ranked, crossings = [*ranked_rows(result), *missing], crossing_rows(result)
-    as_typed = in_typed_units(case, result, inputs.units)
-    every_row = [*ranked_rows(as_typed), *uncalculated_rows(plan, as_typed)]
+    typed_plan = in_typed_units(plan, inputs.units)
+    as_typed = rank_combinations(case, typed_plan, tried, inputs.units)
+    every_row = [*ranked_rows(as_typed), *uncalculated_rows(typed_plan, as_typed)]
     shown = [row for place, row in enumerate(every_row) if place < SHOWN or row["as_is"]]
     cut = _cut_short(len(tried), len(every)) if missing else None
     in_si = result.sentence if cut is None else f"{cut.sentence} {result.sentence}"
@@ -198,7 +184,7 @@ workbook, train.tune.xlsx."""
 
 TUNING = Study(
     spec=TUNING_SPEC,
-    check=_check,
+    check=tuning_problems,
     calculate=_calculate,
     help=_HELP,
     options=(

@@ -139,128 +139,100 @@ def scatter_problems(case: CaseData, rows: Sequence[ScatterRow]) -> list[Problem
                 "and Spread.",
             )
         ]
-    found: list[Problem] = []
+    problems: list[Problem] = []
     for number, row in enumerate(rows, start=1):
-        found += _row_problems(case, number, row)
-    found += _repeated(rows)
-    return found or list(_end_problems(case, rows))
+        cells = (*_row_problems(case, row), *_distribution_problems(row))
+        problems += [Problem(TABLE, number, *cell) for cell in cells]
+    problems += _repeated(rows)
+    return problems or list(_end_problems(case, rows))
 
 
-def _row_problems(case: CaseData, number: int, row: ScatterRow) -> Iterator[Problem]:
-    def problem(column: str, value: object, allowed: str, message: str) -> Problem:
-        return Problem(TABLE, number, column, value, allowed, message)
+#: Column, what it holds, what would be allowed, and the sentence.
+_Wrong = tuple[str, object, str, str]
 
+
+def _row_problems(case: CaseData, row: ScatterRow) -> Iterator[_Wrong]:
     quantities = ", ".join(SCATTERED)
     if row.quantity is None:
-        yield problem("Quantity", None, quantities, f"Quantity is blank; give one of {quantities}.")
+        yield "Quantity", None, quantities, f"Quantity is blank; give one of {quantities}."
     elif row.quantity not in SCATTERED:
-        yield problem(
-            "Quantity",
-            row.quantity,
-            quantities,
-            f"Quantity is '{row.quantity}'; allowed is one of {quantities}.",
-        )
+        words = f"Quantity is '{row.quantity}'; allowed is one of {quantities}."
+        yield "Quantity", row.quantity, quantities, words
     elif row.quantity == DAMPING_RATIO and row.name:
-        yield problem(
-            "Name",
-            row.name,
-            "blank",
-            f"the damping ratio belongs to all modes; Name is '{row.name}'. Leave it blank.",
-        )
+        words = f"the damping ratio belongs to all modes; Name is '{row.name}'. Leave it blank."
+        yield "Name", row.name, "blank", words
     elif row.name and (reason := refusal(case, row.name, row.quantity)):
-        yield problem("Name", row.name, "a name that has the quantity", reason)
+        yield "Name", row.name, "a name that has the quantity", reason
     elif not row.name and not names_with(case, row.quantity):
-        yield problem(
-            "Quantity",
-            row.quantity,
-            "a quantity that the case has",
+        words = (
             f"nothing in the case has a {row.quantity} that could be multiplied. Delete the row, or "
-            "give the case a number for it first.",
+            "give the case a number for it first."
         )
+        yield "Quantity", row.quantity, "a quantity that the case has", words
     if row.together is not None and row.together not in (EACH, TOGETHER):
-        yield problem(
-            "Together",
-            row.together,
-            f"{EACH} or {TOGETHER}",
-            f"Together is '{row.together}'; allowed is {EACH} or {TOGETHER}.",
-        )
-    yield from _distribution_problems(row, problem)
+        words = f"Together is '{row.together}'; allowed is {EACH} or {TOGETHER}."
+        yield "Together", row.together, f"{EACH} or {TOGETHER}", words
 
 
-def _distribution_problems(row: ScatterRow, problem: object) -> Iterator[Problem]:
+def _distribution_problems(row: ScatterRow) -> Iterator[_Wrong]:
     """Distribution, spread and ends of one row."""
-    tell_problem = problem
-    assert callable(tell_problem)
     kind = _distribution(row)
+    ends = (("From", row.from_), ("To", row.to))
     if kind not in DISTRIBUTIONS:
         allowed = ", ".join(DISTRIBUTIONS)
-        yield tell_problem(
-            "Distribution", kind, allowed, f"Distribution is '{kind}'; allowed is one of {allowed}."
+        yield (
+            "Distribution",
+            kind,
+            allowed,
+            f"Distribution is '{kind}'; allowed is one of {allowed}.",
         )
-        return
-    if kind == FROM_TO:
-        for column, value in (("From", row.from_), ("To", row.to)):
+    elif kind == FROM_TO:
+        for column, value in ends:
             if value is None or not (math.isfinite(value) and value > 0.0):
                 content = "blank" if value is None else _percent(value)
-                yield tell_problem(
-                    column,
-                    value,
-                    "above 0",
-                    f"{column} is {content}; from-to needs two positive factors, such as 90 % and 120 %.",
-                )
+                words = f"{column} is {content}; from-to needs two positive factors, such as 90 % and 120 %."
+                yield column, value, "above 0", words
         if row.from_ is not None and row.to is not None and row.from_ > row.to > 0.0:
-            yield tell_problem(
-                "To",
-                row.to,
-                "at least From",
-                f"To is {_percent(row.to)}, below From, {_percent(row.from_)}. Exchange them.",
-            )
+            words = f"To is {_percent(row.to)}, below From, {_percent(row.from_)}. Exchange them."
+            yield "To", row.to, "at least From", words
         if row.spread is not None:
-            yield tell_problem(
-                "Spread",
-                row.spread,
-                "blank with from-to",
+            words = (
                 f"Spread is {_percent(row.spread)} beside From and To. Clear it, or choose another "
-                "distribution.",
+                "distribution."
             )
-        return
-    for column, value in (("From", row.from_), ("To", row.to)):
-        if value is not None:
-            yield tell_problem(
-                column,
-                value,
-                "blank unless Distribution is from-to",
-                f"{column} is {_percent(value)}, but the distribution is {kind}. Clear it, or choose from-to.",
-            )
-    limit = 1.0 / CUT if kind == NORMAL else 1.0
-    if row.spread is None:
-        yield tell_problem(
-            "Spread",
-            None,
-            f"from 0 to below {limit:g}",
-            "Spread is blank; give it as a share of what the case says, such as 5 %.",
-        )
-    elif row.spread < 0.0:
-        yield tell_problem(
-            "Spread",
-            row.spread,
-            f"from 0 to below {limit:g}",
-            f"Spread is {_percent(row.spread)}; a scatter has no sign. Give it as a positive share.",
-        )
-    elif not row.spread < limit:
-        why = (
-            f"a normal distribution is cut at {CUT:g} standard deviations, and from "
-            f"{100.0 * limit:g} % on that would reach zero"
-            if kind == NORMAL
-            else "from 100 % on it would reach zero"
-        )
-        yield tell_problem(
-            "Spread",
-            row.spread,
-            f"from 0 to below {limit:g}",
-            f"Spread is {_percent(row.spread)}; {why}. Give a smaller one, or from-to with two "
-            "positive factors.",
-        )
+            yield "Spread", row.spread, "blank with from-to", words
+    else:
+        for column, value in ends:
+            if value is not None:
+                words = (
+                    f"{column} is {_percent(value)}, but the distribution is {kind}. Clear it, or choose "
+                    "from-to."
+                )
+                yield column, value, "blank unless Distribution is from-to", words
+        limit = 1.0 / CUT if kind == NORMAL else 1.0
+        words = _wrong_spread(row.spread, kind, limit)
+        if words:
+            yield "Spread", row.spread, f"from 0 to below {limit:g}", words
+
+
+def _wrong_spread(spread: float | None, kind: str, limit: float) -> str:
+    """What is wrong with a spread; empty where nothing is."""
+    if spread is None:
+        return "Spread is blank; give it as a share of what the case says, such as 5 %."
+    if spread < 0.0:
+        return f"Spread is {_percent(spread)}; a scatter has no sign. Give it as a positive share."
+    if spread < limit:
+        return ""
+    why = (
+        f"a normal distribution is cut at {CUT:g} standard deviations, and from "
+        f"{100.0 * limit:g} % on that would reach zero"
+        if kind == NORMAL
+        else "from 100 % on it would reach zero"
+    )
+    return (
+        f"Spread is {_percent(spread)}; {why}. Give a smaller one, or from-to with two "
+        "positive factors."
+    )
 
 
 def _percent(share: float) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from engine.case.choices import ElementKind
@@ -27,18 +28,22 @@ from engine.case.study_inputs import (
 )
 from engine.model.links import link_of
 
-#: What kind of name a quantity belongs to.
+#: Table and column of the names that a quantity belongs to; the damping ratio is that of all modes.
 _OWNERS = {
-    STIFFNESS: "element",
-    DAMPING: "element",
-    DIAMETER: "element",
-    BACKLASH: "element",
-    INERTIA: "station",
-    AVERAGE_TORQUE: "station",
-    PULSATING_TORQUE: "station",
-    LOAD_TORQUE: "station",
-    SN_LINE: "material",
-    DAMPING_RATIO: "",
+    **dict.fromkeys((STIFFNESS, DAMPING, DIAMETER, BACKLASH), ("elements", "element")),
+    **dict.fromkeys(
+        (INERTIA, AVERAGE_TORQUE, PULSATING_TORQUE, LOAD_TORQUE), ("stations", "station")
+    ),
+    SN_LINE: ("materials", "material"),
+}
+#: Columns that a change multiplies or replaces in the rows of its name: table, column of the name,
+#: column. An S-N line moves up or down as a whole.
+_COLUMNS = {
+    INERTIA: (("stations", "station", "inertia"),),
+    AVERAGE_TORQUE: (("motor_torque", "station", "average"),),
+    PULSATING_TORQUE: (("motor_torque", "station", "pulsating"),),
+    LOAD_TORQUE: (("load_torque", "station", "torque"),),
+    SN_LINE: (("sn_points", "material", "stress"), ("materials", "material", "endurance")),
 }
 
 
@@ -86,7 +91,10 @@ def varied_case(case: CaseData, changes: Iterable[Change]) -> CaseData:
     """
     case = CaseData(**vars(case))  # checked once, when all changes are in
     for change in changes:
-        case = _PUT[change.quantity](case, change)
+        if change.quantity in _PUT:
+            case = _PUT[change.quantity](case, change)
+        for table, key, column in _COLUMNS.get(change.quantity, ()):
+            case = _column(case, table, key, change, column)
     return case
 
 
@@ -161,9 +169,8 @@ def refusal(case: CaseData, name: str, quantity: str, *, relative: bool = True) 
     str or None
         What is missing and what to do, as a sentence; None where it can. [sentence]
     """
-    owner = _OWNERS[quantity]
-    if owner and name not in _known(case, owner):
-        return f"the case has no {owner} '{name}'. Correct the name."
+    if quantity in _OWNERS and name not in _names(case, quantity):
+        return f"the case has no {_OWNERS[quantity][1]} '{name}'. Correct the name."
     if relative and quantity == STIFFNESS and not nominal_value(case, name, quantity):
         return f"'{name}' is a rigid mesh, or has no stiffness. Give it a stiffness on sheet Train first."
     if relative and quantity == DAMPING and not nominal_value(case, name, quantity):
@@ -194,21 +201,11 @@ def refusal(case: CaseData, name: str, quantity: str, *, relative: bool = True) 
     return None
 
 
-def _known(case: CaseData, owner: str) -> frozenset[str | None]:
-    if owner == "element":
-        return frozenset(e.element for e in case.elements)
-    if owner == "station":
-        return frozenset(s.station for s in case.stations)
-    return frozenset(m.material for m in case.materials)
-
-
 def _names(case: CaseData, quantity: str) -> list[str]:
-    owner = _OWNERS[quantity]
-    if owner == "element":
-        return [str(e.element) for e in case.elements]
-    if owner == "station":
-        return [str(s.station) for s in case.stations]
-    return [str(m.material) for m in case.materials] if owner else [""]
+    if quantity not in _OWNERS:
+        return [""]
+    table, key = _OWNERS[quantity]
+    return [str(getattr(row, key)) for row in getattr(case, table)]
 
 
 def _element(case: CaseData, name: str) -> ElementRow | None:
@@ -219,7 +216,7 @@ def _mesh(case: CaseData, name: str) -> MeshRow | None:
     return next((m for m in case.meshes if m.element == name), None)
 
 
-# --- one function a quantity ----------------------------------------------------------------------
+# --- changed rows ----------------------------------------------------------------------
 
 
 def _rows(
@@ -233,12 +230,8 @@ def _rows(
     return replace(case, **{table: rows})  # type: ignore[arg-type]
 
 
-def _stiffness(case: CaseData, change: Change) -> CaseData:
-    return _elastic(case, change, "stiffness", "mesh_stiffness")
-
-
-def _damping(case: CaseData, change: Change) -> CaseData:
-    return _elastic(case, change, "damping", "mesh_damping")
+def _column(case: CaseData, table: str, key: str, change: Change, column: str) -> CaseData:
+    return _rows(case, table, key, change, lambda row: {column: change.of(getattr(row, column))})
 
 
 def _elastic(case: CaseData, change: Change, own: str, along: str) -> CaseData:
@@ -253,9 +246,7 @@ def _elastic(case: CaseData, change: Change, own: str, along: str) -> CaseData:
         and getattr(mesh, along) is not None
     )
     if along_the_teeth and change.relative:
-        return _rows(
-            case, "meshes", "element", change, lambda m: {along: change.of(getattr(m, along))}
-        )
+        return _column(case, "meshes", "element", change, along)
     if along_the_teeth:
         case = _rows(case, "meshes", "element", change, lambda m: {along: None})
 
@@ -264,10 +255,6 @@ def _elastic(case: CaseData, change: Change, own: str, along: str) -> CaseData:
         return {own: change.of(link.stiffness if own == "stiffness" else link.viscous)}
 
     return _rows(case, "elements", "element", change, new)
-
-
-def _inertia(case: CaseData, change: Change) -> CaseData:
-    return _rows(case, "stations", "station", change, lambda s: {"inertia": change.of(s.inertia)})
 
 
 def _diameter(case: CaseData, change: Change) -> CaseData:
@@ -297,34 +284,10 @@ def _damping_ratio(case: CaseData, change: Change) -> CaseData:
     return replace(case, damping_ratio=change.of(case.damping_ratio), mode_damping=rows)
 
 
-def _curve(table: str, column: str) -> Callable[[CaseData, Change], CaseData]:
-    """All points of a torque curve."""
-
-    def put(case: CaseData, change: Change) -> CaseData:
-        return _rows(
-            case, table, "station", change, lambda p: {column: change.of(getattr(p, column))}
-        )
-
-    return put
-
-
-def _sn_line(case: CaseData, change: Change) -> CaseData:
-    """Points and endurance limit: the whole line moves up or down."""
-    case = _rows(case, "sn_points", "material", change, lambda p: {"stress": change.of(p.stress)})
-    return _rows(
-        case, "materials", "material", change, lambda m: {"endurance": change.of(m.endurance)}
-    )
-
-
 _PUT: Mapping[str, Callable[[CaseData, Change], CaseData]] = {
-    STIFFNESS: _stiffness,
-    DAMPING: _damping,
-    INERTIA: _inertia,
+    STIFFNESS: partial(_elastic, own="stiffness", along="mesh_stiffness"),
+    DAMPING: partial(_elastic, own="damping", along="mesh_damping"),
     DIAMETER: _diameter,
     BACKLASH: _backlash,
     DAMPING_RATIO: _damping_ratio,
-    AVERAGE_TORQUE: _curve("motor_torque", "average"),
-    PULSATING_TORQUE: _curve("motor_torque", "pulsating"),
-    LOAD_TORQUE: _curve("load_torque", "torque"),
-    SN_LINE: _sn_line,
 }

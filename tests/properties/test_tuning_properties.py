@@ -15,17 +15,12 @@ from engine.run import run
 from engine.studies.tuning.combinations import plan_tuning
 from engine.studies.tuning.evaluate import answers_of
 from engine.studies.tuning.ranking import merit
-from engine.studies.tuning.tuning import (
-    TuningResult,
-    crossing_rows,
-    rank_combinations,
-    ranked_rows,
-    tune,
-)
+from engine.studies.tuning.tuning import TuningResult, crossing_rows, rank_combinations, ranked_rows
 from engine.studies.variation import names_with, nominal_value
 from tests.random_effects import elastic_meshes, with_clearances, with_dampers
 from tests.random_starts import random_start
 from tests.trains import geared
+from tests.whole_studies import tune
 
 SLOW = settings(deadline=None, max_examples=8)
 

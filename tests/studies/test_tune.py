@@ -22,8 +22,9 @@ from addin.studies.tuning import TUNING
 from addin.studies.tuning_tables import map_tables, spread_out
 from engine.case.data import CaseData
 from engine.case.study_inputs import StudyInputs, TuningRow
-from engine.studies.tuning.tuning import TuningResult, tune
+from engine.studies.tuning.tuning import TuningResult
 from tests.trains import geared
+from tests.whole_studies import tune
 
 RUN = CliRunner()
 LOW, HIGH = "Low-speed shaft", "High-speed shaft"

@@ -11,8 +11,9 @@ from __future__ import annotations
 import pytest
 
 from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
-from engine.studies.tuning.tuning import Ranked, TuningResult, best_cases, tune
+from engine.studies.tuning.tuning import Ranked, TuningResult, best_cases
 from tests.sample_case import PSI, sample_case
+from tests.whole_studies import tune
 
 COUPLINGS = ("LS coupling", "HS coupling", "Intermediate coupling")
 

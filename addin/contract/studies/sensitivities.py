@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from addin.contract import number_formats as shown
-from addin.contract.field import TableSpec, Trace, number, sentence, table, text
+from addin.contract.field import Field, TableSpec, Trace, number, sentence, table, text
 from addin.contract.json_shapes import BLANK, NUMBER, TEXT, Shape, closed_object, described, list_of
 from addin.contract.live_formulas import sensitivity_shift
 from addin.contract.sheet import Sheet
@@ -14,14 +14,32 @@ _TANGENT = "docs/tolerances.md"
 _AS_TYPED = Trace("Name, as typed", "docs/tolerances.md")
 
 
-def _derivative(plain: str) -> Trace:
-    return Trace(
+def _changes(head: str, answer: str, plain: str) -> tuple[Field, ...]:
+    """What + 1 % does to one answer of the plain run: by the derivative, and in runs at either end."""
+    derivative = Trace(
         "1 % × ∂ln/∂ln, from differences at ± 0.02 % and ± 0.01 % (Richardson)", _TANGENT, (plain,)
     )
-
-
-def _run_at(change: str, plain: str) -> Trace:
-    return Trace(f"Run at {change} over the plain run, less 1", _TANGENT, (plain,))
+    return (
+        number(
+            f"{head} change", "fraction", f"Change of its {answer} for + 1 %, by the derivative.",
+            trace=derivative, format=shown.CHANGE,
+        ),
+        number(
+            f"{head} error", "fraction", "Estimated error of that.",
+            "Difference of the two differences", _TANGENT,
+            of_row=(f"Sensitivities.{head} change",),
+        ),
+        *(
+            number(
+                f"{head} {end}", "fraction", f"Change of its {answer} in a run at {sign} 1 %.",
+                trace=Trace(
+                    f"Run at {exact} 1 % over the plain run, less 1", _TANGENT, (plain,)
+                ),
+                format=shown.CHANGE,
+            )
+            for end, sign, exact in (("below", "-", "−"), ("above", "+", "+"))
+        ),
+    )  # fmt: skip
 
 
 _RESULTS: tuple[TableSpec, ...] = (
@@ -32,41 +50,8 @@ _RESULTS: tuple[TableSpec, ...] = (
         columns=(
             text("Quantity", "What is changed.", trace=_AS_TYPED),
             text("Of", "Whose: element, station or material; blank = all modes.", trace=_AS_TYPED),
-            number(
-                "Peak change", "fraction",
-                "Change of its peak stress for + 1 %, by the derivative.",
-                trace=_derivative("StartupPeaks.Maximum torque"), format=shown.CHANGE,
-            ),
-            number(
-                "Peak error", "fraction", "Estimated error of that.",
-                "Difference of the two differences", _TANGENT,
-                of_row=("Sensitivities.Peak change",),
-            ),
-            number(
-                "Peak below", "fraction", "Change of its peak stress in a run at - 1 %.",
-                trace=_run_at("− 1 %", "StartupPeaks.Maximum torque"), format=shown.CHANGE,
-            ),
-            number(
-                "Peak above", "fraction", "Change of its peak stress in a run at + 1 %.",
-                trace=_run_at("+ 1 %", "StartupPeaks.Maximum torque"), format=shown.CHANGE,
-            ),
-            number(
-                "Starts change", "fraction", "Change of its starts for + 1 %, by the derivative.",
-                trace=_derivative("AllowableStarts.Allowable starts"), format=shown.CHANGE,
-            ),
-            number(
-                "Starts error", "fraction", "Estimated error of that.",
-                "Difference of the two differences", _TANGENT,
-                of_row=("Sensitivities.Starts change",),
-            ),
-            number(
-                "Starts below", "fraction", "Change of its starts in a run at - 1 %.",
-                trace=_run_at("− 1 %", "AllowableStarts.Allowable starts"), format=shown.CHANGE,
-            ),
-            number(
-                "Starts above", "fraction", "Change of its starts in a run at + 1 %.",
-                trace=_run_at("+ 1 %", "AllowableStarts.Allowable starts"), format=shown.CHANGE,
-            ),
+            *_changes("Peak", "peak stress", "StartupPeaks.Maximum torque"),
+            *_changes("Starts", "starts", "AllowableStarts.Allowable starts"),
             text("Method", "How the derivative was found.", trace=_AS_TYPED, width=16.0),
             sentence("Note", "What must be known of this row.", trace=_AS_TYPED, width=37.0),
         ),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from addin.contract import number_formats as shown
 from addin.contract.charts import Axis, ChartSpec, FirstCell, Series
 from addin.contract.field import (
@@ -30,6 +32,7 @@ from addin.contract.json_shapes import (
     described,
     list_of,
 )
+from addin.contract.result_tables import RESULT_TABLES
 from addin.contract.sheet import ChartAt, Sheet
 from addin.contract.sources import PHILOSOPHY, STEADY
 from addin.contract.study_spec import StudyScale, StudySpec
@@ -65,6 +68,7 @@ _WORST_MARGIN = _as("SeparationMargins.Margin", "min |f − f_exc| / f_exc")
 _CROSSING = f"At the crossing with the largest stress range ({PHILOSOPHY})"
 _BAND = "f_min (1 − m) to f_max (1 + m), from |f − f_exc| / f_exc ≥ m"
 _CELL = "docs/tuning.md, Maps"
+_CROSSINGS = next(spec for spec in RESULT_TABLES if spec.name == "StartupCrossings")
 _OPTION = text(
     "Option", "What the first variable is.", "Value or designation, as typed", _PAGE, of_case=_ROWS
 )
@@ -198,17 +202,12 @@ _RESULTS: tuple[TableSpec, ...] = (
                     "SeparationMargins.Excitation", "Mode and excitation of the worst margin",
                 ),
             ),
-            number(
-                "Mode 1", "frequency", "First elastic mode.",
-                trace=_as("NaturalFrequencies.Frequency"),
-            ),
-            number(
-                "Mode 2", "frequency", "Second elastic mode.",
-                trace=_as("NaturalFrequencies.Frequency"),
-            ),
-            number(
-                "Mode 3", "frequency", "Third elastic mode.",
-                trace=_as("NaturalFrequencies.Frequency"),
+            *(
+                number(
+                    f"Mode {mode}", "frequency", f"{place} elastic mode.",
+                    trace=_as("NaturalFrequencies.Frequency"),
+                )
+                for mode, place in enumerate(("First", "Second", "Third"), start=1)
             ),
             integer(
                 "Mode crossed", "Mode whose crossing stresses the train most in the start.",
@@ -216,22 +215,9 @@ _RESULTS: tuple[TableSpec, ...] = (
                     "StartupCrossings.Mode", "Mode with the largest stress range at its crossing",
                 ),
             ),
-            number(
-                "Percent speed", "fraction", "Speed at which it is crossed, of synchronous.",
-                trace=_as("StartupCrossings.Percent speed", _CROSSING), format=shown.TWO_DECIMALS,
-                printed="Speed",
-            ),
-            number(
-                "Sweep rate", "sweep rate", "How fast 2 × slip frequency falls there.",
-                trace=_as("StartupCrossings.Sweep rate", _CROSSING),
-            ),
-            number(
-                "Average torque", "torque", "Average motor torque there.", us="lbf*ft",
-                trace=_as("StartupCrossings.Average torque", _CROSSING), format=shown.SIGNED,
-            ),
-            number(
-                "Pulsating torque", "torque", "Zero-to-peak, there.", us="lbf*ft",
-                trace=_as("StartupCrossings.Pulsating torque", _CROSSING),
+            *(
+                replace(_CROSSINGS.column(name), trace=_as(f"StartupCrossings.{name}", _CROSSING))
+                for name in ("Percent speed", "Sweep rate", "Average torque", "Pulsating torque")
             ),
             number(
                 "Peak-to-peak stress", "pressure", "Largest nominal range in the start.",
@@ -286,55 +272,9 @@ _RESULTS: tuple[TableSpec, ...] = (
         columns=(
             integer("Rank", "Of the combination.", trace=_RANK),
             text("Combination", "What was chosen.", trace=_COMBINATION, width=36.0),
-            integer("Mode", "Elastic mode.", trace=_as("StartupCrossings.Mode")),
-            number(
-                "Frequency", "frequency", "Natural frequency.",
-                trace=_as("StartupCrossings.Frequency"),
-            ),
-            number(
-                "Percent speed", "fraction", "Speed of the crossing, of synchronous.",
-                trace=_as("StartupCrossings.Percent speed"), format=shown.TWO_DECIMALS, printed="Speed",
-            ),
-            number("Time", "time", "Time of the crossing.", trace=_as("StartupCrossings.Time")),
-            number(
-                "Average torque", "torque", "Average motor torque there.", us="lbf*ft",
-                trace=_as("StartupCrossings.Average torque"), format=shown.SIGNED,
-            ),
-            number(
-                "Pulsating torque", "torque", "Zero-to-peak, there.", us="lbf*ft",
-                trace=_as("StartupCrossings.Pulsating torque"),
-            ),
-            number(
-                "Load torque", "torque", "Referred to motor speed, there.", us="lbf*ft",
-                trace=_as("StartupCrossings.Load torque"), format=shown.SIGNED,
-            ),
-            number(
-                "Acceleration", "angular acceleration", "Acceleration of the motor there.",
-                trace=_as("StartupCrossings.Acceleration"),
-            ),
-            number(
-                "Sweep rate", "sweep rate", "How fast 2 × slip frequency falls.",
-                trace=_as("StartupCrossings.Sweep rate"),
-            ),
-            text(
-                "Governing element", "Element with the largest stress or torque.", kind="element",
-                trace=_as("StartupCrossings.Governing element"),
-            ),
-            number(
-                "Peak-to-peak torque", "torque", "Its torque range.", us="lbf*ft",
-                trace=_as("StartupCrossings.Peak-to-peak torque"), printed="Torque, pk‑pk",
-            ),
-            number(
-                "Peak-to-peak stress", "pressure", "Its nominal stress range.",
-                trace=_as("StartupCrossings.Peak-to-peak stress"), printed="Stress, pk‑pk",
-            ),
-            number(
-                "Mesh minimum torque", "torque", "Least mesh torque there.", us="lbf*ft",
-                trace=_as("StartupCrossings.Mesh minimum torque"), format=shown.SIGNED,
-            ),
-            sentence(
-                "Note", "What the numbers say, in words.", trace=_as("StartupCrossings.Note"),
-                width=50.0,
+            *(
+                replace(column, trace=_as(f"StartupCrossings.{column.name}"), error=None)
+                for column in _CROSSINGS.columns
             ),
         ),
     ),

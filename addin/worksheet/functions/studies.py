@@ -43,11 +43,10 @@ from engine.studies.tolerances.sample import (
 from engine.studies.tolerances.tables import tolerance_tables
 from engine.studies.tolerances.tolerances import summarise_sample
 from engine.studies.tuning.checks import tuning_problems
-from engine.studies.tuning.combinations import plan_tuning
+from engine.studies.tuning.combinations import in_typed_units, plan_tuning
 from engine.studies.tuning.evaluate import calculate_combination
 from engine.studies.tuning.tuning import (
     TuningResult,
-    in_typed_units,
     rank_combinations,
     ranked_rows,
 )
@@ -190,7 +189,8 @@ def tv_tune(
 
     result = _kept(found, f"tune {plan.study_digest}", calculate)
     words = {**_usual_units(system_for(units, found)), **inputs.units}
-    rows = ranked_rows(in_typed_units(found.case, result, words))
+    tried = [row.tried for row in result.rows]
+    rows = ranked_rows(rank_combinations(found.case, in_typed_units(plan, words), tried, words))
     spec = result_table("TuningResults")
     columns = [spec.column(name) for name in TUNED_COLUMNS]
     return table_cells(spec, rows, system_for(units, found), headers, columns)

@@ -24,14 +24,14 @@ nothing of the modes between; nor may a measurement fit another mode almost as w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from engine.case.case import Case
-from engine.case.data import CaseData, case_digest
+from engine.case.data import CaseData
 from engine.case.study_inputs import (
     StudyInputs,
     study_digest,
@@ -41,7 +41,6 @@ from engine.run import at_speed
 from engine.studies.calibration.inputs import CalibrationPlan, plan_calibration
 from engine.studies.calibration.least_squares import (
     GATE,
-    CalibrationCancelledError,
     EachStart,
     FrequencyModel,
     PeakModel,
@@ -90,8 +89,6 @@ def calibrate(
     studies: StudyInputs,
     *,
     each_start: EachStart = map,
-    on_progress: Callable[[int, int, str], None] | None = None,
-    should_stop: Callable[[], bool] | None = None,
 ) -> Calibration:
     """The least change of the uncertain quantities that explains the measurements.
 
@@ -103,10 +100,6 @@ def calibrate(
         Its checked rows. [SI]
     each_start : callable, optional
         Does what `map` does with `maximum_torques`, perhaps in several processes.
-    on_progress : callable, optional
-        Called with the starts done, those of a bundle, and what is being done. [count, count, words]
-    should_stop : callable, optional
-        Asked before each bundle of starts; the frequencies alone are then explained. [flag]
 
     Returns
     -------
@@ -117,20 +110,12 @@ def calibrate(
     unknowns = unknowns_of(plan.factors)
     model = FrequencyModel(case, unknowns)
     assigned = best_assignment(model, plan.frequencies)
-    solution, peaks, complete = assigned.solution, None, True
+    solution, peaks = assigned.solution, None
     if plan.peaks:
-
-        def told(done: int) -> None:
-            if on_progress is not None:
-                on_progress(done, plan.starts_at_once, "starts for the measured peak torques")
-
-        peaks = PeakModel(case, unknowns, plan.peaks, each_start, told, should_stop)
-        try:
-            solution = solve(model, plan.frequencies, solution.modes, peaks, solution.z)
-        except CalibrationCancelledError:
-            peaks, complete = None, False
+        peaks = PeakModel(case, unknowns, plan.peaks, each_start)
+        solution = solve(model, plan.frequencies, solution.modes, peaks, solution.z)
     estimate = _Estimate(case, plan, unknowns, model, solution, peaks)
-    return estimate.told(studies, assigned.rivals, complete)
+    return estimate.told(studies, assigned.rivals)
 
 
 class _Estimate:
@@ -158,10 +143,7 @@ class _Estimate:
         self.used = sorted(solution.modes)
 
     def told(
-        self,
-        studies: StudyInputs,
-        rivals: dict[int, tuple[int | None, float]],
-        complete: bool,
+        self, studies: StudyInputs, rivals: dict[int, tuple[int | None, float]]
     ) -> Calibration:
         """The complete result."""
         solution, case = self.solution, self.case
@@ -174,15 +156,10 @@ class _Estimate:
         calculated = at_speed(Case(**(vars(changed) | {"margin_basis": "calculated"})))
         frequencies = self._frequencies(calculated.margins)
         doubt = self._doubt(rivals)
-        justified, reason = _basis(
-            case, frequencies, calculated.margins, explained, complete, doubt
-        )
+        justified, reason = _basis(case, frequencies, calculated.margins, explained, doubt)
         calibrated = replace(changed, margin_basis="measured") if justified else changed
         before, after = at_speed(Case(**vars(case))), at_speed(Case(**vars(calibrated)))
         parameters = self._parameters()
-        notes = [*self.plan.notes]
-        if not complete:
-            notes.append("Stopped: the measured peak torques were not used.")
         return Calibration(
             parameters=parameters,
             frequencies=frequencies,
@@ -193,18 +170,13 @@ class _Estimate:
             explained=explained,
             margins_before=before.margins.rows,
             margins_after=after.margins.rows,
-            required_before=before.margins.required,
-            required_after=after.margins.required,
-            basis_before=case.margin_basis or "calculated",
             basis=calibrated.margin_basis or "calculated",
             basis_justified=justified,
             basis_reason=reason,
             calibrated=calibrated,
             starts=0 if self.peaks is None else self.peaks.starts,
-            complete=complete,
             sentence=_sentence(parameters, measurements, explained, probability),
-            notes=tuple(notes),
-            case_sha256=case_digest(case),
+            notes=self.plan.notes,
             study_sha256=study_digest(
                 *studies.scatter, *studies.measured_frequencies, *studies.measured_peaks
             ),
@@ -376,13 +348,6 @@ class _Estimate:
             of="",
             measured=reading.frequency,
             uncertainty=reading.uncertainty,
-            before=None,
-            after=None,
-            residual_before=None,
-            residual=None,
-            left_out_residual=None,
-            used=False,
-            explained=False,
             note=self._why_unused(reading),
         )
 
@@ -430,16 +395,11 @@ class _Estimate:
         )
 
     def _peaks_measured(self) -> Iterator[Measurement]:
+        if self.peaks is None:
+            return
         left_out, first = self.solution.left_out_residual, len(self.used)
         for place in sorted(range(len(self.plan.peaks)), key=lambda i: self.plan.peaks[i].row):
             reading = self.plan.peaks[place]
-            if self.peaks is None:
-                yield Measurement(
-                    "peak torque", reading.row, reading.element, reading.torque,
-                    reading.uncertainty, None, None, None, None, None, False, False,
-                    "Not used: stopped before.",
-                )  # fmt: skip
-                continue
             base = self.peaks.at([-self.unknowns.centre / self.unknowns.deviation])[0]
             before, own = float(base[place]), float(left_out[first + place])
             explained = abs(own) <= UNEXPLAINED
@@ -509,7 +469,6 @@ def _basis(
     frequencies: Sequence[CalibratedFrequency],
     margins: SeparationMargins,
     explained: bool,
-    complete: bool,
     doubt: str,
 ) -> tuple[bool, str]:
     """Whether MarginBasis becomes measured, and why."""
@@ -526,8 +485,6 @@ def _basis(
     stays = "MarginBasis stays as it is"
     if case.margin_basis == "measured":
         stays = "The case says measured already, which this calibration does not bear out"
-    if not complete:
-        return False, f"{stays}: the calibration was stopped."
     if not explained:
         return False, (
             f"{stays}: a measurement is not explained, and a model that contradicts a measurement "

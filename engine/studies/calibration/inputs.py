@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from engine.case.checks.problem import first_of_each_cell
+from engine.case.checks.problem import (
+    POSITIVE,
+    Allowed,
+    blank_cell,
+    check_number,
+    first_of_each_cell,
+    wrong_value,
+)
 from engine.case.data import CaseData
 from engine.case.study_inputs import (
     DAMPING,
@@ -30,6 +36,7 @@ FREQUENCIES, PEAKS = "MeasuredFrequencies", "MeasuredPeaks"
 DEFAULT_SPREAD = 0.10
 #: Uncertainty of a measured frequency and of a peak torque where it is blank. [1]
 DEFAULT_FREQUENCY_UNCERTAINTY, DEFAULT_PEAK_UNCERTAINTY = 0.01, 0.05
+_DEVIATION = Allowed(lambda share: 1e-6 <= share < 1.0, "from 0.0001 % to below 100 %, or blank")
 #: Quantities that move a frequency, and those that only move a peak torque.
 OF_FREQUENCIES, OF_PEAKS = (STIFFNESS, INERTIA), (DAMPING, DAMPING_RATIO)
 
@@ -41,19 +48,13 @@ class CalibrationPlan:
     factors: tuple[Factor, ...]  #: Uncertain quantities. [1]
     frequencies: tuple[Reading, ...]  #: Measured frequencies. [Hz]
     peaks: tuple[PeakReading, ...]  #: Measured peak torques. [N m]
-    #: Starts of one bundle, that may run side by side; 0 without measured peaks.
-    starts_at_once: int
     notes: tuple[str, ...]  #: What was assumed or left out.
 
 
 # --- what was typed -------------------------------------------------------------------------------
 
 
-def calibration_problems(
-    case: CaseData,
-    studies: StudyInputs,
-    bad_cells: frozenset[tuple[str, int | None, str]] = frozenset(),
-) -> tuple[Problem, ...]:
+def calibration_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]:
     """Everything wrong with the measurements and the uncertain quantities.
 
     Parameters
@@ -62,15 +63,13 @@ def calibration_problems(
         A checked case. [SI]
     studies : StudyInputs
         Its rows. [SI]
-    bad_cells : frozenset of (table, row, column)
-        Cells the reader has already reported; nothing is said of them again. [names]
 
     Returns
     -------
     tuple of Problem
         Empty if the case may be calibrated; at most one problem a cell. [count]
     """
-    return tuple(first_of_each_cell(_problems(case, studies), bad_cells))
+    return tuple(first_of_each_cell(_problems(case, studies), ()))
 
 
 def _problems(case: CaseData, studies: StudyInputs) -> Iterator[Problem]:
@@ -140,16 +139,12 @@ def _peak_problems(case: CaseData, rows: Sequence[MeasuredPeakRow]) -> Iterator[
         )
         yield from _uncertainty(PEAKS, number, row.uncertainty)
         if not row.element or row.element not in names:
-            content = "the cell is blank" if not row.element else f"found '{row.element}'"
-            yield Problem(
-                PEAKS,
-                number,
-                "Element",
-                row.element,
-                "an element of table Elements",
-                f"{content}; it must be an element of table Elements. Name the one where the torque was "
-                "measured.",
-            )
+            allowed = "an element of table Elements"
+            action = "Name the one where the torque was measured."
+            if row.element:
+                yield wrong_value(PEAKS, number, "Element", row.element, allowed, action)
+            else:
+                yield blank_cell(PEAKS, number, "Element", allowed, action)
         elif row.element in first:
             yield Problem(
                 PEAKS,
@@ -165,33 +160,15 @@ def _peak_problems(case: CaseData, rows: Sequence[MeasuredPeakRow]) -> Iterator[
 def _positive(
     table: str, row: int, column: str, value: float | None, unit: str, what: str
 ) -> Iterator[Problem]:
+    action = f"Type {what} as it was measured, or clear the row."
     if value is None:
-        content = "the cell is blank"
-    elif not (math.isfinite(value) and value > 0.0):
-        content = f"found {value:.6g} {unit}"
-    else:
-        return
-    yield Problem(
-        table,
-        row,
-        column,
-        value,
-        "positive",
-        f"{content}; it must be positive. Type {what} as it was measured, or clear the row.",
-    )
+        yield blank_cell(table, row, column, "positive", action)
+    yield from check_number(table, row, column, value, POSITIVE, unit, action)
 
 
 def _uncertainty(table: str, row: int, value: float | None) -> Iterator[Problem]:
-    if value is not None and not 1e-6 <= value < 1.0:
-        yield Problem(
-            table,
-            row,
-            "Uncertainty",
-            value,
-            "from 0.0001 % to below 100 %, or blank",
-            f"found {value:.6g}; it must be from 0.0001 % to below 100 %, or blank. It is one standard "
-            "deviation over the value: write 1 % or 0.01.",
-        )
+    action = "It is one standard deviation over the value: write 1 % or 0.01."
+    yield from check_number(table, row, "Uncertainty", value, _DEVIATION, action=action)
 
 
 # --- the plan -------------------------------------------------------------------------------------
@@ -235,7 +212,6 @@ def plan_calibration(case: CaseData, studies: StudyInputs) -> CalibrationPlan:
         factors=factors,
         frequencies=tuple(sorted(frequencies, key=lambda r: (r.frequency, r.uncertainty))),
         peaks=tuple(sorted(peaks, key=lambda r: r.element)),
-        starts_at_once=2 * len(factors) if peaks else 0,
         notes=notes,
     )
 

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
 from engine.case.study_inputs import INERTIA, STIFFNESS
-from engine.errors import ModelError, TorsionError
+from engine.errors import ModelError
 from engine.model.build_train import build_train
 from engine.model.modal_analysis import analyse
 from engine.model.modes import Modes, modes_of
@@ -55,10 +55,6 @@ PEAK_STEP, LEAST_PEAK_STEP = 0.1, 2e-3
 EXACT, NOISY = 1e-12, 1e-5
 #: Most steps of it where each one costs starts.
 NOISY_STEPS = 15
-
-
-class CalibrationCancelledError(TorsionError):
-    """Whoever asked for the calibration wants it no more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -384,10 +380,6 @@ class PeakModel:
         What was measured. [N m]
     each_start : callable
         Does what `map` does, perhaps in several processes.
-    on_start : callable, optional
-        Called with the number of starts done so far. [count]
-    should_stop : callable, optional
-        Asked before each bundle of starts. [flag]
     """
 
     def __init__(
@@ -396,11 +388,9 @@ class PeakModel:
         unknowns: Unknowns,
         readings: Sequence[PeakReading],
         each_start: EachStart = map,
-        on_start: Callable[[int], None] | None = None,
-        should_stop: Callable[[], bool] | None = None,
     ) -> None:
         self.case, self.unknowns, self.readings = case, unknowns, tuple(readings)
-        self._each, self._tell, self._stop = each_start, on_start, should_stop
+        self._each = each_start
         self._known: dict[bytes, Floats] = {}
 
     @property
@@ -420,20 +410,11 @@ class PeakModel:
         -------
         list of ndarray, shape (n_readings,)
             Torques. [N m]
-
-        Raises
-        ------
-        CalibrationCancelledError
-            If `should_stop` says so.
         """
         wanted = {z.tobytes(): z for z in points if z.tobytes() not in self._known}
-        if wanted and self._stop is not None and self._stop():
-            raise CalibrationCancelledError
         cases = [self.unknowns.varied_case(self.case, z) for z in wanted.values()]
         for key, found in zip(wanted, self._each(maximum_torques, cases), strict=True):
             self._known[key] = np.array([_torque(found, r.element) for r in self.readings])
-            if self._tell is not None:
-                self._tell(self.starts)
         return [self._known[z.tobytes()] for z in points]
 
     def gradient(self, z: Floats) -> Floats:

@@ -55,16 +55,16 @@ class Measurement:
     of: str  #: Mode or element it was taken for; empty where there is none.
     measured: float  #: As typed. [Hz or N m]
     uncertainty: float  #: Standard deviation over it. [1]
-    before: float | None  #: Calculated; None where it was taken for nothing. [Hz or N m]
-    after: float | None  #: Likewise. [Hz or N m]
+    before: float | None = None  #: Calculated; None where it was taken for nothing. [Hz or N m]
+    after: float | None = None  #: Likewise. [Hz or N m]
     #: Calculated minus measured over the standard deviation, before and after. [1]
-    residual_before: float | None
-    residual: float | None  #: Likewise. [1]
+    residual_before: float | None = None
+    residual: float | None = None  #: Likewise. [1]
     #: The residual if all others, and not it, had been used, in its standard deviations. [1]
-    left_out_residual: float | None
-    used: bool  #: Whether it entered the calibration.
-    explained: bool  #: Whether a change within the spread explains it.
-    note: str  #: What to do about it.
+    left_out_residual: float | None = None
+    used: bool = False  #: Whether it entered the calibration.
+    explained: bool = False  #: Whether a change within the spread explains it.
+    note: str = ""  #: What to do about it.
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,16 +81,11 @@ class Calibration:
     #: Judged margins of the case, and of the calibrated one on its basis. [rows]
     margins_before: tuple[MarginRow, ...]
     margins_after: tuple[MarginRow, ...]  #: Likewise. [rows]
-    required_before: float  #: Required margin of each. [1]
-    required_after: float  #: Likewise. [1]
-    basis_before: str  #: ``calculated`` or ``measured``.
-    basis: str  #: Likewise.
+    basis: str  #: Of its required margins: ``calculated`` or ``measured``.
     basis_justified: bool  #: Whether the measurements justify ``measured``.
     basis_reason: str  #: Why.
     calibrated: CaseData  #: The calibrated case. [SI]
     starts: int  #: Starts calculated for the peak torques.
-    complete: bool  #: False where it was stopped before the peak torques were used.
     sentence: str  #: What it comes to.
     notes: tuple[str, ...]  #: What was assumed or left out.
-    case_sha256: str  #: Digests of the case and of the rows. [hex]
-    study_sha256: str  #: Likewise. [hex]
+    study_sha256: str  #: Digest of the rows. [hex]

@@ -44,11 +44,6 @@ class DerivativePlan:
     parameters: tuple[Parameter, ...]  #: Quantity and name of each.
     reason: str  #: Why no start is differentiated; empty where one is.
 
-    @property
-    def n_starts(self) -> int:
-        """Starts that will be calculated. [count]"""
-        return 0 if self.reason else 7 * len(self.parameters) + 1
-
 
 @dataclass(frozen=True)
 class DerivativeUnit:

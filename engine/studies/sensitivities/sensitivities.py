@@ -17,12 +17,12 @@ that is sensitive has no derivative and is not judged.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from engine.case.data import CaseData, case_digest
 from engine.case.study_inputs import INERTIA, STIFFNESS
 from engine.model.frequency_derivatives import FrequencyDerivatives, frequency_derivatives
 from engine.start.start_fatigue import judged_shafts
@@ -30,7 +30,7 @@ from engine.studies.nearby_start import (
     LINEAR,
     unit_stress,
 )
-from engine.studies.sensitivities.differences import Differences, differences
+from engine.studies.sensitivities.differences import Differences
 from engine.studies.sensitivities.plan import (
     NARROW,
     WHOLE,
@@ -38,10 +38,8 @@ from engine.studies.sensitivities.plan import (
     DerivativePlan,
     Floats,
     Parameter,
-    derivative_units,
-    plan_derivatives,
 )
-from engine.studies.sensitivities.tangent import TangentDerivatives, tangent_of
+from engine.studies.sensitivities.tangent import TangentDerivatives
 
 #: The two ways agree if they differ by at most this share of the largest derivative of the answer,
 #: beside the error of the differences. The differences carry the step's error in the phase, about
@@ -67,29 +65,26 @@ class DerivativeRow:
     quantity: str  #: Quantity, and whose.
     of: str  #: Likewise.
     frequency: tuple[float, ...]  #: ∂ln f/∂ln of it, elastic mode by mode. [1]
-    peak: float | None  #: ∂ln(peak stress of the governing element); None = not judged. [1]
-    peak_error: float | None  #: Its error. [1]
-    #: ∂ln(allowable starts of the governing shaft); None = unlimited or not judged. [1]
-    starts: float | None
-    starts_error: float | None  #: Its error. [1]
-    #: Relative change of either answer at − 1 % and at + 1 %. [1]
-    peak_ends: tuple[float, float] | None
-    starts_ends: tuple[float, float] | None  #: Likewise. [1]
     method: str  #: ``energies``, ``differences`` or ``differences, checked by tangent``.
-    note: str  #: What must be known of this row.
+    note: str = ""  #: What must be known of this row.
+    peak: float | None = None  #: ∂ln(peak stress of the governing element); None = not judged. [1]
+    peak_error: float | None = None  #: Its error. [1]
+    #: ∂ln(allowable starts of the governing shaft); None = unlimited or not judged. [1]
+    starts: float | None = None
+    starts_error: float | None = None  #: Its error. [1]
+    #: Relative change of either answer at − 1 % and at + 1 %. [1]
+    peak_ends: tuple[float, float] | None = None
+    starts_ends: tuple[float, float] | None = None  #: Likewise. [1]
 
 
 @dataclass(frozen=True, eq=False)
 class Derivatives:
     """How the answers of a case follow its quantities."""
 
-    case_sha256: str  #: Of the case. [hash]
     frequencies: tuple[float, ...]  #: Elastic frequencies that are differentiated. [Hz]
     energies: FrequencyDerivatives  #: Derivatives of all frequencies. [1]
     rows: tuple[DerivativeRow, ...]  #: The quantity that matters most first. [1]
     governing: str | None  #: Element whose peak, and shaft whose starts, the rows tell.
-    peak: float | None  #: Largest torque of that element. [N m]
-    starts: float | None  #: Its allowable starts; None = unlimited or not judged. [1]
     parameters: tuple[Parameter, ...]  #: In the order of the arrays below.
     elements: tuple[str, ...]  #: Likewise.
     shafts: tuple[str, ...]  #: Likewise.
@@ -139,26 +134,27 @@ def gather_derivatives(
         peaks[i], peak_errors[i] = d.peak, d.peak_error
         starts[i], starts_errors[i] = d.starts, d.starts_error
     element, shaft = _governing(plan)
-    rows = _Rows(
-        plan, energies, by_index, tangent, element, shaft, peaks, peak_errors, starts, starts_errors
-    )
-    made = sorted(rows.all(), key=lambda r: -_weight(r))
-    worst = rows.largest_difference()
-    peak = None
-    if element is not None and nominal.start is not None:
-        name = case.elements[element].element
-        peak = max(p.size for p in nominal.start.peaks if p.element == name)
-    limit = None
-    if shaft is not None and nominal.starts is not None:
-        limit = nominal.starts.shafts[shaft].allowable_starts
+    answers = []
+    if element is not None:
+        other = None if tangent is None else tangent.peak[:, element]
+        ends = {i: d.peak_ends[:, element] for i, d in by_index.items()}
+        answers.append(_Answer("peak", peaks[:, element], peak_errors[:, element], ends, other))
+    if shaft is not None and _is_limited(plan, shaft):
+        other = None if tangent is None else tangent.starts[:, shaft]
+        edge = tangent is not None and bool(tangent.edge[shaft])
+        ends = {i: d.starts_ends[:, shaft] for i, d in by_index.items()}
+        own, error = starts[:, shaft], starts_errors[:, shaft]
+        answers.append(_Answer("starts", own, error, ends, other, edge))
+    worst = None
+    if tangent is not None and element is not None and found:
+        calculated = [i for i, d in by_index.items() if not d.trouble]
+        worst = max(answer.largest_difference(calculated) for answer in answers)
+    rows = sorted(_rows(plan, energies, by_index, answers), key=lambda r: -_weight(r))
     return Derivatives(
-        case_digest(case),
         tuple(nominal.modes.elastic_frequency[: plan.recipe.n_modes].tolist()),
         energies,
-        tuple(made),
+        tuple(rows),
         None if element is None else str(case.elements[element].element),
-        peak,
-        limit,
         plan.parameters,
         tuple(str(e.element) for e in case.elements),
         tuple(str(e.element) for _, e in judged),
@@ -168,7 +164,7 @@ def gather_derivatives(
         starts_errors,
         tangent,
         worst,
-        tuple(_sentences(plan, energies, tangent, worst, rows)),
+        tuple(_sentences(plan, energies, tangent, worst)),
     )
 
 
@@ -197,118 +193,81 @@ def _governing(plan: DerivativePlan) -> tuple[int | None, int | None]:
     return element, judged.index(element) if element in judged else None
 
 
+def _is_limited(plan: DerivativePlan, shaft: int) -> bool:
+    """Whether a shaft has a number of starts."""
+    starts = plan.nominal.starts
+    return starts is not None and starts.shafts[shaft].allowable_starts is not None
+
+
 @dataclass(frozen=True, eq=False)
-class _Rows:
-    """Everything rows are made from."""
+class _Answer:
+    """What is told of each quantity: derivatives of one answer, a number each quantity."""
 
-    plan: DerivativePlan
-    energies: FrequencyDerivatives
-    found: Mapping[int, Differences]
-    tangent: TangentDerivatives | None
-    element: int | None
-    shaft: int | None
-    peaks: Floats
-    peak_errors: Floats
-    starts: Floats
-    starts_errors: Floats
+    name: str  #: ``peak`` or ``starts``.
+    own: Floats  #: By differences. [1] Shape (n_parameters,).
+    error: Floats  #: Its error. [1] Shape (n_parameters,).
+    ends: Mapping[int, Floats]  #: Logarithms of its change at − 1 % and + 1 %, by quantity. [1]
+    other: Floats | None  #: By the tangent; None without one. [1] Shape (n_parameters,).
+    edge: bool = False  #: Whether cycles come and go at the endurance limit.
 
-    def all(self) -> Iterator[DerivativeRow]:
-        n_modes = self.plan.recipe.n_modes
-        still = (0.0,) * n_modes
-        done = set()
-        for i, (quantity, name) in enumerate(self.plan.parameters):
-            own = self.energies.of(quantity, name)
-            frequency = still if own is None else tuple(own[:n_modes].tolist())
-            done.add((quantity, name))
-            yield self._row(i, quantity, name, frequency)
-        for r in self.energies.rows:
-            if (r.quantity, r.name) not in done:
-                yield DerivativeRow(
-                    r.quantity, r.name, tuple(r.value[:n_modes].tolist()), None, None, None, None,
-                    None, None, ENERGIES, "",
-                )  # fmt: skip
+    def is_doubtful(self, i: int) -> bool:
+        """Whether the two differences are too far apart to be called a derivative."""
+        largest = float(np.max(np.abs(self.own)))
+        return bool(self.error[i] > max(DOUBTFUL * abs(self.own[i]), AGREED * largest))
 
-    def _row(self, i: int, quantity: str, name: str, frequency: tuple[float, ...]) -> DerivativeRow:
-        d = self.found.get(i)
-        if d is None or self.element is None or d.trouble:
-            return DerivativeRow(
-                quantity, name, frequency, None, None, None, None, None, None,
-                ENERGIES if quantity in (STIFFNESS, INERTIA) else "",
-                "" if d is None else d.trouble,
-            )  # fmt: skip
-        starts = starts_error = None
-        if self.shaft is not None and self._limited():
-            starts = float(self.starts[i, self.shaft])
-            starts_error = float(self.starts_errors[i, self.shaft])
-        return DerivativeRow(
-            quantity,
-            name,
-            frequency,
-            float(self.peaks[i, self.element]),
-            float(self.peak_errors[i, self.element]),
-            starts,
-            starts_error,
-            _ends(d.peak_ends[:, self.element]),
-            None if starts is None or self.shaft is None else _ends(d.starts_ends[:, self.shaft]),
-            BY_DIFFERENCES if self.tangent is None else BOTH,
-            self._note(i, d, starts),
+    def notes(self, i: int) -> Iterator[str]:
+        """What must be known of the derivative by one quantity."""
+        own, (low, high) = self.own[i], self.ends[i]
+        largest = float(np.max(np.abs(self.own)))
+        if self.is_doubtful(i):
+            why = "cycles come and go at the endurance limit, " if self.edge else ""
+            yield f"The two differences of the {self.name} differ: {why}no one derivative."
+        straight = WHOLE * own * np.array([-1.0, 1.0])
+        bend = float(np.max(np.abs(self.ends[i] - straight)))
+        if bend > max(DOUBTFUL * WHOLE * abs(own), AGREED * WHOLE * largest, SEEN):
+            yield (
+                f"Within ± 1 % the {self.name} do{'es' if self.name == 'peak' else ''} not follow the "
+                f"derivative: {_signed(low)} and {_signed(high)}."
+            )
+        if self.other is not None:
+            if abs(own - self.other[i]) > AGREED * largest + float(self.error[i]):
+                yield f"Per + 1 % the tangent gives {_signed(WHOLE * self.other[i])} for them."
+
+    def largest_difference(self, calculated: Sequence[int]) -> float:
+        """Largest difference of the two ways over the largest derivative."""
+        judged = [i for i in calculated if not self.is_doubtful(i)]
+        size = float(np.max(np.abs(self.own[judged]), initial=0.0))
+        if self.other is None or size == 0.0:
+            return 0.0
+        return float(np.max(np.abs(self.own[judged] - self.other[judged]))) / size
+
+
+def _rows(
+    plan: DerivativePlan,
+    energies: FrequencyDerivatives,
+    found: Mapping[int, Differences],
+    answers: Sequence[_Answer],
+) -> Iterator[DerivativeRow]:
+    n_modes = plan.recipe.n_modes
+    for i, (quantity, name) in enumerate(plan.parameters):
+        by_energies, d = energies.of(quantity, name), found.get(i)
+        frequency = (
+            (0.0,) * n_modes if by_energies is None else tuple(by_energies[:n_modes].tolist())
         )
-
-    def _limited(self) -> bool:
-        """Whether the governing shaft has a number of starts."""
-        nominal = self.plan.nominal.starts
-        return (
-            nominal is not None
-            and self.shaft is not None
-            and nominal.shafts[self.shaft].allowable_starts is not None
-        )
-
-    def _note(self, i: int, d: Differences, starts: float | None) -> str:
-        said: list[str] = []
-        answers = [("peak", self.element, self.peaks, self.peak_errors, d.peak_ends)]
-        if starts is not None:
-            answers.append(("starts", self.shaft, self.starts, self.starts_errors, d.starts_ends))
-        for what, j, own, error, ends in answers:
-            assert j is not None
-            largest = float(np.max(np.abs(own[:, j])))
-            doubtful = _doubtful(own, error, i, j)
-            edge = 0.0 if self.tangent is None or what == "peak" else float(self.tangent.edge[j])
-            if doubtful:
-                why = "cycles come and go at the endurance limit, " if edge else ""
-                said.append(f"The two differences of the {what} differ: {why}no one derivative.")
-            straight = WHOLE * own[i, j] * np.array([-1.0, 1.0])
-            bend = float(np.max(np.abs(ends[:, j] - straight)))
-            if bend > max(DOUBTFUL * WHOLE * abs(own[i, j]), AGREED * WHOLE * largest, SEEN):
-                said.append(
-                    f"Within ± 1 % the {what} do{'es' if what == 'peak' else ''} not follow the "
-                    f"derivative: {_signed(ends[0, j])} and {_signed(ends[1, j])}."
-                )
-            if self.tangent is not None:
-                other = self.tangent.peak if what == "peak" else self.tangent.starts
-                if abs(own[i, j] - other[i, j]) > allowed_difference(own, error, i, j):
-                    said.append(
-                        f"Per + 1 % the tangent gives {_signed(WHOLE * other[i, j])} for them."
-                    )
-        return " ".join(said)
-
-    def largest_difference(self) -> float | None:
-        """Largest difference of the two ways over the largest derivative of the answer."""
-        if self.tangent is None or self.element is None or not self.found:
-            return None
-        worst = 0.0
-        pairs = [(self.peaks, self.peak_errors, self.tangent.peak, self.element)]
-        if self.shaft is not None and self._limited():
-            pairs.append((self.starts, self.starts_errors, self.tangent.starts, self.shaft))
-        for own, error, other, j in pairs:
-            judged = [
-                i
-                for i, d in self.found.items()
-                if not d.trouble and not _doubtful(own, error, i, j)
-            ]
-            size = float(np.max(np.abs(own[judged, j]), initial=0.0))
-            if size > 0.0:
-                worst = max(worst, float(np.max(np.abs(own[judged, j] - other[judged, j]))) / size)
-        return worst
+        if d is None or not answers or d.trouble:
+            method = ENERGIES if quantity in (STIFFNESS, INERTIA) else ""
+            yield DerivativeRow(quantity, name, frequency, method, "" if d is None else d.trouble)
+            continue
+        values: dict[str, Any] = {}
+        for a in answers:
+            values |= {a.name: float(a.own[i]), f"{a.name}_error": float(a.error[i])}
+            values[f"{a.name}_ends"] = _ends(a.ends[i])
+        method = BY_DIFFERENCES if answers[0].other is None else BOTH
+        note = " ".join(words for a in answers for words in a.notes(i))
+        yield DerivativeRow(quantity, name, frequency, method, note, **values)
+    for r in energies.rows:
+        if (r.quantity, r.name) not in plan.parameters:
+            yield DerivativeRow(r.quantity, r.name, tuple(r.value[:n_modes].tolist()), ENERGIES)
 
 
 def _ends(logs: Floats) -> tuple[float, float]:
@@ -320,36 +279,11 @@ def _signed(log: float) -> str:
     return f"{100.0 * math.expm1(log):+.2g} %"
 
 
-def _doubtful(own: Floats, error: Floats, i: int, j: int) -> bool:
-    """Whether the two differences of an answer are too far apart to be called a derivative."""
-    largest = float(np.max(np.abs(own[:, j])))
-    return bool(error[i, j] > max(DOUBTFUL * abs(own[i, j]), AGREED * largest))
-
-
-def allowed_difference(own: Floats, error: Floats, i: int, j: int) -> float:
-    """How far the two ways may be apart before it is noted.
-
-    Parameters
-    ----------
-    own, error : ndarray, shape (n_parameters, n)
-        Derivatives by differences, and their errors. [1]
-    i, j : int
-        Parameter and answer. [indices]
-
-    Returns
-    -------
-    float
-        Largest difference allowed. [1]
-    """
-    return AGREED * float(np.max(np.abs(own[:, j]), initial=0.0)) + float(error[i, j])
-
-
 def _sentences(
     plan: DerivativePlan,
     energies: FrequencyDerivatives,
     tangent: TangentDerivatives | None,
     worst: float | None,
-    rows: _Rows,
 ) -> Iterator[str]:
     if plan.reason:
         yield plan.reason
@@ -379,47 +313,3 @@ def _sentences(
             f"Up to {100.0 * own:.2g} % of the kinetic energy of a mode is in the shafts' own "
             "inertia, which follows from their geometry and has no row."
         )
-
-
-# --- all in one process; rows ---------------------------------------------------------------------
-
-
-def derivatives(
-    case: CaseData,
-    *,
-    on_progress: Callable[[int, int], None] | None = None,
-    should_stop: Callable[[], bool] | None = None,
-) -> Derivatives:
-    """Differentiate everything in this process.
-
-    Parameters
-    ----------
-    case : CaseData
-        A checked case. [SI]
-    on_progress : callable, optional
-        Called with the parameters done and the parameters in all. [count]
-    should_stop : callable, optional
-        Asked between parameters; True ends the study with what is known so far. [flag]
-
-    Returns
-    -------
-    Derivatives
-        The result. [1]
-
-    Raises
-    ------
-    ModelError
-        If the train cannot be calculated.
-    """
-    plan = plan_derivatives(case)
-    units = derivative_units(plan)
-    results = []
-    for unit in units:
-        if should_stop is not None and should_stop():
-            break
-        results.append(differences(unit))
-        if on_progress is not None:
-            on_progress(len(results), len(units))
-    return gather_derivatives(
-        plan, results, tangent_of(plan) if len(results) == len(units) else None
-    )

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from engine.case.checks.find_problems import find_problems
-from engine.case.checks.problem import first_of_each_cell
+from engine.case.checks.problem import (
+    NOT_NEGATIVE,
+    Allowed,
+    blank_cell,
+    check_number,
+    first_of_each_cell,
+)
 from engine.case.data import CaseData
 from engine.case.study_inputs import DAMPING_RATIO, LOAD_TORQUE, StartConditionRow, StudyInputs
 from engine.errors import Problem
@@ -17,8 +22,9 @@ from engine.studies.variation import Change, varied_case
 TABLE = "StartConditions"
 #: Instants of one period at which a standard trip is tried. [count]
 TRIP_INSTANTS = 8
-#: More load than this is a percent sign forgotten. [1]
-LARGEST_LOAD = 2.0
+#: Shares of the load; more than this is a percent sign forgotten. [1]
+_LOAD = Allowed(lambda share: 0.0 <= share <= 2.0, "from 0 to 2 (200 % of LoadTorque)")
+_COUNT = Allowed(NOT_NEGATIVE.holds, "zero or more, and finite")
 #: Scalars of the case that a row changes → the column it is typed in.
 _COLUMN_OF = {
     "Voltage": "Voltage",
@@ -67,11 +73,7 @@ class StartCondition:
 # --- what was typed -------------------------------------------------------------------------------
 
 
-def condition_problems(
-    case: CaseData,
-    studies: StudyInputs,
-    bad_cells: frozenset[tuple[str, int | None, str]] = frozenset(),
-) -> tuple[Problem, ...]:
+def condition_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]:
     """Everything wrong with `StartConditions`.
 
     Parameters
@@ -80,15 +82,13 @@ def condition_problems(
         A checked case. [SI]
     studies : StudyInputs
         Its rows. [SI]
-    bad_cells : frozenset of (table, row, column)
-        Cells the reader has already reported; nothing is said of them again. [names]
 
     Returns
     -------
     tuple of Problem
         Empty if the matrix may be calculated; at most one problem a cell. [count]
     """
-    problems = first_of_each_cell(_problems(case, studies.start_conditions), bad_cells)
+    problems = first_of_each_cell(_problems(case, studies.start_conditions), ())
     return tuple(sorted(problems, key=lambda p: p.row or 0))
 
 
@@ -113,15 +113,8 @@ def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Pro
 
 def _name(number: int, row: StartConditionRow, names: dict[str, int]) -> Iterator[Problem]:
     if not row.condition:
-        yield Problem(
-            TABLE,
-            number,
-            "Condition",
-            None,
-            "a name",
-            "the cell is blank; it must be a name. Name this kind of start, such as 'weak supply, "
-            "loaded'.",
-        )
+        action = "Name this kind of start, such as 'weak supply, loaded'."
+        yield blank_cell(TABLE, number, "Condition", "a name", action)
     elif row.condition in names:
         yield Problem(
             TABLE,
@@ -138,21 +131,9 @@ def _name(number: int, row: StartConditionRow, names: dict[str, int]) -> Iterato
 
 def _numbers(number: int, row: StartConditionRow, has_load: bool) -> Iterator[Problem]:
     """Numbers that no column of the case would check."""
-    for column, value, allowed, most in (
-        ("Load", row.load, "from 0 to 2 (200 % of LoadTorque)", LARGEST_LOAD),
-        ("Per year", row.per_year, "zero or more, and finite", math.inf),
-        ("So far", row.so_far, "zero or more, and finite", math.inf),
-    ):
-        if value is not None and not (math.isfinite(value) and 0.0 <= value <= most):
-            action = "Write 80 % or 0.8." if column == "Load" else "Count such starts."
-            yield Problem(
-                TABLE,
-                number,
-                column,
-                value,
-                allowed,
-                f"found {value:.6g}; it must be {allowed}. {action}",
-            )
+    yield from check_number(TABLE, number, "Load", row.load, _LOAD, action="Write 80 % or 0.8.")
+    for column, value in (("Per year", row.per_year), ("So far", row.so_far)):
+        yield from check_number(TABLE, number, column, value, _COUNT, action="Count such starts.")
     if row.load not in (None, 1.0) and not has_load:
         yield Problem(
             TABLE,

@@ -14,7 +14,7 @@ leaves a gap that no other number fills: the shaft is then not judged, with the 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 
 from engine.case.result_words import Judgement
@@ -85,6 +85,10 @@ ASSUMPTION = (
 )
 
 
+#: Verdicts, the worse the later.
+_WORSE = (Judgement.PASS, Judgement.NOT_JUDGED, Judgement.FAIL)
+
+
 def damage_ledger(matrix: StartMatrix) -> DamageLedger:
     """What the duty of a start matrix has used, uses a year, and leaves.
 
@@ -110,42 +114,22 @@ def damage_ledger(matrix: StartMatrix) -> DamageLedger:
     remaining = tuple(
         _remaining(result, row, matrix.rows) for row in rows for result in matrix.rows
     )
-    judgements = {r.verdict for r in rows}
-    verdict = (
-        Judgement.FAIL
-        if Judgement.FAIL in judgements
-        else Judgement.NOT_JUDGED
-        if Judgement.NOT_JUDGED in judgements
-        else Judgement.PASS
-    )
-    return DamageLedger(rows, remaining, verdict, _sentence(rows), assumption)
+    verdict = max((r.verdict for r in rows), key=_WORSE.index)
+    return DamageLedger(rows, remaining, verdict, " ".join(_words(rows)), assumption)
 
 
 def _shaft(result: ConditionResult, name: str) -> ConditionShaft | None:
     return next((s for s in result.shafts if s.element == name), None)
 
 
-def _sum(
-    results: Sequence[ConditionResult],
-    name: str,
-    number: Callable[[ConditionResult], float],
-    damage: Callable[[ConditionShaft], float],
-) -> float:
+def _sum(results: Sequence[ConditionResult], name: str, number: str, damage: str) -> float:
     """Σ number × damage over the kinds of starts that have a number; exact whatever their order."""
     terms = []
     for r in results:
-        shaft = _shaft(r, name)
-        if number(r) > 0.0 and shaft is not None:
-            terms.append(number(r) * damage(shaft))
+        shaft, times = _shaft(r, name), getattr(r.condition, number)
+        if times > 0.0 and shaft is not None:
+            terms.append(times * getattr(shaft, damage))
     return math.fsum(terms)
-
-
-def _so_far(result: ConditionResult) -> float:
-    return result.condition.so_far
-
-
-def _per_year(result: ConditionResult) -> float:
-    return result.condition.per_year
 
 
 def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> LedgerRow:
@@ -158,12 +142,9 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
         return LedgerRow(
             name, *(None,) * 6, allowed, *(None,) * 4, False, None, Judgement.NOT_JUDGED, reason
         )  # fmt: skip
-    used, used_low, used_high = (
-        _sum(duty, name, _so_far, damage) for damage in (_nominal, _low, _high)
-    )
-    yearly, yearly_low, yearly_high = (
-        _sum(duty, name, _per_year, damage) for damage in (_nominal, _low, _high)
-    )
+    damages = ("damage", "damage_low", "damage_high")
+    used, used_low, used_high = (_sum(duty, name, "so_far", damage) for damage in damages)
+    yearly, yearly_low, yearly_high = (_sum(duty, name, "per_year", damage) for damage in damages)
     life_left = allowed - used
     years = remaining_life(life_left, yearly)
     starts_yearly = any(r.condition.per_year > 0.0 for r in duty)
@@ -187,18 +168,6 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
         verdict=verdict,
         reason=reason,
     )
-
-
-def _nominal(shaft: ConditionShaft) -> float:
-    return shaft.damage
-
-
-def _low(shaft: ConditionShaft) -> float:
-    return shaft.damage_low
-
-
-def _high(shaft: ConditionShaft) -> float:
-    return shaft.damage_high
 
 
 def remaining_life(left: float, taken: float) -> float | None:
@@ -272,9 +241,11 @@ def _verdict(
 
 
 def _governing(duty: Sequence[ConditionResult], name: str, by_year: bool) -> str | None:
-    number = _per_year if by_year else _so_far
+    number = "per_year" if by_year else "so_far"
     shares = {
-        r.condition.name: number(r) * s.damage for r in duty if (s := _shaft(r, name)) is not None
+        r.condition.name: getattr(r.condition, number) * s.damage
+        for r in duty
+        if (s := _shaft(r, name)) is not None
     }
     worst = max(shares, key=lambda k: shares[k], default=None)
     return worst if worst is not None and shares[worst] > 0.0 else None
@@ -319,11 +290,7 @@ def _why_unjudged(result: ConditionResult, shaft: ConditionShaft | None, left: f
     return "" if left is not None else "What is left of the shaft is not judged."
 
 
-def _sentence(rows: Sequence[LedgerRow]) -> str:
-    return " ".join(_said(rows))
-
-
-def _said(rows: Sequence[LedgerRow]) -> Iterator[str]:
+def _words(rows: Sequence[LedgerRow]) -> Iterator[str]:
     for row in rows:
         if row.used is None:
             yield f"{row.element}: not judged. {row.reason}"

@@ -8,20 +8,19 @@ anew, so that a row of the matrix says what the same case would say alone.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from engine.case.data import CaseData, case_digest
+from engine.case.data import CaseData
 from engine.case.study_inputs import StudyInputs, study_digest
 from engine.start.start_fatigue import WHOLE_STARTS, judged_shafts
 from engine.studies.starts.condition_result import (
     NOT_CALCULATED,
     ConditionResult,
     ConditionShaft,
-    calculate_condition,
 )
 from engine.studies.starts.conditions import StartCondition
-from engine.studies.starts.plan import MatrixPlan, plan_matrix
+from engine.studies.starts.plan import MatrixPlan
 
 
 @dataclass(frozen=True)
@@ -35,8 +34,7 @@ class StartMatrix:
     complete: bool  #: False where it was stopped before the last condition.
     sentence: str  #: What it shows.
     notes: tuple[str, ...]  #: What was left out, and why.
-    case_sha256: str  #: Digests of the case and of the rows. [hex]
-    study_sha256: str  #: Likewise. [hex]
+    study_sha256: str  #: Digest of the rows. [hex]
 
 
 # --- all of them ----------------------------------------------------------------------------------
@@ -79,7 +77,6 @@ def gather_matrix(
         complete=len(rows) == len(plan.units),
         sentence=_sentence(ordered, shafts),
         notes=plan.notes,
-        case_sha256=case_digest(case),
         study_sha256=study_digest(*studies.start_conditions),
     )
 
@@ -176,45 +173,6 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
 
 def _names(names: Sequence[str]) -> str:
     return "; ".join(names)
-
-
-def start_matrix(
-    case: CaseData,
-    studies: StudyInputs,
-    *,
-    with_standard: bool = False,
-    on_progress: Callable[[int, int, str], None] | None = None,
-    should_stop: Callable[[], bool] | None = None,
-) -> StartMatrix:
-    """The matrix, one start after the other.
-
-    Parameters
-    ----------
-    case : CaseData
-        A checked case with a start. [SI]
-    studies : StudyInputs
-        Its checked rows. [SI]
-    with_standard : bool, optional
-        Add the standard matrix to the rows. [flag]
-    on_progress : callable, optional
-        Called with the number of starts done, of all, and the name of the next. [count, count, name]
-    should_stop : callable, optional
-        Asked before each start; what is missing then says so. [flag]
-
-    Returns
-    -------
-    StartMatrix
-        Every condition. [SI]
-    """
-    plan = plan_matrix(case, studies, with_standard=with_standard)
-    rows: list[ConditionResult] = []
-    for condition in plan.units:
-        if should_stop is not None and should_stop():
-            break
-        if on_progress is not None:
-            on_progress(len(rows), len(plan.units), condition.name)
-        rows.append(calculate_condition(case, condition))
-    return gather_matrix(case, studies, plan, rows)
 
 
 # --- tables ---------------------------------------------------------------------------------------

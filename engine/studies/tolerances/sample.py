@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +53,9 @@ MOST_SAMPLES = 1_000_000
 CHECKED_EVERY = 50
 #: Torques below this share of the train's largest do not count for what the step changes.
 _NEGLIGIBLE = 1e-3
+#: Arrays of `Evaluated`, a row a sample: yes or no, and numbers.
+MASKS = ("known", "counted", "reversed", "sensitive", "checked")
+NUMBERS = ("frequency", "margin", "torque", "starts", "by_step")
 #: Samples of one unit of work, of starts without events; one with events takes a second and more.
 UNIT_SIZE = 50
 
@@ -146,43 +150,22 @@ def tolerance_problems(
     list of Problem
         Empty if it can be planned.
     """
-    problems = scatter_problems(case, rows)
+    samples, methods = f"{FEWEST_SAMPLES} to {MOST_SAMPLES:,}", " or ".join(METHODS)
+    wrong: list[tuple[str, object, str, str]] = []
     if not FEWEST_SAMPLES <= settings.samples <= MOST_SAMPLES:
-        allowed = f"{FEWEST_SAMPLES} to {MOST_SAMPLES:,}"
-        problems.append(
-            Problem(
-                "Scatter",
-                None,
-                "Samples",
-                settings.samples,
-                allowed,
-                f"{settings.samples} samples are asked for; allowed are {allowed}: fewer than "
-                f"{FEWEST_SAMPLES} bound no P10.",
-            )
+        words = (
+            f"{settings.samples} samples are asked for; allowed are {samples}: fewer than "
+            f"{FEWEST_SAMPLES} bound no P10."
         )
+        wrong.append(("Samples", settings.samples, samples, words))
     if settings.method not in METHODS:
-        problems.append(
-            Problem(
-                "Scatter",
-                None,
-                "Method",
-                settings.method,
-                " or ".join(METHODS),
-                f"Method is '{settings.method}'; allowed is {' or '.join(METHODS)}.",
-            )
-        )
+        words = f"Method is '{settings.method}'; allowed is {methods}."
+        wrong.append(("Method", settings.method, methods, words))
     if settings.seed < 0:
-        problems.append(
-            Problem(
-                "Scatter",
-                None,
-                "Seed",
-                settings.seed,
-                "0 or more",
-                f"Seed is {settings.seed}; it must be 0 or a positive whole number.",
-            )
-        )
-    return problems
+        words = f"Seed is {settings.seed}; it must be 0 or a positive whole number."
+        wrong.append(("Seed", settings.seed, "0 or more", words))
+    problems = [Problem("Scatter", None, *cell) for cell in wrong]
+    return [*scatter_problems(case, rows), *problems]
 
 
 def plan_tolerances(
@@ -295,18 +278,15 @@ def evaluate(unit: Unit) -> Evaluated:
     """
     n, recipe = len(unit.values), unit.recipe
     judged = len(judged_shafts(unit.case))
+    masks: dict[str, Any] = {name: np.zeros(n, dtype=np.bool_) for name in MASKS}
     evaluated = Evaluated(
         unit.first,
-        np.zeros(n, dtype=np.bool_),
-        np.zeros(n, dtype=np.bool_),
-        np.zeros(n, dtype=np.bool_),
-        np.zeros(n, dtype=np.bool_),
-        np.zeros((n, recipe.n_modes)),
-        np.zeros((n, len(recipe.margins))),
-        np.zeros((n, len(unit.case.elements))),
-        np.full((n, judged), math.inf),
-        np.zeros(n, dtype=np.bool_),
-        np.zeros((n, 2)),
+        **masks,
+        frequency=np.zeros((n, recipe.n_modes)),
+        margin=np.zeros((n, len(recipe.margins))),
+        torque=np.zeros((n, len(unit.case.elements))),
+        starts=np.full((n, judged), math.inf),
+        by_step=np.zeros((n, 2)),
     )
     outcomes: dict[str, int] = {}
     troubles: list[str] = []

@@ -12,15 +12,13 @@ evenly, so for answers that rise or fall with each factor they are closer than t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.case.data import CaseData, case_digest
-from engine.case.study_inputs import ScatterRow
 from engine.errors import ModelError
 from engine.numerics.sample_statistics import (
     CONFIDENCE,
@@ -35,12 +33,11 @@ from engine.start.start_fatigue import is_counted, judged_shafts
 from engine.studies.nearby_start import LINEAR, NO_START, NearbyStartPlan, unit_stress
 from engine.studies.scatter import METHODS, sample_size
 from engine.studies.tolerances.sample import (
+    MASKS,
+    NUMBERS,
     Evaluated,
     TolerancePlan,
     ToleranceSettings,
-    evaluate,
-    plan_tolerances,
-    units_of,
 )
 
 Floats = NDArray[np.float64]
@@ -102,8 +99,6 @@ class DriverRow:
 class Tolerances:
     """What the scatter makes of the answers."""
 
-    case_sha256: str  #: Of the case, and of scatter and settings. [hash]
-    study_sha256: str  #: Likewise. [hash]
     settings: ToleranceSettings  #: How the sample was drawn. [mixed]
     wanted: int  #: Samples planned and calculated.
     samples: int  #: Likewise.
@@ -125,21 +120,6 @@ class Tolerances:
     starts: Floats = field(repr=False)
     #: First elastic frequency of every sample. [Hz] Shape (n,).
     first_frequency: Floats = field(repr=False)
-
-    def percentile(self, quantity: str, of: str) -> PercentileRow | None:
-        """One row of the percentile table.
-
-        Parameters
-        ----------
-        quantity, of : str
-            As in the row. [word]
-
-        Returns
-        -------
-        PercentileRow or None
-            None where there is no such row. [as the quantity]
-        """
-        return next((r for r in self.percentiles if (r.quantity, r.of) == (quantity, of)), None)
 
 
 # --- from samples to answers ----------------------------------------------------------------------
@@ -181,8 +161,6 @@ def summarise_sample(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Tol
     least = np.min(sample.starts[judged], axis=1) if has_starts else np.zeros(0)
     settled = convergence(*_settling(plan, sample, driven, answer, usable))
     return Tolerances(
-        case_digest(plan.case),
-        plan.digest,
         plan.settings,
         plan.n_samples,
         int(np.sum(sample.known)),
@@ -214,35 +192,13 @@ def _joined(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Evaluated:
             out[part.first : part.first + len(rows)] = rows
         return out
 
-    return Evaluated(
-        0,
-        put("known"),
-        put("counted"),
-        put("reversed"),
-        put("sensitive"),
-        put("frequency"),
-        put("margin"),
-        put("torque"),
-        put("starts"),
-        put("checked"),
-        put("by_step"),
-    )
+    arrays: dict[str, Any] = {name: put(name) for name in (*MASKS, *NUMBERS)}
+    return Evaluated(0, **arrays)
 
 
 def _part(whole: Evaluated, rows: slice) -> Evaluated:
-    return Evaluated(
-        rows.start,
-        whole.known[rows],
-        whole.counted[rows],
-        whole.reversed[rows],
-        whole.sensitive[rows],
-        whole.frequency[rows],
-        whole.margin[rows],
-        whole.torque[rows],
-        whole.starts[rows],
-        whole.checked[rows],
-        whole.by_step[rows],
-    )
+    arrays: dict[str, Any] = {name: getattr(whole, name)[rows] for name in (*MASKS, *NUMBERS)}
+    return Evaluated(rows.start, **arrays)
 
 
 # --- percentiles ----------------------------------------------------------------------------------
@@ -608,52 +564,3 @@ def _step_sentence(
         f"{text}. The sampling error of the P10 of the starts, {_percent(sampling)}, is not far above "
         "it: tighten TolerancePeak and ToleranceStarts for more."
     )
-
-
-# --- all in one process ---------------------------------------------------------------------------
-
-
-def tolerances(
-    case: CaseData,
-    rows: Sequence[ScatterRow],
-    settings: ToleranceSettings | None = None,
-    *,
-    on_progress: Callable[[int, int], None] | None = None,
-    should_stop: Callable[[], bool] | None = None,
-) -> Tolerances:
-    """Sample, calculate and judge in this process.
-
-    Parameters
-    ----------
-    case : CaseData
-        A checked case. [SI]
-    rows : sequence of ScatterRow
-        Table `Scatter`. [1]
-    settings : ToleranceSettings, optional
-        How the sample is drawn. [mixed]
-    on_progress : callable, optional
-        Called with the runs done and the runs in all. [count]
-    should_stop : callable, optional
-        Asked between units; True ends the study with the samples calculated so far. [flag]
-
-    Returns
-    -------
-    Tolerances
-        The result. [SI]
-
-    Raises
-    ------
-    CaseError
-        With every problem of the table.
-    ModelError
-        If the train as stated, or every sample, cannot be calculated.
-    """
-    plan = plan_tolerances(case, rows, settings)
-    done: list[Evaluated] = []
-    for unit in units_of(plan):
-        if should_stop is not None and should_stop():
-            break
-        done.append(evaluate(unit))
-        if on_progress is not None:
-            on_progress(unit.first + len(unit.values), plan.n_runs)
-    return summarise_sample(plan, done)

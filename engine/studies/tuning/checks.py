@@ -6,6 +6,7 @@ import difflib
 import math
 from collections.abc import Iterator, Sequence
 
+from engine.case.checks.problem import blank_cell, wrong_value
 from engine.case.choices import ElementKind
 from engine.case.data import GROUND, CaseData
 from engine.case.study_inputs import (
@@ -53,8 +54,10 @@ def tuning_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]
     """
     if not studies.tuning and not studies.catalogue:
         return (
-            _problem(
-                (_TUNING, None, ""),
+            Problem(
+                _TUNING,
+                None,
+                "",
                 None,
                 "at least one row in table Tuning or Catalogue",
                 "the tables Tuning and Catalogue are empty: there is nothing to try. Name a coupling "
@@ -75,15 +78,11 @@ _Where = tuple[str, int | None, str]
 LARGEST = 1e30
 
 
-def _problem(where: _Where, found: object, allowed: str, sentence: str) -> Problem:
-    return Problem(*where, found, allowed, sentence)
-
-
 def _wrong(where: _Where, found: object, allowed: str, action: str, unit: str = "") -> Problem:
     """A problem whose sentence is: found …; it must be …. What to do."""
-    content = f"{found:.6g} {unit}".rstrip() if isinstance(found, (int, float)) else f"'{found}'"
-    content = "the cell is blank" if found is None else f"found {content}"
-    return _problem(where, found, allowed, f"{content}; it must be {allowed}. {action}")
+    if found is None:
+        return blank_cell(*where, allowed, action)
+    return wrong_value(*where, found, allowed, action, unit)
 
 
 def _nearest(name: str, known: Sequence[str]) -> str:
@@ -116,7 +115,7 @@ def _tuning_row(case: CaseData, number: int, row: TuningRow) -> Iterator[Problem
             )
         if missing is not None:
             allowed = f"one whose {quantity} can be changed"
-            yield _problem(where("Element"), row.element, allowed, missing)
+            yield Problem(*where("Element"), row.element, allowed, missing)
     yield from _range(row, where("From"), where("To"), where("Steps"), where("Values"))
     unit = "" if row.relative or quantity not in UNITS else UNITS[quantity]
     zero = quantity in _ZERO_ALLOWED
@@ -148,8 +147,8 @@ def _range(
     """Values or a range, not both; a range that rises, or is one point."""
     ends = (row.from_, row.to)
     if row.values and any(end is not None for end in ends):
-        yield _problem(
-            values, row.values[0], "either Values or From and To",
+        yield Problem(
+            *values, row.values[0], "either Values or From and To",
             "both Values and a range are given; only one of them can be tried. Clear Values, or clear "
             "From, To and Steps.",
         )  # fmt: skip
@@ -157,8 +156,8 @@ def _range(
     if row.values:
         return
     if ends == (None, None):
-        yield _problem(
-            values, None, "Values, or From and To",
+        yield Problem(
+            *values, None, "Values, or From and To",
             "neither Values nor a range is given; there is nothing to try. Type numbers with "
             "semicolons between them into Values, or fill From and To.",
         )  # fmt: skip
@@ -170,7 +169,7 @@ def _range(
         return
     if row.from_ > row.to:
         sentence = "To is less than From. Exchange the two ends of the range."  # in any unit
-        yield _problem(to, row.to, "at least From", sentence)
+        yield Problem(*to, row.to, "at least From", sentence)
     least = 1 if row.from_ == row.to else 2
     if row.from_ == row.to and row.steps not in (None, 1):
         allowed = f"above From, {row.from_:.6g}, where Steps is {row.steps}"
@@ -296,8 +295,10 @@ def _too_little_inertia(case: CaseData, studies: StudyInputs) -> Iterator[Proble
         short = [str(end) for end in ends if end != GROUND and least[str(end)] <= 0.0]
         fitted = next((r for r in rows if r.fitted == "yes"), None)
         if taken[name] < 0.0 and short and fitted is not None:
-            yield _problem(
-                (_CATALOGUE, studies.catalogue.index(fitted) + 1, "Inertia"),
+            yield Problem(
+                _CATALOGUE,
+                studies.catalogue.index(fitted) + 1,
+                "Inertia",
                 fitted.inertia,
                 "at most what the stations at its ends hold",
                 f"half of {fitted.inertia:.6g} kg m² is part of station '{short[0]}', which has "
@@ -313,8 +314,10 @@ def _too_many(studies: StudyInputs) -> Iterator[Problem]:
     total = math.prod(counts)
     if total > MAX_COMBINATIONS:
         product = " × ".join(str(n) for n in counts)
-        yield _problem(
-            (_TUNING if studies.tuning else _CATALOGUE, None, ""),
+        yield Problem(
+            _TUNING if studies.tuning else _CATALOGUE,
+            None,
+            "",
             total,
             f"at most {MAX_COMBINATIONS:,} combinations",
             f"{product} values make {total:,} combinations; at most {MAX_COMBINATIONS:,} are "

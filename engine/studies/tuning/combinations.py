@@ -6,14 +6,21 @@ with one option a coupling on offer. A combination takes one option of each.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from itertools import product
 
 from engine.case.data import CaseData
-from engine.case.study_inputs import StudyInputs, study_digest
+from engine.case.study_inputs import DisplayUnit, StudyInputs, study_digest
 from engine.errors import CaseError
 from engine.studies.tuning.checks import tuning_problems
-from engine.studies.tuning.options import Combination, Variable, variables_of, with_options
+from engine.studies.tuning.options import (
+    Combination,
+    Variable,
+    in_units,
+    variables_of,
+    with_options,
+)
 
 
 @dataclass(frozen=True)
@@ -63,3 +70,26 @@ def plan_tuning(case: CaseData, studies: StudyInputs) -> TuningPlan:
     combinations.sort(key=lambda c: not c.as_is)  # what the others are compared with comes first
     digest = study_digest(*studies.tuning, *studies.catalogue)
     return TuningPlan(variables, tuple(combinations), digest)
+
+
+def in_typed_units(plan: TuningPlan, units: Mapping[tuple[str, str], DisplayUnit]) -> TuningPlan:
+    """The same plan, its options named in the units that the engineer typed.
+
+    Parameters
+    ----------
+    plan : TuningPlan
+        Named in SI. [SI]
+    units : mapping of (str, str) to DisplayUnit
+        As in `StudyInputs`. [units]
+
+    Returns
+    -------
+    TuningPlan
+        The same options in the same order. [SI]
+    """
+    variables = tuple(in_units(v, units) for v in plan.variables)
+    combinations = []
+    for c in plan.combinations:
+        pairs = zip(variables, c.picked, strict=bool(c.picked))
+        combinations.append(replace(c, options=tuple(v.options[i] for v, i in pairs)))
+    return replace(plan, variables=variables, combinations=tuple(combinations))

@@ -21,7 +21,7 @@ from engine.results.verdicts import Verdict
 from engine.run import run
 from engine.start.crossings import Crossing
 from engine.start.start_fatigue import is_counted
-from engine.studies.tuning.options import Combination, case_of
+from engine.studies.tuning.options import Combination, with_options
 
 #: Elastic modes that are kept of each combination. [count]
 MODES = 10
@@ -55,7 +55,6 @@ class KeyAnswers:
     peak_torque_where: str  #: Its element.
     #: Lowest torque of a gear mesh, at its From side; of several the lowest at motor speed. [N m]
     mesh_minimum_torque: float | None
-    mesh_where: str  #: Its element.
     impacts: int | None  #: Recontacts of all teeth; None where no clearance was modelled.
     #: Allowable starts of the governing shaft; None = unlimited or not judged. [1]
     starts: float | None
@@ -112,7 +111,7 @@ def calculate_combination(case: CaseData, combination: Combination) -> Evaluated
     """
     try:
         return EvaluatedCombination(
-            combination, answers_of(run(Case(**vars(case_of(case, combination)))))
+            combination, answers_of(run(Case(**vars(with_options(case, combination.options)))))
         )
     except CaseError as wrong:
         return EvaluatedCombination(combination, None, " ".join(_told(p.table, p.row, p.column, p.message) for p in wrong.problems))  # fmt: skip
@@ -173,7 +172,6 @@ def answers_of(results: Results) -> KeyAnswers:
         peak_over_rated=torque / rated if torque is not None and rated else None,
         peak_torque_where=torqued,
         mesh_minimum_torque=None if lowest is None else lowest.minimum_torque,
-        mesh_where="" if lowest is None else lowest.element,
         impacts=sum(counted) if counted else None,
         starts=number,
         unlimited=starts is not None and whole and starts.unlimited,

@@ -5,7 +5,7 @@ Of more than two variables a cell shows the best combination over the others.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from engine.studies.tuning.combinations import TuningPlan
@@ -24,9 +24,7 @@ class TuningMap:
     best_over: tuple[str, ...]  #: Variables that are at their best in each cell.
 
 
-def tuning_map(
-    plan: TuningPlan, ranked: Sequence[EvaluatedCombination], *, across: int = 0, up: int | None = 1
-) -> TuningMap:
+def tuning_map(plan: TuningPlan, ranked: Sequence[EvaluatedCombination]) -> TuningMap:
     """The best combination of each pair of options.
 
     Parameters
@@ -35,32 +33,21 @@ def tuning_map(
         What was to be tried. [SI]
     ranked : sequence of EvaluatedCombination
         Combinations, the best first. [SI]
-    across, up : int, optional
-        The variables of the map; without a second one it has a single row. [indices]
 
     Returns
     -------
     TuningMap
         Cells with the best of what was calculated. [SI]
     """
-    if up is not None and up >= len(plan.variables):
-        up = None
-    best: dict[tuple[int, int], EvaluatedCombination] = {}
+    across, *others = plan.variables
+    up = others[0] if others else None
+    best: dict[tuple[int, ...], EvaluatedCombination] = {}
     for tried in ranked:
-        picked = tried.combination.picked
-        if picked:
-            best.setdefault((0 if up is None else picked[up], picked[across]), tried)
-    drawn = {across} if up is None else {across, up}
-    rows = 1 if up is None else len(plan.variables[up].options)
+        best.setdefault(tried.combination.picked[:2], tried)
+    places = [()] if up is None else [(j,) for j in range(len(up.options))]
     return TuningMap(
-        plan.variables[across],
-        None if up is None else plan.variables[up],
-        tuple(_row(best, j, len(plan.variables[across].options)) for j in range(rows)),
-        tuple(v.title for i, v in enumerate(plan.variables) if i not in drawn),
+        across,
+        up,
+        tuple(tuple(best.get((i, *place)) for i in range(len(across.options))) for place in places),
+        tuple(v.title for v in others[1:]),
     )
-
-
-def _row(
-    best: Mapping[tuple[int, int], EvaluatedCombination], row: int, length: int
-) -> tuple[EvaluatedCombination | None, ...]:
-    return tuple(best.get((row, i)) for i in range(length))

@@ -108,24 +108,6 @@ def variables_of(case: CaseData, studies: StudyInputs) -> tuple[Variable, ...]:
     )
 
 
-def case_of(case: CaseData, combination: Combination) -> CaseData:
-    """The case of a combination: ready to be calculated or saved.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case as it stands. [SI]
-    combination : Combination
-        What is chosen. [SI]
-
-    Returns
-    -------
-    CaseData
-        The changed case, not yet checked. [SI]
-    """
-    return with_options(case, combination.options)
-
-
 def with_options(case: CaseData, options: Sequence[Option]) -> CaseData:
     """A case with options in place of what it says.
 
@@ -219,14 +201,15 @@ def in_units(variable: Variable, units: Mapping[tuple[str, str], DisplayUnit]) -
     variable : Variable
         Named in SI. [SI]
     units : mapping of (str, str) to DisplayUnit
-        As in `StudyInputs`. [units]
+        As in `StudyInputs`: that of the variable's row, else the usual one of the workbook. [units]
 
     Returns
     -------
     Variable
         The same options in the same order. [SI]
     """
-    unit = unit_for(units, variable.name, variable.quantity)
+    name, quantity = variable.name, variable.quantity
+    unit = units.get((name, quantity)) or units.get(("", quantity))
     if unit is None:
         return variable
     options = tuple(
@@ -234,26 +217,6 @@ def in_units(variable: Variable, units: Mapping[tuple[str, str], DisplayUnit]) -
         for o in variable.options
     )
     return replace(variable, options=options)
-
-
-def unit_for(
-    units: Mapping[tuple[str, str], DisplayUnit], name: str, quantity: str
-) -> DisplayUnit | None:
-    """The unit of a quantity: that of its row, else the usual one of the workbook.
-
-    Parameters
-    ----------
-    units : mapping of (str, str) to DisplayUnit
-        As in `StudyInputs`. [units]
-    name, quantity : str
-        Element or station, and what of it. [names]
-
-    Returns
-    -------
-    DisplayUnit or None
-        None where nothing was typed. [unit]
-    """
-    return units.get((name, quantity)) or units.get(("", quantity))
 
 
 def _numbers(row: TuningRow) -> tuple[float, ...]:

@@ -71,22 +71,6 @@ def merit(tried: EvaluatedCombination) -> Merit:
     return (0.0, float(not a.whole), float(len(a.broken)), float(tier), starts, -margin, peak)
 
 
-def is_better(tried: EvaluatedCombination, other: EvaluatedCombination) -> bool:
-    """Whether a combination ranks above another one by what was calculated.
-
-    Parameters
-    ----------
-    tried, other : EvaluatedCombination
-        Two combinations, calculated. [SI]
-
-    Returns
-    -------
-    bool
-        False where they are equal. [flag]
-    """
-    return merit(tried) < merit(other)
-
-
 def ranked(
     tried: Iterable[EvaluatedCombination], variables: tuple[Variable, ...]
 ) -> tuple[EvaluatedCombination, ...]:

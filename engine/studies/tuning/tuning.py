@@ -5,17 +5,18 @@ own torque curves, acceleration and damping. Here each combination of what may b
 full, so the answer is read off the starts themselves.
 
 `plan_tuning` says what will be calculated, `calculate_combination` is one unit of work, `rank_combinations` makes
-one result of the units, whoever calculated them; `tune` does all three one after the other.
+one result of the units, whoever calculated them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
-from engine.case.data import CaseData, case_digest
-from engine.case.study_inputs import DisplayUnit, StudyInputs
+from engine.case.data import CaseData
+from engine.case.study_inputs import DisplayUnit
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of
 from engine.operation.margins import (
@@ -26,11 +27,11 @@ from engine.operation.margins import (
     required_margin,
     rows_of_bands,
 )
-from engine.studies.tuning.combinations import TuningPlan, plan_tuning
-from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers, calculate_combination
+from engine.studies.tuning.combinations import TuningPlan
+from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers
 from engine.studies.tuning.maps import TuningMap, tuning_map
-from engine.studies.tuning.options import Combination, Variable, case_of, in_units
-from engine.studies.tuning.ranking import chosen, is_better, ranked, reason
+from engine.studies.tuning.options import Variable, with_options
+from engine.studies.tuning.ranking import chosen, merit, ranked, reason
 
 Row = dict[str, Any]
 
@@ -53,7 +54,6 @@ class Ranked:
 class TuningResult:
     """Everything a tuning study found."""
 
-    case_sha256: str  #: Digest of the case. [hex]
     study_digest: str  #: Digest of the rows of `Tuning` and `Catalogue`. [hex]
     variables: tuple[Variable, ...]  #: What was chosen from. [SI]
     rows: tuple[Ranked, ...]  #: Every combination that was calculated, the best first. [SI]
@@ -65,55 +65,12 @@ class TuningResult:
     planned: int  #: Combinations there are, the case as it stands included.
     sentence: str  #: What was found, in short.
 
-    @property
-    def complete(self) -> bool:
-        """Whether every combination was calculated. [flag]"""
-        return len(self.rows) == self.planned
-
-
-def tune(
-    case: CaseData,
-    studies: StudyInputs,
-    *,
-    on_progress: Callable[[int, int], None] | None = None,
-    should_stop: Callable[[], bool] | None = None,
-) -> TuningResult:
-    """The whole study, one combination after the other.
-
-    Parameters
-    ----------
-    case : CaseData
-        A checked case. [SI]
-    studies : StudyInputs
-        Rows of `Tuning` and `Catalogue`. [SI]
-    on_progress : callable, optional
-        Called with how many combinations are done, and how many there are. [counts]
-    should_stop : callable, optional
-        Asked before each combination; what is done by then is the result. [flag]
-
-    Returns
-    -------
-    TuningResult
-        Ranked, with reasons. [SI]
-
-    Raises
-    ------
-    CaseError
-        With every problem of the rows.
-    """
-    plan = plan_tuning(case, studies)
-    done: list[EvaluatedCombination] = []
-    for combination in plan.combinations:
-        if should_stop is not None and should_stop():
-            break
-        done.append(calculate_combination(case, combination))
-        if on_progress is not None:
-            on_progress(len(done), len(plan.combinations))
-    return rank_combinations(case, plan, done)
-
 
 def rank_combinations(
-    case: CaseData, plan: TuningPlan, tried: Iterable[EvaluatedCombination]
+    case: CaseData,
+    plan: TuningPlan,
+    tried: Iterable[EvaluatedCombination],
+    units: Mapping[tuple[str, str], DisplayUnit] = MappingProxyType({}),
 ) -> TuningResult:
     """One result of all that was calculated.
 
@@ -125,12 +82,16 @@ def rank_combinations(
         What was to be tried. [SI]
     tried : iterable of EvaluatedCombination
         What was, in any order. [SI]
+    units : mapping of (str, str) to DisplayUnit, optional
+        Of stress and torque in its words, as in `StudyInputs`; default MPa and N m. [units]
 
     Returns
     -------
     TuningResult
-        The same whatever the order. [SI]
+        The same whatever the order, with options as the plan names them. [SI]
     """
+    named = {c.picked: c for c in plan.combinations}
+    tried = [replace(t, combination=named[t.combination.picked]) for t in tried]
     order = ranked(tried, plan.variables)
     stands = next((t for t in order if t.combination.as_is), None)
     rated = case.ratings.rated_torque
@@ -139,15 +100,14 @@ def rank_combinations(
             rank,
             chosen(t, plan.variables),
             t,
-            stands is not None and is_better(t, stands),
-            reason(t, stands, rated),
+            stands is not None and merit(t) < merit(stands),
+            reason(t, stands, rated, units),
         )
         for rank, t in enumerate(order, start=1)
     )
     bands = forbidden_bands(case, excitations_of(case, build_train(case)))
     as_is = next((r for r in rows if r.tried.combination.as_is), None)
     return TuningResult(
-        case_digest(case),
         plan.study_digest,
         plan.variables,
         rows,
@@ -158,59 +118,6 @@ def rank_combinations(
         tuning_map(plan, order),
         len(plan.combinations),
         _sentence(rows, as_is, len(plan.combinations)),
-    )
-
-
-def in_typed_units(
-    case: CaseData, result: TuningResult, units: Mapping[tuple[str, str], DisplayUnit]
-) -> TuningResult:
-    """The same result, its words in the units that the engineer typed.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case as it stands. [SI]
-    result : TuningResult
-        The study. [SI]
-    units : mapping of (str, str) to DisplayUnit
-        As in `StudyInputs`. [units]
-
-    Returns
-    -------
-    TuningResult
-        Labels, reasons and the sentence told anew; numbers and order are the same. [SI]
-    """
-    if not units:
-        return result
-    variables = tuple(in_units(v, units) for v in result.variables)
-    named = {v.title: v for v in variables}
-    stands = None if result.as_is is None else result.as_is.tried
-
-    def told(row: Ranked) -> Ranked:
-        combination = row.tried.combination
-        if combination.picked:
-            options = tuple(
-                v.options[i] for v, i in zip(variables, combination.picked, strict=True)
-            )
-            combination = replace(combination, options=options)
-        tried = replace(row.tried, combination=combination)
-        words = reason(tried, stands, case.ratings.rated_torque, units)
-        return replace(row, combination=chosen(tried, variables), tried=tried, reason=words)
-
-    rows = tuple(told(row) for row in result.rows)
-    as_is = next((r for r in rows if r.tried.combination.as_is), None)
-    up = result.map.up
-    return replace(
-        result,
-        variables=variables,
-        rows=rows,
-        as_is=as_is,
-        map=replace(
-            result.map,
-            across=named[result.map.across.title],
-            up=None if up is None else named[up.title],
-        ),
-        sentence=_sentence(rows, as_is, result.planned),
     )
 
 
@@ -238,7 +145,7 @@ def best_cases(
         for row in result.rows
         if row.tried.answers is not None and not row.tried.combination.as_is
     ]
-    return tuple((row, case_of(case, row.tried.combination)) for row in ready[:top])
+    return tuple((row, with_options(case, row.tried.combination.options)) for row in ready[:top])
 
 
 def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> str:
@@ -295,7 +202,7 @@ def uncalculated_rows(plan: TuningPlan, result: TuningResult) -> list[Row]:
     plan : TuningPlan
         What was to be tried. [SI]
     result : TuningResult
-        What was; its variables name the options, in their units. [SI]
+        What was. [SI]
 
     Returns
     -------
@@ -304,15 +211,9 @@ def uncalculated_rows(plan: TuningPlan, result: TuningResult) -> list[Row]:
     """
     done = {row.tried.combination.picked for row in result.rows}
 
-    def words(one: Combination) -> str:
-        named = tuple(
-            v.options[i] for v, i in zip(result.variables, one.picked, strict=bool(one.picked))
-        )
-        return chosen(EvaluatedCombination(replace(one, options=named), None), result.variables)
-
     return [
         {
-            "combination": words(one),
+            "combination": chosen(EvaluatedCombination(one, None), plan.variables),
             "as_is": one.as_is,
             "better": False,
             "verdict": NOT_CALCULATED,

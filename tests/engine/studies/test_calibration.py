@@ -266,7 +266,6 @@ def test_peak_torques_tell_of_damping(case: Case, frequencies: np.ndarray) -> No
         ScatterRow("HS coupling", "stiffness", "normal", 0.05),
         ScatterRow(None, "damping ratio", "uniform", 0.6),
     )
-    seen: list[int] = []
     found = calibrate(
         case,
         asked(
@@ -274,7 +273,6 @@ def test_peak_torques_tell_of_damping(case: Case, frequencies: np.ndarray) -> No
             scatter=rows,
             peaks=(MeasuredPeakRow("HS coupling", torque, 0.01),),
         ),
-        on_progress=lambda done, of, words: seen.append(done),
     )
     damping = next(p for p in found.parameters if p.quantity == "damping ratio")
     assert damping.change == pytest.approx(0.3, abs=0.06)
@@ -291,16 +289,7 @@ def test_peak_torques_tell_of_damping(case: Case, frequencies: np.ndarray) -> No
     assert found.calibrated.damping_ratio == pytest.approx(
         (case.damping_ratio or 0.0) * (1.0 + damping.change)
     )
-    assert found.starts == seen[-1]
     assert found.starts > 4
-    stopped = calibrate(
-        case,
-        asked(M(None, float(frequencies[0])), peaks=(MeasuredPeakRow("HS coupling", torque),)),
-        should_stop=lambda: True,
-    )
-    assert not stopped.complete
-    assert "Stopped" in stopped.notes[-1]
-    assert not stopped.measurements[-1].used
 
 
 # --- measurements that cannot be ------------------------------------------------------------------
@@ -370,7 +359,7 @@ def test_a_measurement_that_contradicts_the_others_is_told(
         (asked(), ("MeasuredFrequencies", None, ""), "nothing was measured"),
         (asked(M(None, -30.0)), ("MeasuredFrequencies", 1, "Frequency"), "must be positive"),
         (asked(M(None, None)), ("MeasuredFrequencies", 1, "Frequency"), "blank"),
-        (asked(M(None, math.inf)), ("MeasuredFrequencies", 1, "Frequency"), "must be positive"),
+        (asked(M(None, math.inf)), ("MeasuredFrequencies", 1, "Frequency"), "a finite number"),
         (asked(M(0, 30.0)), ("MeasuredFrequencies", 1, "Mode"), "from 1 to 10"),
         (asked(M(11, 30.0)), ("MeasuredFrequencies", 1, "Mode"), "10 elastic modes"),
         (asked(M(1, 30.0), M(1, 31.0)), ("MeasuredFrequencies", 2, "Mode"), "row 1 names too"),
@@ -404,7 +393,6 @@ def test_wrong_rows_are_told(
     (found,) = calibration_problems(case, studies)
     assert (found.table, found.row, found.column) == place
     assert says in found.message
-    assert calibration_problems(case, studies, frozenset({place})) == ()
 
 
 def test_peaks_without_a_motor(case: Case) -> None:
@@ -483,8 +471,8 @@ def test_margins_of_measured_modes_ask_for_ten_percent(case: Case, frequencies: 
     found = calibrate(case, asked(*(M(None, float(f)) for f in frequencies[:2])))
     assert found.basis_justified
     assert found.basis == found.calibrated.margin_basis == "measured"
-    assert (found.required_before, found.required_after) == (0.20, 0.10)
     rows = {r["mode"]: r for r in margin_rows(found)}
+    assert (rows[2]["required_before"], rows[2]["required"]) == (0.20, 0.10)
     assert (rows[2]["verdict_before"], rows[2]["verdict"]) == ("fail", "pass")
     assert (rows[1]["verdict_before"], rows[1]["verdict"]) == ("fail", "fail")
     assert "mode 2 (53 Hz, margin 11.7%): measured" in found.basis_reason
@@ -497,7 +485,7 @@ def test_basis_stays_calculated_while_a_deciding_mode_is_unknown(
     assert not found.basis_justified
     assert found.basis == "calculated"
     assert found.calibrated.margin_basis is None
-    assert found.required_after == 0.20
+    assert all(row["required"] == 0.20 for row in margin_rows(found))
     assert "Measure mode 2" in found.basis_reason
 
 

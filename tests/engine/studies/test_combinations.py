@@ -13,7 +13,7 @@ from engine.case.study_inputs import CatalogueRow, StudyInputs, TuningRow
 from engine.errors import CaseError
 from engine.studies.tuning.checks import MAX_COMBINATIONS, tuning_problems
 from engine.studies.tuning.combinations import plan_tuning
-from engine.studies.tuning.options import DEFAULT_STEPS, case_of
+from engine.studies.tuning.options import DEFAULT_STEPS, with_options
 from tests.sample_case import sample_case
 from tests.trains import geared
 
@@ -174,7 +174,7 @@ def test_a_combination_that_is_the_case_itself_is_calculated_once(case: Case) ->
     assert len(plan.combinations) == 4
     stands = [c for c in plan.combinations if c.as_is]
     assert len(stands) == 1
-    assert case_of(case, stands[0]) == CaseData(**vars(case))
+    assert with_options(case, stands[0].options) == CaseData(**vars(case))
 
 
 def test_a_catalogue_brings_stiffness_damping_limits_and_half_its_inertia_at_each_end(
@@ -184,7 +184,7 @@ def test_a_catalogue_brings_stiffness_damping_limits_and_half_its_inertia_at_eac
     other = _offer(name="soft", inertia=8.0, damping=7e3, rated_torque=6e4, peak_torque_limit=9e4)
     plan = plan_tuning(case, _offers(fitted, other))
     soft = next(c for c in plan.combinations if c.options and c.options[0].label == "soft")
-    new = case_of(case, soft)
+    new = with_options(case, soft.options)
     before = {s.station: s.inertia for s in case.stations}
     after = {s.station: s.inertia for s in new.stations}
     grown = {name for name in before if after[name] != before[name]}
@@ -203,7 +203,7 @@ def test_a_catalogue_brings_stiffness_damping_limits_and_half_its_inertia_at_eac
 
 def test_without_a_fitted_coupling_the_stations_hold_none(case: Case) -> None:
     plan = plan_tuning(case, _offers(_offer(inertia=4.0)))
-    new = case_of(case, plan.combinations[-1])
+    new = with_options(case, plan.combinations[-1].options)
     assert next(s.inertia for s in new.stations if s.station == "LS hub G") == pytest.approx(8.0)
 
 
@@ -213,7 +213,8 @@ def test_limits_of_the_coupling_that_is_taken_out_do_not_judge_the_new_one(case:
         for e in case.elements
     )
     limited_case = replace(case, elements=limited)
-    new = case_of(limited_case, plan_tuning(limited_case, _offers(_offer())).combinations[-1])
+    plan = plan_tuning(limited_case, _offers(_offer()))
+    new = with_options(limited_case, plan.combinations[-1].options)
     coupling = next(e for e in new.elements if e.element == LS)
     assert (coupling.peak_torque_limit, coupling.rated_torque) == (None, None)
 
@@ -227,7 +228,7 @@ def test_backlash_by_a_ratio() -> None:
         meshes=(MeshRow("Mesh", None, 0.3, 0.1, backlash=2e-4),),
     )
     plan = plan_tuning(case, _tuning(TuningRow("Mesh", "backlash", values=(0.5, 2.0))))
-    new = [case_of(case, c).meshes[0].backlash for c in plan.combinations]
+    new = [with_options(case, c.options).meshes[0].backlash for c in plan.combinations]
     assert new == [2e-4, 1e-4, 4e-4]
 
 
@@ -243,4 +244,6 @@ def test_the_order_of_rows_does_not_change_a_case(case: Case) -> None:
     )
     a = plan_tuning(case, StudyInputs(rows, offers))
     b = plan_tuning(case, StudyInputs(rows[::-1], offers[::-1]))
-    assert case_of(case, a.combinations[-1]) == case_of(case, b.combinations[-1])
+    assert with_options(case, a.combinations[-1].options) == with_options(
+        case, b.combinations[-1].options
+    )

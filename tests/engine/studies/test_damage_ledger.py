@@ -14,8 +14,9 @@ from engine.case.study_inputs import StartConditionRow, StudyInputs
 from engine.studies.starts.condition_result import NOT_CALCULATED, ConditionResult, ConditionShaft
 from engine.studies.starts.conditions import StartCondition
 from engine.studies.starts.damage_ledger import damage_ledger, ledger_rows, remaining_rows
-from engine.studies.starts.matrix import StartMatrix, start_matrix
+from engine.studies.starts.matrix import StartMatrix
 from tests.sample_case import sample_case
+from tests.whole_studies import start_matrix
 
 
 def kind(
@@ -46,7 +47,7 @@ def kind(
 def matrix(
     *rows: ConditionResult, factor: float = 1.0, shafts: tuple[str, ...] = ("Shaft",)
 ) -> StartMatrix:
-    return StartMatrix(tuple(rows), shafts, factor, False, True, "", (), "", "")
+    return StartMatrix(tuple(rows), shafts, factor, False, True, "", (), "")
 
 
 def test_three_kinds_by_hand() -> None:

@@ -10,7 +10,7 @@ import pytest
 from engine.results.verdicts import Verdict
 from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers
 from engine.studies.tuning.options import Combination, Option, Variable
-from engine.studies.tuning.ranking import is_better, ranked, reason
+from engine.studies.tuning.ranking import merit, ranked, reason
 
 KEPT = Verdict(
     "Separation margin", 0.25, 0.2, "fraction", "pass", "mode 1 (24 Hz) against 1× motor"
@@ -36,7 +36,6 @@ GOOD = KeyAnswers(
     peak_over_rated=2.0,
     peak_torque_where="Shaft",
     mesh_minimum_torque=None,
-    mesh_where="",
     impacts=None,
     starts=5000.0,
     unlimited=False,
@@ -75,20 +74,20 @@ def test_each_rule_decides_where_those_before_it_are_equal() -> None:
     tried = [_tried(a) for a in LADDER]
     assert list(ranked(reversed(tried), VARIABLES)) == tried
     for better, worse in pairwise(tried):
-        assert is_better(better, worse)
-        assert not is_better(worse, better)
+        assert merit(better) < merit(worse)
+        assert merit(worse) > merit(better)
 
 
 def test_without_counted_starts_the_smaller_torque_comes_first() -> None:
     small = replace(GOOD, starts=None, peak_torque=1e5, worst_margin=0.21)
     large = replace(GOOD, starts=None, peak_torque=2e5, worst_margin=0.50)
-    assert is_better(_tried(small), _tried(large))
+    assert merit(_tried(small)) < merit(_tried(large))
 
 
 def test_a_case_without_start_is_ranked_by_its_margin() -> None:
     none = replace(GOOD, starts=None, peak_torque=None, outcome="calculated")
     wide, narrow = replace(none, worst_margin=0.4), replace(none, worst_margin=0.3)
-    assert is_better(_tried(wide), _tried(narrow))
+    assert merit(_tried(wide)) < merit(_tried(narrow))
 
 
 def test_equals_are_ordered_by_what_was_chosen_whatever_the_order_of_rows() -> None:
@@ -96,7 +95,7 @@ def test_equals_are_ordered_by_what_was_chosen_whatever_the_order_of_rows() -> N
     for order in permutations(tried):
         values = [t.combination.options[0].value for t in ranked(order, VARIABLES)]
         assert values == [2.0, 1.0, 3.0]  # the case itself first, as nothing need be bought
-    assert not is_better(tried[0], tried[2])
+    assert merit(tried[0]) >= merit(tried[2])
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,6 @@ from engine.results.tables import result_tables
 from engine.run import run
 from engine.studies.tuning.combinations import plan_tuning
 from engine.studies.tuning.evaluate import answers_of, calculate_combination
-from engine.studies.tuning.maps import tuning_map
 from engine.studies.tuning.tuning import (
     TuningResult,
     band_rows,
@@ -25,9 +24,9 @@ from engine.studies.tuning.tuning import (
     map_rows,
     rank_combinations,
     ranked_rows,
-    tune,
 )
 from tests.trains import geared
+from tests.whole_studies import tune
 
 LOW, HIGH = "Low-speed shaft", "High-speed shaft"
 
@@ -64,7 +63,7 @@ def found() -> TuningResult:
 
 def test_every_combination_has_its_rank_and_one_is_the_case_itself(found: TuningResult) -> None:
     assert [r.rank for r in found.rows] == [1, 2, 3, 4, 5, 6]
-    assert found.complete
+    assert len(found.rows) == found.planned
     assert [r.tried.combination.as_is for r in found.rows].count(True) == 1
     assert found.as_is is not None
     assert [r.better for r in found.rows] == [r.rank < found.as_is.rank for r in found.rows]
@@ -161,9 +160,7 @@ def test_one_variable_makes_curves(found: TuningResult) -> None:
     rows = map_rows(one)
     assert [r["across_value"] for r in rows] == [5e4, 8e4, 1e5]
     assert [r["mode_1"] for r in rows] == sorted(r["mode_1"] for r in rows)
-    plan = plan_tuning(CASE, STUDIES)
-    single = tuning_map(plan, [r.tried for r in found.rows], across=1, up=None)
-    assert single.best_over == (f"{HIGH} stiffness",)
+    assert one.map.best_over == ()
 
 
 def test_an_impossible_combination_is_a_row_with_its_sentence() -> None:
@@ -265,17 +262,11 @@ def test_impacts_of_teeth_are_counted_where_a_clearance_is_modelled() -> None:
 
 
 def test_a_stopped_study_says_so_and_keeps_what_it_has() -> None:
-    counted: list[tuple[int, int]] = []
-    answers = iter([False, False, True])
-    found = tune(
-        CASE, STUDIES, on_progress=lambda *n: counted.append(n), should_stop=lambda: next(answers)
-    )
-    assert counted == [(1, 6), (2, 6)]
-    assert not found.complete
-    assert len(found.rows) == 2
+    found = tune(CASE, STUDIES, first=2)
+    assert (len(found.rows), found.planned) == (2, 6)
     assert found.sentence.startswith("Stopped: 2 of 6 combinations were calculated")
     assert sum(row["rank"] is None for row in map_rows(found)) == 4
-    nothing = tune(CASE, STUDIES, should_stop=lambda: True)
+    nothing = tune(CASE, STUDIES, first=0)
     assert nothing.rows == ()
     assert nothing.as_is is None
     assert "Stopped before the first" in nothing.sentence
