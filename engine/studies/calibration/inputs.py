@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from engine.case.checks.problem import (
     POSITIVE,
     Allowed,
-    blank_cell,
-    check_number,
+    Cells,
+    Limit,
+    each_row,
     first_of_each_cell,
-    wrong_value,
 )
-from engine.case.data import CaseData
+from engine.case.data import CaseData, value_of
 from engine.case.study_inputs import (
     DAMPING,
     DAMPING_RATIO,
@@ -36,7 +36,11 @@ FREQUENCIES, PEAKS = "MeasuredFrequencies", "MeasuredPeaks"
 DEFAULT_SPREAD = 0.10
 #: Uncertainty of a measured frequency and of a peak torque where it is blank. [1]
 DEFAULT_FREQUENCY_UNCERTAINTY, DEFAULT_PEAK_UNCERTAINTY = 0.01, 0.05
-_DEVIATION = Allowed(lambda share: 1e-6 <= share < 1.0, "from 0.0001 % to below 100 %, or blank")
+_UNCERTAINTY = Limit(
+    "Uncertainty",
+    Allowed(lambda share: 1e-6 <= share < 1.0, "from 0.0001 % to below 100 %, or blank"),
+    action="It is one standard deviation over the value: write 1 % or 0.01.",
+)
 #: Quantities that move a frequency, and those that only move a peak torque.
 OF_FREQUENCIES, OF_PEAKS = (STIFFNESS, INERTIA), (DAMPING, DAMPING_RATIO)
 
@@ -76,99 +80,65 @@ def _problems(case: CaseData, studies: StudyInputs) -> Iterator[Problem]:
     if studies.scatter:
         yield from scatter_problems(case, studies.scatter)
     if not studies.measured_frequencies and not studies.measured_peaks:
-        yield Problem(
-            FREQUENCIES,
-            None,
-            "",
-            None,
-            "at least one measurement",
+        words = (
             "nothing was measured: tables MeasuredFrequencies and MeasuredPeaks are empty. Type the "
-            "measured natural frequencies, or peak torques of a measured start.",
+            "measured natural frequencies, or peak torques of a measured start."
         )
+        yield Cells(FREQUENCIES).problem("", None, "at least one measurement", words)
     yield from _frequency_problems(case, studies.measured_frequencies)
     yield from _peak_problems(case, studies.measured_peaks)
 
 
 def _frequency_problems(case: CaseData, rows: Sequence[MeasuredFrequencyRow]) -> Iterator[Problem]:
     n_elastic = len(natural_modes(case).modes.elastic_frequency) if rows else 0
-    first: dict[int, int] = {}
-    for number, row in enumerate(rows, start=1):
-        yield from _positive(FREQUENCIES, number, "Frequency", row.frequency, "Hz", "a frequency")
-        yield from _uncertainty(FREQUENCIES, number, row.uncertainty)
+    first: dict[int, int | None] = {}
+    for cells, row in each_row(FREQUENCIES, rows):
+        yield from _measured(cells, row, "Frequency", "Hz", "a frequency")
         if row.mode is None:
             continue
         if not 1 <= row.mode <= n_elastic:
-            yield Problem(
-                FREQUENCIES,
-                number,
-                "Mode",
-                row.mode,
-                f"from 1 to {n_elastic}, or blank",
+            words = (
                 f"found {row.mode}; it must be from 1 to {n_elastic}, as the train has {n_elastic} "
-                "elastic modes, or blank. See sheet Frequencies.",
+                "elastic modes, or blank. See sheet Frequencies."
             )
+            yield cells.problem("Mode", row.mode, f"from 1 to {n_elastic}, or blank", words)
         elif row.mode in first:
-            yield Problem(
-                FREQUENCIES,
-                number,
-                "Mode",
-                row.mode,
-                "a mode that no other row names",
+            words = (
                 f"found {row.mode}, which row {first[row.mode]} names too: a mode has one "
-                "frequency. Keep the better measurement, or type their mean with its uncertainty.",
+                "frequency. Keep the better measurement, or type their mean with its uncertainty."
             )
-        first.setdefault(row.mode, number)
+            yield cells.problem("Mode", row.mode, "a mode that no other row names", words)
+        first.setdefault(row.mode, cells.row)
 
 
 def _peak_problems(case: CaseData, rows: Sequence[MeasuredPeakRow]) -> Iterator[Problem]:
     if rows and not has_start(case):
-        yield Problem(
-            PEAKS,
-            None,
-            "",
-            None,
-            "a case with a motor torque curve",
+        words = (
             "the case has no rows in table MotorTorque, so there is no start whose peak torques could "
-            "be compared. Give the motor's torque curve, or clear table MeasuredPeaks.",
+            "be compared. Give the motor's torque curve, or clear table MeasuredPeaks."
         )
+        yield Cells(PEAKS).problem("", None, "a case with a motor torque curve", words)
     names = {e.element for e in case.elements}
-    first: dict[str, int] = {}
-    for number, row in enumerate(rows, start=1):
-        yield from _positive(
-            PEAKS, number, "Maximum torque", row.maximum_torque, "N m", "a peak torque"
-        )
-        yield from _uncertainty(PEAKS, number, row.uncertainty)
-        if not row.element or row.element not in names:
-            allowed = "an element of table Elements"
-            action = "Name the one where the torque was measured."
-            if row.element:
-                yield wrong_value(PEAKS, number, "Element", row.element, allowed, action)
-            else:
-                yield blank_cell(PEAKS, number, "Element", allowed, action)
+    known, action = "an element of table Elements", "Name the one where the torque was measured."
+    first: dict[str, int | None] = {}
+    for cells, row in each_row(PEAKS, rows):
+        yield from _measured(cells, row, "Maximum torque", "N m", "a peak torque")
+        if not row.element:
+            yield cells.blank("Element", known, action)
+        elif row.element not in names:
+            yield cells.wrong("Element", row.element, known, action)
         elif row.element in first:
-            yield Problem(
-                PEAKS,
-                number,
-                "Element",
-                row.element,
-                "an element that no other row names",
-                f"found '{row.element}', which row {first[row.element]} names too. Keep one of them.",
-            )
-        first.setdefault(str(row.element), number)
+            words = f"found '{row.element}', which row {first[row.element]} names too. Keep one of them."
+            yield cells.problem("Element", row.element, "an element that no other row names", words)
+        first.setdefault(str(row.element), cells.row)
 
 
-def _positive(
-    table: str, row: int, column: str, value: float | None, unit: str, what: str
-) -> Iterator[Problem]:
+def _measured(cells: Cells, row: object, column: str, unit: str, what: str) -> Iterator[Problem]:
+    """The number that was measured, and its uncertainty."""
     action = f"Type {what} as it was measured, or clear the row."
-    if value is None:
-        yield blank_cell(table, row, column, "positive", action)
-    yield from check_number(table, row, column, value, POSITIVE, unit, action)
-
-
-def _uncertainty(table: str, row: int, value: float | None) -> Iterator[Problem]:
-    action = "It is one standard deviation over the value: write 1 % or 0.01."
-    yield from check_number(table, row, "Uncertainty", value, _DEVIATION, action=action)
+    if value_of(row, column) is None:
+        yield cells.blank(column, POSITIVE.words, action)
+    yield from cells.numbers(row, (Limit(column, POSITIVE, unit, action), _UNCERTAINTY))
 
 
 # --- the plan -------------------------------------------------------------------------------------

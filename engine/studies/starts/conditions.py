@@ -9,8 +9,9 @@ from engine.case.checks.find_problems import find_problems
 from engine.case.checks.problem import (
     NOT_NEGATIVE,
     Allowed,
-    blank_cell,
-    check_number,
+    Cells,
+    Limit,
+    each_row,
     first_of_each_cell,
 )
 from engine.case.data import CaseData
@@ -22,9 +23,17 @@ from engine.studies.variation import Change, varied_case
 TABLE = "StartConditions"
 #: Instants of one period at which a standard trip is tried. [count]
 TRIP_INSTANTS = 8
-#: Shares of the load; more than this is a percent sign forgotten. [1]
-_LOAD = Allowed(lambda share: 0.0 <= share <= 2.0, "from 0 to 2 (200 % of LoadTorque)")
 _COUNT = Allowed(NOT_NEGATIVE.holds, "zero or more, and finite")
+#: Numbers that no column of the case would check; more load is a percent sign forgotten.
+_LIMITS = (
+    Limit(
+        "Load",
+        Allowed(lambda share: 0.0 <= share <= 2.0, "from 0 to 2 (200 % of LoadTorque)"),
+        action="Write 80 % or 0.8.",
+    ),
+    Limit("Per year", _COUNT, action="Count such starts."),
+    Limit("So far", _COUNT, action="Count such starts."),
+)
 #: Scalars of the case that a row changes → the column it is typed in.
 _COLUMN_OF = {
     "Voltage": "Voltage",
@@ -94,61 +103,42 @@ def condition_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, .
 
 def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Problem]:
     if not has_start(case):
-        yield Problem(
-            TABLE,
-            None,
-            "",
-            None,
-            "a case with a motor torque curve",
+        words = (
             "the case has no rows in table MotorTorque, so there is no start whose voltage, load or "
-            "trip speed could be changed. Give the motor's torque curve on sheet Torque.",
+            "trip speed could be changed. Give the motor's torque curve on sheet Torque."
         )
+        yield Cells(TABLE).problem("", None, "a case with a motor torque curve", words)
         return
-    names: dict[str, int] = {}
-    for number, row in enumerate(rows, start=1):
-        yield from _name(number, row, names)
-        yield from _numbers(number, row, bool(case.load_torque))
-        yield from _of_the_changed_case(case, number, replace(row, load=None))
+    names: dict[str, int | None] = {}
+    for cells, row in each_row(TABLE, rows):
+        yield from _name(cells, row, names)
+        yield from cells.numbers(row, _LIMITS)
+        if row.load not in (None, 1.0) and not case.load_torque:
+            words = (
+                f"found {row.load:.6g}, but the case has no rows in table LoadTorque that it could be a "
+                "share of. Clear the cell, or give the load curve on sheet Torque."
+            )
+            yield cells.problem("Load", row.load, "blank", words)
+        yield from _of_the_changed_case(case, cells, replace(row, load=None))
 
 
-def _name(number: int, row: StartConditionRow, names: dict[str, int]) -> Iterator[Problem]:
+def _name(cells: Cells, row: StartConditionRow, names: dict[str, int | None]) -> Iterator[Problem]:
     if not row.condition:
         action = "Name this kind of start, such as 'weak supply, loaded'."
-        yield blank_cell(TABLE, number, "Condition", "a name", action)
+        yield cells.blank("Condition", "a name", action)
     elif row.condition in names:
-        yield Problem(
-            TABLE,
-            number,
-            "Condition",
-            row.condition,
-            "a name of its own",
+        words = (
             f"found '{row.condition}', which row {names[row.condition]} has too; it must be a name "
-            "of its own. Rename one, or add up their duty in one row.",
+            "of its own. Rename one, or add up their duty in one row."
         )
+        yield cells.problem("Condition", row.condition, "a name of its own", words)
     else:
-        names[row.condition] = number
+        names[row.condition] = cells.row
 
 
-def _numbers(number: int, row: StartConditionRow, has_load: bool) -> Iterator[Problem]:
-    """Numbers that no column of the case would check."""
-    yield from check_number(TABLE, number, "Load", row.load, _LOAD, action="Write 80 % or 0.8.")
-    for column, value in (("Per year", row.per_year), ("So far", row.so_far)):
-        yield from check_number(TABLE, number, column, value, _COUNT, action="Count such starts.")
-    if row.load not in (None, 1.0) and not has_load:
-        yield Problem(
-            TABLE,
-            number,
-            "Load",
-            row.load,
-            "blank",
-            f"found {row.load:.6g}, but the case has no rows in table LoadTorque that it could be a "
-            "share of. Clear the cell, or give the load curve on sheet Torque.",
-        )
-
-
-def _of_the_changed_case(case: CaseData, number: int, row: StartConditionRow) -> Iterator[Problem]:
+def _of_the_changed_case(case: CaseData, cells: Cells, row: StartConditionRow) -> Iterator[Problem]:
     """What the checks of a case say of the changed one, in the column where it was typed."""
-    for problem in find_problems(condition_case(case, condition_of_row(case, number, row))):
+    for problem in find_problems(condition_case(case, condition_of_row(case, cells.row, row))):
         column = _COLUMN_OF.get(problem.table) or _COLUMN_OF.get(problem.column)
         if column is None:
             continue  # wrong with the case itself, which is told elsewhere
@@ -160,10 +150,10 @@ def _of_the_changed_case(case: CaseData, number: int, row: StartConditionRow) ->
                 f"{problem.allowed}. Lower the damping ratio."
             )
         content = row.damping_ratio if problem.table == "ModeDamping" else problem.found
-        yield Problem(TABLE, number, column, content, problem.allowed, sentence, problem.quoted)
+        yield cells.problem(column, content, problem.allowed, sentence, problem.quoted)
 
 
-def condition_of_row(case: CaseData, number: int, row: StartConditionRow) -> StartCondition:
+def condition_of_row(case: CaseData, number: int | None, row: StartConditionRow) -> StartCondition:
     """A row with its blanks filled.
 
     Parameters

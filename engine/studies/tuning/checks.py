@@ -6,9 +6,9 @@ import difflib
 import math
 from collections.abc import Iterator, Sequence
 
-from engine.case.checks.problem import blank_cell, wrong_value
+from engine.case.checks.problem import Cells, each_row
 from engine.case.choices import ElementKind
-from engine.case.data import GROUND, CaseData
+from engine.case.data import GROUND, CaseData, value_of
 from engine.case.study_inputs import (
     BACKLASH,
     DAMPING,
@@ -53,36 +53,35 @@ def tuning_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]
         Empty if the study can be made. [count]
     """
     if not studies.tuning and not studies.catalogue:
-        return (
-            Problem(
-                _TUNING,
-                None,
-                "",
-                None,
-                "at least one row in table Tuning or Catalogue",
-                "the tables Tuning and Catalogue are empty: there is nothing to try. Name a coupling "
-                "and the stiffnesses to try in table Tuning, or enter a maker's couplings in table "
-                "Catalogue.",
-            ),
+        words = (
+            "the tables Tuning and Catalogue are empty: there is nothing to try. Name a coupling "
+            "and the stiffnesses to try in table Tuning, or enter a maker's couplings in table "
+            "Catalogue."
         )
-    problems = [p for n, row in enumerate(studies.tuning, 1) for p in _tuning_row(case, n, row)]
-    problems += [p for n, row in enumerate(studies.catalogue, 1) for p in _offer_row(case, n, row)]
+        allowed = "at least one row in table Tuning or Catalogue"
+        return (Cells(_TUNING).problem("", None, allowed, words),)
+    problems: list[Problem] = []
+    for cells, row in each_row(_TUNING, studies.tuning):
+        problems += _tuning_row(case, cells, row)
+    for cells, offer in each_row(_CATALOGUE, studies.catalogue):
+        problems += _offer_row(case, cells, offer)
     problems += [*_chosen_twice(studies), *_offers_together(studies)]
     if not problems:
         problems += [*_too_little_inertia(case, studies), *_too_many(studies)]
     return tuple(problems)
 
 
-_Where = tuple[str, int | None, str]
 #: Larger numbers are slips of the pen; products with what stands in the case must stay finite. [SI]
 LARGEST = 1e30
 
 
-def _wrong(where: _Where, found: object, allowed: str, action: str, unit: str = "") -> Problem:
-    """A problem whose sentence is: found …; it must be …. What to do."""
+def _wrong(
+    cells: Cells, column: str, found: object, allowed: str, action: str, unit: str = ""
+) -> Problem:
+    """A problem of a cell that may be blank."""
     if found is None:
-        return blank_cell(*where, allowed, action)
-    return wrong_value(*where, found, allowed, action, unit)
+        return cells.blank(column, allowed, action)
+    return cells.wrong(column, found, allowed, action, unit)
 
 
 def _nearest(name: str, known: Sequence[str]) -> str:
@@ -91,18 +90,15 @@ def _nearest(name: str, known: Sequence[str]) -> str:
     return f"Did you mean '{folded[close[0]]}'?" if close else "Correct the name."
 
 
-def _tuning_row(case: CaseData, number: int, row: TuningRow) -> Iterator[Problem]:
-    def where(column: str) -> _Where:
-        return _TUNING, number, column
-
+def _tuning_row(case: CaseData, cells: Cells, row: TuningRow) -> Iterator[Problem]:
     quantity, names = row.quantity, _names(case, row.quantity)
     what = "a station of table Stations" if quantity == INERTIA else "an element of table Elements"
     if quantity not in TUNED:
         allowed = "one of " + ", ".join(TUNED)
-        yield _wrong(where("Quantity"), quantity, allowed, "Choose from the list.")
+        yield _wrong(cells, "Quantity", quantity, allowed, "Choose from the list.")
     elif row.element not in names:
         action = "Name it." if row.element is None else _nearest(row.element, names)
-        yield _wrong(where("Element"), row.element, what, action)
+        yield _wrong(cells, "Element", row.element, what, action)
     else:
         missing = refusal(case, row.element, quantity, relative=row.relative)
         if (
@@ -115,14 +111,14 @@ def _tuning_row(case: CaseData, number: int, row: TuningRow) -> Iterator[Problem
             )
         if missing is not None:
             allowed = f"one whose {quantity} can be changed"
-            yield Problem(*where("Element"), row.element, allowed, missing)
-    yield from _range(row, where("From"), where("To"), where("Steps"), where("Values"))
+            yield cells.problem("Element", row.element, allowed, missing)
+    yield from _range(cells, row)
     unit = "" if row.relative or quantity not in UNITS else UNITS[quantity]
     zero = quantity in _ZERO_ALLOWED
     for column, values in (("Values", row.values), ("From", (row.from_,)), ("To", (row.to,))):
         bad = [v for v in values if v is not None and not _fits(v, zero)]
         if bad:
-            yield _wrong(where(column), bad[0], _allowed(zero, bad[0]), "Correct the cell.", unit)
+            yield _wrong(cells, column, bad[0], _allowed(zero, bad[0]), "Correct the cell.", unit)
 
 
 def _names(case: CaseData, quantity: str | None) -> list[str]:
@@ -141,139 +137,123 @@ def _allowed(zero_allowed: bool, found: float) -> str:
     return "zero or positive" if zero_allowed else "positive"
 
 
-def _range(
-    row: TuningRow, from_: _Where, to: _Where, steps: _Where, values: _Where
-) -> Iterator[Problem]:
+def _range(cells: Cells, row: TuningRow) -> Iterator[Problem]:
     """Values or a range, not both; a range that rises, or is one point."""
-    ends = (row.from_, row.to)
-    if row.values and any(end is not None for end in ends):
-        yield Problem(
-            *values, row.values[0], "either Values or From and To",
-            "both Values and a range are given; only one of them can be tried. Clear Values, or clear "
-            "From, To and Steps.",
-        )  # fmt: skip
-        return
     if row.values:
-        return
-    if ends == (None, None):
-        yield Problem(
-            *values, None, "Values, or From and To",
+        if row.from_ is not None or row.to is not None:
+            words = (
+                "both Values and a range are given; only one of them can be tried. Clear Values, or clear "
+                "From, To and Steps."
+            )
+            yield cells.problem("Values", row.values[0], "either Values or From and To", words)
+    elif row.from_ is None and row.to is None:
+        words = (
             "neither Values nor a range is given; there is nothing to try. Type numbers with "
-            "semicolons between them into Values, or fill From and To.",
-        )  # fmt: skip
-        return
-    for place, end, other in ((from_, row.from_, "To"), (to, row.to, "From")):
-        if end is None:
-            yield _wrong(place, None, f"given where {other} is", "Type the other end of the range.")
-    if row.from_ is None or row.to is None:
-        return
-    if row.from_ > row.to:
-        sentence = "To is less than From. Exchange the two ends of the range."  # in any unit
-        yield Problem(*to, row.to, "at least From", sentence)
-    least = 1 if row.from_ == row.to else 2
-    if row.from_ == row.to and row.steps not in (None, 1):
-        allowed = f"above From, {row.from_:.6g}, where Steps is {row.steps}"
-        yield _wrong(to, row.to, allowed, "Type the other end, or clear Steps to try one value.")
-    elif row.steps is not None and row.steps < least:
-        yield _wrong(steps, row.steps, "2 or more", "Both ends of the range are counted.")
+            "semicolons between them into Values, or fill From and To."
+        )
+        yield cells.problem("Values", None, "Values, or From and To", words)
+    elif row.from_ is None or row.to is None:
+        blank, other = ("From", "To") if row.from_ is None else ("To", "From")
+        yield cells.blank(blank, f"given where {other} is", "Type the other end of the range.")
+    else:
+        if row.from_ > row.to:
+            words = "To is less than From. Exchange the two ends of the range."  # in any unit
+            yield cells.problem("To", row.to, "at least From", words)
+        if row.from_ == row.to and row.steps not in (None, 1):
+            allowed = f"above From, {row.from_:.6g}, where Steps is {row.steps}"
+            action = "Type the other end, or clear Steps to try one value."
+            yield cells.wrong("To", row.to, allowed, action)
+        elif row.steps is not None and row.from_ != row.to and row.steps < 2:
+            yield cells.wrong(
+                "Steps", row.steps, "2 or more", "Both ends of the range are counted."
+            )
 
 
-def _offer_row(case: CaseData, number: int, row: CatalogueRow) -> Iterator[Problem]:
-    def where(column: str) -> _Where:
-        return _CATALOGUE, number, column
-
+def _offer_row(case: CaseData, cells: Cells, row: CatalogueRow) -> Iterator[Problem]:
     kinds = {str(e.element): e.kind for e in case.elements}
     if row.element not in kinds:
         action = "Name it." if row.element is None else _nearest(row.element, list(kinds))
-        yield _wrong(where("Element"), row.element, "an element of table Elements", action)
+        yield _wrong(cells, "Element", row.element, "an element of table Elements", action)
     elif kinds[row.element] == ElementKind.GEAR_MESH:
         yield _wrong(
-            where("Element"), row.element, "a coupling or shaft, not a gear mesh",
+            cells, "Element", row.element, "a coupling or shaft, not a gear mesh",
             "Try the stiffness of a mesh in table Tuning.",
         )  # fmt: skip
     if not row.name:
-        yield _wrong(where("Name"), row.name, "the maker's designation", "Name it.")
+        yield _wrong(cells, "Name", row.name, "the maker's designation", "Name it.")
     if row.fitted not in (None, "yes", "no"):
-        yield _wrong(where("Fitted"), row.fitted, "yes or no", "Choose from the list.")
+        yield _wrong(cells, "Fitted", row.fitted, "yes or no", "Choose from the list.")
     if row.stiffness is None:
-        yield _wrong(where("Stiffness"), None, "positive", "Type the maker's stiffness.", "N m/rad")
-    for column, key, unit, zero in _OFFER_NUMBERS:
-        value = getattr(row, key)
+        yield _wrong(cells, "Stiffness", None, "positive", "Type the maker's stiffness.", "N m/rad")
+    for column, unit, zero in _OFFER_NUMBERS:
+        value = value_of(row, column)
         if value is not None and not _fits(value, zero):
-            yield _wrong(where(column), value, _allowed(zero, value), "Correct the cell.", unit)
+            yield _wrong(cells, column, value, _allowed(zero, value), "Correct the cell.", unit)
 
 
 _OFFER_NUMBERS = (
-    ("Stiffness", "stiffness", "N m/rad", False),
-    ("Inertia", "inertia", "kg m²", True),
-    ("Damping", "damping", "N m s/rad", True),
-    ("Loss factor", "loss_factor", "", True),
-    ("Rated torque", "rated_torque", "N m", False),
-    ("Peak torque limit", "peak_torque_limit", "N m", False),
-    ("Vibratory limit", "vibratory_limit", "N m", False),
+    ("Stiffness", "N m/rad", False),
+    ("Inertia", "kg m²", True),
+    ("Damping", "N m s/rad", True),
+    ("Loss factor", "", True),
+    ("Rated torque", "N m", False),
+    ("Peak torque limit", "N m", False),
+    ("Vibratory limit", "N m", False),
 )
 
 
 def _chosen_twice(studies: StudyInputs) -> Iterator[Problem]:
     """The same quantity in two rows, or by two ways that exclude each other."""
     offered = {row.element for row in studies.catalogue}
-    first: dict[tuple[str | None, str | None], int] = {}
-    for number, row in enumerate(studies.tuning, 1):
-        key = (row.element, row.quantity)
-        where = (_TUNING, number, "Element")
-        other = {STIFFNESS: DIAMETER, DIAMETER: STIFFNESS}.get(str(row.quantity))
+    first: dict[tuple[str | None, str | None], int | None] = {}
+    for cells, row in each_row(_TUNING, studies.tuning):
+        key, quantity = (row.element, row.quantity), row.quantity
+        other = {STIFFNESS: DIAMETER, DIAMETER: STIFFNESS}.get(str(quantity))
         if row.element is None:
             continue
         if key in first:
-            yield _wrong(
-                where, row.element, f"named once for its {row.quantity} (row {first[key]} has it)",
-                "Put all values into one row.",
-            )  # fmt: skip
+            allowed = f"named once for its {quantity} (row {first[key]} has it)"
+            yield cells.wrong("Element", row.element, allowed, "Put all values into one row.")
         elif (row.element, other) in first:
-            yield _wrong(
-                where, row.element, f"named for its {row.quantity} or its {other}, not for both",
-                f"The stiffness follows from the diameter: clear this row or row "
-                f"{first[row.element, other]}.",
-            )  # fmt: skip
-        elif row.element in offered and row.quantity in (STIFFNESS, DAMPING, DIAMETER):
-            yield _wrong(
-                where, row.element, f"in table Catalogue or tuned for its {row.quantity}, not both",
+            allowed = f"named for its {quantity} or its {other}, not for both"
+            action = (
+                "The stiffness follows from the diameter: clear this row or row "
+                f"{first[row.element, other]}."
+            )
+            yield cells.wrong("Element", row.element, allowed, action)
+        elif row.element in offered and quantity in (STIFFNESS, DAMPING, DIAMETER):
+            allowed = f"in table Catalogue or tuned for its {quantity}, not both"
+            action = (
                 "A coupling of the catalogue brings its own: clear this row, or its rows in table "
-                "Catalogue.",
-            )  # fmt: skip
-        first.setdefault(key, number)
+                "Catalogue."
+            )
+            yield cells.wrong("Element", row.element, allowed, action)
+        first.setdefault(key, cells.row)
 
 
 def _offers_together(studies: StudyInputs) -> Iterator[Problem]:
     """Names, fitted marks and inertias of the couplings offered for one element."""
-    name_of: dict[tuple[str | None, str | None], int] = {}
-    fitted: dict[str | None, int] = {}
+    name_of: dict[tuple[str | None, str | None], int | None] = {}
+    fitted: dict[str | None, int | None] = {}
     with_inertia = {row.element for row in studies.catalogue if row.inertia is not None}
-    for number, row in enumerate(studies.catalogue, 1):
+    for cells, row in each_row(_CATALOGUE, studies.catalogue):
         if row.element is None:
             continue
-        key = (row.element, row.name)
+        key, of = (row.element, row.name), f"'{row.element}'"
         if row.name and key in name_of:
-            yield _wrong(
-                (_CATALOGUE, number, "Name"), row.name,
-                f"a name used once for '{row.element}' (row {name_of[key]} has it already)",
-                "Rename one of the two, or clear one row.",
-            )  # fmt: skip
-        name_of.setdefault(key, number)
-        if row.fitted == "yes" and row.element in fitted:
-            yield _wrong(
-                (_CATALOGUE, number, "Fitted"), row.fitted,
-                f"yes in one row of '{row.element}' (row {fitted[row.element]} has it already)",
-                "The stations contain the inertia of one coupling.",
-            )  # fmt: skip
+            allowed = f"a name used once for {of} (row {name_of[key]} has it already)"
+            action = "Rename one of the two, or clear one row."
+            yield cells.wrong("Name", row.name, allowed, action)
+        name_of.setdefault(key, cells.row)
         if row.fitted == "yes":
-            fitted.setdefault(row.element, number)
+            if row.element in fitted:
+                allowed = f"yes in one row of {of} (row {fitted[row.element]} has it already)"
+                action = "The stations contain the inertia of one coupling."
+                yield cells.wrong("Fitted", row.fitted, allowed, action)
+            fitted.setdefault(row.element, cells.row)
         if row.inertia is None and row.element in with_inertia:
-            yield _wrong(
-                (_CATALOGUE, number, "Inertia"), None,
-                f"given in all rows of '{row.element}' or in none",
-                "Type it, or 0 where it is too small to count.", "kg m²",
-            )  # fmt: skip
+            allowed = f"given in all rows of {of} or in none"
+            yield cells.blank("Inertia", allowed, "Type it, or 0 where it is too small to count.")
 
 
 def _too_little_inertia(case: CaseData, studies: StudyInputs) -> Iterator[Problem]:
@@ -295,17 +275,15 @@ def _too_little_inertia(case: CaseData, studies: StudyInputs) -> Iterator[Proble
         short = [str(end) for end in ends if end != GROUND and least[str(end)] <= 0.0]
         fitted = next((r for r in rows if r.fitted == "yes"), None)
         if taken[name] < 0.0 and short and fitted is not None:
-            yield Problem(
-                _CATALOGUE,
-                studies.catalogue.index(fitted) + 1,
-                "Inertia",
-                fitted.inertia,
-                "at most what the stations at its ends hold",
+            words = (
                 f"half of {fitted.inertia:.6g} kg m² is part of station '{short[0]}', which has "
                 f"{held[short[0]]:.6g} kg m²: with the lightest coupling on offer "
                 f"{least[short[0]]:.6g} kg m² would be left. Correct the inertia of the fitted "
-                "coupling, or that of the station.",
+                "coupling, or that of the station."
             )
+            cells = Cells(_CATALOGUE, studies.catalogue.index(fitted) + 1)
+            allowed = "at most what the stations at its ends hold"
+            yield cells.problem("Inertia", fitted.inertia, allowed, words)
 
 
 def _too_many(studies: StudyInputs) -> Iterator[Problem]:
@@ -314,16 +292,13 @@ def _too_many(studies: StudyInputs) -> Iterator[Problem]:
     total = math.prod(counts)
     if total > MAX_COMBINATIONS:
         product = " × ".join(str(n) for n in counts)
-        yield Problem(
-            _TUNING if studies.tuning else _CATALOGUE,
-            None,
-            "",
-            total,
-            f"at most {MAX_COMBINATIONS:,} combinations",
+        words = (
             f"{product} values make {total:,} combinations; at most {MAX_COMBINATIONS:,} are "
             "calculated. Give fewer Values or Steps, or try the quantities one after the other: "
-            "first those that move the worst mode.",
+            "first those that move the worst mode."
         )
+        cells = Cells(_TUNING if studies.tuning else _CATALOGUE)
+        yield cells.problem("", total, f"at most {MAX_COMBINATIONS:,} combinations", words)
 
 
 def _count(row: TuningRow) -> int:
