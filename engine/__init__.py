@@ -6,6 +6,7 @@ docs/method.md for how each number is calculated. Data goes one way, from the to
 ==============  ====================================================================================
 module          responsibility
 ==============  ====================================================================================
+`arrays`        types of the arrays of numbers
 `errors`        the error tree
 `stepping`      one-degree-of-freedom steps and the compiled time loops; nothing of shafts
 `numerics`      singular values, monotone curves, statistics of samples; nothing of shafts

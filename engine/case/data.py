@@ -329,18 +329,16 @@ class CaseData:
         return {e.element: ratios.get(e.from_) or ratios.get(e.to) or 1.0 for e in self.elements}
 
 
-def _canonical(value: Any) -> Any:
-    """A value as it enters the digest: numbers to 12 significant digits, blanks left out."""
-    if isinstance(value, bool):
+def canonical(value: Any) -> Any:
+    """A value as it enters a digest: numbers to 12 significant digits, blanks left out."""
+    if isinstance(value, (bool, str)):
         return value
     if isinstance(value, (int, float)):
         return float(f"{value:.11e}") + 0.0
     if isinstance(value, tuple):
-        return [_canonical(row) for row in value]
-    if isinstance(value, str):
-        return value
+        return [canonical(row) for row in value]
     return {
-        f.name: _canonical(getattr(value, f.name))
+        f.name: canonical(getattr(value, f.name))
         for f in fields(value)
         if f.name not in ADMINISTRATIVE and getattr(value, f.name) not in (None, ())
     }
@@ -362,5 +360,5 @@ def case_digest(case: CaseData) -> str:
     str
         64 hexadecimal digits.
     """
-    text = json.dumps(_canonical(case), sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    text = json.dumps(canonical(case), sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(text.encode("utf-8")).hexdigest()

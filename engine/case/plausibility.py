@@ -160,16 +160,12 @@ def _weak_motors(case: CaseData) -> Iterator[str]:
     rated = case.ratings.rated_torque
     if not rated:
         return
-    for name, points in (
-        ("MotorTorque", case.motor_torque),
-        ("LoadTorque", case.load_torque),
+    referred = case.speed_ratios
+    for name, torques in (
+        ("MotorTorque", [(p.station, p.average) for p in case.motor_torque]),
+        ("LoadTorque", [(p.station, p.torque) for p in case.load_torque]),
     ):
-        referred = case.speed_ratios
-        key = "average" if name == "MotorTorque" else "torque"
-        most = max(
-            (abs(getattr(p, key) or 0.0) * referred.get(p.station, 1.0) for p in points),
-            default=0.0,
-        )
+        most = max((abs(t or 0.0) * referred.get(s, 1.0) for s, t in torques), default=0.0)
         if 0.0 < most < LEAST_TORQUE * rated:
             yield (
                 f"No torque of {name} is above {100 * most / rated:.3g} % of RatedTorque. Check its "

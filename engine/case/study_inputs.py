@@ -10,8 +10,10 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
+
+from engine.case.data import canonical
 
 STIFFNESS, DAMPING, INERTIA, DIAMETER = "stiffness", "damping", "inertia", "diameter"
 BACKLASH, DAMPING_RATIO = "backlash", "damping ratio"
@@ -192,17 +194,5 @@ def study_digest(*rows: object) -> str:
         64 hexadecimal digits; numbers count to 12 significant digits.
     """
 
-    def canonical(value: object) -> object:
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            return [canonical(v) for v in value] if isinstance(value, (list, tuple)) else value
-        return float(f"{value:.11e}") + 0.0
-
-    text = json.dumps(
-        [
-            {k: canonical(v) for k, v in asdict(row).items() if v not in (None, ())}  # type: ignore[call-overload]
-            for row in rows
-        ],
-        sort_keys=True,
-        separators=(",", ":"),
-    )
+    text = json.dumps([canonical(row) for row in rows], sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode("utf-8")).hexdigest()

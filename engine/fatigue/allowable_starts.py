@@ -14,11 +14,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from engine.case.choices import RainflowResidue
 from engine.case.data import ElementRow, MaterialRow
-from engine.errors import ModelError
 from engine.fatigue.cycle_counting import (
     CycleCount,
     count_cycles,
@@ -28,8 +27,6 @@ from engine.fatigue.cycle_counting import (
 from engine.fatigue.damage import damage_interval, miner_damage, needs_counting, starts_from_damage
 from engine.fatigue.sn_curve import SNCurve
 from engine.fatigue.stress import SHEAR_YIELD_RATIO, in_megapascals, stress_of_unit_torque
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +45,6 @@ class ShaftFatigue:
     paper_starts: float | None  #: 1/paper_damage. [1]
     cycles: CycleCount  #: Rainflow cycles of local stress, with SCF; empty when not counted. [Pa]
     counted: bool  #: False when `largest_amplitude` alone settled it.
-    residue: str  #: Rule of the rainflow residue.
     #: Half of maximum minus minimum local stress, rest included, with SCF. [Pa]
     largest_amplitude: float
     endurance: float  #: Endurance limit in torsion it is compared with. [Pa]
@@ -103,21 +99,8 @@ def shaft_fatigue(
     -------
     ShaftFatigue
         Complete result. [Pa, 1]
-
-    Raises
-    ------
-    ModelError
-        When the element has no stress diameter or an SCF that is not positive.
     """
-    name = element.element or "unnamed element"
-    if element.stress_diameter is None:
-        raise ModelError(
-            f"Element '{name}' has no stress diameter, so no stress can be judged. Type it in "
-            "table Elements."
-        )
-    scf = 1.0 if element.scf is None else element.scf
-    if not scf > 0.0:
-        raise ModelError(f"SCF of element '{name}' is {scf:.6g}; it must be positive.")
+    scf = element.scf or 1.0
     history = counted_history(torque_turning_points)
     unit_stress = stress_of_unit_torque(element)
     local = scf * unit_stress
@@ -136,7 +119,7 @@ def shaft_fatigue(
     starts = starts_from_damage(damage)
     shear_yield = None if material.yield_ is None else SHEAR_YIELD_RATIO * material.yield_
     shaft = ShaftFatigue(
-        element=name,
+        element=str(element.element),
         damage=damage,
         damage_low=low,
         damage_high=high,
@@ -148,7 +131,6 @@ def shaft_fatigue(
         paper_starts=starts_from_damage(paper_damage),
         cycles=cycles,
         counted=counted,
-        residue=residue,
         largest_amplitude=largest,
         endurance=sn_curve.endurance,
         peak_nominal_stress=peak,
@@ -232,15 +214,8 @@ def allowable_starts(
     -------
     AllowableStarts
         With the governing shaft: fewest starts, then the lowest end of the interval. [1]
-
-    Raises
-    ------
-    ModelError
-        When the factor is not positive.
     """
-    factor = 1.0 if starts_factor is None else starts_factor
-    if not (math.isfinite(factor) and factor > 0.0):
-        raise ModelError(f"StartsFactor is {factor:.6g}; it must be positive.")
+    factor = starts_factor or 1.0
 
     def order(shaft: ShaftFatigue) -> tuple[float, float]:
         return _or_inf(shaft.allowable_starts), _or_inf(shaft.starts_low)

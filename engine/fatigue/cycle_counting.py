@@ -10,12 +10,11 @@ from itertools import chain
 
 import numpy as np
 import rainflow
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from engine.arrays import Floats, Ints, Mask
 from engine.case.choices import RainflowResidue
-from engine.errors import InternalError, ModelError
-
-Floats = NDArray[np.float64]
+from engine.errors import InternalError
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +75,7 @@ def turning_points(history: ArrayLike) -> Floats:
     if x.size < 2:
         return x
     rising = x[1:] > x[:-1]
-    reversal: NDArray[np.bool_] = np.concatenate([[True], rising[1:] != rising[:-1], [True]])
+    reversal: Mask = np.concatenate([[True], rising[1:] != rising[:-1], [True]])
     return np.asarray(x[reversal])
 
 
@@ -115,37 +114,37 @@ def count_cycles(history: ArrayLike, residue: str = RainflowResidue.HALF_CYCLES)
     -------
     CycleCount
         In the order in which cycles close; pairs of halves are joined when repeated. [as given]
-
-    Raises
-    ------
-    ModelError
-        When the residue rule is unknown.
     """
-    if residue not in tuple(RainflowResidue):
-        raise ModelError(
-            f"Rainflow residue is '{residue}'; allowed is {' or '.join(RainflowResidue)}."
-        )
     points = turning_points(history)
     if points.size < 2:
         return CycleCount(*np.empty((3, 0)))
     if residue == RainflowResidue.REPEATED:
         top = int(np.argmax(np.abs(points)))
         points = turning_points(np.concatenate([points[top:], points[: top + 1]]))
-    # Plain floats count faster than numpy's; the first point twice, because the library's
-    # `reversals` would lose the second of two points.
-    series = [float(points[0]), *points.tolist()]
-    table = np.fromiter(chain.from_iterable(rainflow.extract_cycles(series)), float).reshape(-1, 5)
-    cycles, mean, count = table[:, 0], table[:, 1], table[:, 2]
+    cycles, mean, count, _, _ = _extracted(points)
     if residue == RainflowResidue.REPEATED:
         half = count == 0.5
-        joined, pairs = np.unique(table[half, :2], axis=0, return_counts=True)
+        joined, pairs = np.unique(
+            np.array([cycles[half], mean[half]]).T, axis=0, return_counts=True
+        )
         cycles = np.concatenate([cycles[~half], joined[:, 0]])
         mean = np.concatenate([mean[~half], joined[:, 1]])
         count = np.concatenate([count[~half], 0.5 * pairs])
     return CycleCount(cycles, mean, count)
 
 
-def half_cycle_points(points: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+def _extracted(points: Floats) -> Floats:
+    """Range, mean, count and the indices of both ends of every rainflow cycle: five rows.
+
+    Plain floats count faster than numpy's. The first point stands twice, because the library's
+    `reversals` would lose the second of two points, so indices are one too high.
+    """
+    series = [float(points[0]), *points.tolist()]
+    table = np.fromiter(chain.from_iterable(rainflow.extract_cycles(series)), float)
+    return table.reshape(-1, 5).T
+
+
+def half_cycle_points(points: ArrayLike) -> tuple[Ints, Ints, Floats]:
     """Which turning points each rainflow cycle lies between: what a count is differentiated by.
 
     Parameters
@@ -164,10 +163,9 @@ def half_cycle_points(points: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.
     if x.size < 2:
         none = np.zeros(0, dtype=np.int64)
         return none, none, np.zeros(0)
-    series = [float(x[0]), *x.tolist()]  # the first twice, as in `count_cycles`
-    table = np.array(list(rainflow.extract_cycles(series)), float).reshape(-1, 5)
-    first, second = (np.maximum(table[:, c].astype(np.int64) - 1, 0) for c in (3, 4))
-    return first, second, np.asarray(table[:, 2])
+    _, _, count, *ends = _extracted(x)
+    first, second = (np.maximum(end.astype(np.int64) - 1, 0) for end in ends)
+    return first, second, count
 
 
 def paper_count(history: ArrayLike) -> CycleCount:

@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from engine.arrays import Floats, Mask
 from engine.case.choices import BelowEndurance, SNBasis
 from engine.case.data import MaterialRow, SNPointRow
 from engine.errors import InternalError, ModelError
 from engine.fatigue.cycle_counting import read_only
 from engine.fatigue.stress import BENDING_TO_TORSION, in_megapascals
-
-Floats = NDArray[np.float64]
-
 
 #: An endurance limit this little above the last S-N stress is that stress, typed in another unit.
 _SAME_STRESS = 1.0 + 1e-9
@@ -122,7 +120,7 @@ class SNCurve:
                 below = self.knee_cycles * (self.endurance / S) ** k2
         return np.asarray(np.where(self.endurance >= S, below, life))
 
-    def above_first_point(self, amplitude: ArrayLike) -> NDArray[np.bool_]:
+    def above_first_point(self, amplitude: ArrayLike) -> Mask:
         """Where the life is the first slope extended upwards, not tested data.
 
         Parameters

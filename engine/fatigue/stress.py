@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from engine.arrays import Floats
 from engine.case.data import ElementRow
 from engine.errors import ModelError
-
-Floats = NDArray[np.float64]
 
 #: Torsional over bending strength: the maximum shear theory, as the paper takes it. [1]
 BENDING_TO_TORSION = 0.5

@@ -5,15 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from engine.arrays import Floats
 from engine.case.choices import ElementKind
 from engine.case.data import GROUND, CaseData, ElementRow
 from engine.model.links import Link
 from engine.model.train import NO_ELEMENT, GearBody
-
-Floats = NDArray[np.float64]
 
 #: Element, stiffness, viscous damping, loss factor, entries by node.
 Row = tuple[int, float, float, float, dict[int, float]]

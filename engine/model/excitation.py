@@ -19,14 +19,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
-from engine.errors import ModelError
 from engine.model.train import Train
-
-Floats = NDArray[np.float64]
 
 #: The paper's excitation, zero-to-peak, over the transmitted torque. [1]
 DEFAULT_SHARE = 0.01
@@ -322,19 +319,9 @@ def excitation_places(
     -------
     tuple of Place
         Only places with a torque; empty where no torque is known. [count]
-
-    Raises
-    ------
-    ModelError
-        If the excitation names a station the train does not have.
     """
     places = _default_places(case, train, transmitted)
     if excitation.station is not None:
-        if excitation.station not in train.stations:
-            raise ModelError(
-                f"Excitation '{excitation.name}' acts at '{excitation.station}', which is not a "
-                "station of table Stations. Correct its Station."
-            )
         i = train.station_index(excitation.station)
         places = {i: places.get(i) or _adjoining(case, train, transmitted, i)}
     share = DEFAULT_SHARE if excitation.torque_share is None else excitation.torque_share

@@ -20,14 +20,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.data import CaseData
 from engine.case.study_inputs import INERTIA, STIFFNESS
 from engine.model.modes import Modes
 from engine.model.train import Train
-
-Floats = NDArray[np.float64]
 
 #: Neighbouring modes closer than this are as good as equal: rounding may mix them. [1]
 AS_GOOD_AS_EQUAL = 1e-6

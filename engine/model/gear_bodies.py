@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.errors import ModelError
@@ -16,8 +16,6 @@ from engine.model.assembly import Assembly, BodyData
 from engine.model.gears import FlankNormals, flank_normals, line_of_action
 from engine.model.links import has_clearance
 from engine.model.train import NO_ELEMENT, Flank, GearBody
-
-Floats = NDArray[np.float64]
 
 #: An entry of a unit vector below this is the rounding of a zero.
 ROUNDED_ZERO = 1e-14

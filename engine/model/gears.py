@@ -15,12 +15,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.choices import GearType
 from engine.case.data import MeshRow
-
-Floats = NDArray[np.float64]
 
 #: Pressure angle where the Meshes table leaves it blank: the usual 20 degrees. [rad]
 USUAL_PRESSURE_ANGLE = math.radians(20.0)

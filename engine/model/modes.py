@@ -11,16 +11,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Complexes, Floats, Ints, Mask
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow
 from engine.model.build_train import build_train
 from engine.model.links import has_clearance, shaft_inertia, shaft_stiffness
+from engine.model.topology import group_heads
 from engine.model.train import Train
 from engine.numerics.singular_values import singular_triplets
-
-Floats = NDArray[np.float64]
 
 #: A mode with less strain in the elements than this is sideways motion of gears alone.
 SIDEWAYS_ALONE = 1e-9
@@ -87,7 +86,7 @@ class Modes:
         return len(self.omega)
 
     @property
-    def twists(self) -> NDArray[np.bool_]:
+    def twists(self) -> Mask:
         """Which modes strain an element; the others are sideways motion of gears alone. [mask]"""
         return np.asarray(self.strain_share.sum(axis=0) > SIDEWAYS_ALONE)
 
@@ -151,31 +150,22 @@ def modes_of(train: Train) -> Modes:
     return _with_energies(train, omega, n_rigid, shape, torque, algorithm)
 
 
-def _components(train: Train) -> list[tuple[NDArray[np.int64], NDArray[np.int64], bool]]:
+def _components(train: Train) -> list[tuple[Ints, Ints, bool]]:
     """Degrees of freedom and stiff rows of every part that only dampers join, and if grounded."""
     ends: list[list[int]] = [[] for _ in range(train.n_rows)]
     for row, dof in zip(*(i.tolist() for i in np.nonzero(train.incidence)), strict=True):
         ends[row].append(dof)
     stiff = [row for row, k in enumerate(train.stiffness.tolist()) if k > 0.0 and ends[row]]
-    head = list(range(train.n_dof))
-
-    def find(dof: int) -> int:
-        while head[dof] != dof:
-            head[dof] = head[head[dof]]
-            dof = head[dof]
-        return dof
-
-    for row in stiff:
-        for other in ends[row][1:]:
-            a, b = find(ends[row][0]), find(other)
-            head[max(a, b)] = min(a, b)
+    heads = group_heads(
+        train.n_dof, ((ends[row][0], other) for row in stiff for other in ends[row][1:])
+    )
     dofs: dict[int, list[int]] = {}
-    for dof in range(train.n_dof):
-        dofs.setdefault(find(dof), []).append(dof)
+    for dof, head in enumerate(heads):
+        dofs.setdefault(head, []).append(dof)
     sideways = (train.dof_ratio == 0.0).tolist()  # their bearings hold no shaft
-    rows: dict[int, list[int]] = {h: [] for h in dofs}
+    rows: dict[int, list[int]] = {head: [] for head in dofs}
     for row in stiff:
-        rows[find(ends[row][0])].append(row)
+        rows[heads[ends[row][0]]].append(row)
     return [
         (
             np.array(dofs[h], dtype=np.int64),
@@ -438,7 +428,7 @@ def modal_damping_matrix(train: Train, modes: Modes) -> Floats:
     return np.asarray((modes.row_twist.T * train.viscous) @ modes.row_twist + modes.shape.T @ nodal)
 
 
-def damped_eigenvalues(train: Train, modes: Modes) -> NDArray[np.complex128]:
+def damped_eigenvalues(train: Train, modes: Modes) -> Complexes:
     """Eigenvalues of the viscously damped train, in modal coordinates.
 
     Parameters

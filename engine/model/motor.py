@@ -15,15 +15,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
 from engine.model.train import Train
 from engine.numerics.torque_curve import TorqueCurve, torque_curve
 
-Floats = NDArray[np.float64]
 #: Arguments of the compiled loop; see `electrical_arrays`.
 Electrical = tuple[Floats, Floats, float, Floats, Floats, Floats, Floats, Floats, Floats]
 

@@ -10,13 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.model.load import Load
 from engine.model.motor import Motor, through_synchronism
 from engine.model.train import Train
-
-Floats = NDArray[np.float64]
 
 #: Points of the speed grid between standstill and end speed.
 N_GRID = 2001

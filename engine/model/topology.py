@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Ints, Mask
 from engine.case.data import CaseData
 from engine.model.assembly import Assembly
 from engine.model.train import RigidMesh
 
-Floats = NDArray[np.float64]
 
-Ints = NDArray[np.int64]
-
-
-def drive_ends(case: CaseData, a: Assembly) -> tuple[Floats, NDArray[np.bool_], int]:
+def drive_ends(case: CaseData, a: Assembly) -> tuple[Floats, Mask, int]:
     """Orientation of each element, its driven side, and a station of the reference shaft."""
     sides = driven_side(a.edges, len(case.stations), len(case.elements))
     motors = sorted({a.index[m.station] for m in case.motor_torque if m.station in a.index})
@@ -39,6 +35,35 @@ def _drivers(case: CaseData, a: Assembly) -> list[int]:
     return sorted(station for station, torque in total.items() if torque > 0.0)
 
 
+def group_heads(count: int, pairs: Iterable[tuple[int, int]]) -> list[int]:
+    """Groups of numbers that pairs join.
+
+    Parameters
+    ----------
+    count : int
+        How many numbers, from 0 on. [count]
+    pairs : iterable of (int, int)
+        Two of one group each. [indices]
+
+    Returns
+    -------
+    list of int
+        The least number of the group of each. [indices]
+    """
+    head = list(range(count))
+
+    def find(number: int) -> int:
+        while head[number] != number:
+            head[number] = head[head[number]]
+            number = head[number]
+        return number
+
+    for a, b in pairs:
+        first, second = sorted((find(a), find(b)))
+        head[second] = first
+    return [find(number) for number in range(count)]
+
+
 def merge_rigid(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[Ints, Floats, int]:
     """Degree of freedom and scale of every node after merging rigid meshes.
 
@@ -58,19 +83,8 @@ def merge_rigid(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[
     n_dof : int
         Number of degrees of freedom. [count]
     """
-    head = list(range(len(ratio)))
-
-    def find(node: int) -> int:
-        while head[node] != node:
-            head[node] = head[head[node]]
-            node = head[node]
-        return node
-
-    for _, a, b in rigid:
-        first, second = sorted((find(a), find(b)))
-        head[second] = first
+    heads = group_heads(len(ratio), [(a, b) for _, a, b in rigid])
     number: dict[int, int] = {}
-    heads = [find(node) for node in range(len(ratio))]
     dof = np.array([number.setdefault(h, len(number)) for h in heads], dtype=np.int64)
     scale = np.array([ratio[n] / ratio[h] if n != h else 1.0 for n, h in enumerate(heads)])
     return dof, scale, len(number)
@@ -107,7 +121,7 @@ def _neighbours(edges: list[tuple[int, int, int]], n: int) -> list[list[tuple[in
     return near
 
 
-def driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> NDArray[np.bool_]:
+def driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> Mask:
     """Stations on the To side of each element (none for an element to ground).
 
     In an open train every element cuts off the stations hanging on it: a contiguous stretch of

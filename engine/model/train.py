@@ -18,11 +18,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-
-Ints = NDArray[np.int64]
+from engine.arrays import Floats, Ints, Mask
 
 #: Element of an incidence row that belongs to none: a bearing.
 NO_ELEMENT = -1
@@ -112,7 +109,7 @@ class Train:
     rigid_meshes: tuple[RigidMesh, ...]  #: Meshes merged exactly.
     orientation: Floats  #: +1 if From is the drive end, −1 if To is. [1] Shape (n_elements,).
     #: Stations on the driven side of each element. [mask] Shape (n_elements, n_stations).
-    beyond: NDArray[np.bool_]
+    beyond: Mask
     bodies: tuple[GearBody, ...]  #: Gears on bearings, in the order of the stations.
     flanks: tuple[Flank, ...]  #: Elastic gear meshes, and other elements with a clearance.
 
@@ -132,7 +129,7 @@ class Train:
         return len(self.stations)
 
     @property
-    def viscous_shown(self) -> NDArray[np.bool_]:
+    def viscous_shown(self) -> Mask:
         """Rows whose reported torque includes their viscous part, shape (n_rows,). [mask]
 
         Dampers without a spring, and elements with a clearance: teeth part when their whole torque

@@ -24,13 +24,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh_tridiagonal, lapack
 
+from engine.arrays import Floats, Ints
 from engine.errors import InternalError
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 #: Left vectors, values, right vectors, algorithm.
 Triplets = tuple[Floats, Floats, Floats, str]
 
@@ -129,7 +127,7 @@ def _contradicted(D: Floats, sigma: Floats) -> bool:
     return tree is None or len(_contradictions(tree, sigma)) > 0
 
 
-def _contradictions(tree: list[_Hanging], sigma: Floats) -> NDArray[np.int64]:
+def _contradictions(tree: list[_Hanging], sigma: Floats) -> Ints:
     """Indices of singular values (rising, the zeros left out) that the counts contradict."""
     n = len(sigma)
     around = np.concatenate([sigma * (1 - COUNT_TOLERANCE), sigma * (1 + COUNT_TOLERANCE)])
@@ -212,7 +210,7 @@ def _leaves_first(D: Floats) -> list[_Hanging] | None:
     return order[::-1] if len(order) == D.shape[1] else None
 
 
-def _count_below(tree: list[_Hanging], values: Floats) -> NDArray[np.int64]:
+def _count_below(tree: list[_Hanging], values: Floats) -> Ints:
     """How many of the singular values that are not zero lie below each of some positive values.
 
     Negative pivots of [[−s, Dᵀ], [D, −s]], whose eigenvalues are ±σ and zeros. Every rounding

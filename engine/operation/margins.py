@@ -18,17 +18,13 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from engine.arrays import Floats
 from engine.case.choices import MarginBasis
 from engine.case.data import CaseData
 from engine.case.result_words import Judgement
 from engine.model.excitation import Excitation, operating_range
 from engine.model.modes import Modes
 from engine.model.train import Train
-
-Floats = NDArray[np.float64]
 
 #: The paper: 20 percent for calculated, 10 percent for measured natural frequencies.
 MARGIN_BY_BASIS: dict[str, float] = {MarginBasis.CALCULATED: 0.20, MarginBasis.MEASURED: 0.10}

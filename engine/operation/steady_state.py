@@ -28,12 +28,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Complexes, Floats, Ints, Mask
 from engine.case.choices import StressBasis
 from engine.case.data import CaseData, ElementRow
 from engine.case.result_words import Judgement
-from engine.errors import ModelError
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.excitation import Excitation, Place, excitation_places, transmitted_torque
 from engine.model.modal_train import ModalTrain
@@ -45,9 +44,6 @@ from engine.model.modes import (
 )
 from engine.model.train import Train
 from engine.operation.margins import SeparationMargins
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 #: Mil-Std-167: allowable vibratory stress is the ultimate tensile strength over this.
 STRESS_DIVISOR = 25.0
@@ -86,7 +82,7 @@ class HarmonicResponse:
     element_torque: Complexes
 
     @property
-    def unbounded(self) -> NDArray[np.bool_]:
+    def unbounded(self) -> Mask:
         """Where an undamped resonance leaves the torque of an element without bound. [mask]"""
         return ~np.isfinite(self.element_torque)
 
@@ -124,22 +120,10 @@ def harmonic_response(
     -------
     HarmonicResponse
         Angles and torques. [rad, N m]
-
-    Raises
-    ------
-    ModelError
-        If a frequency is negative or a shape does not fit.
     """
     w = np.atleast_1d(np.asarray(omega, dtype=float))
     load = np.asarray(torque, dtype=complex)
     columns = load[:, None] if load.ndim == 1 else load
-    if np.any(w < 0.0) or not np.all(np.isfinite(w)):
-        raise ModelError("The frequencies of a harmonic response must be zero or positive.")
-    if columns.ndim != 2 or len(columns) != train.n_stations:
-        raise ModelError(
-            f"The torques have shape {load.shape}; one row is needed for each of the "
-            f"{train.n_stations} stations."
-        )
     stated = np.zeros(modes.n_modes) if damping_ratio is None else damping_ratio
     undamped = _undamped(train, modes, stated)
     used = _beside_resonance(modes, undamped, w)
@@ -171,7 +155,7 @@ def _dof_force(train: Train, columns: Complexes) -> Complexes:
     return force
 
 
-def _undamped(train: Train, modes: Modes, stated: Floats) -> NDArray[np.bool_]:
+def _undamped(train: Train, modes: Modes, stated: Floats) -> Mask:
     """Modes that nothing damps: neither stated damping nor a loss factor nor a damper."""
     loss = train.element_loss_factor
     rate = np.zeros(modes.n_modes)
@@ -182,7 +166,7 @@ def _undamped(train: Train, modes: Modes, stated: Floats) -> NDArray[np.bool_]:
     return np.asarray(ratio < UNDAMPED)
 
 
-def _beside_resonance(modes: Modes, undamped: NDArray[np.bool_], omega: Floats) -> Floats:
+def _beside_resonance(modes: Modes, undamped: Mask, omega: Floats) -> Floats:
     """Frequencies moved off undamped resonances and, for a free train, off zero."""
     used = omega.copy()
     resonant = undamped & (modes.omega > 0.0)
@@ -281,7 +265,7 @@ def _element_torque(
 def _mesh_torque(
     train: Train,
     from_ratio: float,
-    nodes: NDArray[np.int64],
+    nodes: Ints,
     motion: tuple[Complexes, Complexes],
     row_torque: Complexes,
     columns: Complexes,
@@ -306,7 +290,7 @@ def _mesh_torque(
 def _mark_unbounded(
     train: Train,
     modes: Modes,
-    undamped: NDArray[np.bool_],
+    undamped: Mask,
     omega: float,
     columns: Complexes,
     angles: Complexes,
@@ -337,7 +321,7 @@ def _mark_unbounded(
 
 def _takes_part(
     part: Complexes | Floats, drive: Complexes, columns: Complexes, shape: Floats
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Which parts (rows) the loads (columns) drive in a group of modes of equal frequency."""
     reach = np.max(np.abs(shape), axis=0)[:, None] * np.sum(np.abs(columns), axis=0)[None, :]
     largest = np.max(np.abs(part), axis=0, initial=0.0)[None, :] @ reach
