@@ -235,7 +235,7 @@ def planned_start(
     with stage("plan"):
         evidence = _evidence(case, analysis)
         plan = first_plan(case, evidence)
-    model = analysis.model_for(plan.lateral)
+    model = analysis.reported if plan.lateral else analysis.torsional
     load_routines()
     plain = replace(plan.effects, clearances=())
     with stage("start"):

@@ -18,7 +18,7 @@ module                   responsibility
                          against speed
 `rigid_runup`            the start of the train as one rigid body: where it settles, and how long
                          it takes
-`topology`               which stations hang on which: rigid groups, driven sides, senses of
+`topology`               how the stations are joined: rigid groups, driven sides, senses of
                          rotation
 `build_train`            from a case to the arrays of its train
 `modes`                  natural frequencies, mode shapes, energy shares, nodes and modal damping

@@ -27,7 +27,7 @@ def build_train(
         The case; meant to be a checked `Case`. [SI]
     segments : mapping of str to int, optional
         Number of segments of each shaft that has inertia of its own; default 1. An element with
-        a clearance stays one piece: it parts in one place. [count]
+        a clearance stays one piece: it separates in one place. [count]
     lateral : bool, optional
         Whether gears with bearing data move sideways; False: their bearings are rigid. [flag]
 

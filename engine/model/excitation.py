@@ -78,7 +78,7 @@ def operating_range(case: CaseData) -> tuple[float, float] | None:
     Returns
     -------
     tuple of float, or None
-        Lowest and highest speed of the reference shaft; None where nothing tells. [rad/s]
+        Lowest and highest speed of the reference shaft; None where it is unknown. [rad/s]
     """
     synchronous = case.ratings.synchronous_speed
     low = case.minimum_speed if case.minimum_speed is not None else synchronous
@@ -111,7 +111,7 @@ def excitations_of(case: CaseData, train: Train) -> tuple[Excitation, ...]:
     for number, row in enumerate(case.excitations, start=1):
         ratio = 1.0
         if row.of_station is not None:
-            ratio = float(train.speed_ratio[train.station_index(row.of_station)])
+            ratio = float(train.speed_ratio[train.stations.index(row.of_station)])
         excitations.append(
             Excitation(
                 row.name or f"Excitation {number}",
@@ -227,7 +227,7 @@ def _referred_loads(case: CaseData, train: Train, warnings: list[str]) -> Floats
     highest = np.zeros(n)
     top = dict.fromkeys(range(n), -math.inf)
     for point in case.load_torque:
-        i = train.station_index(str(point.station))
+        i = train.stations.index(str(point.station))
         if point.speed is not None and point.torque is not None and point.speed > top[i]:
             top[i] = point.speed
             highest[i] = ratio[i] * point.torque
@@ -253,7 +253,7 @@ def _motor_shares(case: CaseData, train: Train, warnings: list[str]) -> Floats:
     """Share of each station in the power delivered, summing to one."""
     share = np.zeros(train.n_stations)
     for point in case.motor_torque:
-        i = train.station_index(str(point.station))
+        i = train.stations.index(str(point.station))
         share[i] = max(share[i], abs(point.average or 0.0) * float(train.speed_ratio[i]))
     if share.sum() > 0.0:
         return np.asarray(share / share.sum())
@@ -262,7 +262,7 @@ def _motor_shares(case: CaseData, train: Train, warnings: list[str]) -> Floats:
         first = str(case.motor_torque[0].station)
     else:
         warnings.append(f"There is no MotorTorque: '{first}', the first station, counts as motor.")
-    share[train.station_index(first)] = 1.0
+    share[train.stations.index(first)] = 1.0
     return share
 
 
@@ -300,7 +300,7 @@ def excitation_places(
     """Where an excitation acts, and with how much torque at each place.
 
     A station is given: there. None is given: in turn at each motor, gear and driven machine. A
-    torque in N m acts as it stands at each place; a share, or the paper's 1 % where neither is
+    torque in N m acts unchanged at each place; a share, or the paper's 1 % where neither is
     given, is of RatedTorque at a motor, of the mesh torque at a gear, of its Running load at a
     driven machine, and of the largest torque of the adjoining elements at any other station.
 
@@ -322,7 +322,7 @@ def excitation_places(
     """
     places = _default_places(case, train, transmitted)
     if excitation.station is not None:
-        i = train.station_index(excitation.station)
+        i = train.stations.index(excitation.station)
         places = {i: places.get(i) or _adjoining(case, train, transmitted, i)}
     share = DEFAULT_SHARE if excitation.torque_share is None else excitation.torque_share
     torques = {
@@ -343,7 +343,7 @@ def _default_places(
         share_by_station[i] = float(transmitted.rated[i] or transmitted.motor[i])
     for e, torque in zip(case.elements, transmitted.element.tolist(), strict=True):
         if e.kind == ElementKind.GEAR_MESH:
-            a, b = train.station_index(str(e.from_)), train.station_index(str(e.to))
+            a, b = train.stations.index(str(e.from_)), train.stations.index(str(e.to))
             back = float(train.speed_ratio[a] / train.speed_ratio[b])
             share_by_station[a] = max(share_by_station.get(a, 0.0), abs(torque))
             share_by_station[b] = max(share_by_station.get(b, 0.0), abs(torque) * back)

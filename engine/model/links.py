@@ -106,7 +106,7 @@ def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
 
 
 def has_clearance(mesh: MeshRow | None) -> bool:
-    """Whether an element can part and cross a gap; a clearance of zero is none.
+    """Whether an element can separate and cross a gap; a clearance of zero is none.
 
     Parameters
     ----------

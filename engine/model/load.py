@@ -67,7 +67,7 @@ def loads_of(case: CaseData, train: Train) -> tuple[Load, ...]:
     loads = []
     for name in names:
         points = [p for p in case.load_torque if p.station == name]
-        station = train.station_index(str(name))
+        station = train.stations.index(str(name))
         x = np.array([p.speed for p in points], dtype=float)
         y = np.array([p.torque for p in points], dtype=float)
         speed = synchronous * float(train.speed_ratio[station])

@@ -21,21 +21,6 @@ class ModalAnalysis:
     #: Gears on their bearings, whether reported or not; None without bearing data. [SI]
     coupled: ModalTrain | None
 
-    def model_for(self, lateral: bool) -> ModalTrain:
-        """The model of a start.
-
-        Parameters
-        ----------
-        lateral : bool
-            Whether gears move sideways on their bearings in it. [flag]
-
-        Returns
-        -------
-        ModalTrain
-            With or without bearings. [SI]
-        """
-        return self.reported if lateral else self.torsional
-
 
 def analyse(case: CaseData) -> ModalAnalysis:
     """Natural modes of a case; where bearing data is given also those of gears held sideways.

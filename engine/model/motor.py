@@ -70,7 +70,7 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
     motors = []
     for name in names:
         points = [p for p in case.motor_torque if p.station == name]
-        station = train.station_index(str(name))
+        station = train.stations.index(str(name))
         speed = ratings.synchronous_speed * float(train.speed_ratio[station])
         x = np.array([p.speed for p in points], dtype=float)
         motors.append(

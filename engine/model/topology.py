@@ -1,4 +1,4 @@
-"""Which stations hang on which: rigid groups, driven sides, senses of rotation."""
+"""How the stations are joined: rigid groups, driven sides, senses of rotation."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def merge_rigid(rigid: list[tuple[int, int, int]], ratio: list[float]) -> tuple[
 
 
 def rigid_meshes(rigid: list[tuple[int, int, int]], ratio: Floats) -> tuple[RigidMesh, ...]:
-    """Each rigid mesh with the nodes of its group that hang on its To side.
+    """Each rigid mesh with the nodes of its group on its To side.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def _neighbours(edges: list[tuple[int, int, int]], n: int) -> list[list[tuple[in
 def driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> Mask:
     """Stations on the To side of each element (none for an element to ground).
 
-    In an open train every element cuts off the stations hanging on it: a contiguous stretch of
+    In an open train every element separates the stations beyond it: a contiguous stretch of
     the order in which a depth-first walk enters them.
 
     Parameters
@@ -142,7 +142,7 @@ def driven_side(edges: list[tuple[int, int, int]], n: int, n_elements: int) -> M
     near = _neighbours(edges, n)
     order: list[int] = []
     parent, start = [-1] * n, [0] * n
-    size, whole = [1] * n, [(0, 0)] * n  # stations hanging on each; stretch of its whole train
+    size, whole = [1] * n, [(0, 0)] * n  # stations beyond each; stretch of its whole train
     entered = [False] * n
     for root in range(n):
         if entered[root]:

@@ -132,8 +132,8 @@ class Train:
     def viscous_shown(self) -> Mask:
         """Rows whose reported torque includes their viscous part, shape (n_rows,). [mask]
 
-        Dampers without a spring, and elements with a clearance: teeth part when their whole torque
-        is zero, and what they pass on must not depend on whether they are simulated as parting.
+        Dampers without a spring, and elements with a clearance: teeth separate when their whole torque
+        is zero, and what they pass on must not depend on whether that is simulated.
         """
         included = self.stiffness <= 0.0
         included[[f.drive_row for f in self.flanks if f.gap]] = True
@@ -176,18 +176,3 @@ class Train:
         s = np.zeros((len(self.node_dof), self.n_dof))
         s[np.arange(len(self.node_dof)), self.node_dof] = self.node_scale
         return s
-
-    def station_index(self, name: str) -> int:
-        """Index of a station by its name.
-
-        Parameters
-        ----------
-        name : str
-            Station. [name]
-
-        Returns
-        -------
-        int
-            Index. [index]
-        """
-        return self.stations.index(name)

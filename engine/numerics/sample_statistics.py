@@ -174,8 +174,8 @@ def convergence(values: Floats, what: str, probability: float = 0.1) -> Converge
     """
     if len(values) < FEWEST_SAMPLES:
         return Convergence(False, f"Not converged: only {len(values)} samples tell the {what}.")
-    told = percentile_interval(np.sort(values), probability)
-    unbounded = math.isinf(told.value) and told.low is None
+    whole = percentile_interval(np.sort(values), probability)
+    unbounded = math.isinf(whole.value) and whole.low is None
     if np.all(values == values[0]) and not unbounded:
         return Convergence(
             True, f"Converged: the {what} of every sample is the same, {_number(float(values[0]))}."
@@ -184,7 +184,7 @@ def convergence(values: Floats, what: str, probability: float = 0.1) -> Converge
     first, second = (
         percentile_interval(np.sort(part), probability) for part in (values[:half], values[half:])
     )
-    width, agree = _reach(told), _overlap(first, second)
+    width, agree = _reach(whole), _overlap(first, second)
     reached = width <= SETTLED and agree
     interval = (
         f"its {100.0 * CONFIDENCE:.0f} % interval reaches {_percent(width)} from it"
@@ -194,7 +194,7 @@ def convergence(values: Floats, what: str, probability: float = 0.1) -> Converge
     return Convergence(
         reached,
         f"{'Converged' if reached else 'Not converged'}: P{100.0 * probability:.0f} of the {what} is "
-        f"{_number(told.value)}; {interval} (allowed {_percent(SETTLED)}), and the two halves of the "
+        f"{_number(whole.value)}; {interval} (allowed {_percent(SETTLED)}), and the two halves of the "
         f"sample give {_number(first.value)} and {_number(second.value)}, whose intervals "
         f"{'overlap' if agree else 'do not overlap'}."
         + ("" if reached else " Take four times as many samples to halve the interval."),

@@ -81,11 +81,6 @@ class HarmonicResponse:
     #: n_freq).
     element_torque: Complexes
 
-    @property
-    def unbounded(self) -> Mask:
-        """Where an undamped resonance leaves the torque of an element without bound. [mask]"""
-        return ~np.isfinite(self.element_torque)
-
 
 def harmonic_response(
     train: Train,

@@ -133,7 +133,7 @@ def prescribed_torques(case: CaseData, train: Train) -> list[PrescribedTorque]:
         rows = [p for p in case.torque_time if p.station == name]
         torques.append(
             linear(
-                train.station_index(str(name)),
+                train.stations.index(str(name)),
                 np.array([p.time for p in rows], dtype=float),
                 np.array([p.torque for p in rows], dtype=float),
             )

@@ -138,7 +138,7 @@ def start_model(
     """
     train, modes, damping = modal
     timed_names = list(dict.fromkeys(p.station for p in case.torque_time))
-    timed_stations = [train.station_index(str(n)) for n in timed_names]
+    timed_stations = [train.stations.index(str(n)) for n in timed_names]
     stations = sorted(
         {m.station for m in motors} | {d.station for d in loads} | set(timed_stations)
     )
@@ -405,12 +405,12 @@ def _force_sizes(
         rows = [p for p in case.torque_time if p.station == name]
         times = np.array([p.time for p in rows], dtype=float)
         torques = np.array([p.torque for p in rows], dtype=float)
-        i = column[train.station_index(str(name))]
+        i = column[train.stations.index(str(name))]
         slope = np.diff(torques) / np.diff(times)
         step[i] += abs(float(torques[0]))
         ramp[i] += float(np.sum(np.abs(np.diff(slope, prepend=0.0, append=0.0))))
         smooth[i] += float(np.max(np.abs(torques)))
-        reference_torque += smooth[i] * float(train.speed_ratio[train.station_index(str(name))])
+        reference_torque += smooth[i] * float(train.speed_ratio[train.stations.index(str(name))])
     carried = np.maximum(step, SWITCHED_SHARE * smooth)
     return _ForceSizes(step, ramp, smooth, carried), reference_torque
 

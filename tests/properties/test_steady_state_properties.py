@@ -173,14 +173,14 @@ def test_every_element_carries_what_the_stations_beyond_it_need(case, seed):
     need = motion - torque[:, None]
     for i, e in enumerate(case.elements):
         if e.to == GROUND:  # its spring takes a part of what its station needs
-            need[train.station_index(e.from_)] += response.element_torque[i]
+            need[train.stations.index(e.from_)] += response.element_torque[i]
     need *= train.speed_ratio[:n, None]  # power: at the reference speed
     size = np.abs(motion) + np.abs(torque)[:, None]
     scale = np.sum(size * train.speed_ratio[:n, None], axis=0)
     assert np.all(np.abs(need.sum(axis=0)) <= 1e-8 * scale)
     for i, e in enumerate(case.elements):
         if e.to != GROUND:
-            carried = response.element_torque[i] * train.speed_ratio[train.station_index(e.from_)]
+            carried = response.element_torque[i] * train.speed_ratio[train.stations.index(e.from_)]
             beyond = need[train.beyond[i]].sum(axis=0)
             assert np.all(np.abs(carried - beyond) <= 1e-8 * scale)
 

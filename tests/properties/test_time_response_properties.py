@@ -82,7 +82,7 @@ def test_order_of_stations_and_elements_is_irrelevant(case: Case, seed: int) -> 
     got = []
     for c in (case, mixed):
         train, modes, _ = prepared(c)
-        where = train.station_index(str(case.stations[at].station))
+        where = train.stations.index(str(case.stations[at].station))
         r = time_response(train, modes, [held(where, t[:1], np.array([1000.0]))], t)
         speed = {s: r.station_speed[i] for i, s in enumerate(train.stations)}
         # which side of an element counts as the driven one may follow the order: size alone
@@ -128,7 +128,7 @@ def test_referring_through_gears_changes_nothing_physical(case: Case, seed: int)
     np.testing.assert_allclose(
         flat.station_speed, speed, atol=PHASE * np.max(np.abs(flat.station_speed))
     )
-    first = {e.element: ratio[train.station_index(str(e.from_))] for e in case.elements}
+    first = {e.element: ratio[train.stations.index(str(e.from_))] for e in case.elements}
     scale = np.array([first[train.elements[e]] for e in own.output_element])
     np.testing.assert_allclose(
         flat.torque, own.torque * scale[:, None], atol=PHASE * np.max(np.abs(flat.torque))

@@ -27,7 +27,7 @@ def t02():
 
 def physical_signs(train):
     """Diagonal that turns running-direction states into physical ones (d0, d1, d3)."""
-    sense = train.sense[[train.station_index(n) for n in ("d0", "d1", "d3")]]
+    sense = train.sense[[train.stations.index(n) for n in ("d0", "d1", "d3")]]
     assert list(train.node_dof) == [0, 1, 1, 2]
     assert list(sense) == [1.0, 1.0, -1.0]
     return np.concatenate([sense, sense])

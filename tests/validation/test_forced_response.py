@@ -47,7 +47,7 @@ def case_of(model):
 def respond(model, omega, station, amplitude):
     train = build_train(case_of(model))
     torque = np.zeros(train.n_stations)
-    torque[train.station_index(station)] = amplitude
+    torque[train.stations.index(station)] = amplitude
     return train, harmonic_response(train, modes_of(train), np.asarray(omega, float), torque)
 
 
@@ -57,7 +57,7 @@ def test_r03_hysteretic_damping():
     omega = 2.0 * math.pi * np.array(published["frequency_Hz"])
     excitation = d["excitation"]
     train, response = respond(d["model"], omega, excitation["node"], excitation["amplitude"])
-    angle = response.station_angle[train.station_index("C")]
+    angle = response.station_angle[train.stations.index("C")]
     expected = np.array([complex(*z) for z in published["response_C"]])
     assert np.max(np.abs(angle / expected - 1.0)) < d["tolerance"]["rel"] == 0.005
     recomputed = np.array([complex(*z) for z in d["verification"]["recomputed"]])

@@ -209,7 +209,7 @@ class FrequencyModel:
                 if factor.quantity == STIFFNESS:
                     derivative[:, j] += 0.5 * modes.strain_share[row[name], elastic]
                 elif factor.quantity == INERTIA:
-                    i = train.station_index(name)
+                    i = train.stations.index(name)
                     turn = train.node_scale[i] * modes.shape[train.node_dof[i], elastic]
                     derivative[:, j] -= (
                         0.5 * own[name] * turn**2

@@ -108,7 +108,7 @@ def test_the_torque_the_sample_transmits():
     rated = 58400.0
     expected = [rated] * 4 + [rated / 5.6] * 3 + [0.4 * rated / 5.6] * 3
     assert t.element == pytest.approx(expected, rel=1e-12)
-    assert t.load[train.station_index("LP comp")] == pytest.approx(0.6 * rated / 5.6)
+    assert t.load[train.stations.index("LP comp")] == pytest.approx(0.6 * rated / 5.6)
     assert t.warnings == ()
 
 

@@ -32,7 +32,7 @@ def respond(case, omega, loads, **kwargs):
     modes = modes_of(train)
     torque = np.zeros(train.n_stations, dtype=complex)
     for name, value in loads.items():
-        torque[train.station_index(name)] = value
+        torque[train.stations.index(name)] = value
     return harmonic_response(
         train, modes, np.asarray(omega), torque, damping_ratio=stated_damping(case, modes), **kwargs
     )
@@ -309,7 +309,7 @@ def test_undamped_resonance_is_unbounded():
     omega = modes_of(build_train(case)).omega
     at = np.array([omega[1], omega[1] * (1 + 1e-6), omega[2] * (1 - 5e-10)])
     response = respond(case, at, {"S0": 1.0})
-    assert response.unbounded.tolist() == [[True, False, True], [True, False, True]]
+    assert np.isinf(response.element_torque).tolist() == [[True, False, True], [True, False, True]]
     assert np.all(np.isinf(response.station_angle[:, [0, 2]]))
     assert np.all(np.abs(response.element_torque[:, 1]) > 1e4)
 
@@ -339,7 +339,7 @@ def branches():
 def test_a_mode_the_torque_does_not_drive_stays_out():
     omega = np.array([math.sqrt(3e5 / 10.0)])
     response = respond(branches(), omega, {"Motor": 1.0})
-    assert not np.any(response.unbounded)
+    assert np.all(np.isfinite(response.element_torque))
     # each branch is its own absorber: the gear stands still, the trunk turns the motor alone
     assert abs(response.station_angle[1, 0]) < 1e-6 * abs(response.station_angle[0, 0])
     trunk = 1e6 / (1e6 - 3e5)
@@ -350,7 +350,7 @@ def test_a_mode_the_torque_does_not_drive_stays_out():
 def test_only_what_takes_part_is_unbounded():
     omega = np.array([math.sqrt(3e5 / 10.0)])
     response = respond(branches(), omega, {"Left": 1.0})
-    assert response.unbounded[:, 0].tolist() == [False, True, True]
+    assert np.isinf(response.element_torque[:, 0]).tolist() == [False, True, True]
     assert np.isinf(response.station_angle[:, 0]).tolist() == [False, False, True, True]
 
 
@@ -362,7 +362,7 @@ def test_a_rigid_mesh_at_an_undamped_resonance():
         elements=tuple(replace(e, damping=None, loss_factor=None) for e in case.elements),
     )
     omega = modes_of(build_train(case)).omega[1:2]
-    assert np.all(respond(case, omega, {"Motor": 1.0}).unbounded)
+    assert np.all(np.isinf(respond(case, omega, {"Motor": 1.0}).element_torque))
 
 
 def test_frequency_zero_of_a_free_train():
