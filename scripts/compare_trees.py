@@ -10,7 +10,8 @@ started again. `compare` holds two records against each other: numbers by their 
 the shortest decimal that gives back every bit), strings as they are. What may differ:
 
 * times and the version, at the places listed in `TIMES` and `VERSIONS` below;
-* sentences listed old → new in `scripts/compare_sentences.toml`, never in the fields of a problem
+* sentences listed old → new in `scripts/compare_sentences.toml` and, one a line with {…} for what is put
+  in, in `scripts/compare_sentences.tsv`: what is put in must be the same. Never in the fields of a problem
   other than its message.
 
 `prove` changes one bit of one number in a record, a file at a time, and shows that `compare` fails.
@@ -41,7 +42,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent
-SENTENCES = HERE / "compare_sentences.toml"
+SENTENCES, TEMPLATES = HERE / "compare_sentences.toml", HERE / "compare_sentences.tsv"
 
 #: Places that hold a time: keys of JSON files, with * for any number of a list; and
 #: columns of workbook tables and CSV files. All other places must be equal.
@@ -412,10 +413,31 @@ class Entry:
     used: int = 0
 
 
+class Template:
+    """A sentence with {…} for what is put in, wherever it stands in a longer string."""
+
+    def __init__(self, entry: Entry) -> None:
+        fixed = entry.old.split("{…}")
+        self.entry = entry
+        self._begin = max(fixed, key=len)
+        self._old = re.compile("(.+?)".join(re.escape(text) for text in fixed), re.DOTALL)
+        self._new = entry.new.split("{…}")
+
+    def apply(self, text: str) -> str:
+        """The text with the new sentence, what is put in unchanged."""
+        return self._old.sub(self._filled, text) if self._begin in text else text
+
+    def _filled(self, match: re.Match[str]) -> str:
+        groups = (*match.groups(), "")
+        return "".join(text + group for text, group in zip(self._new, groups, strict=True))
+
+
 class Sentences:
     """The list old → new."""
 
-    def __init__(self, content: Mapping[str, Any]) -> None:
+    def __init__(
+        self, content: Mapping[str, Any], templates: Iterable[tuple[str, str]] = ()
+    ) -> None:
         self.entries = [
             Entry(kind, row["old"], row["new"], bool(row.get("optional")))
             for kind in ("string", "pattern", "part")
@@ -426,6 +448,11 @@ class Sentences:
             (re.compile(e.old, re.DOTALL), e) for e in self.entries if e.kind == "pattern"
         ]
         self._parts = [e for e in self.entries if e.kind == "part"]
+        # The longest first, so that a part of a sentence does not take the words of the whole.
+        made = [Entry("template", old, new, optional=True) for old, new in templates]
+        self._templates = [Template(e) for e in sorted(made, key=lambda e: -len(e.old))]
+        self.entries += made
+        self._allowed: dict[tuple[str, str], list[Entry]] = {}
 
     def allow(self, old: str, new: str) -> bool:
         """Whether the list explains that `old` became `new`; counted if so."""
@@ -443,11 +470,27 @@ class Sentences:
             if entry.old in replaced:
                 replaced = replaced.replace(entry.old, entry.new)
                 used.append(entry)
-        if used and replaced == new:
-            for entry in used:
-                entry.used += 1
-            return True
-        return False
+        if not (used and replaced == new):
+            used = self._by_templates(old, new)
+        for entry in used:
+            entry.used += 1
+        return bool(used)
+
+    def _by_templates(self, old: str, new: str) -> list[Entry]:
+        """The templates that make the new string of the old one, none if they do not."""
+        if (old, new) not in self._allowed:
+            replaced, used = old, []
+            for template in self._templates:
+                changed = template.apply(replaced)
+                if changed != replaced:
+                    used.append(template.entry)
+                replaced = changed
+            for entry in self._parts:
+                if entry.old in replaced:
+                    replaced = replaced.replace(entry.old, entry.new)
+                    used.append(entry)
+            self._allowed[old, new] = used if replaced == new else []
+        return self._allowed[old, new]
 
     @property
     def unused(self) -> list[Entry]:
@@ -1037,7 +1080,10 @@ def main() -> int:
         done = prove(Record(options.record))
         print("\n".join(done))
         return 0 if done and all(one.startswith("noticed") for one in done) else 1
-    sentences = Sentences(tomllib.loads(options.sentences.read_text(encoding="utf-8")))
+    lines = TEMPLATES.read_text(encoding="utf-8").splitlines()
+    templates = [(old, new) for old, _, new in (line.partition("\t") for line in lines)]
+    content = tomllib.loads(options.sentences.read_text(encoding="utf-8"))
+    sentences = Sentences(content, templates)
     old, new = Record(options.old), Record(options.new)
     if options.common:
         common = old.jobs.keys() & new.jobs.keys()

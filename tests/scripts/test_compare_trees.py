@@ -129,6 +129,15 @@ def test_one_bit_of_a_cell_fails(tmp_path):
     assert "C4" in found.differences[0]
 
 
+def test_a_template_lets_words_change_and_no_number():
+    templates = [("of {…} starts {…} are told", "{…} starts, {…} are reported")]
+    sentences = trees.Sentences({}, templates)
+    old = "Note: of 12 starts 3 are told."
+    assert sentences.allow(old, "Note: 12 starts, 3 are reported.")
+    assert not sentences.allow(old, "Note: 12 starts, 4 are reported.")
+    assert [e.used for e in sentences.entries] == [1]
+
+
 def test_times_and_the_version_are_set_aside(tmp_path):
     def change(results):
         results["version"] = "0.2.0"
