@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from addin.contract.json_shapes import TEXT, Shape, list_of, whole_object
 from addin.contract.version import product_version
 from addin.worksheet.registry import FUNCTIONS
 
@@ -27,9 +28,33 @@ def document() -> dict[str, Any]:
         },
         "security": [{}, {"key": []}, {"bearer": []}],
         "paths": {
-            "/api/v1/batch": {"post": _batch()},
-            "/api/v1/model": {"post": _model()},
-            "/api/v1/workbook": {"post": _workbook()},
+            "/api/v1/batch": {
+                "post": _post(
+                    "Call functions; answers come in the same order.",
+                    {JSON: {"schema": _ref("Batch")}},
+                    _answer("An answer for each call.", "Answers"),
+                    is_file=False,
+                )
+            },
+            "/api/v1/model": {
+                "post": _post(
+                    "The handle of the model that a workbook or a case JSON holds.",
+                    {kind: {"schema": {}} for kind in (*WORKBOOKS, JSON)},
+                    _answer("The handle, for the functions that take a model.", "Model"),
+                    is_file=True,
+                )
+            },
+            "/api/v1/workbook": {
+                "post": _post(
+                    "Recalculate a workbook; closing the connection cancels it.",
+                    {kind: {"schema": {}} for kind in WORKBOOKS},
+                    {
+                        "description": "The same workbook with its result sheets filled.",
+                        "content": {kind: {} for kind in WORKBOOKS},
+                    },
+                    is_file=True,
+                )
+            },
             "/functions.json": {"get": _get("Custom functions of Office.", JSON)},
             "/functions.js": {"get": _get("Script of the custom functions.", "text/javascript")},
             "/manifest.xml": {"get": _get("Manifest of the Office add-in.", "application/xml")},
@@ -53,7 +78,7 @@ def _ref(name: str) -> dict[str, str]:
     return {"$ref": f"#/components/schemas/{name}"}
 
 
-def _said(description: str, schema: str) -> dict[str, Any]:
+def _answer(description: str, schema: str) -> dict[str, Any]:
     return {"description": description, "content": {JSON: {"schema": _ref(schema)}}}
 
 
@@ -69,7 +94,7 @@ def _errors(*statuses: int) -> dict[str, Any]:
         421: "Addressed to a name the server does not go by.",
         503: "The server is busy; try again later.",
     }
-    return {str(status): _said(words[status], "Error") for status in statuses}
+    return {str(status): _answer(words[status], "Error") for status in statuses}
 
 
 def _get(summary: str, media: str, schema: str | None = None) -> dict[str, Any]:
@@ -84,15 +109,13 @@ def _get(summary: str, media: str, schema: str | None = None) -> dict[str, Any]:
     }
 
 
-def _batch() -> dict[str, Any]:
-    return {
-        "summary": "Call functions; answers come in the same order.",
-        "requestBody": {"required": True, "content": {JSON: {"schema": _ref("Batch")}}},
-        "responses": {
-            "200": _said("An answer for each call.", "Answers"),
-            **_errors(400, 401, 403, 408, 413, 415, 421, 503),
-        },
-    }
+def _post(summary: str, body: Shape, answer: Shape, *, is_file: bool) -> dict[str, Any]:
+    """A request with a body; that of a file may be wrong in itself, and may have a name."""
+    wrong = {"422": _answer("Everything wrong with the input.", "Problems")} if is_file else {}
+    responses = {"200": answer, **wrong, **_errors(400, 401, 403, 408, 413, 415, 421, 503)}
+    content = {"required": True, "content": body}
+    parameters = {"parameters": [_NAME]} if is_file else {}
+    return {"summary": summary, **parameters, "requestBody": content, "responses": responses}
 
 
 _NAME = {
@@ -100,151 +123,58 @@ _NAME = {
     "in": "query",
     "required": False,
     "description": "Name of the file; its ending tells an .xlsm from an .xlsx.",
-    "schema": {"type": "string"},
+    "schema": TEXT,
 }
 
 
-def _file(*kinds: str) -> dict[str, Any]:
-    return {"required": True, "content": {kind: {"schema": {}} for kind in kinds}}
-
-
-def _model() -> dict[str, Any]:
-    return {
-        "summary": "The handle of the model that a workbook or a case JSON holds.",
-        "parameters": [_NAME],
-        "requestBody": _file(*WORKBOOKS, JSON),
-        "responses": {
-            "200": _said("The handle, for the functions that take a model.", "Model"),
-            "422": _said("Everything wrong with the input.", "Problems"),
-            **_errors(400, 401, 403, 408, 413, 415, 421, 503),
-        },
-    }
-
-
-def _workbook() -> dict[str, Any]:
-    return {
-        "summary": "Recalculate a workbook; closing the connection cancels it.",
-        "parameters": [_NAME],
-        "requestBody": _file(*WORKBOOKS),
-        "responses": {
-            "200": {
-                "description": "The same workbook with its result sheets filled.",
-                "content": {kind: {} for kind in WORKBOOKS},
-            },
-            "422": _said("Everything wrong with the input.", "Problems"),
-            **_errors(400, 401, 403, 408, 413, 415, 421, 503),
-        },
-    }
+def _object(required: Shape, optional: Shape | None = None) -> Shape:
+    """An object that always has some keys, and may have others."""
+    properties = {**required, **(optional or {})}
+    return {"type": "object", "required": list(required), "properties": properties}
 
 
 def _schemas() -> dict[str, Any]:
-    text, sentence = {"type": "string"}, {"type": "string", "minLength": 1}
-    cell = {
-        "description": "null for a blank cell; an object as Office.js has errors.",
-        "anyOf": [
-            {"type": ["number", "string", "boolean", "null"]},
-            {
-                "type": "object",
-                "required": ["type"],
-                "properties": {
-                    "type": text,
-                    "basicValue": {"type": ["number", "string", "boolean"]},
-                },
-            },
-        ],
-    }
-    row = {"type": "array", "items": _ref("Cell")}
+    sentence = {"type": "string", "minLength": 1}
+    plain = ["number", "string", "boolean"]
+    cell = {"type": [*plain, "null"]}
+    row = list_of(_ref("Cell"))
+    problem = ("sheet", "table", "row", "column", "allowed", "message")
     return {
-        "Cell": cell,
+        "Cell": {
+            "description": "null for a blank cell; an object as Office.js has errors.",
+            "anyOf": [cell, _object({"type": TEXT}, {"basicValue": {"type": plain}})],
+        },
         "Argument": {
             "description": "One cell, a row of cells, or rows of cells.",
-            "anyOf": [_ref("Cell"), row, {"type": "array", "items": row}],
+            "anyOf": [_ref("Cell"), row, list_of(row)],
         },
-        "Call": {
-            "type": "object",
-            "required": ["name"],
-            "properties": {
-                "name": {"type": "string", "enum": list(FUNCTIONS)},
-                "arguments": {"type": "array", "items": _ref("Argument")},
-            },
-        },
-        "Batch": {
-            "type": "object",
-            "required": ["calls"],
-            "properties": {"calls": {"type": "array", "items": _ref("Call")}},
-        },
-        "Error": {
-            "type": "object",
-            "required": ["error"],
-            "properties": {
-                "error": {
-                    "type": "object",
-                    "required": ["message"],
-                    "properties": {"message": sentence, "code": text},
-                }
-            },
-        },
-        "Value": {
-            "type": "object",
-            "required": ["value"],
-            "additionalProperties": False,
-            "properties": {
-                "value": {
-                    "type": "array",
-                    "minItems": 1,
-                    "items": {
-                        "type": "array",
-                        "items": {"type": ["number", "string", "boolean", "null"]},
-                    },
-                }
-            },
-        },
-        "Answers": {
-            "type": "object",
-            "required": ["results"],
-            "properties": {
-                "results": {"type": "array", "items": {"anyOf": [_ref("Value"), _ref("Error")]}}
-            },
-        },
-        "Model": {
-            "type": "object",
-            "required": ["model", "units", "warnings"],
-            "properties": {
-                "model": {"type": "string", "pattern": "^tv:[0-9a-f]{16}\\.[0-9a-f]{16}(-US)?$"},
+        "Call": _object(
+            {"name": {**TEXT, "enum": list(FUNCTIONS)}}, {"arguments": list_of(_ref("Argument"))}
+        ),
+        "Batch": _object({"calls": list_of(_ref("Call"))}),
+        "Error": _object({"error": _object({"message": sentence}, {"code": TEXT})}),
+        "Value": whole_object({"value": {**list_of(list_of(cell)), "minItems": 1}}),
+        "Answers": _object({"results": list_of({"anyOf": [_ref("Value"), _ref("Error")]})}),
+        "Model": _object(
+            {
+                "model": {**TEXT, "pattern": "^tv:[0-9a-f]{16}\\.[0-9a-f]{16}(-US)?$"},
                 "units": {"enum": ["SI", "US"]},
-                "warnings": {"type": "array", "items": text},
-            },
-        },
-        "Problems": {
-            "type": "object",
-            "required": ["error", "errors"],
-            "properties": {
-                "error": {
-                    "type": "object",
-                    "required": ["message"],
-                    "properties": {"message": sentence},
-                },
-                "format": {"const": 1},
-                "version": text,
-                "warnings": {"type": "array", "items": text},
-                "errors": {
-                    "type": "array",
-                    "items": {
+                "warnings": list_of(TEXT),
+            }
+        ),
+        "Problems": _object(
+            {
+                "error": _object({"message": sentence}),
+                "errors": list_of(
+                    {
                         "type": "object",
-                        "required": ["sheet", "table", "row", "column", "allowed", "message"],
+                        "required": list(problem),
                         "properties": {"message": sentence},
-                    },
-                },
+                    }
+                ),
             },
-        },
-        "Health": {
-            "type": "object",
-            "required": ["ok"],
-            "properties": {"ok": {"const": True}},
-        },
-        "Version": {
-            "type": "object",
-            "required": ["name", "version"],
-            "properties": {"name": text, "version": text},
-        },
+            {"format": {"const": 1}, "version": TEXT, "warnings": list_of(TEXT)},
+        ),
+        "Health": _object({"ok": {"const": True}}),
+        "Version": _object({"name": TEXT, "version": TEXT}),
     }
