@@ -48,41 +48,20 @@ class FileCluster(Cluster):
 
     def prepare(self, task: Task) -> Any:
         """What is sent for a task; `Answered` where its file is not there or somebody has it open."""
-        if not self.sends_bytes:
-            return task.payload
-        try:
-            return _loaded(task.payload)
-        except OSError as wrong:
-            return Answered(_not_sent(task, wrong))
-
-
-def _loaded(payload: Any) -> Any:
-    """A task with its file as bytes."""
-    if not isinstance(payload, (Work, Examine)):
-        return payload
-    if isinstance(payload, Work):
-        locked = is_locked(payload)
-        if locked is not None:
-            raise _Locked(locked)
-    path = Path(payload.source)
-    stamp = replace(stamp_of(path), sha256=digest_of(path))
-    return replace(payload, content=path.read_bytes(), stamp=stamp)
-
-
-class _Locked(OSError):
-    """Somebody has the file or its result open."""
-
-    def __init__(self, cause: Exception) -> None:
-        super().__init__(str(cause))
-        self.cause = cause
-
-
-def _not_sent(task: Task, wrong: OSError) -> Any:
-    """The answer to a task whose file cannot be sent."""
-    cause = wrong.cause if isinstance(wrong, _Locked) else wrong
-    if isinstance(task.payload, Work):
-        return Calculated(refused(task.payload, cause))
-    return task.do(task.payload)
+        payload = task.payload
+        if not self.sends_bytes or not isinstance(payload, (Work, Examine)):
+            return payload
+        wrong = is_locked(payload) if isinstance(payload, Work) else None
+        if wrong is None:
+            path = Path(payload.source)
+            try:
+                stamp = replace(stamp_of(path), sha256=digest_of(path))
+                return replace(payload, content=path.read_bytes(), stamp=stamp)
+            except OSError as error:
+                wrong = error
+        if isinstance(payload, Work):
+            return Answered(Calculated(refused(payload, wrong)))
+        return Answered(task.do(payload))
 
 
 def shared(folder: str, token: str, source: str) -> bool:

@@ -18,7 +18,6 @@ import uuid
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 
 from addin.batch.inputs import OWN
 from addin.batch.journal import read_journal
@@ -92,12 +91,7 @@ class OutFolder:
     def __enter__(self) -> OutFolder:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        wrong: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         shutil.rmtree(self.staging, ignore_errors=True)
         self._lock.release()
 

@@ -11,8 +11,8 @@ import json
 import os
 import zlib
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
-from types import TracebackType
 
 from addin.batch.records import Record
 
@@ -73,15 +73,8 @@ class Journal:
         os.lseek(self._file, end, os.SEEK_SET)
         os.fsync(self._file)
 
-    def __enter__(self) -> Journal:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        wrong: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Nothing more is written."""
         os.close(self._file)
 
     def write(self, record: Record) -> None:
@@ -92,7 +85,7 @@ class Journal:
         OSError
             If it could not be written; the journal is as before.
         """
-        text = json.dumps(record.as_json(), ensure_ascii=True, default=str).encode("ascii")
+        text = json.dumps(asdict(record), ensure_ascii=True, default=str).encode("ascii")
         line = _check(text) + b" " + text + b"\n"
         began = os.lseek(self._file, 0, os.SEEK_CUR)
         try:

@@ -13,31 +13,32 @@ from typing import Any
 #: What a programme is written to.
 RESULT, RESULT_CSV = "results.parquet", "results.csv"
 
-#: Columns of the result after those of the table. Units are SI and in the names.
-RESULT_COLUMNS: tuple[tuple[str, str], ...] = (
-    ("outcome", "string"),
-    ("reason", "string"),
-    ("verdict", "string"),
-    ("checks_not_judged", "int64"),
-    ("start", "string"),
-    ("mode_1_Hz", "double"),
-    ("mode_2_Hz", "double"),
-    ("mode_3_Hz", "double"),
-    ("worst_margin", "double"),
-    ("worst_margin_at", "string"),
-    ("peak_torque_N_m", "double"),
-    ("peak_torque_over_rated", "double"),
-    ("peak_torque_at", "string"),
-    ("peak_to_peak_stress_Pa", "double"),
-    ("peak_to_peak_stress_at", "string"),
-    ("torque_reversals", "int64"),
-    ("torque_reverses_at", "string"),
-    ("allowable_starts", "double"),
-    ("starts_unlimited", "bool"),
-    ("starts_governed_by", "string"),
-    ("warnings", "string"),
-    ("case_sha256", "string"),
-    ("seconds", "double"),
+#: Columns of the result after those of the table, each with its kind and the field of
+#: `addin.calculation.key_figures.KeyFigures` that it shows, if any. Units are SI and in the names.
+RESULT_COLUMNS: tuple[tuple[str, str, str], ...] = (
+    ("outcome", "string", ""),
+    ("reason", "string", ""),
+    ("verdict", "string", "verdict"),
+    ("checks_not_judged", "int64", "not_judged"),
+    ("start", "string", "outcome"),
+    ("mode_1_Hz", "double", ""),
+    ("mode_2_Hz", "double", ""),
+    ("mode_3_Hz", "double", ""),
+    ("worst_margin", "double", "margin"),
+    ("worst_margin_at", "string", "margin_where"),
+    ("peak_torque_N_m", "double", "peak_torque"),
+    ("peak_torque_over_rated", "double", "peak_over_rated"),
+    ("peak_torque_at", "string", "peak_where"),
+    ("peak_to_peak_stress_Pa", "double", "stress"),
+    ("peak_to_peak_stress_at", "string", "stress_where"),
+    ("torque_reversals", "int64", "reversals"),
+    ("torque_reverses_at", "string", "reversals_where"),
+    ("allowable_starts", "double", "starts"),
+    ("starts_unlimited", "bool", "starts_unlimited"),
+    ("starts_governed_by", "string", "starts_where"),
+    ("warnings", "string", ""),
+    ("case_sha256", "string", ""),
+    ("seconds", "double", ""),
 )
 
 #: Columns of the result before those of the table.
@@ -99,7 +100,7 @@ def is_result(path: Path) -> bool:
             return bool(json.loads(stated) == schema.names)
     except (OSError, ValueError, RecursionError, pa.ArrowException):
         return False
-    ours = tuple(name for name, _ in RESULT_COLUMNS)
+    ours = tuple(name for name, *_ in RESULT_COLUMNS)
     return tuple(schema.names[:2]) == _FIRST and tuple(schema.names[-len(ours) :]) == ours
 
 
@@ -112,7 +113,9 @@ def is_result_csv(path: Path) -> bool:
             headers = file.readline(_MOST_HEADERS)
     except (OSError, UnicodeDecodeError):
         return False
-    first, last = (r"[,;\t]".join(names) for names in (_FIRST, [n for n, _ in RESULT_COLUMNS]))
+    first, last = (
+        r"[,;\t]".join(names) for names in (_FIRST, [name for name, *_ in RESULT_COLUMNS])
+    )
     return re.match(rf"{first}[,;\t].*{last}\s*$", headers, re.DOTALL) is not None
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from addin.calculation.key_figures import verdict_text
@@ -99,13 +99,9 @@ class Record:
         """Whether the same file would give the same outcome."""
         return self.outcome in SETTLED
 
-    def as_json(self) -> dict[str, Any]:
-        """The record as an object of JSON."""
-        return asdict(self)
-
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> Record:
-        """The record that `as_json` gave."""
+        """The record whose fields an object of JSON holds."""
         return replace(
             cls(**content),
             stamp=Stamp(**content["stamp"]),
@@ -152,11 +148,3 @@ def _chain(cause: BaseException) -> Iterator[BaseException]:
     while one is not None:
         yield one
         one = one.__cause__ or one.__context__
-
-
-def counted(records: Iterable[Record]) -> dict[str, int]:
-    """How many records have each outcome."""
-    found: dict[str, int] = {}
-    for record in records:
-        found[record.outcome] = found.get(record.outcome, 0) + 1
-    return found

@@ -98,7 +98,7 @@ class Batch:
 
     def __exit__(self, *_: object) -> None:
         self.workers.close()
-        self._journal.__exit__(None, None, None)
+        self._journal.close()
 
     def process(self, inputs: Sequence[Input]) -> None:
         """Calculate files that have no valid record yet.

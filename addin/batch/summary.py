@@ -7,12 +7,13 @@ text. Numbers are never touched.
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.batch.own_files import SUMMARY_SHEETS
 from addin.batch.records import DONE, Record
@@ -20,9 +21,7 @@ from addin.contract.sheet import text_height
 from addin.xlsx.whole_files import write_whole
 from engine.case.result_words import NoNumber
 
-if TYPE_CHECKING:
-    import pandas as pd
-
+Rows = Sequence[Sequence[Any]]
 #: Outcome of a file that was not reached before the batch ended.
 NOT_BEGUN = "not begun"
 #: A text that begins so may be taken for a formula. [characters]
@@ -128,20 +127,13 @@ def write_summary(workbook: Path, records: Sequence[Record], heading: str) -> tu
     OSError
         If one cannot be written; one that was there is as before.
     """
-    files = _file_rows(records)
+    files = [[column.value(record) for column in FILE_COLUMNS] for record in records]
     errors = _error_rows(records)
     workbook.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(workbook, lambda path: _write_workbook(path, files, errors, records, heading))
+    write_whole(workbook, lambda path: _write_workbook(path, files, errors, heading))
     table = workbook.with_suffix(".csv")
     write_whole(table, lambda path: _write_csv(path, files))
     return workbook, table
-
-
-def _file_rows(records: Sequence[Record]) -> pd.DataFrame:
-    import pandas as pd
-
-    rows = [[column.value(record) for column in FILE_COLUMNS] for record in records]
-    return pd.DataFrame(rows, columns=_headers(), dtype=object)
 
 
 def _error_rows(records: Sequence[Record]) -> list[Mapping[str, Any]]:
@@ -152,10 +144,15 @@ def _error_rows(records: Sequence[Record]) -> list[Mapping[str, Any]]:
     ]
 
 
-def _write_csv(path: Path, files: pd.DataFrame) -> None:
-    shown = files.map(lambda value: guarded(_text(value)) if isinstance(value, str) else value)
+def _write_csv(path: Path, files: Rows) -> None:
     # With a byte order mark, without which Excel would not read it as UTF-8.
-    shown.to_csv(path, index=False, encoding="utf-8-sig", lineterminator="\r\n")
+    with open(path, "w", encoding="utf-8-sig", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(_headers())
+        for row in files:
+            writer.writerow(
+                guarded(_text(value)) if isinstance(value, str) else value for value in row
+            )
 
 
 def _text(value: Any) -> str:
@@ -163,17 +160,13 @@ def _text(value: Any) -> str:
 
 
 def _write_workbook(
-    path: Path,
-    files: pd.DataFrame,
-    errors: Sequence[Mapping[str, Any]],
-    records: Sequence[Record],
-    heading: str,
+    path: Path, files: Rows, errors: Sequence[Mapping[str, Any]], heading: str
 ) -> None:
     import xlsxwriter
 
     book = xlsxwriter.Workbook(str(path))
     styles = _Styles(book)
-    _write_files(book, styles, files, records, heading)
+    _write_files(book, styles, files, heading)
     _write_errors(book, styles, errors)
     book.set_properties({"title": "Summary of a batch", "comments": heading})
     book.close()
@@ -214,17 +207,24 @@ _PAGES = (
 _FIRST = 3  # row of the headers, counted from 0
 
 
-def _write_files(
-    book: Any, styles: _Styles, files: pd.DataFrame, records: Sequence[Record], heading: str
-) -> None:
-    sheet = book.add_worksheet(SUMMARY_SHEETS[0])
-    sheet.write_string(0, 0, "Summary of a batch", styles.title)
-    sheet.write_string(1, 0, heading, styles.note)
-    for at, column in enumerate(FILE_COLUMNS):
-        sheet.set_column(at, at, column.width)
-        sheet.write_string(_FIRST, at, column.header, styles.head)
+def _sheet(
+    book: Any, styles: _Styles, name: str, words: tuple[str, str], widths: Mapping[str, int]
+) -> Any:
+    """A sheet with title, note and the headers of its columns."""
+    sheet = book.add_worksheet(name)
+    sheet.write_string(0, 0, words[0], styles.title)
+    sheet.write_string(1, 0, words[1], styles.note)
+    for at, (header, width) in enumerate(widths.items()):
+        sheet.set_column(at, at, width)
+        sheet.write_string(_FIRST, at, header, styles.head)
+    return sheet
+
+
+def _write_files(book: Any, styles: _Styles, files: Rows, heading: str) -> None:
+    widths = {column.header: column.width for column in FILE_COLUMNS}
+    sheet = _sheet(book, styles, SUMMARY_SHEETS[0], ("Summary of a batch", heading), widths)
     sheet.set_row(_FIRST, 62)
-    for offset, row in enumerate(files.itertuples(index=False, name=None), start=_FIRST + 1):
+    for offset, row in enumerate(files, start=_FIRST + 1):
         sheet.set_row(offset, 12.75)  # one line: long texts are read in the cell
         for at, (column, value) in enumerate(zip(FILE_COLUMNS, row, strict=True)):
             _write(sheet, offset, at, value, styles.number(column.form) if column.form else styles.text)  # fmt: skip
@@ -257,14 +257,14 @@ def _colour(
 
 
 def _write_errors(book: Any, styles: _Styles, errors: Sequence[Mapping[str, Any]]) -> None:
-    sheet = book.add_worksheet(SUMMARY_SHEETS[1])
-    many = f"{len(errors):,} error{'' if len(errors) == 1 else 's'}"
-    sheet.write_string(0, 0, many if errors else "No errors", styles.title)
-    note = "Row counts the rows of the table, blank ones included; Cell is where it stands."
-    sheet.write_string(1, 0, note if errors else "", styles.note)
-    for at, (header, _, width) in enumerate(ERROR_COLUMNS):
-        sheet.set_column(at, at, width)
-        sheet.write_string(_FIRST, at, header, styles.head)
+    words = "No errors", ""
+    if errors:
+        words = (
+            f"{len(errors):,} error{'' if len(errors) == 1 else 's'}",
+            "Row counts the rows of the table, blank ones included; Cell is where it stands.",
+        )
+    widths = {header: width for header, _, width in ERROR_COLUMNS}
+    sheet = _sheet(book, styles, SUMMARY_SHEETS[1], words, widths)
     for offset, error in enumerate(errors, start=_FIRST + 1):
         # Said, as not every program fits a row to its text.
         heights = [text_height(str(error.get(key) or ""), width) for _, key, width in ERROR_COLUMNS]

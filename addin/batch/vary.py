@@ -272,7 +272,7 @@ def _schema(columns: Sequence[Varied]) -> pa.Schema:
         pa.field("row", pa.int64()),
         pa.field("name", pa.string()),
         *(pa.field(c.header, kinds["double" if c.spec.is_number else "string"]) for c in columns),
-        *(pa.field(name, kinds[kind]) for name, kind in RESULT_COLUMNS),
+        *(pa.field(name, kinds[kind]) for name, kind, _ in RESULT_COLUMNS),
     ]
     return pa.schema(fields, metadata=stated_columns([one.name for one in fields]))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from addin.contract.problems import nearest, shortened
 from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec
@@ -14,9 +14,6 @@ from addin.reading.typed_case import (
     Place,
     TypedCase,
 )
-
-if TYPE_CHECKING:
-    pass
 
 
 class TableRefused(Exception):

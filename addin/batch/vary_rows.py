@@ -7,8 +7,9 @@ import re
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from addin.batch.own_files import RESULT_COLUMNS
 from addin.batch.records import (
     DONE,
     FAULT,
@@ -34,11 +35,7 @@ from engine.errors import CaseError, ModelError, Problem
 from engine.results.tables import result_tables
 from engine.run import run
 
-if TYPE_CHECKING:
-    pass
-
-if TYPE_CHECKING:
-    pass
+_SIGNED = re.compile(r"\s*[+-]?[\d.,]+", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -208,28 +205,10 @@ def _reason(problem: Problem, columns: Sequence[Varied], typed: TypedCase) -> st
 def _answers(case: Any) -> dict[str, Any]:
     """The numbers of one case."""
     results = run(case)
-    found = key_figures(results, result_tables(results)["StartupPeaks"])
-    modes = {f"mode_{n}_Hz": f for n, f in enumerate(found.frequencies, start=1)}
+    figures = key_figures(results, result_tables(results)["StartupPeaks"])
     return {
         "outcome": DONE,
-        "verdict": found.verdict,
-        "checks_not_judged": found.not_judged,
-        "start": found.outcome,
-        **modes,
-        "worst_margin": found.margin,
-        "worst_margin_at": found.margin_where,
-        "peak_torque_N_m": found.peak_torque,
-        "peak_torque_over_rated": found.peak_over_rated,
-        "peak_torque_at": found.peak_where,
-        "peak_to_peak_stress_Pa": found.stress,
-        "peak_to_peak_stress_at": found.stress_where,
-        "torque_reversals": found.reversals,
-        "torque_reverses_at": found.reversals_where,
-        "allowable_starts": found.starts,
-        "starts_unlimited": found.starts_unlimited,
-        "starts_governed_by": found.starts_where,
+        **{f"mode_{n}_Hz": f for n, f in enumerate(figures.frequencies, start=1)},
+        **{name: getattr(figures, key) for name, _, key in RESULT_COLUMNS if key},
         "warnings": "\n".join(results.warnings) or None,
     }
-
-
-_SIGNED = re.compile(r"\s*[+-]?[\d.,]+", re.ASCII)

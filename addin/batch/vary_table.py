@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import codecs
+import contextlib
 import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from addin.batch.vary_columns import TableRefused, Varied
-
-if TYPE_CHECKING:
-    pass
-
 
 #: Rows of a chunk. [count]
 ROWS = 50
@@ -57,21 +54,21 @@ class VariedTable:
         TableRefused
             If it cannot be read.
         """
-        with self._reading():
+        with _reading():
             if self._is_parquet:
                 return [str(name) for name in self._parquet().schema_arrow.names]
             return next(iter(self._csv()), [])
 
     def count(self) -> int:
         """Its rows. [count]"""
-        with self._reading():
+        with _reading():
             if self._is_parquet:
                 return int(self._parquet().metadata.num_rows)
             return max(sum(1 for row in self._csv() if row) - 1, 0)
 
     def rows(self) -> Iterator[list[Any]]:
         """Its rows, one at a time."""
-        with self._reading():
+        with _reading():
             if not self._is_parquet:
                 rows = self._csv()
                 next(rows, None)
@@ -84,9 +81,6 @@ class VariedTable:
     @property
     def _is_parquet(self) -> bool:
         return self.path.suffix.lower() in (".parquet", ".pq")
-
-    def _reading(self) -> _Reading:
-        return _Reading(self.path)
 
     def _parquet(self) -> Any:
         from pyarrow.parquet import ParquetFile
@@ -103,7 +97,7 @@ class VariedTable:
         """
         if self._is_parquet:
             return CsvForm()
-        with self._reading():
+        with _reading():
             with open(self.path, "rb") as file:
                 encoding = "utf-16" if file.read(2) in _UTF_16 else "utf-8-sig"
             with open(self.path, encoding=encoding, newline="") as text:
@@ -131,22 +125,19 @@ class VariedTable:
             yield from csv.reader(file, delimiter=form.separator)
 
 
-class _Reading:
+@contextlib.contextmanager
+def _reading() -> Iterator[None]:
     """What goes wrong while a table is read, as one sentence."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-
-    def __enter__(self) -> None:
-        return None
-
-    def __exit__(self, kind: Any, wrong: BaseException | None, trace: Any) -> None:
-        if isinstance(wrong, UnicodeDecodeError):
-            raise TableRefused(
-                ["it is not UTF-8 text. Give a CSV saved as CSV UTF-8, or a .parquet file."]
-            ) from wrong
-        if isinstance(wrong, (OSError, csv.Error)):
-            why = getattr(wrong, "strerror", None) or wrong
-            raise TableRefused([f"it cannot be read: {why}."]) from wrong
-        if wrong is not None and type(wrong).__module__.startswith("pyarrow"):
-            raise TableRefused(["it is no Parquet file that can be read."]) from wrong
+    try:
+        yield
+    except UnicodeDecodeError as wrong:
+        raise TableRefused(
+            ["it is not UTF-8 text. Give a CSV saved as CSV UTF-8, or a .parquet file."]
+        ) from wrong
+    except (OSError, csv.Error) as wrong:
+        why = getattr(wrong, "strerror", None) or wrong
+        raise TableRefused([f"it cannot be read: {why}."]) from wrong
+    except Exception as wrong:
+        if not type(wrong).__module__.startswith("pyarrow"):
+            raise
+        raise TableRefused(["it is no Parquet file that can be read."]) from wrong

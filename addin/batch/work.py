@@ -8,9 +8,11 @@ bytes.
 from __future__ import annotations
 
 import pickle
+import tempfile
 import time
+import traceback
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -28,11 +30,11 @@ from addin.batch.records import (
     outcome_of,
 )
 from addin.calculation.key_figures import key_figures
-from addin.contract.problems import printable
+from addin.contract.problems import CellProblem, printable
 from addin.contract.version import product_version
 from addin.reading.one_file import Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput
-from addin.writing.recalculate import PreparedInput, RecalculationOutcome, recalculate
+from addin.writing.recalculate import PreparedInput, recalculate
 from addin.xlsx.errors import WorkbookLocked
 from addin.xlsx.locks import check_not_open
 from engine.case.data import CaseData, case_digest
@@ -104,7 +106,9 @@ def examine(task: Examine) -> Examined:
     began = time.perf_counter()
     try:
         if task.content is not None:
-            with _Unpacked(task.name, task.content) as path:
+            with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
+                path = Path(folder, Path(task.name).name)
+                path.write_bytes(task.content)
                 read, stamp = read_checked(path), task.stamp
         else:
             stamp = _stamped(Path(task.source))
@@ -138,8 +142,6 @@ def compiles(data: CaseData) -> bool:
 
 def calculate(task: Work) -> Calculated:
     """Calculate a file and write its results into the staging folder."""
-    import traceback
-
     try:
         if task.content is None:
             # A folder for each attempt: one that was begun by a worker that died is left aside.
@@ -158,8 +160,6 @@ def calculate(task: Work) -> Calculated:
 
 def _calculated_from_bytes(task: Work) -> Calculated:
     """The same where the file comes as bytes and the results go back as bytes."""
-    import tempfile
-
     assert task.content is not None
     with tempfile.TemporaryDirectory(prefix="torsionbook-") as folder:
         source = Path(folder, "in", Path(task.name).name)
@@ -193,14 +193,28 @@ def _calculated(task: Work, source: Path, staging: Path) -> Calculated:
         prepared=PreparedInput(read, known, task.history),
     )
     seconds = time.perf_counter() - began
-    if done.calculation is None or done.problems:
-        return Calculated(_failed(task, done, stamp, digest, seconds))
-    record = _done(task, done, stamp, digest, seconds)
-    if known is None:
-        record = replace(record, same_as="")
-    record = replace(record, outputs=_outputs(task, staging))
-    kept = pickle.dumps(done.calculation.results, pickle.HIGHEST_PROTOCOL) if task.keep else None
-    return Calculated(record, kept)
+    facts: dict[str, Any] = {
+        "stamp": stamp,
+        "case_sha256": digest,
+        "warnings": tuple(done.warnings),
+        "seconds": seconds,
+    }
+    calculation = done.calculation
+    if calculation is None or done.problems:
+        return Calculated(replace(_not_done(task, done.problems, done.cause), **facts))
+    figures = key_figures(calculation.results, calculation.tables.get("StartupPeaks", ()))
+    record = Record(
+        task.name,
+        task.source,
+        DONE,
+        same_as="" if known is None else task.same_as,
+        results=asdict(figures),
+        outputs=_outputs(task, staging),
+        version=product_version(),
+        **facts,
+    )
+    results = pickle.dumps(calculation.results, pickle.HIGHEST_PROTOCOL) if task.keep else None
+    return Calculated(record, results)
 
 
 def _stamped(path: Path) -> Stamp:
@@ -233,25 +247,6 @@ def _known(task: Work) -> Results | None:
     return None if content is None else pickle.loads(content)
 
 
-def _done(
-    task: Work, done: RecalculationOutcome, stamp: Stamp, digest: str, seconds: float
-) -> Record:
-    assert done.calculation is not None
-    peaks = done.calculation.tables.get("StartupPeaks", ())
-    return Record(
-        task.name,
-        task.source,
-        DONE,
-        stamp=stamp,
-        case_sha256=digest,
-        same_as=task.same_as,
-        results=asdict(key_figures(done.calculation.results, peaks)),
-        warnings=done.warnings,
-        seconds=seconds,
-        version=product_version(),
-    )
-
-
 def _outputs(task: Work, staging: Path) -> tuple[Output, ...]:
     """The result files in the staging folder."""
     parent = task.name.rpartition("/")[0]
@@ -280,32 +275,21 @@ def _wrong(
             replace(one, found=task.name) if str(one.found) == printable(str(task.source)) else one
             for one in problems
         )
+    record = _not_done(task, problems, cause)
+    return replace(record, stamp=stamp, warnings=tuple(read.warnings), seconds=seconds)
+
+
+def _not_done(
+    task: Work | Examine, problems: Sequence[CellProblem], cause: BaseException | None
+) -> Record:
+    """The record of a file that was not read, calculated or written."""
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
     return Record(
         task.name,
         task.source,
         WRONG_INPUT if cause is None else outcome_of(cause),
-        _sentence(read.problems),
-        stamp=stamp,
-        warnings=tuple(read.warnings),
+        f"{problems[0].message}{more}",
         errors=tuple(one.as_json() | {"cell": one.cell} for one in problems),
-        seconds=seconds,
-    )
-
-
-def _failed(
-    task: Work, done: RecalculationOutcome, stamp: Stamp, digest: str, seconds: float
-) -> Record:
-    """The record of a file that was read but not calculated or written."""
-    return Record(
-        task.name,
-        task.source,
-        WRONG_INPUT if done.cause is None else outcome_of(done.cause),
-        _sentence(done.problems),
-        stamp=stamp,
-        case_sha256=digest,
-        warnings=tuple(done.warnings),
-        errors=tuple(one.as_json() | {"cell": one.cell} for one in done.problems),
-        seconds=seconds,
     )
 
 
@@ -313,27 +297,3 @@ def refused(task: Work | Examine, wrong: Exception) -> Record:
     """The record of a file that cannot be used at all."""
     sentence = file_problem(Path(task.source), wrong).message
     return failed(task.name, task.source, outcome_of(wrong), sentence)
-
-
-def _sentence(problems: Any) -> str:
-    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return f"{problems[0].message}{more}"
-
-
-class _Unpacked:
-    """A file that came as bytes, for a while on the disk."""
-
-    def __init__(self, name: str, content: bytes) -> None:
-        self._name = Path(name).name
-        self._content = content
-
-    def __enter__(self) -> Path:
-        import tempfile
-
-        self._folder = tempfile.TemporaryDirectory(prefix="torsionbook-")
-        path = Path(self._folder.name, self._name)
-        path.write_bytes(self._content)
-        return path
-
-    def __exit__(self, *_: object) -> None:
-        self._folder.cleanup()

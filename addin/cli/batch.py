@@ -17,7 +17,7 @@ from addin.batch.cluster_files import FileCluster
 from addin.batch.folder import FolderRefused, OutFolder
 from addin.batch.inputs import SUMMARY, Input, InputsRefused, check_places, find_inputs
 from addin.batch.own_files import in_the_way, is_summary, is_summary_csv
-from addin.batch.records import DONE, Record, counted
+from addin.batch.records import DONE, Record
 from addin.batch.scheduler import Batch, Listener
 from addin.batch.summary import NOT_BEGUN, write_summary
 from addin.batch.vary import ProgrammeSettings, run_programme
@@ -399,13 +399,19 @@ def _rows(work: Batch, inputs: Sequence[Input]) -> list[Record]:
     ]
 
 
+def _counts(records: Sequence[Record]) -> str:
+    """How many records have each outcome."""
+    outcomes = Counter(record.outcome for record in records)
+    return ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
+
+
 def _summarised(
     book: Path, records: Sequence[Record], overrides: Mapping[str, Any]
 ) -> tuple[Path, ...]:
     """Write the summary; nothing if that is impossible, which is said."""
     import datetime as dt
 
-    counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
+    counts = _counts(records)
     heading = (
         f"{len(records)} file{'' if len(records) == 1 else 's'}: {counts}. torsionbook {product_version()}, "
         f"{dt.datetime.now(dt.UTC):%Y-%m-%d %H:%M} UTC."
@@ -431,7 +437,7 @@ def _say(
     if len(failed) > _LISTED:
         typer.echo(f"... and {len(failed) - _LISTED} more; the summary lists all.", err=True)
     seconds = time.monotonic() - began
-    counts = ", ".join(f"{count} {outcome}" for outcome, count in counted(records).items())
+    counts = _counts(records)
     kept = f" ({work.kept} of them by an earlier batch)" if work.kept else ""
     same = sum(bool(one.same_as) for one in records)
     shared = f" {same} had a case that another file states too, calculated once." if same else ""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from starlette.responses import Response
+
+from addin.contract.problems import CellProblem
 
 
 class Refused(Exception):
@@ -42,6 +44,12 @@ def answer(content: Any, status: int = 200, headers: Mapping[str, str] | None = 
     """A JSON response."""
     body = content if isinstance(content, bytes) else encoded(content)
     return Response(body, status, headers, media_type="application/json")
+
+
+def input_errors(problems: Sequence[CellProblem]) -> str:
+    """The sentence over everything wrong with an input."""
+    count = "one error" if len(problems) == 1 else f"{len(problems)} errors"
+    return f"The input has {count}; nothing was calculated. {problems[0].message}"
 
 
 def too_large(limit: int) -> Refused:

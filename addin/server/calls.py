@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import copy_context
 from dataclasses import dataclass
 from functools import partial
@@ -188,15 +188,6 @@ class UnsentCells:
             self._cells, self._is_sent = 0, True
 
 
-@dataclass(frozen=True)
-class _Given:
-    """A result that calls bring along."""
-
-    model: Model
-    what: str
-    value: Any
-
-
 class Calls:
     """Answers calls: short ones in threads, long ones once their start is there.
 
@@ -236,7 +227,12 @@ class Calls:
             room.free()
 
     async def answers(
-        self, calls: Sequence[Call], room: UnsentCells | None = None, size: int = 0
+        self,
+        calls: Sequence[Call],
+        room: UnsentCells,
+        size: int = 0,
+        tell: Tell | None = None,
+        turn: Callable[[], Awaitable[None]] | None = None,
     ) -> list[Answer]:
         """Answers in the order of the calls.
 
@@ -244,82 +240,45 @@ class Calls:
         ----------
         calls : sequence of Call
             What is asked for.
-        room : UnsentCells, optional
+        room : UnsentCells
             Counts the cells.
         size : int
             Size of the request. [B]
+        tell : callable, optional
+            Called with each stage. [words]
+        turn : callable, optional
+            Awaited before an answer takes memory; for one call only.
 
         Returns
         -------
         list of dict
             ``value``, rows of cells, or ``error`` each. [shown units]
         """
-        room = room or UnsentCells(self._unsent)
         pool = self._pool(size)
-        found: dict[int, Answer] = {}
         # those without a model first: a TV_MODEL among them makes the handle that others ask about
-        bare = [i for i, one in enumerate(calls) if not one.takes_model]
-        found |= await self._in_thread(pool, calls, bare, room)
+        bare = [i for i, each in enumerate(calls) if not each.takes_model]
+        answers = await self._in_thread(pool, calls, bare, room, turn)
         at_once: list[int] = []
         waiting: dict[tuple[str, str], tuple[Model, list[int]]] = {}
-        for i, one in enumerate(calls):
-            if i in found:
+        for i, each in enumerate(calls):
+            if i in answers:
                 continue
-            model = one.model()
-            what = None if model is None else _wanted(one, model)
+            model = each.model()
+            what = None if model is None else _wanted(each, model)
             if model is None or what is None:
                 at_once.append(i)
             else:
                 waiting.setdefault((model.handle, what), (model, []))[1].append(i)
-        told = await asyncio.gather(
-            self._in_thread(pool, calls, at_once, room),
+        parts = await asyncio.gather(
+            self._in_thread(pool, calls, at_once, room, turn),
             *(
-                self._with_result(calls, indices, model, what, room)
+                self._with_result(calls, indices, (model, what), room, tell, turn)
                 for (_, what), (model, indices) in waiting.items()
             ),
         )
-        for one_part in told:
-            found |= one_part
-        return [found[i] for i in range(len(calls))]
-
-    async def one(
-        self,
-        wanted: Call,
-        tell: Tell | None = None,
-        room: UnsentCells | None = None,
-        turn: Callable[[], Awaitable[None]] | None = None,
-        size: int = 0,
-    ) -> Answer:
-        """The answer of one call, its stages told.
-
-        Parameters
-        ----------
-        wanted : Call
-            What is asked for.
-        tell : callable, optional
-            Called with each stage. [words]
-        room : UnsentCells, optional
-            Counts the cells.
-        turn : callable, optional
-            Awaited before the answer takes memory.
-        size : int
-            Size of the request. [B]
-
-        Returns
-        -------
-        dict
-            ``value`` or ``error``. [shown units]
-        """
-        room = room or UnsentCells(self._unsent)
-        model = wanted.model()
-        what = None if model is None else _wanted(wanted, model)
-        if model is not None and what is not None:
-            found = await self._with_result([wanted], [0], model, what, room, tell, turn)
-        else:
-            if turn is not None:
-                await turn()
-            found = await self._in_thread(self._pool(size), [wanted], [0], room)
-        return found[0]
+        for part in parts:
+            answers |= part
+        return [answers[i] for i in range(len(calls))]
 
     def _pool(self, size: int) -> ThreadPoolExecutor:
         return self._heavy if size > HEAVY else self._short
@@ -337,20 +296,19 @@ class Calls:
         self,
         calls: Sequence[Call],
         wanted: Sequence[int],
-        model: Model,
-        what: str,
+        result: tuple[Model, str],
         room: UnsentCells,
-        tell: Tell | None = None,
-        turn: Callable[[], Awaitable[None]] | None = None,
+        tell: Tell | None,
+        turn: Callable[[], Awaitable[None]] | None,
     ) -> dict[int, Answer]:
         """Calls about one model, once its result is there; they get it from here."""
+        model, what = result
         try:
             value = await self._starts.ready(model, tell, what)
         except (Busy, TooLong, RuntimeError) as wrong:
             return {i: error(str(wrong), "#N/A") for i in wanted}
-        if turn is not None:
-            await turn()
-        return await self._in_thread(self._long, calls, wanted, room, _Given(model, what, value))
+        brought = partial(handed, model, what, value)
+        return await self._in_thread(self._long, calls, wanted, room, turn, brought)
 
     async def _in_thread(
         self,
@@ -358,11 +316,14 @@ class Calls:
         calls: Sequence[Call],
         wanted: Sequence[int],
         room: UnsentCells,
-        given: _Given | None = None,
+        turn: Callable[[], Awaitable[None]] | None,
+        brought: Callable[[], AbstractContextManager[Any]] = nullcontext,
     ) -> dict[int, Answer]:
         """Some of the calls, turn about with those of other requests, as many as the time allows."""
-        found: dict[int, Answer] = {}
-        left = iter(wanted)
+        if wanted and turn is not None:
+            await turn()
+        answers: dict[int, Answer] = {}
+        remaining = iter(wanted)
         given_up = threading.Event()
         has_begun = False
 
@@ -370,27 +331,26 @@ class Calls:
             nonlocal has_begun
             has_begun = True
             began = time.monotonic()
-            brought = handed(given.model, given.what, given.value) if given else nullcontext()
-            with brought:
+            with brought():
                 while not given_up.is_set() and time.monotonic() - began < TURN:
-                    i = next(left, None)
+                    i = next(remaining, None)
                     if i is None:
                         break
-                    found[i] = room.refused or _answer(calls[i], room)
+                    answers[i] = room.refused or _answer(calls[i], room)
 
         loop = asyncio.get_running_loop()
         try:
             async with asyncio.timeout(self._limits.short_time):
-                while len(found) < len(wanted):
+                while len(answers) < len(wanted):
                     await loop.run_in_executor(pool, partial(copy_context().run, work))
         except TimeoutError:
             pass
         finally:
             given_up.set()
-        if len(found) < len(wanted):
+        if len(answers) < len(wanted):
             late = error(self._too_late(has_begun), "#N/A")
-            return {i: found.get(i, late) for i in wanted}
-        return found
+            return {i: answers.get(i, late) for i in wanted}
+        return answers
 
     def _too_late(self, has_begun: bool) -> str:
         seconds = f"{self._limits.short_time:g} s"

@@ -175,16 +175,14 @@ class RequestGuard:
         if origin is not None and not self._is_own(origin, host):
             raise Refused(403, "This server answers its own pages only, not those of another site.")
         given = key_of(headers)
+        length = headers.get("content-length", "0")
+        size = int(length[:20]) if length.isdecimal() else 0
         if scope["type"] == "http" and scope["path"].startswith("/api/"):
             if not is_key(settings, given):
                 raise Refused(401, no_key(given), {"WWW-Authenticate": "Bearer"})
-            length = headers.get("content-length", "0")
-            if length.isdecimal() and int(length[:20]) > settings.limits.body:
+            if size > settings.limits.body:
                 raise too_large(settings.limits.body)
-        length = headers.get("content-length", "0")
-        is_large = "transfer-encoding" in headers or (
-            length.isdecimal() and int(length[:20]) > LARGE
-        )
+        is_large = "transfer-encoding" in headers or size > LARGE
         if is_large and self._large >= settings.limits.large:
             raise too_busy(f"{settings.limits.large} large requests")
         return is_large, given

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from addin.server.processes import Work
-from addin.server.studies import StudyRequest
 from addin.workers.pool import GivenUp, Job
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
 from addin.worksheet.registry import FunctionError
@@ -89,9 +88,9 @@ class Starts:
         Busy, TooLong, RuntimeError
             If there is no result.
         """
-        found = model.kept.get(what)
-        if found is not None:
-            return found
+        result = model.kept.get(what)
+        if result is not None:
+            return result
         shared = self._shared.get((model.results, what))
         if shared is None:
             shared = self._begin(model, what)
@@ -110,43 +109,29 @@ class Starts:
                 self._forget(model, what, shared)
                 shared.task.cancel()
 
-    async def view(self, model: Model) -> Any:
-        """What the page draws of a large train without its start; not kept.
+    async def task(self, name: str, payload: Any, tell: Tell | None = None) -> Any:
+        """The result of another task, for the one who asks; cancelling this call gives it up.
 
         Parameters
         ----------
-        model : Model
-            The model.
-
-        Returns
-        -------
-        dict
-            Plain values. [shown units]
-        """
-        job = self._work.submit("view", (model.handle, model.case, model.system))
-        return await waited_for(job)
-
-    async def study(self, asked: StudyRequest, tell: Tell) -> dict[str, Any]:
-        """A study, made for the one who asks; cancelling this call gives it up.
-
-        Parameters
-        ----------
-        asked : StudyRequest
-            What is asked for.
-        tell : callable
+        name : str
+            One of `addin.server.tasks.TASKS`. [name]
+        payload : object
+            What it works on.
+        tell : callable, optional
             Called with each stage. [words]
 
         Returns
         -------
-        dict
-            Key ``value``, or ``error`` and ``errors``. [SI]
+        object
+            Its result; not kept.
 
         Raises
         ------
         Busy, TooLong, RuntimeError, FunctionError
             If there is no result.
         """
-        return dict(await waited_for(self._work.submit("study", asked), tell))
+        return await waited_for(self._work.submit(name, payload), tell)
 
     def _begin(self, model: Model, what: str) -> _Shared:
         job = self._work.submit(TASK[what], model.case)
@@ -159,22 +144,17 @@ class Starts:
     async def _calculate(self, model: Model, what: str, job: Job) -> Any:
         shared = self._shared[model.results, what]
         try:
-            found = await _found(job, shared.tell)
-            await asyncio.to_thread(MODELS.keep, model, what, found)
-            return found
+            try:
+                result = await waited_for(job, shared.tell)
+            except FunctionError as wrong:  # why the train has none is kept, too
+                result = wrong
+            await asyncio.to_thread(MODELS.keep, model, what, result)
+            return result
+        except GivenUp:
+            raise RuntimeError("The calculation was stopped. Ask for it again.") from None
         finally:
             self._forget(model, what, shared)
 
     def _forget(self, model: Model, what: str, shared: _Shared) -> None:
         if self._shared.get((model.results, what)) is shared:
             del self._shared[model.results, what]
-
-
-async def _found(job: Job, tell: Tell) -> Any:
-    """The result of a job, or the sentence why the train has none: that is kept, too."""
-    try:
-        return await waited_for(job, tell)
-    except FunctionError as wrong:
-        return wrong
-    except GivenUp:
-        raise RuntimeError("The calculation was stopped. Ask for it again.") from None

@@ -262,7 +262,8 @@ class Stream:
         wanted = read_call(message, "The message")
         turn = partial(self._turn, answering)
         tell = self._teller(answering.identity)
-        return await self._calls.one(wanted, tell, answering.room, turn, size)
+        (answer,) = await self._calls.answers([wanted], answering.room, size, tell, turn)
+        return answer
 
     async def _view(self, handle: str, answering: _Answering) -> dict[str, Any]:
         """The page's numbers: first without the start, then with it."""
@@ -271,7 +272,8 @@ class Stream:
         await self._turn(first)
         try:
             if is_large(model):
-                partly = await self._starts.view(model)
+                case = model.handle, model.case, model.system
+                partly = await self._starts.task("view", case)
             else:
                 partly = await self._calls.in_thread(speed_view, model)
         except BaseException:
@@ -286,9 +288,9 @@ class Stream:
 
     async def _study(self, asked: StudyRequest, answering: _Answering) -> dict[str, Any]:
         """The JSON of a study of a case."""
-        found = await self._starts.study(asked, self._teller(answering.identity))
+        answer = await self._starts.task("study", asked, self._teller(answering.identity))
         await self._turn(answering)
-        return found
+        return dict(answer)
 
     def _teller(self, identity: Identity) -> Any:
         return lambda stage: self._out.put_nowait(({"id": identity, "stage": stage}, None))

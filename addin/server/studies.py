@@ -13,7 +13,7 @@ from typing import Any
 
 from addin.contract.version import product_version
 from addin.reading.case_json import read_case_json
-from addin.server.answers import Refused
+from addin.server.answers import Refused, input_errors
 from addin.studies.registry import every_study
 from addin.studies.run_study import calculate_study, to_json
 from addin.studies.study import Option
@@ -91,9 +91,8 @@ def study_of(asked: StudyRequest, tell: Callable[[str], None]) -> dict[str, Any]
     read = read_case_json(asked.case)
     found, problems, warnings = calculate_study(study, read, serial_map(), asked.settings, tell)
     if found is None:
-        told = errors_to_json(problems, product_version(), warnings)["errors"]
-        count = "one error" if len(told) == 1 else f"{len(told)} errors"
-        sentence = f"The input has {count}; nothing was calculated. {problems[0].message}"
-        return {"error": {"message": sentence, "code": "#VALUE!"}, "errors": told}
+        errors = errors_to_json(problems, product_version(), warnings)["errors"]
+        message = input_errors(problems)
+        return {"error": {"message": message, "code": "#VALUE!"}, "errors": errors}
     content = to_json(study, found, read, warnings)
     return {"value": json.loads(json.dumps(content, allow_nan=False))}  # plain values alone

@@ -20,7 +20,7 @@ from starlette.responses import Response
 from addin.contract.problems import CellProblem
 from addin.contract.version import product_version
 from addin.reading.one_file import WORKBOOK_ENDINGS
-from addin.server.answers import Refused, answer
+from addin.server.answers import Refused, answer, input_errors
 from addin.server.bodies import read_body, while_connected
 from addin.server.processes import Busy, TooLong, Work
 from addin.server.running_starts import waited_for
@@ -145,28 +145,22 @@ def _wrong(
     problems: Iterable[CellProblem], warnings: Iterable[str], folder: TemporaryPaths
 ) -> Response:
     """422 with every error, in the form of a result JSON, and one sentence over them."""
-    told = [
-        replace(p, message=_without(p.message, folder), found=_found(p, folder)) for p in problems
+    shown = [
+        replace(p, message=_without(p.message, folder), found=_without(p.found, folder))
+        for p in problems
     ]
-    content: dict[str, Any] = errors_to_json(told, product_version(), _clean(warnings, folder))
-    count = "one error" if len(told) == 1 else f"{len(told)} errors"
-    content["error"] = {
-        "message": f"The input has {count}; nothing was calculated. {told[0].message}"
-    }
-    return answer(content, 422)
-
-
-def _found(problem: CellProblem, folder: TemporaryPaths) -> Any:
-    found = problem.found
-    return _without(found, folder) if isinstance(found, str) else found
+    content: dict[str, Any] = errors_to_json(shown, product_version(), _clean(warnings, folder))
+    return answer(content | {"error": {"message": input_errors(shown)}}, 422)
 
 
 def _clean(sentences: Iterable[str], folder: TemporaryPaths) -> list[str]:
     return [_without(sentence, folder) for sentence in sentences]
 
 
-def _without(text: str, hidden: TemporaryPaths) -> str:
-    """A sentence without the folder the file was worked on in."""
+def _without(text: Any, hidden: TemporaryPaths) -> Any:
+    """A sentence without the folder the file was worked on in; anything else as it is."""
+    if not isinstance(text, str):
+        return text
     for slash in "/\\":
         text = text.replace(f"{hidden.folder}{slash}{hidden.inner}", hidden.name)
         text = text.replace(f"{hidden.folder}{slash}", "")

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from itertools import takewhile
+from typing import Any
 
 from addin.workers.cluster import Cluster
 from addin.workers.pool import Crashed, Pool, Task, Workers
 from addin.workers.stop import cores
 
-Payload = TypeVar("Payload")
-Answer = TypeVar("Answer")
 #: Does a function of a module with each payload; answers in the order of the payloads. The last
 #: argument is called with how many are done.
 ParallelMap = Callable[
     [Callable[[Any], Any], Sequence[Any], Callable[[int], None]],
     list[Any],
 ]
-#: Units given to the workers before answers come back, a worker. [count]
-AHEAD = 3
 
 
 class Cancelled(Exception):
@@ -67,31 +64,21 @@ def pool_map(workers: Workers, stopped: Callable[[], bool] = lambda: False) -> P
         do: Callable[[Any], Any], payloads: Sequence[Any], done: Callable[[int], None]
     ) -> list[Any]:
         answers: dict[int, Any] = {}
-        waiting = iter(enumerate(payloads))
         done(0)
-        for _ in range(AHEAD * workers.threads):
-            _add(workers, do, waiting)
+        for number, payload in enumerate(payloads):
+            workers.add(Task(do, payload, number))
         for task, answer in workers.answers(stopped):
             if isinstance(answer, Crashed):
                 raise UnitLost(answer.sentence)
             answers[task.tag] = answer
             done(len(answers))
-            _add(workers, do, waiting)
         if len(answers) < len(payloads):
-            raise Cancelled(_first(answers))
+            # up to the first that is missing, so that which are there depends on none of them
+            first = takewhile(answers.__contains__, range(len(payloads)))
+            raise Cancelled([answers[number] for number in first])
         return [answers[number] for number in range(len(payloads))]
 
     return parallel_map
-
-
-def _first(answers: dict[int, Any]) -> list[Any]:
-    """Answers up to the first that is missing: whether one is there never hangs on what it says."""
-    found = []
-    for number in range(len(answers)):
-        if number not in answers:
-            break
-        found.append(answers[number])
-    return found
 
 
 def map_until_cancelled(
@@ -105,12 +92,6 @@ def map_until_cancelled(
         return parallel_map(do, payloads, done)
     except Cancelled as cut:
         return cut.answers
-
-
-def _add(workers: Workers, do: Callable[[Any], Any], waiting: Iterator[tuple[int, Any]]) -> None:
-    for number, payload in waiting:
-        workers.add(Task(do, payload, number))
-        return
 
 
 @contextmanager

@@ -4,6 +4,7 @@ import errno
 import os
 import subprocess
 import sys
+from contextlib import closing
 
 import pytest
 from batch_helpers import environment
@@ -25,14 +26,14 @@ def test_what_is_written_is_read_again(tmp_path):
         record("a", outputs=(Output("a", 3, "ff", "s/a"),), warnings=("w",)),
         failed("b", "/in/b", LOCKED, "open in Excel"),
     ]
-    with Journal(path, keep=False) as journal:
+    with closing(Journal(path, keep=False)) as journal:
         for one in written:
             journal.write(one)
     assert read_journal(path) == {"a": written[0], "b": written[1]}
 
 
 def test_the_last_record_of_a_file_counts(tmp_path):
-    with Journal(tmp_path / "j", keep=False) as journal:
+    with closing(Journal(tmp_path / "j", keep=False)) as journal:
         journal.write(record("a", seconds=1.0))
         journal.write(record("a", seconds=2.0))
     assert read_journal(tmp_path / "j")["a"].seconds == 2.0
@@ -40,7 +41,7 @@ def test_the_last_record_of_a_file_counts(tmp_path):
 
 def test_cut_off_at_any_byte_whole_records_stay_and_writing_goes_on(tmp_path):
     path = tmp_path / "journal"
-    with Journal(path, keep=False) as journal:
+    with closing(Journal(path, keep=False)) as journal:
         journal.write(record("a"))
         first = path.stat().st_size
         journal.write(record("b"))
@@ -49,14 +50,14 @@ def test_cut_off_at_any_byte_whole_records_stay_and_writing_goes_on(tmp_path):
         path.write_bytes(whole[:length])
         kept = {"a"} if length >= first else set()
         assert set(read_journal(path)) == kept
-        with Journal(path, keep=True) as journal:
+        with closing(Journal(path, keep=True)) as journal:
             journal.write(record("c"))
         assert set(read_journal(path)) == kept | {"c"}
 
 
 def test_a_byte_changed_in_a_line_ends_the_journal_there(tmp_path):
     path = tmp_path / "journal"
-    with Journal(path, keep=False) as journal:
+    with closing(Journal(path, keep=False)) as journal:
         journal.write(record("a"))
         journal.write(record("b"))
     content = bytearray(path.read_bytes())
@@ -67,7 +68,7 @@ def test_a_byte_changed_in_a_line_ends_the_journal_there(tmp_path):
 
 def test_a_full_disk_leaves_the_journal_as_it_was(tmp_path, monkeypatch):
     path = tmp_path / "journal"
-    with Journal(path, keep=False) as journal:
+    with closing(Journal(path, keep=False)) as journal:
         journal.write(record("a"))
         before = path.read_bytes()
         write = os.write
@@ -94,7 +95,7 @@ def staged(folder: OutFolder, name: str, text: str) -> Output:
 
 def test_recorded_results_of_a_killed_batch_are_put_in_place_others_thrown_away(tmp_path):
     folder = OutFolder(tmp_path / "out")
-    with Journal(folder.journal, keep=False) as journal:
+    with closing(Journal(folder.journal, keep=False)) as journal:
         journal.write(record("a", outputs=(staged(folder, "a.xlsx", "recorded"),)))
         staged(folder, "b.xlsx", "not recorded")
     folder._lock.release()  # as when the process is killed: nothing is tidied
@@ -169,7 +170,7 @@ def test_causes_have_names(cause, outcome):
 
 def made_up(folder: OutFolder, *outputs: Output) -> None:
     """A journal that somebody wrote, its check sums right, of a batch that was killed."""
-    with Journal(folder.journal, keep=False) as journal:
+    with closing(Journal(folder.journal, keep=False)) as journal:
         journal.write(record("a", outputs=outputs))
 
 

@@ -346,7 +346,7 @@ def test_no_call_is_made_whose_answer_has_no_room(monkeypatch):
             found = await calls.answers([Call("TV_CONVERT", [])] * 2000, room)
             assert calls._unsent.cells == 8
             monkeypatch.setattr(server_calls, "MOST_UNSENT", 11)
-            other = await calls.answers([Call("TV_CONVERT", [])])
+            other = await calls.answers([Call("TV_CONVERT", [])], calls.new_unsent_cells())
         assert calls._unsent.cells == 0
         calls.close()
         return found, other
