@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from addin.calculation.key_figures import verdict_text
+from addin.contract.problems import CellProblem
 from addin.xlsx.errors import SourceChanged, WorkbookLocked, WorkbookRefused
 
 DONE = "done"
@@ -113,17 +114,13 @@ class Record:
 
 def failed(name: str, source: str, outcome: str, sentence: str, **more: Any) -> Record:
     """The record of a file without results, its sentence among its errors."""
-    error = {
-        "sheet": "",
-        "table": "",
-        "row": None,
-        "column": "",
-        "found": outcome,
-        "allowed": "a file that can be used",
-        "message": sentence,
-        "cell": "",
-    }
-    return Record(name, source, outcome, sentence, errors=(error,), **more)
+    problem = CellProblem("", "", None, "", outcome, "a file that can be used", sentence)
+    return Record(name, source, outcome, sentence, errors=as_errors([problem]), **more)
+
+
+def as_errors(problems: Iterable[CellProblem]) -> tuple[dict[str, Any], ...]:
+    """Problems as a record keeps them."""
+    return tuple(problem.as_json() | {"cell": problem.cell} for problem in problems)
 
 
 def outcome_of(cause: BaseException) -> str:

@@ -26,6 +26,7 @@ from addin.batch.records import (
     Output,
     Record,
     Stamp,
+    as_errors,
     failed,
     outcome_of,
 )
@@ -289,7 +290,7 @@ def _not_done(
         task.source,
         WRONG_INPUT if cause is None else outcome_of(cause),
         f"{problems[0].message}{more}",
-        errors=tuple(one.as_json() | {"cell": one.cell} for one in problems),
+        errors=as_errors(problems),
     )
 
 

@@ -55,33 +55,35 @@
     }
   }
 
-  // --- short calls: one request for many cells -----------------------------------------------------
-
-  let waiting = [], timer = null;
-
-  function call(name, given) {
-    return new Promise((resolve, reject) => {
-      waiting.push({ name, arguments: given, resolve, reject });
-      if (timer === null) timer = setTimeout(send, COLLECT);
+  /** Collects what is asked for in a moment and has it done together; at most so many at a time. */
+  function together(work, most = Infinity) {
+    const waiting = [];
+    let timer = null;
+    const begin = () => {
+      const taken = waiting.splice(0, most);
+      timer = waiting.length ? setTimeout(begin, 0) : null;
+      work(taken).catch(failed => taken.forEach(one => one.reject(failed.message ? failed : wrong(String(failed)))));
+    };
+    return asked => new Promise((resolve, reject) => {
+      waiting.push({ asked, resolve, reject });
+      if (timer === null) timer = setTimeout(begin, COLLECT);
     });
   }
 
-  async function send() {
-    const taken = waiting.splice(0, MOST_CALLS);
-    timer = waiting.length ? setTimeout(send, 0) : null;
-    const calls = taken.map(one => ({ name: one.name, arguments: one.arguments }));
-    try {
-      const said = await ask("/api/v1/batch", {
-        body: JSON.stringify({ calls }), headers: { "Content-Type": "application/json" },
-      });
-      const { results } = await said.json();
-      taken.forEach((one, i) => {
-        if (results[i].error) one.reject(results[i].error); else one.resolve(results[i].value);
-      });
-    } catch (failed) {
-      taken.forEach(one => one.reject(failed.message ? failed : wrong(String(failed))));
-    }
-  }
+  // --- short calls: one request for many cells -----------------------------------------------------
+
+  const send = together(async taken => {
+    const calls = taken.map(one => one.asked);
+    const said = await ask("/api/v1/batch", {
+      body: JSON.stringify({ calls }), headers: { "Content-Type": "application/json" },
+    });
+    const { results } = await said.json();
+    taken.forEach((one, i) => {
+      if (results[i].error) one.reject(results[i].error); else one.resolve(results[i].value);
+    });
+  }, MOST_CALLS);
+
+  const call = (name, given) => send({ name, arguments: given });
 
   // --- long calls: one WebSocket -------------------------------------------------------------------
 
@@ -176,23 +178,11 @@
     });
   }
 
-  let addresses = [], reading = null;
-
   /** What kind of value each cell of a range holds; the ranges of a moment are read together. */
-  function typesAt(address) {
-    return new Promise((resolve, reject) => {
-      addresses.push({ address, resolve, reject });
-      if (reading === null) reading = setTimeout(readTypes, COLLECT);
-    });
-  }
-
-  async function readTypes() {
-    const taken = addresses;
-    addresses = [];
-    reading = null;
+  const typesAt = together(async taken => {
     try {
       await Excel.run(async context => {
-        const ranges = taken.map(({ address }) => {
+        const ranges = taken.map(({ asked: address }) => {
           const cut = address.lastIndexOf("!");
           const sheet = address.slice(0, cut).replace(/^'|'$/g, "").replace(/''/g, "'");
           const range = context.workbook.worksheets.getItem(sheet).getRange(address.slice(cut + 1));
@@ -203,10 +193,9 @@
         taken.forEach((one, i) => one.resolve(ranges[i].valueTypes));
       });
     } catch {
-      const told = wrong("Excel did not say which cells are blank and which are 0. Calculate again.");
-      taken.forEach(one => one.reject(told));
+      throw wrong("Excel did not say which cells are blank and which are 0. Calculate again.");
     }
-  }
+  });
 
   async function shortCell(name, given, invocation) {
     try {
