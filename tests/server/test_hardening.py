@@ -367,9 +367,12 @@ def test_requests_of_many_calls_take_turns(monkeypatch):
 
     async def scene():
         calls = Calls(Starts(None), Limits())
-        many = [asyncio.create_task(calls.answers([Call("TV_SLOW", [])] * 60)) for _ in range(16)]
+        many = [
+            asyncio.create_task(calls.answers([Call("TV_SLOW", [])] * 60, calls.new_unsent_cells()))
+            for _ in range(16)
+        ]
         await asyncio.sleep(0.2)
-        (found,) = await calls.answers([Call("TV_CONVERT", [])])
+        (found,) = await calls.answers([Call("TV_CONVERT", [])], calls.new_unsent_cells())
         assert found == {"value": [[1.0]]}
         assert not any(task.done() for task in many)
         for task in many:
@@ -391,9 +394,12 @@ def test_a_call_that_was_never_begun_is_told_that_it_waited(monkeypatch):
 
     async def scene():
         calls = Calls(Starts(None), Limits(short_time=0.3))
-        begun = [asyncio.create_task(calls.one(Call("TV_CONVERT", []))) for _ in range(8)]
+        begun = [
+            asyncio.create_task(calls.answers([Call("TV_CONVERT", [])], calls.new_unsent_cells()))
+            for _ in range(8)
+        ]
         await asyncio.sleep(0.05)
-        waited = await calls.one(Call("TV_CONVERT", []))
+        (waited,) = await calls.answers([Call("TV_CONVERT", [])], calls.new_unsent_cells())
         assert await calls.encoded({"a": 1}) == b'{"a":1}'  # JSON has threads of its own
         took = await asyncio.gather(*begun)
         gate.set()
@@ -402,7 +408,7 @@ def test_a_call_that_was_never_begun_is_told_that_it_waited(monkeypatch):
 
     waited, took = asyncio.run(scene())
     assert "has waited for 0.3 s" in waited["error"]["message"]
-    assert all("took longer than 0.3 s" in one["error"]["message"] for one in took)
+    assert all("took longer than 0.3 s" in one["error"]["message"] for (one,) in took)
 
 
 def test_large_trains_are_calculated_in_the_pool(client, monkeypatch):
