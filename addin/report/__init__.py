@@ -14,13 +14,13 @@ module       responsibility
 `figures`    pictures of the chart data of the workbook
 `pdf`        the PDF, set by typst with ``report.typ``
 `units`      units of one document, inputs as they were typed
+`tables`     input and result tables, narrow enough for a page
 `subject`    what a report is about: one calculation, the inputs as typed, its units and pictures
 `changes`    what changed since an earlier revision, and what it did
-`tables`     input and result tables, narrow enough for a page
-`closing`    effects, accuracy, equations, checks, audit
 `inputs`     the input sections
 `modes`      natural frequencies, damping, energies, shapes
 `opening`    cover, summary, scope
+`closing`    effects, accuracy, equations, checks, audit
 `operation`  margins, steady state
 `starting`   start, reversals, fatigue
 `studies`    studies recorded in the workbook

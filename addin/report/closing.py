@@ -4,24 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract.sources import REFERENCES
-from addin.report.document import (
-    Block,
-    Column,
-    Facts,
-    Listing,
-    Paragraph,
-    Section,
-    SignatureBox,
-    Table,
-)
+from addin.report.document import Column, Facts, Listing, Paragraph, Section, Table, section
 from addin.report.equations import EQUATIONS, METHODS, by
 from addin.report.numbers import clean, scientific
+from addin.report.opening import signatures
 from addin.report.subject import Subject
-from addin.report.tables import result_table, without_blanks
+from addin.report.tables import without_blanks
 from engine.case.result_words import NoNumber
 
 _EFFECT_COLUMNS = ("Effect", "Choice", "Deciding number", "Limit", "Bound", "Why")
@@ -53,23 +46,19 @@ def effects(subject: Subject) -> Section:
     rows = subject.rows("Effects")
     title = "Effects simulated and left out"
     if not rows:
-        return Section(
-            title, (Paragraph("No start was calculated, so there was no effect to decide on."),)
-        )
+        sentence = "No start was calculated, so there was no effect to decide on."
+        return section(title, Paragraph(sentence))
+    simulated = "Nothing beyond the linear start was called for."
+    if subject.calculation.startup is None:
+        simulated = "No start was calculated."
     parts = []
-    simulated = (
-        "No start was calculated."
-        if subject.calculation.startup is None
-        else "Nothing beyond the linear start was called for."
-    )
-    for heading, on, none in (
-        ("Simulated", True, simulated),
-        ("Left out, and why", False, "Nothing was left out."),
+    for heading, caption, on, none in (
+        ("Simulated", "Effects simulated", True, simulated),
+        ("Left out, and why", "Effects left out", False, "Nothing was left out."),
     ):
         some = [row for row in rows if bool(row["on"]) is on]
-        caption = "Effects simulated" if on else "Effects left out"
-        table = result_table("Effects", some, subject.shown, caption, _EFFECT_COLUMNS)
-        parts.append(Section(heading, (table,) if some else (Paragraph(none),)))
+        table = subject.table("Effects", caption, _EFFECT_COLUMNS, rows=some)
+        parts.append(section(heading, table if some else Paragraph(none)))
     sentence = (
         "Each effect is decided by a number, compared with a limit. Bound: the most that leaving it out "
         "changes an answer; 0 means exactly nothing, blank that it is on or that nothing is known of it."
@@ -78,44 +67,36 @@ def effects(subject: Subject) -> Section:
         f"Plan {plan['number']}: {clean(str(plan['reason']))}"
         for plan in subject.calculation.view.plans
     )
-    told: tuple[Block, ...] = (Listing(plans),) if plans else ()
-    return Section(title, (Paragraph(sentence), *told), tuple(parts))
+    return section(title, Paragraph(sentence), Listing(plans) if plans else None, parts=parts)
 
 
 def accuracy(subject: Subject) -> Section:
     """Estimated errors, and what they cost."""
-    found = [
+    facts = [
         (item, clean(subject.audit[item])) for item in _ACCURACY_ITEMS if item in subject.audit
     ]
-    found += _starts_errors(subject)
+    facts += _starts_errors(subject)
     if "Sensitive" in subject.audit:
-        found.append(("Sensitive", clean(subject.audit["Sensitive"])))
-    columns = (
-        "Method",
-        "Setting",
-        "Error peak",
-        "Error starts",
-        *(("Time",) if subject.show_times else ()),
-    )
-    cost = result_table(
-        "AccuracyCost", subject.rows("AccuracyCost"), subject.shown, "Errors and cost of each analysis",
-        columns,
-        "Errors are estimated by the calculation, from a step h to h/2. "
-        + ("Times are those measured when this document was made; they differ from run to run."
-           if subject.show_times else "Measured times are left out of a document with a fixed date."),
-    )  # fmt: skip
+        facts.append(("Sensitive", clean(subject.audit["Sensitive"])))
+    columns = ["Method", "Setting", "Error peak", "Error starts"]
+    times = "Measured times are left out of a document with a fixed date."
+    if subject.show_times:
+        columns.append("Time")
+        times = "Times are those measured when this document was made; they differ from run to run."
+    note = f"Errors are estimated by the calculation, from a step h to h/2. {times}"
+    cost = subject.table("AccuracyCost", "Errors and cost of each analysis", columns, note)
     sentence = (
         "The error of an answer is asked for, not a time step: peaks and starts are calculated at a step "
         "and at half of it, and the step is halved until their change is below the wanted error."
     )
     # an analysis without an error of its own and without a time has nothing to say here
     rows = tuple(row for row in cost.rows if any(row[1:]))
-    shown = without_blanks(Table(cost.caption, cost.columns, rows, cost.note))
-    table: tuple[Block, ...] = (shown,) if rows else ()
-    return Section(
+    return section(
         "Accuracy and what it cost",
-        (Paragraph(sentence), Facts(tuple(found)), *table),
-        (_study(subject),),
+        Paragraph(sentence),
+        Facts(tuple(facts)),
+        without_blanks(replace(cost, rows=rows)) if rows else None,
+        parts=[_study(subject)],
     )
 
 
@@ -132,23 +113,17 @@ def _study(subject: Subject) -> Section:
         how = "torsionbook accuracy FILE makes one and writes it into a copy of the workbook; a report of that copy shows it here."  # fmt: skip
         if not subject.shown.is_workbook:
             how = "torsionbook accuracy makes one of a case file too; a report shows it where the input is a workbook."  # fmt: skip
-        return Section(title, (Paragraph(f"{stands} {how}"),))
-    picture = subject.pictures.chart("accuracy")
-    blocks: list[Block] = [Paragraph(clean(study.sentence), "lead")]
-    if picture is not None:
-        blocks.append(picture)
-    if study.rows:
-        blocks.append(
-            result_table(
-                "AccuracyCost",
-                study.rows,
-                subject.shown,
-                "Error against time of this case",
-                note="As recorded in the workbook: what torsionbook accuracy measured, and when.",
-            )
-        )
-    told = " ".join(filter(None, (clean(study.reference), clean(study.inputs))))
-    return Section(title, (*blocks, *((Paragraph(told, "note"),) if told else ())))
+        return section(title, Paragraph(f"{stands} {how}"))
+    caption = "Error against time of this case"
+    note = "As recorded in the workbook: what torsionbook accuracy measured, and when."
+    origin = " ".join(filter(None, (clean(study.reference), clean(study.inputs))))
+    return section(
+        title,
+        Paragraph(clean(study.sentence), "lead"),
+        subject.pictures.chart("accuracy"),
+        subject.table("AccuracyCost", caption, note=note, rows=study.rows) if study.rows else None,
+        Paragraph(origin, "note") if origin else None,
+    )
 
 
 def _starts_errors(subject: Subject) -> list[tuple[str, str]]:
@@ -170,15 +145,13 @@ def _starts_errors(subject: Subject) -> list[tuple[str, str]]:
 def equations(subject: Subject) -> Section:
     """The equations with their sources."""
     sources = tuple((f"[{k}]", source.full) for k, source in enumerate(REFERENCES, start=1))
-    return Section(
+    return section(
         "Equations and references",
-        (
-            Paragraph("Symbols as in the nomenclature of the program (docs/nomenclature.md)."),
-            *EQUATIONS,
-        ),
-        (
-            Section("Methods without a formula of their own", (Facts(METHODS),)),
-            Section("References", (Facts(sources, 9.0),)),
+        Paragraph("Symbols as in the nomenclature of the program (docs/nomenclature.md)."),
+        *EQUATIONS,
+        parts=(
+            section("Methods without a formula of their own", Facts(METHODS)),
+            section("References", Facts(sources, 9.0)),
         ),
     )
 
@@ -191,15 +164,14 @@ def checks(subject: Subject) -> Section:
         Column("Largest difference", "", "number"),
         Column("Result", "", "verdict"),
     )
-    rows = tuple(
-        (
-            name,
-            str(count),
-            "0" if worst == 0.0 else scientific(worst, 1),
-            "ok" if worst <= _SAME else "differs",
-        )
-        for name, count, worst in _checks(subject)
-    )
+    rows = []
+    for name, pairs in _checks(subject):
+        if pairs:
+            # a margin may be zero but for rounding: differences below 1e-12 are none
+            worst = max(abs(a - b) / max(abs(a), abs(b), 1e-3) for a, b in pairs)
+            difference = "0" if worst == 0.0 else scientific(worst, 1)
+            result = "ok" if worst <= _SAME else "differs"
+            rows.append((name, str(len(pairs)), difference, result))
     sentence = (
         "Results that are simple arithmetic on other results were calculated a second time from the "
         "numbers of this document; relative differences. A checker repeats them by hand."
@@ -212,77 +184,65 @@ def checks(subject: Subject) -> Section:
         "Verdicts marked not judged have been dealt with.",
         "Digest on the cover equals that of the file: torsionbook verify FILE.",
     )
-    names = (("Prepared by", subject.words("prepared_by")), ("Checked by", subject.words("checked_by")),
-             ("Approved by", ""))  # fmt: skip
-    table = Table("Arithmetic done twice", columns, rows)
-    return Section(
+    return section(
         "Checks and signatures",
-        (Paragraph(sentence), *((table,) if rows else ())),
-        (
-            Section("To be checked by hand", (Listing(by_hand, "☐"),)),
-            Section("Signatures", (SignatureBox(names),)),
+        Paragraph(sentence),
+        Table("Arithmetic done twice", columns, tuple(rows)) if rows else None,
+        parts=(
+            section("To be checked by hand", Listing(by_hand, "☐")),
+            section("Signatures", signatures(subject)),
         ),
     )
 
 
-def _checks(subject: Subject) -> Iterator[tuple[str, int, float]]:
-    """Name, number of values and largest relative difference of each check."""
-    case = subject.calculation.case
-    line = case.ratings.line_frequency
-    modes = {
-        row["mode"]: row["frequency"] for row in subject.rows("NaturalFrequencies") if row["mode"]
-    }
+def _checks(subject: Subject) -> Iterator[tuple[str, list[tuple[Any, float]]]]:
+    """Name of each check, and its values as in the results and calculated again."""
+    case, view = subject.calculation.case, subject.calculation.view
+    line, frequencies = case.ratings.line_frequency, subject.rows("NaturalFrequencies")
+    modes = {row["mode"]: row["frequency"] for row in frequencies if row["mode"]}
     if line:
-        pairs = [
-            (row["percent_speed"], 1.0 - row["frequency"] / (2.0 * line))
-            for row in subject.rows("NaturalFrequencies")
-            if row.get("percent_speed") is not None
-        ]
-        yield from _compared(f"Speed of a crossing. {by('Start-up crossing')}", pairs)
-    pairs = [
-        (
-            row["margin"],
-            abs(modes[row["mode"]] - row["excitation_frequency"]) / row["excitation_frequency"],
+        yield (
+            f"Speed of a crossing. {by('Start-up crossing')}",
+            [
+                (row["percent_speed"], 1.0 - row["frequency"] / (2.0 * line))
+                for row in frequencies
+                if row.get("percent_speed") is not None
+            ],
         )
-        for row in subject.rows("SeparationMargins")
-        if row["excitation_frequency"] and row["mode"] in modes
-    ]
-    yield from _compared(f"Margin at the speed shown. {by('Separation margin')}", pairs)
+    yield (
+        f"Margin at the speed shown. {by('Separation margin')}",
+        [
+            (row["margin"], abs(modes[row["mode"]] - excited) / excited)
+            for row in subject.rows("SeparationMargins")
+            if (excited := row["excitation_frequency"]) and row["mode"] in modes
+        ],
+    )
     strength = {m.material: m.uts for m in case.materials}
     material = {e.element: e.material for e in case.elements}
-    pairs = [
-        (row["allowable"], (strength.get(material.get(row["element"])) or math.nan) / 25.0)
-        for row in subject.rows("SteadyState")
-        if row.get("allowable") is not None
-    ]
-    yield from _compared(f"Allowable stress. {by('Allowable vibratory stress')}", pairs)
-    pairs = [
-        (row["allowable_starts"], 1.0 / row["damage"])
-        for row in subject.rows("AllowableStarts")
-        if row.get("damage") and row.get("allowable_starts")
-    ]
-    yield from _compared(f"Allowable starts. {by('Damage')}", pairs)
-    yield from _compared(
-        "Sum of the cycles listed against the damage of one start.", _sums(subject)
+    yield (
+        f"Allowable stress. {by('Allowable vibratory stress')}",
+        [
+            (row["allowable"], (strength.get(material.get(row["element"])) or math.nan) / 25.0)
+            for row in subject.rows("SteadyState")
+            if row.get("allowable") is not None
+        ],
     )
-
-
-def _sums(subject: Subject) -> list[tuple[float, float]]:
-    view = subject.calculation.view
-    shaft = start_cycle_facts(view)["shaft"]
-    damage = next(
-        (r.get("damage") for r in subject.rows("AllowableStarts") if r["element"] == shaft), None
+    shafts = subject.rows("AllowableStarts")
+    yield (
+        f"Allowable starts. {by('Damage')}",
+        [
+            (row["allowable_starts"], 1.0 / row["damage"])
+            for row in shafts
+            if row.get("damage") and row.get("allowable_starts")
+        ],
     )
-    if not damage:
-        return []
-    return [(damage, math.fsum(row["damage"] for row in start_cycle_rows(view)))]
-
-
-def _compared(name: str, pairs: list[tuple[Any, float]]) -> Iterator[tuple[str, int, float]]:
-    if pairs:
-        # a margin may be zero but for rounding: differences below 1e-12 are none
-        worst = max(abs(a - b) / max(abs(a), abs(b), 1e-3) for a, b in pairs)
-        yield name, len(pairs), worst
+    governing = start_cycle_facts(view)["shaft"]
+    damage = next((row.get("damage") for row in shafts if row["element"] == governing), None)
+    cycles = start_cycle_rows(view)
+    yield (
+        "Sum of the cycles listed against the damage of one start.",
+        ([(damage, math.fsum(row["damage"] for row in cycles))] if damage else []),
+    )
 
 
 def audit(subject: Subject) -> Section:
@@ -297,16 +257,17 @@ def audit(subject: Subject) -> Section:
         "digits; title block and descriptions are left out. Retyping a quantity in another unit does not "
         "change it."
     )
-    spent = [
-        (item.removeprefix("Time spent: "), value)
+    head = "Time spent: "
+    spent = "; ".join(
+        f"{item.removeprefix(head)} {value}"
         for item, value in subject.audit.items()
-        if item.startswith("Time spent: ")
-    ]
-    blocks: list[Block] = [Paragraph(sentence), Facts(tuple(rows))]
-    warnings = subject.calculation.warnings
-    if warnings:
-        blocks += [Paragraph("Warnings:"), Listing(tuple(clean(one) for one in warnings))]
-    if spent and subject.show_times:
-        text = "; ".join(f"{name} {value}" for name, value in spent)
-        blocks.append(Paragraph(f"Time spent: {text}.", "note"))
-    return Section("Audit", tuple(blocks))
+        if item.startswith(head)
+    )
+    warnings = tuple(clean(warning) for warning in subject.calculation.warnings)
+    return section(
+        "Audit",
+        Paragraph(sentence),
+        Facts(tuple(rows)),
+        *((Paragraph("Warnings:"), Listing(warnings)) if warnings else ()),
+        Paragraph(f"Time spent: {spent}.", "note") if spent and subject.show_times else None,
+    )

@@ -5,7 +5,7 @@ Text is plain text: both writers show it as it is, whatever signs it holds.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from addin.report.formula import Node
@@ -121,6 +121,11 @@ class Section:
     blocks: tuple[Block, ...] = ()  #: Content before the subsections.
     parts: tuple[Section, ...] = ()  #: Subsections.
     number: str = ""  #: Such as ``3`` or ``3.2``.
+
+
+def section(title: str, *blocks: Block | None, parts: Iterable[Section] = ()) -> Section:
+    """A section of the blocks that there are: None, such as a picture of nothing, is left out."""
+    return Section(title, tuple(block for block in blocks if block is not None), tuple(parts))
 
 
 @dataclass(frozen=True)

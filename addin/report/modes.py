@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from addin.report.document import Block, Column, Paragraph, Section, Table
+from addin.report.document import Column, Paragraph, Section, Table, section
 from addin.report.equations import by
 from addin.report.numbers import clean, fixed, significant
 from addin.report.subject import Subject
-from addin.report.tables import FULL, left_out, result_table, with_column
+from addin.report.tables import FULL, left_out, with_column
 
 #: Modes shown: all up to this many, else those below so many line frequencies, within these counts.
 _ALL_MODES, _LINE_MULTIPLE, _FEWEST, _MOST = 15, 2.5, 10, 25
@@ -35,48 +35,37 @@ def shown_modes(subject: Subject) -> int:
 
 def frequencies(subject: Subject) -> Section:
     """Natural frequencies, damping, energies and shapes."""
-    rows, count = subject.rows("NaturalFrequencies"), shown_modes(subject)
+    title, rows = "Natural frequencies and mode shapes", subject.rows("NaturalFrequencies")
+    count = shown_modes(subject)
     elastic = sum(1 for row in rows if row["frequency"])
     chosen = [row for row in rows if row["mode"] <= count]
     if not elastic:
-        return Section(
-            "Natural frequencies and mode shapes",
-            (Paragraph("The train has no elastic mode: no elastic element joins two inertias."),),
-        )
+        sentence = "The train has no elastic mode: no elastic element joins two inertias."
+        return section(title, Paragraph(sentence))
     rigid = len(rows) - elastic
     words = "one rigid-body mode" if rigid == 1 else f"{rigid} rigid-body modes"
-    table = result_table(
-        "NaturalFrequencies", chosen, subject.shown, "Natural frequencies",
-        note=" ".join(filter(None, (
-            f"Mode 0: {words}." if rigid else "",
-            "Speed: where 2 × slip frequency crosses the mode in the start; blank above 2 × line "
-            "frequency. Damping ratio: of critical, in the start.",
-            left_out(count, elastic, "elastic modes", "the lowest"),
-            by("Natural frequencies", "Modal damping", "Start-up crossing"),
-        ))),
-    )  # fmt: skip
-    return Section(
-        "Natural frequencies and mode shapes",
-        (_with_amplification(table, chosen),),
-        (
+    notes = (
+        f"Mode 0: {words}." if rigid else "",
+        "Speed: where 2 × slip frequency crosses the mode in the start; blank above 2 × line "
+        "frequency. Damping ratio: of critical, in the start.",
+        left_out(count, elastic, "elastic modes", "the lowest"),
+        by("Natural frequencies", "Modal damping", "Start-up crossing"),
+    )
+    table = subject.table("NaturalFrequencies", note=" ".join(filter(None, notes)), rows=chosen)
+    amplifications = [
+        significant(0.5 / r["damping_ratio"], 3) if r.get("damping_ratio") else "" for r in chosen
+    ]
+    column = Column("Amplification", "", "number")
+    return section(
+        title,
+        with_column(table, "Damping ratio", column, amplifications),
+        parts=(
             _damping(subject, chosen),
             _energies(subject, count),
             *_tolerances(subject, count),
             _shapes(subject, count),
         ),
     )
-
-
-def _with_amplification(table: Table, rows: Sequence[Mapping[str, Any]]) -> Table:
-    """The table with a column of 1/2ζ after the damping ratio."""
-    headers = [column.header for column in table.columns]
-    if "Damping ratio" not in headers:
-        return table
-    at = headers.index("Damping ratio") + 1
-    cells = [
-        significant(0.5 / r["damping_ratio"], 3) if r.get("damping_ratio") else "" for r in rows
-    ]
-    return with_column(table, at, Column("Amplification", "", "number"), cells)
 
 
 def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
@@ -92,46 +81,55 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
         sentences.append(
             f"Table ModeDamping states that of {len(case.mode_damping)} modes instead."
         )
-    viscous = sum(1 for e in case.elements if e.damping)
-    loss = sum(1 for e in case.elements if e.loss_factor)
-    ground = sum(1 for s in case.stations if s.damping)
-    for count, what in (
-        (viscous, "elements have viscous damping"),
-        (loss, "elements have a loss factor"),
-        (ground, "stations have damping to ground"),
+    for one, many, rest, rows_stating in (
+        (
+            "element has",
+            "elements have",
+            "viscous damping",
+            [e for e in case.elements if e.damping],
+        ),
+        (
+            "element has",
+            "elements have",
+            "a loss factor",
+            [e for e in case.elements if e.loss_factor],
+        ),
+        (
+            "station has",
+            "stations have",
+            "damping to ground",
+            [s for s in case.stations if s.damping],
+        ),
     ):
+        count = len(rows_stating)
         if count:
-            sentences.append(f"{count} {what if count > 1 else _singular(what)}, added by energy.")
-    damped = [r for r in rows if r["frequency"] and r.get("damping_ratio")]
-    if not damped:
-        sentences.append("No mode is damped: a resonance in continuous operation is unbounded, and the "
-                    "start shows the build-up without any decay.")  # fmt: skip
-        return Section("Damping", (Paragraph(" ".join(sentences)),))
-    sentences.append(
-        "Damping is an assumption of the inputs: confirm it by experience with like trains. The damping "
-        "ratio of each mode and its amplification at resonance, 1/2ζ, stand in the table above."
-    )
-    blocks: list[Block] = [Paragraph(" ".join(sentences))]
-    item = "Largest neglected damping term"
-    if item in subject.audit:
-        blocks.append(Paragraph(f"{item}: {clean(subject.audit[item])}.", "note"))
-    return Section("Damping", tuple(blocks))
-
-
-def _singular(words: str) -> str:
-    return words.replace("elements have", "element has").replace("stations have", "station has")
+            sentences.append(f"{count} {many if count > 1 else one} {rest}, added by energy.")
+    item, neglected = "Largest neglected damping term", None
+    if any(r["frequency"] and r.get("damping_ratio") for r in rows):
+        sentences.append(
+            "Damping is an assumption of the inputs: confirm it by experience with like trains. The damping "
+            "ratio of each mode and its amplification at resonance, 1/2ζ, stand in the table above."
+        )
+        if item in subject.audit:
+            neglected = Paragraph(f"{item}: {clean(subject.audit[item])}.", "note")
+    else:
+        sentences.append(
+            "No mode is damped: a resonance in continuous operation is unbounded, and the start shows "
+            "the build-up without any decay."
+        )
+    return section("Damping", Paragraph(" ".join(sentences)), neglected)
 
 
 def _energies(subject: Subject, count: int) -> Section:
     """Nodes and where the energy of each mode is: what a change of the train would act on."""
+    place = ("NaturalFrequencies", "Frequency")
     columns = (
         Column("Mode", "", "number"),
-        Column("Frequency", subject.shown.unit("NaturalFrequencies", "Frequency"), "number"),
+        Column("Frequency", subject.unit(*place), "number"),
         Column("Strain energy", "", "sentence"),
         Column("Kinetic energy", "", "sentence"),
         Column("Nodes", "", "sentence"),
     )
-    factor = subject.shown.units.factor("NaturalFrequencies", "Frequency")
     rows = []
     for mode in subject.calculation.details["modes"][:count]:
         strain = dict(mode["strain_energy"]) | {
@@ -144,24 +142,15 @@ def _energies(subject: Subject, count: int) -> Section:
         nodes = "; ".join(names[:_NODES]) or "none"
         if len(names) > _NODES:
             nodes += f"; and {len(names) - _NODES} more"
-        rows.append(
-            (
-                str(mode["mode"]),
-                fixed(mode["frequency"] / factor, 2),
-                _shares(strain),
-                _shares(kinetic),
-                nodes,
-            )
-        )
+        frequency = fixed(subject.value(mode["frequency"], *place), 2)
+        rows.append((str(mode["mode"]), frequency, _shares(strain), _shares(kinetic), nodes))
     note = (
         f"Shares of at least {100 * _SHARE:.0f} %, the largest first. A node lies inside the element "
         "named. A change of stiffness acts on a mode where it has strain energy, a change of inertia "
         "where it has kinetic energy."
     )
-    return Section(
-        "Energies and nodes",
-        (Table("Energies and nodes of the modes", columns, tuple(rows), note),),
-    )
+    table = Table("Energies and nodes of the modes", columns, tuple(rows), note)
+    return section("Energies and nodes", table)
 
 
 def _shares(energy: Mapping[str, float]) -> str:
@@ -177,57 +166,36 @@ def _tolerances(subject: Subject, count: int) -> Iterator[Section]:
     modes = subject.calculation.details["modes"][: min(count, _SHAPES)]
     if not couplings or not modes:
         return
-    columns = (
-        Column("Coupling"),
-        *(Column(f"Mode {mode['mode']}", "%", "number") for mode in modes),
-    )
+    columns = [Column("Coupling")]
+    columns += [Column(f"Mode {mode['mode']}", "%", "number") for mode in modes]
+    shares = [dict(mode["strain_energy"]) for mode in modes]
     rows = tuple(
-        (
-            clean(name),
-            *(
-                fixed(50.0 * _TOLERANCE * dict(mode["strain_energy"]).get(name, 0.0), 2)
-                for mode in modes
-            ),
-        )
+        (clean(name), *(fixed(50.0 * _TOLERANCE * share.get(name, 0.0), 2) for share in shares))
         for name in couplings[:FULL]
     )
+    stiffer = f"{100.0 * _TOLERANCE:.0f} %"
     left = left_out(len(rows), len(couplings), "couplings", "the first")
-    yield Section(
-        "Tolerance of the couplings",
-        (
-            Table(
-                f"Change of a frequency where a coupling is {100.0 * _TOLERANCE:.0f} % stiffer",
-                columns,
-                rows,
-                f"Half the share of strain energy times the change of stiffness: the first-order rule of "
-                f"Rayleigh's quotient; of a softer coupling the same downwards. {100.0 * _TOLERANCE:.0f} % "
-                "serves to compare: the tolerance itself is the maker's, and not an input. "
-                f"{left}".rstrip(),
-            ),
-        ),
+    note = (
+        "Half the share of strain energy times the change of stiffness: the first-order rule of "
+        f"Rayleigh's quotient; of a softer coupling the same downwards. {stiffer} serves to compare: the "
+        f"tolerance itself is the maker's, and not an input. {left}".rstrip()
     )
+    caption = f"Change of a frequency where a coupling is {stiffer} stiffer"
+    yield section("Tolerance of the couplings", Table(caption, tuple(columns), rows, note))
 
 
 def _shapes(subject: Subject, count: int) -> Section:
     rows = subject.rows("ModeShapes")
-    modes = subject.calculation.results.modes
-    blocks: list[Block] = []
-    picture = subject.pictures.shapes(rows)
-    if picture is not None:
-        blocks.append(picture)
     drawn = min(count, _SHAPES)
     some = [
         {k: v for k, v in row.items() if k == "station" or int(k.split("_")[1]) <= drawn}
         for row in rows
     ]
-    left = left_out(drawn, len(modes.elastic_frequency), "mode shapes", "the lowest")
-    blocks.append(
-        result_table(
-            "ModeShapes",
-            some,
-            subject.shown,
-            "Mode shapes: twist of each station, largest = 1",
-            note=left,
-        )  # fmt: skip
+    elastic = len(subject.calculation.results.modes.elastic_frequency)
+    note = left_out(drawn, elastic, "mode shapes", "the lowest")
+    caption = "Mode shapes: twist of each station, largest = 1"
+    return section(
+        "Mode shapes",
+        subject.pictures.shapes(rows),
+        subject.table("ModeShapes", caption, note=note, rows=some),
     )
-    return Section("Mode shapes", tuple(blocks))

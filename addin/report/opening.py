@@ -10,7 +10,6 @@ from addin.contract.problems import shortened
 from addin.contract.texts import NOTES
 from addin.diff.changes import Differences
 from addin.report.document import (
-    Block,
     Column,
     Cover,
     Facts,
@@ -19,10 +18,10 @@ from addin.report.document import (
     Section,
     SignatureBox,
     Table,
+    section,
 )
 from addin.report.numbers import clean, fixed, significant
 from addin.report.subject import Subject
-from addin.report.tables import result_table
 from engine.case.result_words import Judgement
 from engine.start.start_fatigue import is_counted
 
@@ -55,43 +54,43 @@ def cover_of(subject: Subject) -> Cover:
     """The first page."""
     calculation = subject.calculation
     overall = next(iter(subject.rows("Verdicts")), {"verdict": "not judged", "where": ""})
-    facts = [
+    date = calculation.stamp.date
+    digest = calculation.case_sha256
+    facts = (
         ("Document", subject.words("document") or "not given"),
         ("Revision", subject.words("revision") or "not given"),
         ("Client", subject.words("client") or "not given"),
         ("Equipment tag", subject.words("tag") or "not given"),
         ("Input file", clean(subject.name)),
-        ("Calculated", f"{calculation.stamp.date:%Y-%m-%d %H:%M} UTC"),
+        ("Calculated", f"{date:%Y-%m-%d %H:%M} UTC"),
         ("Software", calculation.stamp.software),
-        ("Inputs, SHA-256", calculation.case_sha256),
-    ]
-    prepared, checked = subject.words("prepared_by"), subject.words("checked_by")
-    heads = ("Rev.", "Date", "Description", "Prepared", "Checked", "Approved")
-    first = (
-        subject.words("revision"),
-        f"{calculation.stamp.date:%Y-%m-%d}",
-        f"Calculated from inputs {short_digest(calculation.case_sha256)}",
-        prepared,
-        checked,
-        "",
+        ("Inputs, SHA-256", digest),
     )
+    prepared, checked = subject.words("prepared_by"), subject.words("checked_by")
+    description = f"Calculated from inputs {short_digest(digest)}"
+    first = (subject.words("revision"), f"{date:%Y-%m-%d}", description, prepared, checked, "")
     earlier = [] if subject.against is None else _earlier(subject.against)
-    blank = [("",) * len(heads)] * _BLANK_REVISIONS
-    kinds = ("text", "text", "sentence", "text", "text", "text")
-    columns = tuple(Column(h, "", k) for h, k in zip(heads, kinds, strict=True))
+    blank = [("",) * len(first)] * _BLANK_REVISIONS
+    heads = ("Rev.", "Date", "Description", "Prepared", "Checked", "Approved")
+    columns = tuple(Column(h, "", "sentence" if h == "Description" else "text") for h in heads)
     return Cover(
         kind="Torsional vibration analysis",
         title=subject.words("title") or "Torsional vibration analysis",
         subtitle=shortened(subject.words("tag"), _SUBTITLE),
         verdict=str(overall["verdict"]),
         sentence=_verdict_sentence(overall, subject.rows("Verdicts")),
-        facts=tuple(facts),
+        facts=facts,
         alerts=subject.alerts,
         revisions=Table("Revisions", columns, (*earlier, first, *blank)),
-        signatures=SignatureBox(
-            (("Prepared by", prepared), ("Checked by", checked), ("Approved by", ""))
-        ),
+        signatures=signatures(subject),
     )
+
+
+def signatures(subject: Subject) -> SignatureBox:
+    """Who prepared and checked, and room for who approves."""
+    roles = {"Prepared by": "prepared_by", "Checked by": "checked_by"}
+    names = ((role, subject.words(scalar)) for role, scalar in roles.items())
+    return SignatureBox((*names, ("Approved by", "")))
 
 
 def _earlier(differences: Differences) -> list[tuple[str, ...]]:
@@ -125,32 +124,23 @@ def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str
 
 def summary(subject: Subject) -> Section:
     """Verdicts, key figures and warnings."""
-    table = result_table(
-        "Verdicts",
-        subject.rows("Verdicts"),
-        subject.shown,
-        "Verdicts",
-        note="Whether a check is judged depends on the limits given in the inputs; what has no limit "
-        "is shown and not judged.",
+    note = (
+        "Whether a check is judged depends on the limits given in the inputs; what has no limit is shown "
+        "and not judged."
     )
-    warnings = subject.calculation.warnings
+    warnings = [clean(warning) for warning in subject.calculation.warnings]
     if len(warnings) > _WARNINGS:
         rest = f"And {len(warnings) - _WARNINGS} more; section Audit has them all."
-        warnings = (*warnings[:_WARNINGS], rest)
-    told: Block = (
-        Listing(tuple(clean(w) for w in warnings))
-        if warnings
-        else Paragraph("There are no warnings.")
-    )
-    return Section(
+        warnings = [*warnings[:_WARNINGS], rest]
+    listed = Listing(tuple(warnings)) if warnings else Paragraph("There are no warnings.")
+    remaining = Listing(tuple(conclusions(subject)))
+    return section(
         "Summary",
-        (table,),
-        (
-            Section("Key figures", (Facts(tuple(_key_figures(subject))),)),
-            Section("Warnings of the calculation", (told,)),
-            Section(
-                "Conclusions and what remains to be done", (Listing(tuple(conclusions(subject))),)
-            ),
+        subject.table("Verdicts", note=note),
+        parts=(
+            section("Key figures", Facts(tuple(_key_figures(subject)))),
+            section("Warnings of the calculation", listed),
+            section("Conclusions and what remains to be done", remaining),
         ),
     )
 
@@ -214,9 +204,9 @@ def _where_to_act(subject: Subject, mode: int) -> str:
     worst = min(rows, key=lambda row: row["margin"])
     row = _mode(subject, mode)
     place = ("NaturalFrequencies", "Frequency")
-    frequency = fixed(row["frequency"] / subject.shown.units.factor(*place), 2)
+    frequency = fixed(subject.value(row["frequency"], *place), 2)
     return (
-        f"Mode {mode} ({frequency} {subject.shown.unit(*place)}) keeps {fixed(100.0 * worst['margin'], 1)} % "
+        f"Mode {mode} ({frequency} {subject.unit(*place)}) keeps {fixed(100.0 * worst['margin'], 1)} % "
         f"from {clean(str(worst['excitation']))}, {fixed(100.0 * worst['required'], 0)} % required. "
         f"{fixed(100.0 * row['share'], 0)} % of its strain energy is in "
         f"{clean(str(row['largest_strain_energy']))}, whose stiffness moves it most."
@@ -224,15 +214,11 @@ def _where_to_act(subject: Subject, mode: int) -> str:
 
 
 def _key_figures(subject: Subject) -> Iterator[tuple[str, str]]:
-    results, unit = (
-        subject.calculation.results,
-        subject.shown.unit("NaturalFrequencies", "Frequency"),
-    )
+    results, place = subject.calculation.results, ("NaturalFrequencies", "Frequency")
     elastic = [row for row in subject.rows("NaturalFrequencies") if row["frequency"]]
-    factor = subject.shown.units.factor("NaturalFrequencies", "Frequency")
     if elastic:
-        first = ", ".join(fixed(row["frequency"] / factor, 2) for row in elastic[:5])
-        yield "Lowest natural frequencies", f"{first} {unit}"
+        first = ", ".join(fixed(subject.value(r["frequency"], *place), 2) for r in elastic[:5])
+        yield "Lowest natural frequencies", f"{first} {subject.unit(*place)}"
     worst = results.margins.worst
     if worst is not None:
         yield (
@@ -259,6 +245,11 @@ def _key_figures(subject: Subject) -> Iterator[tuple[str, str]]:
         yield "Allowable starts", f"{rounded:,} ({clean(starts.governing or '')})"
 
 
+def largest_torque(peak: Mapping[str, Any]) -> float:
+    """The larger of the extreme torques of an element, without sign. [N m]"""
+    return max(abs(peak["maximum_torque"]), abs(peak["minimum_torque"]))
+
+
 def largest_peak(subject: Subject) -> str:
     """The largest torque of the start, compared at motor speed.
 
@@ -267,18 +258,15 @@ def largest_peak(subject: Subject) -> str:
     str
         Element, torque at its own speed and pu of rated torque; empty without a start. [text]
     """
-    case, shown = subject.calculation.case, subject.shown
+    case = subject.calculation.case
     own = case.element_speed_ratios
-    rows = [
-        (max(abs(row["maximum_torque"]), abs(row["minimum_torque"])), row["element"])
-        for row in subject.rows("StartupPeaks")
-    ]
+    rows = [(largest_torque(row), row["element"]) for row in subject.rows("StartupPeaks")]
     if not rows:
         return ""
     size, element = max(rows, key=lambda r: r[0] * own[r[1]])
     place = ("StartupPeaks", "Maximum torque")
-    shown_size = significant(size / shown.units.factor(*place), 5)
-    words = f"{clean(element)}: {shown_size} {shown.unit(*place)}"
+    shown_size = significant(subject.value(size, *place), 5)
+    words = f"{clean(element)}: {shown_size} {subject.unit(*place)}"
     rated = case.ratings.rated_torque
     if not rated:
         return words
@@ -303,19 +291,16 @@ def scope(subject: Subject) -> Section:
         "through the modes; torque reversals; fatigue damage of one start and allowable starts.",
         "Which effects were simulated, which were left out and why, with a bound where one is known.",
     )
-    return Section(
+    limits = (term for term in NOTES["Limits of this version"] if term[0] != "Reference")
+    return section(
         "Scope and basis",
-        (Paragraph(basis), Paragraph("Covered:"), Listing(covered)),
-        (
-            Section("Conventions", (Facts((*NOTES["Conventions"], _SIGNS)),)),
-            Section("Not covered", (Listing(_NOT_COVERED),)),
-            Section("Limits of the model", (Facts(_limits()),)),
+        Paragraph(basis),
+        Paragraph("Covered:"),
+        Listing(covered),
+        parts=(
+            section("Conventions", Facts((*NOTES["Conventions"], _SIGNS))),
+            section("Not covered", Listing(_NOT_COVERED)),
+            # what concerns workbooks alone is no limit of the model
+            section("Limits of the model", Facts(tuple(limits))),
         ),
-    )
-
-
-def _limits() -> tuple[tuple[str, str], ...]:
-    """What the model leaves out; not what concerns workbooks alone."""
-    return tuple(
-        (term, text) for term, text in NOTES["Limits of this version"] if term != "Reference"
     )

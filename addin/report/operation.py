@@ -6,86 +6,61 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from addin.report.document import Block, Column, Paragraph, Section, Table
+from addin.report.document import Column, Paragraph, Section, Table, section
 from addin.report.equations import by
 from addin.report.numbers import clean, significant
 from addin.report.subject import Subject
-from addin.report.tables import FULL, left_out, result_table, with_column
+from addin.report.tables import FULL, left_out, with_column
+
+Row = Mapping[str, Any]
 
 
 def margins(subject: Subject) -> Section:
     """Interference diagram and separation margins."""
-    rows = subject.rows("SeparationMargins")
+    title, rows = "Interference and separation margins", subject.rows("SeparationMargins")
     if not rows:
         why = "no excitation is known, or the train has no elastic mode"
-        return Section("Interference and separation margins",
-                       (Paragraph(f"No separation margin was calculated: {why}. See the warnings in "
-                                  "section 1."),))  # fmt: skip
-    blocks: list[Block] = []
-    picture = subject.pictures.chart("interference")
-    if picture is not None:
-        blocks.append(picture)
-    else:
-        blocks.append(
-            Paragraph(
-                "There is no interference diagram: line frequency and speed are not both known."
-            )
-        )
+        sentence = f"No separation margin was calculated: {why}. See the warnings in section 1."
+        return section(title, Paragraph(sentence))
+    failing = [row for row in rows if row["verdict"] != "pass"]
+    sentence = "All margins are kept."
+    if failing:
+        accepted = all(row["verdict"].startswith("accepted") for row in failing)
+        rest = ", all of them accepted by forced response." if accepted else "."
+        sentence = f"{len(failing)} of {len(rows)} margins are not kept{rest}"
     chosen = _chosen_margins(rows)
-    blocks.append(
-        result_table(
-            "SeparationMargins",
-            [_with_mode(row) for row in chosen],
-            subject.shown,
-            "Separation margins",
-            note=" ".join(
-                filter(
-                    None,
-                    (
-                        "Speed: of the motor, where the margin is least within continuous operation.",
-                        left_out(
-                            len(chosen),
-                            len(rows),
-                            "pairs of mode and excitation",
-                            "every pair that does not pass, and the nearest excitations of each mode",
-                        ),
-                        by("Separation margin"),
-                    ),
-                )
-            ),
-        )  # fmt: skip
-    )
-    failing = [r for r in rows if r["verdict"] != "pass"]
-    sentence = (
-        "All margins are kept."
-        if not failing
-        else f"{len(failing)} of {len(rows)} margins are not kept"
-        + (", all of them accepted by forced response." if all(
-            r["verdict"].startswith("accepted") for r in failing) else ".")
+    notes = (
+        "Speed: of the motor, where the margin is least within continuous operation.",
+        left_out(
+            len(chosen), len(rows), "pairs of mode and excitation",
+            "every pair that does not pass, and the nearest excitations of each mode",
+        ),
+        by("Separation margin"),
     )  # fmt: skip
-    return Section("Interference and separation margins", (Paragraph(sentence, "lead"), *blocks))
+    return section(
+        title,
+        Paragraph(sentence, "lead"),
+        subject.pictures.chart("interference")
+        or Paragraph(
+            "There is no interference diagram: line frequency and speed are not both known."
+        ),
+        subject.table("SeparationMargins", note=" ".join(filter(None, notes)), rows=chosen),
+    )
 
 
-def _with_mode(row: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The row of a margin; the name of its excitation as it can be printed."""
-    return dict(row) | {"excitation": clean(str(row["excitation"]))}
-
-
-def _chosen_margins(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+def _chosen_margins(rows: Sequence[Row]) -> list[Row]:
     """All; of very many every one that does not pass, and the two least of each mode."""
     if len(rows) <= FULL:
         return list(rows)
-    nearest: dict[int, list[Mapping[str, Any]]] = {}
+    nearest: dict[int, list[Row]] = {}
     for row in sorted(rows, key=lambda r: r["margin"]):
         nearest.setdefault(row["mode"], []).append(row)
     keep = {id(row) for near in nearest.values() for row in near[:2]}
     chosen = [row for row in rows if row["verdict"] != "pass" or id(row) in keep]
     if len(chosen) <= FULL:
         return chosen
-    keep = {
-        id(row)
-        for row in sorted(chosen, key=lambda r: (r["verdict"] == "pass", r["margin"]))[:FULL]
-    }
+    worst = sorted(chosen, key=lambda r: (r["verdict"] == "pass", r["margin"]))[:FULL]
+    keep = {id(row) for row in worst}
     return [row for row in chosen if id(row) in keep]
 
 
@@ -100,26 +75,29 @@ def steady_state(subject: Subject) -> Section:
     rows = subject.rows("SteadyState")
     title = "Steady-state response"
     if not rows:
-        return Section(title, (Paragraph("No forced response was calculated: every margin is kept, or "
-                                         "no excitation is known."),))  # fmt: skip
+        sentence = (
+            "No forced response was calculated: every margin is kept, or no excitation is known."
+        )
+        return section(title, Paragraph(sentence))
     chosen = _chosen_steady(rows)
     basis = subject.calculation.results.steady.stress_basis
-    table = result_table(
-        "SteadyState", chosen, subject.shown, "Forced response, worst first by element", _STEADY,
-        note=" ".join(filter(None, (
-            "Torques zero-to-peak at the element's own speed; stresses with SCF. Applied at: the station "
-            "of the applied torque.",
-            left_out(len(chosen), len(rows), "rows", "of each element the largest torque and what "
-                      "does not pass"),
-            by("Forced response", "Shear stress", "Allowable vibratory stress"),
-        ))),
+    which = "of each element the largest torque and what does not pass"
+    notes = (
+        "Torques zero-to-peak at the element's own speed; stresses with SCF. Applied at: the station of "
+        "the applied torque.",
+        left_out(len(chosen), len(rows), "rows", which),
+        by("Forced response", "Shear stress", "Allowable vibratory stress"),
+    )
+    table = subject.table(
+        "SteadyState", "Forced response, worst first by element", _STEADY,
+        " ".join(filter(None, notes)), rows=chosen,
     )  # fmt: skip
-    return Section(
-        title, (Paragraph(_judged(rows, basis), "lead"), _with_limits(subject, table, chosen))
+    return section(
+        title, Paragraph(_judged(rows, basis), "lead"), _with_limits(subject, table, chosen)
     )
 
 
-def _judged(rows: Sequence[Mapping[str, Any]], basis: str) -> str:
+def _judged(rows: Sequence[Row], basis: str) -> str:
     """By which limits how many elements were judged, and which exceed one."""
     elements = {row["element"] for row in rows}
     stressed = {row["element"] for row in rows if row.get("allowable") is not None}
@@ -144,37 +122,33 @@ def _judged(rows: Sequence[Mapping[str, Any]], basis: str) -> str:
     return " ".join(sentences)
 
 
-def _with_limits(subject: Subject, table: Table, rows: Sequence[Mapping[str, Any]]) -> Table:
+def _with_limits(subject: Subject, table: Table, rows: Sequence[Row]) -> Table:
     """The table with the makers' vibratory limits beside the torques, where there are any."""
     if all(row.get("torque_limit") is None for row in rows):
         return table
     place = ("SteadyState", "Torque")
-    factor = subject.shown.units.factor(*place)
+    limits = (row.get("torque_limit") for row in rows)
     cells = [
-        "" if row.get("torque_limit") is None else significant(row["torque_limit"] / factor, 5)
-        for row in rows
+        "" if limit is None else significant(subject.value(limit, *place), 5) for limit in limits
     ]
-    at = [column.header for column in table.columns].index("Torque") + 1
-    column = Column("Vibratory limit", subject.shown.unit(*place), "number")
-    return with_column(table, at, column, cells)
+    column = Column("Vibratory limit", subject.unit(*place), "number")
+    return with_column(table, "Torque", column, cells)
 
 
-def _chosen_steady(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+def _chosen_steady(rows: Sequence[Row]) -> list[Row]:
     """Of each element the largest torque, and what fails, the worst of very many."""
-    keep: dict[int, Mapping[str, Any]] = {}
-    best: dict[str, Mapping[str, Any]] = {}
+    best: dict[str, Row] = {}
     for row in rows:
-        seen = best.get(row["element"])
-        if seen is None or _size(row) > _size(seen):
+        largest = best.get(row["element"])
+        if largest is None or _size(row) > _size(largest):
             best[row["element"]] = row
-    for row in best.values():
-        keep[id(row)] = row
+    keep = {id(row): row for row in best.values()}
     failing = [r for r in rows if r["verdict"] in ("fail", "unbounded")]
-    for row in sorted(failing, key=lambda r: -_size(r))[: max(FULL - len(keep), 0)]:
-        keep[id(row)] = row
+    worst = sorted(failing, key=lambda r: -_size(r))[: max(FULL - len(keep), 0)]
+    keep |= {id(row): row for row in worst}
     order = {name: k for k, name in enumerate(best)}
     return sorted(keep.values(), key=lambda r: (order[r["element"]], -_size(r)))
 
 
-def _size(row: Mapping[str, Any]) -> float:
+def _size(row: Row) -> float:
     return math.inf if row.get("torque") is None else float(row["torque"])

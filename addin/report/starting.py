@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 from addin.charts.start_cycles import start_cycle_facts, start_cycle_rows
 from addin.contract.chart_tables import HISTORIES
-from addin.report.document import Block, Column, Facts, Listing, Paragraph, Section, Table
+from addin.report.document import Block, Column, Facts, Listing, Paragraph, Section, section
 from addin.report.equations import by
 from addin.report.layout import folded
 from addin.report.numbers import clean, fixed, of_dimension, significant, typed
-from addin.report.opening import largest_peak
+from addin.report.opening import largest_peak, largest_torque
 from addin.report.subject import Subject
-from addin.report.tables import result_table, turned, with_column
+from addin.report.tables import turned, with_column
 from engine.case.practice_limits import PRACTICE_LIMITS
 
 _CROSSINGS = (
@@ -30,25 +30,24 @@ def start(subject: Subject) -> Section:
     """Outcome, speed, crossings, peaks and histories."""
     title, startup = "Start-up", subject.calculation.startup
     if startup is None:
-        return Section(title, (Paragraph(
+        sentence = (
             "No start was calculated: the inputs hold no motor torque and no torque against time. There "
-            "are therefore no peaks, no reversals and no number of starts."),))  # fmt: skip
-    blocks: list[Block] = [Paragraph(clean(str(startup["sentence"])), "lead")]
-    picture = subject.pictures.speed_time()
-    if picture is not None:
-        blocks.append(picture)
+            "are therefore no peaks, no reversals and no number of starts."
+        )
+        return section(title, Paragraph(sentence))
     parts = [_conditions(subject), _crossings(subject), _peaks(subject)]
     field = startup.get("pull_in")
     if field:
-        parts.append(Section("Field application and pull-in", tuple(_pull_in(subject, field))))
+        parts.append(_pull_in(subject, field))
     histories = subject.pictures.histories()
     if histories:
-        note = Paragraph(
-            "Each point drawn is calculated; of long histories the least and the largest value of "
-            "equal intervals of time are drawn, so that no peak is lost." + _not_drawn(subject), "note",
-        )  # fmt: skip
-        parts.append(Section("Histories", (*histories, note)))
-    return Section(title, tuple(blocks), tuple(parts))
+        note = (
+            "Each point drawn is calculated; of long histories the least and the largest value of equal "
+            "intervals of time are drawn, so that no peak is lost." + _not_drawn(subject)
+        )
+        parts.append(section("Histories", *histories, Paragraph(note, "note")))
+    outcome = Paragraph(clean(str(startup["sentence"])), "lead")
+    return section(title, outcome, subject.pictures.speed_time(), parts=parts)
 
 
 def _not_drawn(subject: Subject) -> str:
@@ -70,15 +69,13 @@ def _conditions(subject: Subject) -> Section:
     effects = {row["effect"]: bool(row["on"]) for row in subject.rows("Effects")}
     why = {row["effect"]: clean(str(row["why"])) for row in subject.rows("Effects")}
     voltage = 1.0 if case.voltage is None else case.voltage
-    facts = [
-        (
-            "Voltage",
-            "that of the torque curves"
-            if voltage == 1.0
-            else f"{typed(100.0 * voltage, 6)} % of that of the torque curves; motor torques times "
-            f"{typed(voltage**2, 4)}",
+    effect_on_torque = "that of the torque curves"
+    if voltage != 1.0:
+        effect_on_torque = (
+            f"{typed(100.0 * voltage, 6)} % of {effect_on_torque}; motor torques times "
+            f"{typed(voltage**2, 4)}"
         )
-    ]
+    facts = [("Voltage", effect_on_torque)]
     for name, words in (
         ("breaker closing", "Breaker closing"),
         ("pull-in", "Field application, pull-in"),
@@ -87,88 +84,62 @@ def _conditions(subject: Subject) -> Section:
         if name in effects:
             sentence = "simulated" if effects[name] else f"not simulated: {why[name]}"
             facts.append((words, sentence))
-    given = sorted({clean(row.station or "") for row in case.torque_time})
-    facts += [
-        (
-            "Short circuits, reclosing",
-            f"torques prescribed against time act at {', '.join(given)} (table TorqueTime)"
-            if given
-            else "not part of this start; their torque can be prescribed in table TorqueTime",
-        ),
-        (
-            "Starts in succession",
-            "each from rest, as cold as the first: residual oscillation, temperature and starts per hour "
-            "are not considered",
-        ),
-    ]
-    return Section("Conditions of the start", (Facts(tuple(facts)),))
+    stations = ", ".join(sorted({clean(row.station or "") for row in case.torque_time}))
+    prescribed = "not part of this start; their torque can be prescribed in table TorqueTime"
+    if case.torque_time:
+        prescribed = f"torques prescribed against time act at {stations} (table TorqueTime)"
+    succession = (
+        "each from rest, as cold as the first: residual oscillation, temperature and starts per hour "
+        "are not considered"
+    )
+    facts += [("Short circuits, reclosing", prescribed), ("Starts in succession", succession)]
+    return section("Conditions of the start", Facts(tuple(facts)))
 
 
 def _crossings(subject: Subject) -> Section:
-    rows = subject.rows("StartupCrossings")
+    title, rows = "Crossings of 2 × slip frequency", subject.rows("StartupCrossings")
     if not rows:
-        return Section("Crossings of 2 × slip frequency",
-                       (Paragraph("No mode is crossed by the falling 2 × slip frequency in this start."),))  # fmt: skip
+        sentence = "No mode is crossed by the falling 2 × slip frequency in this start."
+        return section(title, Paragraph(sentence))
     captions = ("Crossings: speed and torques there", "Crossings: response there")
     notes = (by("Pulsation", "Start-up crossing"),
              "Torque and stress ranges while the mode responds; stress nominal, without SCF.")  # fmt: skip
-    blocks: list[Block] = [
-        result_table("StartupCrossings", rows, subject.shown, caption, columns, note)
+    tables = [
+        subject.table("StartupCrossings", caption, columns, note)
         for caption, columns, note in zip(captions, _CROSSINGS, notes, strict=True)
     ]
     sentences = tuple(
         f"Mode {row['mode']}: {clean(row['note'])}" for row in rows if row.get("note")
     )
-    if sentences:
-        blocks.append(Listing(sentences))
-    return Section("Crossings of 2 × slip frequency", tuple(blocks))
+    return section(title, *tables, Listing(sentences) if sentences else None)
 
 
 def _peaks(subject: Subject) -> Section:
-    rows = subject.rows("StartupPeaks")
-    table = result_table(
-        "StartupPeaks", rows, subject.shown, "Extreme torques of the start",
+    """The table with the largest torque over rated torque, both at motor speed, after the torques."""
+    table = subject.table(
+        "StartupPeaks", "Extreme torques of the start",
         note="From rest to the end of the run, at the element's own speed; stress nominal, without SCF. "
         "Time and speed of the largest torque. Estimated error: change from step h to h/2. "
         + by("Start, exponential", "Shear stress"),
     )  # fmt: skip
-    return Section("Extreme torques", (*_in_rated(subject), _over_rated(subject, table, rows)))
-
-
-def _over_rated(subject: Subject, table: Table, rows: Sequence[Mapping[str, Any]]) -> Table:
-    """The table with the largest torque over rated torque, both at motor speed, after the torques."""
-    rated, ratio = (
-        subject.calculation.case.ratings.rated_torque,
-        subject.calculation.case.element_speed_ratios,
-    )
-    headers = [column.header for column in table.columns]
-    if not rated or "Torque, pk‑pk" not in headers:
-        return table
-    at = headers.index("Torque, pk‑pk")
-    cells = [
-        fixed(
-            max(abs(r["maximum_torque"]), abs(r["minimum_torque"])) * ratio[r["element"]] / rated, 2
-        )
-        for r in rows
-    ]
-    return replace(
-        with_column(table, at, Column("Largest over rated", "", "number"), cells),
-        note=f"{table.note} Largest over rated: referred to motor speed, as multiples of rated torque.",
-    )
-
-
-def _in_rated(subject: Subject) -> Iterator[Block]:
+    case, rows = subject.calculation.case, subject.rows("StartupPeaks")
+    rated, ratio = case.ratings.rated_torque, case.element_speed_ratios
+    if rated:
+        cells = [fixed(largest_torque(r) * ratio[r["element"]] / rated, 2) for r in rows]
+        column = Column("Largest over rated", "", "number")
+        wider = with_column(table, "Torque, pk‑pk", column, cells, before=True)
+        if wider is not table:
+            note = " Largest over rated: referred to motor speed, as multiples of rated torque."
+            table = replace(wider, note=table.note + note)
     peak = largest_peak(subject)
-    if peak:
-        yield Paragraph(f"Largest torque, compared at motor speed: {peak}.")
+    sentence = Paragraph(f"Largest torque, compared at motor speed: {peak}.") if peak else None
+    return section("Extreme torques", sentence, table)
 
 
-def _pull_in(subject: Subject, field: Mapping[str, Any]) -> Iterator[Block]:
+def _pull_in(subject: Subject, field: Mapping[str, Any]) -> Section:
+    applied = f"after {fixed(field['field_time'], 3)} s at a slip of {field['field_slip']:.2%}"
     facts = [
-        (
-            "Field applied",
-            f"after {fixed(field['field_time'], 3)} s at a slip of {field['field_slip']:.2%}",
-        ),
+        ("Field applied", applied),
         ("In step at the end", "yes" if field["synchronised"] else "no"),
         ("Pole slips", str(field["pole_slips"])),
     ]
@@ -176,10 +147,8 @@ def _pull_in(subject: Subject, field: Mapping[str, Any]) -> Iterator[Block]:
         facts.append(("Load angle at the end", f"{fixed(math.degrees(field['load_angle']), 1)}°"))
     if field.get("swing_frequency") is not None:
         facts.append(("Swing frequency", f"{fixed(field['swing_frequency'], 2)} Hz"))
-    yield Facts(tuple(facts))
     picture = subject.pictures.chart("pull-in")
-    if picture is not None:
-        yield picture
+    return section("Field application and pull-in", Facts(tuple(facts)), picture)
 
 
 # --- reversals ------------------------------------------------------------------------------------
@@ -188,35 +157,33 @@ def _pull_in(subject: Subject, field: Mapping[str, Any]) -> Iterator[Block]:
 def reversals(subject: Subject) -> Section:
     """Reversed torque of teeth, clearances and forces."""
     title, rows = "Torque reversals", subject.rows("TorqueReversals")
-    if subject.calculation.startup is None:
-        return Section(title, (Paragraph("No start was calculated, hence no reversal."),))
+    startup = subject.calculation.startup
+    if startup is None:
+        return section(title, Paragraph("No start was calculated, hence no reversal."))
     if not rows:
-        return Section(title, (Paragraph("The train has no gear mesh and no geared coupling: no teeth "
-                                         "can be unloaded."),))  # fmt: skip
-    table = result_table(
-        "TorqueReversals", rows, subject.shown, "Torque reversals in the start",
+        sentence = "The train has no gear mesh and no geared coupling: no teeth can be unloaded."
+        return section(title, Paragraph(sentence))
+    table = subject.table(
+        "TorqueReversals", "Torque reversals in the start",
         note="Torques of the From side at its own speed. A reversal is one passage below zero deeper "
         "than 0.1 % of the largest torque. Margin: least over transmitted torque.",
     )  # fmt: skip
-    sentences = tuple(clean(str(row["note"])) for row in rows)
-    blocks: list[Block] = [
-        *(Paragraph(words, "lead") for words in sentences[:3]),
-        *turned(table, without=("Note",)),
-    ]
-    law = subject.calculation.view.contact_law
-    if law:
-        blocks.append(Paragraph(f"Clearances are modelled; damping law of teeth in contact: {law} "
-                                "(docs/method.md, Clearances; [7]).", "note"))  # fmt: skip
-    forces = (subject.calculation.startup or {}).get("bearing_forces", ())
-    if forces:
-        blocks.append(result_table("BearingForces", forces, subject.shown,
-                                   "Largest bearing forces, without weight"))  # fmt: skip
-    picture = subject.pictures.reversal()
-    if picture is not None:
-        blocks.append(picture)
+    law, forces = subject.calculation.view.contact_law, startup.get("bearing_forces", ())
+    sentence = (
+        f"Clearances are modelled; damping law of teeth in contact: {law} (docs/method.md, Clearances; "
+        "[7])."
+    )
     practice = tuple(f"{p.applies_to}, {p.service}: {p.says} ({p.source})" for p in PRACTICE_LIMITS)
-    return Section(
-        title, tuple(blocks), (Section("What is said in practice", (Listing(practice),)),)
+    return section(
+        title,
+        *(Paragraph(clean(str(row["note"])), "lead") for row in rows[:3]),
+        *turned(table, without=("Note",)),
+        Paragraph(sentence, "note") if law else None,
+        subject.table("BearingForces", "Largest bearing forces, without weight", rows=forces)
+        if forces
+        else None,
+        subject.pictures.reversal(),
+        parts=[section("What is said in practice", Listing(practice))],
     )
 
 
@@ -227,58 +194,55 @@ def fatigue(subject: Subject) -> Section:
     """Damage of one start, allowable starts, S-N line and cycles."""
     title, rows = "Fatigue and allowable starts", subject.rows("AllowableStarts")
     if subject.calculation.startup is None:
-        return Section(
-            title, (Paragraph("No start was calculated, hence no damage and no number of starts."),)
-        )
+        sentence = "No start was calculated, hence no damage and no number of starts."
+        return section(title, Paragraph(sentence))
     if not rows:
-        return Section(title, (Paragraph(
-            "No shaft is judged: none has a stress diameter and a material with S-N points."),))  # fmt: skip
+        sentence = "No shaft is judged: none has a stress diameter and a material with S-N points."
+        return section(title, Paragraph(sentence))
     case = subject.calculation.case
-    table = result_table(
-        "AllowableStarts", rows, subject.shown, "Damage of one start and allowable starts",
+    table = subject.table(
+        "AllowableStarts", "Damage of one start and allowable starts",
         note="Rounded down to whole starts. Paper count: cycle by cycle as in [1], Figure 3. "
         + by("Shear stress", "Damage"),
     )  # fmt: skip
-    factor = case.starts_factor or 1.0
     required = "not stated" if case.starts_required is None else f"{case.starts_required:,.0f}"
-    verdict = next((v for v in subject.rows("Verdicts") if v["check"] == "Allowable starts"), None)
-    facts = [("Starts required", required), ("Factor on starts", fixed(factor, 2))]
-    if verdict is not None:
-        where = clean(verdict["where"] or "")
-        facts.append(("Verdict", verdict["verdict"] + (f" ({where})" if where else "")))
-    blocks: list[Block] = [Facts(tuple(facts)), table, *_governing(subject)]
-    return Section(title, tuple(blocks))
+    facts = [
+        ("Starts required", required),
+        ("Factor on starts", fixed(case.starts_factor or 1.0, 2)),
+    ]
+    for row in subject.rows("Verdicts"):
+        if row["check"] == "Allowable starts":
+            where = clean(row["where"] or "")
+            facts.append(("Verdict", row["verdict"] + (f" ({where})" if where else "")))
+    return section(
+        title, Facts(tuple(facts)), table, subject.pictures.chart("sn"), *_governing(subject)
+    )
 
 
 def _governing(subject: Subject) -> Iterator[Block]:
-    """S-N picture and cycles of the shaft that allows the fewest starts."""
-    view, shown = subject.calculation.view, subject.shown
+    """S-N line and cycles of the shaft that allows the fewest starts."""
+    view = subject.calculation.view
     governing = start_cycle_facts(view)
-    picture = subject.pictures.chart("sn")
-    if picture is not None:
-        yield picture
     if governing["shaft"] is None:
         return
-    place = ("StartCycles", "Amplitude")
-    words = f"Shaft {clean(governing['shaft'])}"
+    place, shaft = ("StartCycles", "Amplitude"), clean(governing["shaft"])
+    words = f"Shaft {shaft}"
     if governing["endurance"] is not None:
-        limit = significant(governing["endurance"] / shown.units.factor(*place), 5)
+        limit = significant(subject.value(governing["endurance"], *place), 5)
         words += (
-            f": endurance limit in torsion {limit} {shown.unit(*place)}, S-N exponent "
+            f": endurance limit in torsion {limit} {subject.unit(*place)}, S-N exponent "
             f"{fixed(governing['exponent'], 2)}"
         )
     yield Paragraph(f"{words}.")
     cycles = start_cycle_rows(view)
-    if cycles:
-        table = result_table(
-            "StartCycles", cycles, shown, f"Cycles of one start: {clean(governing['shaft'])}",
-            note="The most damaging first; n cycles, N cycles to failure; a row without amplitude holds "
-            f"all other cycles. Sum of the damage: {_sum(cycles)}. " + by("Damage"),
-        )  # fmt: skip
-        yield from folded(table)
-    else:
+    if not cycles:
         yield Paragraph("No cycle of the start is listed: none does damage.")
-
-
-def _sum(cycles: Sequence[Mapping[str, Any]]) -> str:
-    return of_dimension(math.fsum(row["damage"] for row in cycles), "Damage", "count")
+        return
+    damage = of_dimension(math.fsum(row["damage"] for row in cycles), "Damage", "count")
+    note = (
+        "The most damaging first; n cycles, N cycles to failure; a row without amplitude holds all "
+        f"other cycles. Sum of the damage: {damage}. {by('Damage')}"
+    )
+    yield from folded(
+        subject.table("StartCycles", f"Cycles of one start: {shaft}", note=note, rows=cycles)
+    )

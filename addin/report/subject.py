@@ -11,8 +11,10 @@ from addin.contract.problems import shortened
 from addin.diff.changes import Differences
 from addin.reading.typed_case import CaseInput
 from addin.recorded.results import RecordedAccuracy
+from addin.report.document import Table
 from addin.report.figures import Pictures
 from addin.report.numbers import clean
+from addin.report.tables import result_table
 from addin.report.units import DocumentUnits
 
 #: Longest text of the title block. [characters]
@@ -36,6 +38,27 @@ class Subject:
     def rows(self, table: str) -> Sequence[Mapping[str, Any]]:
         """Rows of a result table. [SI]"""
         return self.calculation.tables.get(table, ())
+
+    def table(
+        self,
+        name: str,
+        caption: str = "",
+        columns: Sequence[str] = (),
+        note: str = "",
+        *,
+        rows: Sequence[Mapping[str, Any]] | None = None,
+    ) -> Table:
+        """A result table, of all its rows or of some, in the units of the document."""
+        rows = self.rows(name) if rows is None else rows
+        return result_table(name, rows, self.shown, caption, columns, note)
+
+    def unit(self, table: str, column: str) -> str:
+        """The unit of a result column as printed. [unit]"""
+        return self.shown.unit(table, column)
+
+    def value(self, number: float, table: str, column: str) -> float:
+        """An SI number in the unit of a result column. [shown unit]"""
+        return self.shown.value(number, table, column)
 
     def words(self, scalar: str) -> str:
         """A scalar of the title block as typed; empty where it is blank. [text]"""

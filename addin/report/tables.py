@@ -11,14 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from addin.contract.shown_cell import shown_cell
-from addin.contract.tables import (
-    INPUT_TABLES,
-    RESULT_TABLES,
-    STUDY_RESULT_TABLES,
-    WORKBOOK_TABLES,
-    Field,
-    TableSpec,
-)
+from addin.contract.tables import Field, TableSpec, table
 from addin.reading.typed_case import Entry
 from addin.report.document import Column, Table
 from addin.report.numbers import clean, of_dimension, pretty_unit
@@ -28,22 +21,18 @@ Rows = Sequence[Mapping[str, Any]]
 
 #: Most rows of a long table (pairs of mode and excitation, couplings) shown in full.
 FULL = 40
-_SPECS = {
-    spec.name: spec
-    for spec in (*INPUT_TABLES, *RESULT_TABLES, *WORKBOOK_TABLES, *STUDY_RESULT_TABLES)
-}
 #: A margin below this is the rounding of a frequency on the line. [1]
 _NOTHING = 1e-7
 
 
-def input_tables(
+def input_table(
     name: str,
     rows: Sequence[Mapping[str, Entry]],
     shown: DocumentUnits,
     caption: str,
-    groups: Sequence[Sequence[str]] = (),
-) -> list[Table]:
-    """An input table as typed, in as many parts as it has groups of columns.
+    columns: Sequence[str] = (),
+) -> Table | None:
+    """An input table as typed.
 
     Parameters
     ----------
@@ -54,38 +43,26 @@ def input_tables(
     shown : DocumentUnits
         The units of the document.
     caption : str
-        Caption; of several parts each names its columns. [text]
-    groups : sequence of sequence of str
-        Columns of each part beside the first column; by default all in one. [headers]
+        Caption. [text]
+    columns : sequence of str
+        Columns shown beside the first one, without rows that state none of them; by default all,
+        and every row. [headers]
 
     Returns
     -------
-    list of Table
-        Parts that hold something; empty for an empty table.
+    Table or None
+        None for a table that states nothing.
     """
-    spec = _SPECS[name]
-    first = spec.columns[0].name
-    tables = []
-    for group in groups or [[column.name for column in spec.columns[1:]]]:
-        columns = [
-            column for column in spec.columns if column.name == first or column.name in group
-        ]
-        table = _typed_table(spec, columns, rows, shown, caption)
-        if any(cell for row in table.rows for cell in row[1:]):
-            told = tuple(row for row in table.rows if any(row[1:]))
-            tables.append(
-                without_blanks(replace(table, rows=told if len(groups) == 1 else table.rows))
-            )
-    if len(tables) > 1:
-        tables = [
-            replace(one, caption=f"{caption}, part {k} of {len(tables)}")
-            for k, one in enumerate(tables, start=1)
-        ]
-    return tables
+    first, *others = table(name).columns
+    chosen = [first, *(field for field in others if not columns or field.name in columns)]
+    typed = _typed_table(chosen, rows, shown, caption)
+    stated = tuple(row for row in typed.rows if any(row[1:]))
+    if not stated:
+        return None
+    return without_blanks(replace(typed, rows=stated if columns else typed.rows))
 
 
 def _typed_table(
-    spec: TableSpec,
     columns: Sequence[Field],
     rows: Sequence[Mapping[str, Entry]],
     shown: DocumentUnits,
@@ -121,7 +98,7 @@ def result_table(
     name: str,
     rows: Rows,
     shown: DocumentUnits,
-    caption: str,
+    caption: str = "",
     columns: Sequence[str] = (),
     note: str = "",
 ) -> Table:
@@ -136,9 +113,9 @@ def result_table(
     shown : DocumentUnits
         The units of the document.
     caption : str
-        Caption. [text]
+        Caption; by default that of the contract. [text]
     columns : sequence of str
-        Columns shown; by default all of the contract. [headers]
+        Columns shown, in their order; by default all of the contract. [headers]
     note : str
         Small print. [text]
 
@@ -147,13 +124,12 @@ def result_table(
     Table
         Without columns that hold nothing.
     """
-    spec = _SPECS[name]
-    chosen = [f for f in _fields(spec, rows) if not columns or f.name in columns]
-    if columns:
-        chosen.sort(key=lambda f: list(columns).index(f.name))
+    spec = table(name)
+    fields = {field.name: field for field in _fields(spec, rows)}
+    chosen = [fields[column] for column in columns or fields]
     heads = tuple(_column(f, shown.unit(name, _base(spec, f))) for f in chosen)
     body = tuple(tuple(_cell(spec, f, row, shown) for f in chosen) for row in rows)
-    return without_blanks(Table(caption, heads, body, note))
+    return without_blanks(Table(caption or spec.caption, heads, body, note))
 
 
 def standing_table(
@@ -186,7 +162,7 @@ def standing_table(
     Table
         Without columns that hold nothing.
     """
-    spec = _SPECS[name]
+    spec = table(name)
     chosen = [spec.column(column) for column in columns]
     heads = tuple(_column(f, shown.unit(name, f.name)) for f in chosen)
     body = tuple(
@@ -265,8 +241,14 @@ def left_out(shown: int, total: int, what: str, why: str) -> str:
     return f"{shown} of {total} {what} are shown, {why}; {rest}."
 
 
-def with_column(table: Table, at: int, column: Column, cells: Sequence[str]) -> Table:
-    """A table with one column more."""
+def with_column(
+    table: Table, beside: str, column: Column, cells: Sequence[str], *, before: bool = False
+) -> Table:
+    """A table with one column more behind or before another; without that as it is."""
+    headers = [column.header for column in table.columns]
+    if beside not in headers:
+        return table
+    at = headers.index(beside) + (not before)
     return replace(
         table,
         columns=(*table.columns[:at], column, *table.columns[at:]),

@@ -7,7 +7,7 @@ numbers, which are in SI, in the usual units of its system.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from addin.contract import tables as fields
@@ -41,6 +41,10 @@ class DocumentUnits:
     system: str  #: ``US`` or ``SI``; it chooses the paper.
     is_workbook: bool  #: Whether numbers stand in the units they are typed in.
     notes: tuple[str, ...]  #: Units that cannot be used.
+
+    def value(self, number: float, table: str, column: str) -> float:
+        """An SI number in the unit of a column. [shown unit]"""
+        return number / self.units.factor(table, column)
 
     @property
     def paper(self) -> str:
@@ -113,11 +117,10 @@ def entry_text(entry: Entry | None, field: Field, shown: DocumentUnits) -> tuple
 
 def _system(units: Iterable[str]) -> str:
     """US where most units that tell the systems apart are US customary."""
-    words = ("lb", "psi", "ksi", "Mpsi", "in", "ft", "hp")
     us: Counter[bool] = Counter()
     for unit in units:
         parts = {part.split("^")[0] for part in unit.replace("/", "*").split("*")}
-        if parts & {*words, "lbf", "kip"}:
+        if parts & {"lb", "psi", "ksi", "Mpsi", "in", "ft", "hp", "lbf", "kip"}:
             us[True] += 1
         elif parts & {"kg", "N", "kN", "Pa", "MPa", "GPa", "mm", "m", "kW", "MW", "W"}:
             us[False] += 1
@@ -128,8 +131,4 @@ def _entries(read: CaseInput) -> Iterable[Entry]:
     yield from read.typed.scalars.values()
     for rows in read.typed.tables.values():
         for row in rows:
-            yield from _values(row)
-
-
-def _values(row: Mapping[str, Entry]) -> Iterable[Entry]:
-    return row.values()
+            yield from row.values()

@@ -44,7 +44,9 @@ except ImportError:  # `torsionbook report` says so before anything is calculate
 #: Metric-compatible fonts exist on every system.
 _TEXT_FONT, _TABLE_FONT, _MATH_FONT = "Times New Roman", "Arial", "Cambria Math"
 _PAPERS = {"a4": (210.0, 297.0), "us-letter": (215.9, 279.4)}
-_NAVY, _GREY, _RULE, _MIST = "1F3A5F", "595959", "C3CBD6", "E9EEF4"
+_NAVY, _GREY, _RULE, _MIST, _INK = "1F3A5F", "595959", "C3CBD6", "E9EEF4", "303030"
+#: What stands behind the shade among the settings of a cell.
+_AFTER_SHADE = ("w:noWrap", "w:tcMar", "w:textDirection", "w:tcFitText", "w:vAlign")
 #: Left and right of the text of a cell. [twentieths of a point]
 _CELL_MARGIN = 75
 #: Twentieths of a point in a millimetre.
@@ -123,10 +125,10 @@ class _Writer:
             if level == 1:
                 _border(style.element.get_or_add_pPr(), "bottom", _NAVY, 8)
         for name, font, size, colour, after in (
-            ("Report caption", _TEXT_FONT, 9.0, "303030", 4.0),
+            ("Report caption", _TEXT_FONT, 9.0, _INK, 4.0),
             ("Report note", _TEXT_FONT, 8.5, _GREY, 10.0),
-            ("Report cell", _TABLE_FONT, 7.5, "303030", 0.0),
-            ("Report fact", _TEXT_FONT, 9.5, "303030", 0.0),
+            ("Report cell", _TABLE_FONT, 7.5, _INK, 0.0),
+            ("Report fact", _TEXT_FONT, 9.5, _INK, 0.0),
         ):
             style = self.file.styles.add_style(name, WD_STYLE_TYPE.PARAGRAPH)
             style.base_style = normal
@@ -206,37 +208,27 @@ class _Writer:
         shape.left_indent = Mm(6.0 * (level - 1))
         shape.space_before = Pt(5.0 if level == 1 else 1.0)
         shape.tab_stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT, 1)
-        link = OxmlElement("w:hyperlink")
-        link.set(qn("w:anchor"), _anchor(section))
-        link.set(qn("w:history"), "1")
+        link = _element("w:hyperlink", anchor=_anchor(section), history="1")
         paragraph._p.append(link)
-        _run(paragraph, f"{section.number}  {section.title}\t", 10.0 if level == 1 else 9.5, "303030",
+        _run(paragraph, f"{section.number}  {section.title}\t", 10.0 if level == 1 else 9.5, _INK,
              bold=level == 1, into=link)  # fmt: skip
-        _field(paragraph, f"PAGEREF {_anchor(section)} \\h", "", 9.5, "303030", into=link)
+        _field(paragraph, f"PAGEREF {_anchor(section)} \\h", "", 9.5, _INK, into=link)
 
     # ---- sections ------------------------------------------------------------------------------
 
     def section(self, section: Section, level: int) -> None:
         """A heading and what stands below it."""
         heading = self.file.add_heading(level=level)
-        self._bookmark(heading, _anchor(section), f"{section.number}  {section.title}")
+        self.bookmarks += 1
+        start = _element("w:bookmarkStart", id=self.bookmarks, name=_anchor(section))
+        heading._p.append(start)
+        heading.add_run(f"{section.number}  {section.title}")
+        heading._p.append(_element("w:bookmarkEnd", id=self.bookmarks))
         held = held_paragraphs(section)
         for k, block in enumerate(section.blocks):
             self._block(block, held=k < held)
         for part in section.parts:
             self.section(part, level + 1)
-
-    def _bookmark(self, paragraph: Any, name: str, text: str) -> None:
-        self.bookmarks += 1
-        for tag in ("w:bookmarkStart", "w:bookmarkEnd"):
-            mark = OxmlElement(tag)
-            mark.set(qn("w:id"), str(self.bookmarks))
-            if tag == "w:bookmarkStart":
-                mark.set(qn("w:name"), name)
-                paragraph._p.append(mark)
-                paragraph.add_run(text)
-            else:
-                paragraph._p.append(mark)
 
     def _block(self, block: Block, *, held: bool) -> None:
         if isinstance(block, Paragraph):
@@ -290,35 +282,21 @@ class _Writer:
 
     def _cells(self, table: Table) -> None:
         """The cells of a table, its header repeated on each page."""
-        widths = column_widths(table)
-        grid = self._grid(len(table.rows) + 1, widths)
         together = stays_together(table)
-        gaps = [column.kind == "gap" for column in table.columns]
-        rows = list(grid.rows)
-        for k, (row, is_head) in enumerate(
-            zip(rows, [True] + [False] * len(table.rows), strict=True)
-        ):
-            _row_setting(row, "w:cantSplit")
-            if is_head:
+        lines = [[column.header for column in table.columns], *table.rows]
+        rows = self._rows(len(lines), column_widths(table), "Report cell")
+        for k, ((row, cells), texts) in enumerate(zip(rows, lines, strict=True)):
+            if not k:
                 _row_setting(row, "w:tblHeader")
-            for cell, column, width, text, gap in zip(
-                row.cells,
-                table.columns,
-                widths,
-                [c.header for c in table.columns] if is_head else table.rows[k - 1],
-                gaps,
-                strict=True,
-            ):
-                cell.width = Mm(width)
+            for cell, column, text in zip(cells, table.columns, texts, strict=True):
                 paragraph = cell.paragraphs[0]
-                self._styled(paragraph, "Report cell")
                 if column.kind == "number":
                     paragraph.alignment = WD_ALIGN_PARAGRAPH.RIGHT
                 if together and k < len(table.rows):
                     paragraph.paragraph_format.keep_with_next = True
-                if gap:
+                if column.kind == "gap":
                     continue
-                if is_head:
+                if not k:
                     _shade(cell, _MIST)
                     _edges(cell, top=(_NAVY, 8), bottom=(_RULE, 4))
                     _run(paragraph, text, 7.5, _NAVY, bold=True, font=_TABLE_FONT)
@@ -329,9 +307,8 @@ class _Writer:
                 _edges(cell, bottom=(_RULE, 4))
                 tone = tone_of(text) if column.kind == "verdict" else ""
                 if tone:
-                    _run(
-                        paragraph, text, 7.5, _TONES[tone][0], bold=tone != "open", font=_TABLE_FONT
-                    )
+                    ink = _TONES[tone][0]
+                    _run(paragraph, text, 7.5, ink, bold=tone != "open", font=_TABLE_FONT)
                 elif text:
                     paragraph.add_run(text)
 
@@ -342,75 +319,54 @@ class _Writer:
         grid.autofit = False
         for column, width in zip(grid.columns, widths, strict=True):
             column.width = Mm(width)
-        settings = grid._tbl.tblPr
-        indent = OxmlElement("w:tblInd")  # lines of the table begin where the text does
-        indent.set(qn("w:w"), str(_CELL_MARGIN))
-        indent.set(qn("w:type"), "dxa")
-        _in_table(
-            settings, indent, "w:tblBorders", "w:shd", "w:tblLayout", "w:tblCellMar", "w:tblLook"
-        )
-        margins = OxmlElement("w:tblCellMar")
-        for side, size in (
-            ("top", 35),
-            ("left", _CELL_MARGIN),
-            ("bottom", 35),
-            ("right", _CELL_MARGIN),
-        ):
-            margin = OxmlElement(f"w:{side}")
-            margin.set(qn("w:w"), str(size))
-            margin.set(qn("w:type"), "dxa")
-            margins.append(margin)
-        _in_table(settings, margins, "w:tblLook", "w:tblCaption")
+        # lines of the table begin where the text does
+        indent = _element("w:tblInd", w=_CELL_MARGIN, type="dxa")
+        after = ("w:tblBorders", "w:shd", "w:tblLayout", "w:tblCellMar", "w:tblLook")
+        grid._tbl.tblPr.insert_element_before(indent, *after)
+        margins = _margins("w:tblCellMar", 35, _CELL_MARGIN)
+        grid._tbl.tblPr.insert_element_before(margins, "w:tblLook", "w:tblCaption")
         return grid
+
+    def _rows(
+        self, count: int, widths: Sequence[float], style: str
+    ) -> Iterator[tuple[Any, list[Any]]]:
+        """The rows of a new table, none broken over pages, each with its cells in one style."""
+        for row in list(self._grid(count, widths).rows):
+            _row_setting(row, "w:cantSplit")
+            cells = list(row.cells)
+            for cell, width in zip(cells, widths, strict=True):
+                cell.width = Mm(width)
+                self._styled(cell.paragraphs[0], style)
+            yield row, cells
 
     def facts(self, rows: Sequence[tuple[str, str]], width: float) -> None:
         """Names and values."""
-        grid = self._grid(len(rows), (width, TEXT_WIDTH - width))
-        lines = list(grid.rows)
-        last, few = (lines or [None])[-1], len(rows) <= _FEW
-        for row, (name, value) in zip(lines, rows, strict=True):
-            _row_setting(row, "w:cantSplit")
-            for cell, text, colour, size in zip(
-                row.cells,
-                (name, value),
-                (_NAVY, "303030"),
-                (width, TEXT_WIDTH - width),
-                strict=True,
-            ):
-                cell.width = Mm(size)
-                self._styled(cell.paragraphs[0], "Report fact")
-                cell.paragraphs[0].paragraph_format.keep_with_next = row is not last and few
-                _run(cell.paragraphs[0], text, 9.0, colour)
+        grid = self._rows(len(rows), (width, TEXT_WIDTH - width), "Report fact")
+        for k, ((_, cells), texts) in enumerate(zip(grid, rows, strict=True), start=1):
+            for cell, text, colour in zip(cells, texts, (_NAVY, _INK), strict=True):
+                paragraph = cell.paragraphs[0]
+                paragraph.paragraph_format.keep_with_next = k < len(rows) <= _FEW
+                _run(paragraph, text, 9.0, colour)
         self._gap(5.0)
 
     def signatures(self, box: SignatureBox, height: float) -> None:
         """Cells to be signed by hand."""
-        widths = (26.0, 57.0, 57.0, 30.0)
-        grid = self._grid(len(box.rows) + 1, widths)
         lines = [
             ("", "Name", "Signature", "Date"),
             *((role, name, "", "") for role, name in box.rows),
         ]
-        for k, (row, line) in enumerate(zip(grid.rows, lines, strict=True)):
-            _row_setting(row, "w:cantSplit")
+        rows = self._rows(len(lines), (26.0, 57.0, 57.0, 30.0), "Report cell")
+        for k, ((row, cells), texts) in enumerate(zip(rows, lines, strict=True)):
             if k:
                 row.height = Mm(height)
-            for n, (cell, text, width) in enumerate(zip(row.cells, line, widths, strict=True)):
-                cell.width = Mm(width)
-                _edges(cell, *[(_RULE, 4)] * 4)
+            for n, (cell, text) in enumerate(zip(cells, texts, strict=True)):
+                _edges(cell, **dict.fromkeys(("top", "left", "bottom", "right"), (_RULE, 4)))
                 paragraph = cell.paragraphs[0]
-                self._styled(paragraph, "Report cell")
                 paragraph.paragraph_format.keep_with_next = k < len(box.rows)
                 if not k:
                     _shade(cell, _MIST)
-                _run(
-                    paragraph,
-                    text,
-                    8.5,
-                    "303030" if k and n else _NAVY,
-                    bold=not k,
-                    font=_TABLE_FONT,
-                )
+                colour = _INK if k and n else _NAVY
+                _run(paragraph, text, 8.5, colour, bold=not k, font=_TABLE_FONT)
         self._gap(2.0)
 
     def _figure(self, figure: Figure) -> None:
@@ -435,10 +391,7 @@ class _Writer:
         stops.add_tab_stop(Mm(TEXT_WIDTH / 2.0), WD_TAB_ALIGNMENT.CENTER)
         stops.add_tab_stop(Mm(TEXT_WIDTH), WD_TAB_ALIGNMENT.RIGHT)
         line.add_run("\t")
-        shown = OxmlElement("m:oMath")
-        for part in _omml(equation.formula):
-            shown.append(part)
-        line._p.append(shown)
+        line._p.append(_element("m:oMath", *_omml(equation.formula)))
         line.add_run(f"\t({equation.number})")
         where = self._paragraph("Report fact")
         where.paragraph_format.space_after = Pt(8)
@@ -467,13 +420,8 @@ class _Writer:
         cell = grid.rows[0].cells[0]
         cell.width = Mm(TEXT_WIDTH)
         _shade(cell, ground)
-        margins = OxmlElement("w:tcMar")
-        for side, size in (("top", inset), ("left", 5.0), ("bottom", inset), ("right", 5.0)):
-            margin = OxmlElement(f"w:{side}")
-            margin.set(qn("w:w"), str(round(size * _TWENTIETHS)))
-            margin.set(qn("w:type"), "dxa")
-            margins.append(margin)
-        cell._tc.get_or_add_tcPr().append(margins)
+        sizes = (round(size * _TWENTIETHS) for size in (inset, 5.0))
+        cell._tc.get_or_add_tcPr().append(_margins("w:tcMar", *sizes))
         if edge:
             _edges(cell, left=(edge, 24))
         return cell.paragraphs[0]
@@ -486,71 +434,73 @@ def _omml(node: Node) -> Iterator[Any]:
     """A formula as elements of Word's mathematics."""
     kind, *rest = node
     if kind == "row":
-        for one in rest:
-            yield from _omml(one)
+        for part in rest:
+            yield from _omml(part)
     elif kind == "fraction":
-        yield _math("m:f", _math("m:num", *_omml(rest[0])), _math("m:den", *_omml(rest[1])))
+        over, under = rest
+        yield _element("m:f", _element("m:num", *_omml(over)), _element("m:den", *_omml(under)))
     elif kind == "root":
-        settings, hidden = OxmlElement("m:radPr"), OxmlElement("m:degHide")
-        hidden.set(qn("m:val"), "1")
-        settings.append(hidden)
-        yield _math("m:rad", settings, _math("m:deg"), _math("m:e", *_omml(rest[0])))
+        settings = _element("m:radPr", _element("m:degHide", val="1"))
+        yield _element("m:rad", settings, _element("m:deg"), _base(rest[0]))
     elif kind == "fence":
-        settings = OxmlElement("m:dPr")
-        for tag, sign in (("m:begChr", rest[0]), ("m:endChr", rest[2])):
-            mark = OxmlElement(tag)
-            mark.set(qn("m:val"), sign)
-            settings.append(mark)
-        yield _math("m:d", settings, _math("m:e", *_omml(rest[1])))
+        signs = _element("m:begChr", val=rest[0]), _element("m:endChr", val=rest[2])
+        yield _element("m:d", _element("m:dPr", *signs), _base(rest[1]))
     elif kind == "accent":
-        settings, mark = OxmlElement("m:accPr"), OxmlElement("m:chr")
-        mark.set(qn("m:val"), "\u0307" if rest[1] == 1 else "\u0308")
-        settings.append(mark)
-        yield _math("m:acc", settings, _math("m:e", *_omml(rest[0])))
+        dots = _element("m:chr", val="\u0307" if rest[1] == 1 else "\u0308")
+        yield _element("m:acc", _element("m:accPr", dots), _base(rest[0]))
     elif kind == "script":
-        yield _script(*rest)
+        base, sub, sup = rest
+        below = [_element("m:sub", *_omml(sub))] if sub else []
+        above = [_element("m:sup", *_omml(sup))] if sup else []
+        tag = "m:sSubSup" if sub and sup else "m:sSub" if sub else "m:sSup"
+        yield _element(tag, _base(base), *below, *above)
     else:
         yield _sign(node)
 
 
-def _script(base: Node, sub: Node | None, sup: Node | None) -> Any:
-    parts = [_math("m:e", *_omml(base))]
-    if sub is not None:
-        parts.append(_math("m:sub", *_omml(sub)))
-    if sup is not None:
-        parts.append(_math("m:sup", *_omml(sup)))
-    return _math("m:sSubSup" if sub and sup else "m:sSub" if sub else "m:sSup", *parts)
+def _base(node: Node) -> Any:
+    return _element("m:e", *_omml(node))
 
 
 def _sign(node: Node) -> Any:
     """One sign or word in its style."""
     style = node[2] if node[0] == "sign" else "upright"
-    run, settings = OxmlElement("m:r"), OxmlElement("m:rPr")
     if style == "upright" and len(node[1]) > 1:
-        settings.append(OxmlElement("m:nor"))  # a word, not a product of letters
+        setting = _element("m:nor")  # a word, not a product of letters
     else:
-        letters = OxmlElement("m:sty")
-        letters.set(qn("m:val"), {"italic": "i", "bold": "b"}.get(style, "p"))
-        settings.append(letters)
-    run.append(settings)
-    text = OxmlElement("m:t")
-    text.text = f" {node[1]} " if node[0] == "function" else node[1]
-    text.set(qn("xml:space"), "preserve")
-    run.append(text)
-    return run
+        setting = _element("m:sty", val={"italic": "i", "bold": "b"}.get(style, "p"))
+    text = _text("m:t", f" {node[1]} " if node[0] == "function" else node[1])
+    return _element("m:r", _element("m:rPr", setting), text)
 
 
-def _math(tag: str, *parts: Any) -> Any:
+# --- elements, runs, fields, cells ----------------------------------------------------------------
+
+
+def _element(tag: str, *parts: Any, **values: object) -> Any:
+    """An element with its children, and attributes of its own namespace."""
     element = OxmlElement(tag)
-    for part in parts:
-        element.append(part)
+    for name, value in values.items():
+        element.set(qn(f"{tag.partition(':')[0]}:{name}"), str(value))
+    element.extend(parts)
     return element
 
 
-# --- runs, fields, cells --------------------------------------------------------------------------
+def _text(tag: str, words: str) -> Any:
+    """An element with words whose blanks are kept."""
+    element = OxmlElement(tag)
+    element.text = words
+    element.set(qn("xml:space"), "preserve")
+    return element
 
 
-def _font(style: Any, font: str, size: float, colour: str = "303030", bold: bool = False) -> None:
+def _margins(tag: str, above: float, beside: float) -> Any:
+    """Margins of cells, above as below and left as right. [twentieths of a point]"""
+    sizes = {"top": above, "left": beside, "bottom": above, "right": beside}
+    sides = (_element(f"w:{side}", w=size, type="dxa") for side, size in sizes.items())
+    return _element(tag, *sides)
+
+
+def _font(style: Any, font: str, size: float, colour: str = _INK, bold: bool = False) -> None:
     style.font.name, style.font.size, style.font.bold = font, Pt(size), bold
     style.font.italic = False
     style.font.color.rgb = RGBColor.from_string(colour)
@@ -589,78 +539,41 @@ def _field(
     for kind in ("begin", "code", "separate", "shown", "end"):
         run = _run(paragraph, shown if kind == "shown" else "", size, colour, into=into)
         if kind == "code":
-            text = OxmlElement("w:instrText")
-            text.set(qn("xml:space"), "preserve")
-            text.text = f" {code} "
-            run._r.append(text)
+            run._r.append(_text("w:instrText", f" {code} "))
         elif kind != "shown":
-            mark = OxmlElement("w:fldChar")
-            mark.set(qn("w:fldCharType"), kind)
-            if kind == "begin" and not shown:
-                mark.set(
-                    qn("w:dirty"), "true"
-                )  # nobody knows its page yet: to be filled in on opening
-            run._r.append(mark)
+            # nobody knows its page yet: to be filled in on opening
+            dirty = {"dirty": "true"} if kind == "begin" and not shown else {}
+            run._r.append(_element("w:fldChar", fldCharType=kind, **dirty))
 
 
 def _anchor(section: Section) -> str:
     return f"_Section_{section.number.replace('.', '_')}"
 
 
-def _in_table(settings: Any, element: Any, *before: str) -> None:
-    """Put a setting of a table where its schema wants it."""
-    at = next((k for k, one in enumerate(settings) if one.tag in {qn(b) for b in before}), None)
-    settings.insert(len(settings) if at is None else at, element)
-
-
 def _border(settings: Any, side: str, colour: str, eighths: int, space: int = 1) -> None:
     """A line at one side of a paragraph."""
-    borders = OxmlElement("w:pBdr")
-    edge = OxmlElement(f"w:{side}")
-    for name, value in (("val", "single"), ("sz", eighths), ("space", space), ("color", colour)):
-        edge.set(qn(f"w:{name}"), str(value))
-    borders.append(edge)
+    edge = _element(f"w:{side}", val="single", sz=eighths, space=space, color=colour)
     settings.insert_element_before(
-        borders, "w:shd", "w:tabs", "w:suppressAutoHyphens", "w:spacing", "w:ind", "w:jc",
+        _element("w:pBdr", edge), "w:shd", "w:tabs", "w:suppressAutoHyphens", "w:spacing", "w:ind", "w:jc",
         "w:outlineLvl", "w:rPr", "w:sectPr", "w:pPrChange",
     )  # fmt: skip
 
 
-def _edges(
-    cell: Any,
-    top: tuple[str, int] | None = None,
-    left: tuple[str, int] | None = None,
-    bottom: tuple[str, int] | None = None,
-    right: tuple[str, int] | None = None,
-) -> None:
-    """Lines at the sides of a cell."""
-    borders = OxmlElement("w:tcBorders")
-    for side, line in (("top", top), ("left", left), ("bottom", bottom), ("right", right)):
-        if line is not None:
-            edge = OxmlElement(f"w:{side}")
-            for name, value in (
-                ("val", "single"),
-                ("sz", line[1]),
-                ("space", 0),
-                ("color", line[0]),
-            ):
-                edge.set(qn(f"w:{name}"), str(value))
-            borders.append(edge)
-    settings = cell._tc.get_or_add_tcPr()
-    settings.insert_element_before(
-        borders, "w:shd", "w:noWrap", "w:tcMar", "w:textDirection", "w:tcFitText", "w:vAlign"
+def _edges(cell: Any, **lines: tuple[str, int]) -> None:
+    """Lines at the sides of a cell, top, left, bottom, right: colour and eighths of a point."""
+    edges = (
+        _element(f"w:{side}", val="single", sz=size, space=0, color=colour)
+        for side, (colour, size) in lines.items()
+    )
+    cell._tc.get_or_add_tcPr().insert_element_before(
+        _element("w:tcBorders", *edges), "w:shd", *_AFTER_SHADE
     )
 
 
 def _shade(cell: Any, colour: str) -> None:
-    shade = OxmlElement("w:shd")
-    for name, value in (("val", "clear"), ("color", "auto"), ("fill", colour)):
-        shade.set(qn(f"w:{name}"), value)
-    cell._tc.get_or_add_tcPr().insert_element_before(
-        shade, "w:noWrap", "w:tcMar", "w:textDirection", "w:tcFitText", "w:vAlign"
-    )
+    shade = _element("w:shd", val="clear", color="auto", fill=colour)
+    cell._tc.get_or_add_tcPr().insert_element_before(shade, *_AFTER_SHADE)
 
 
 def _row_setting(row: Any, tag: str) -> None:
-    settings = row._tr.get_or_add_trPr()
-    settings.append(OxmlElement(tag))
+    row._tr.get_or_add_trPr().append(OxmlElement(tag))
