@@ -17,7 +17,7 @@ from addin.report.figures import Charts, Pictures
 from addin.report.layout import fitted
 from addin.report.numbers import clean
 from addin.report.subject import Subject
-from addin.report.units import DocumentUnits, document_units
+from addin.report.units import document_units
 from addin.writing.workbook import chosen_elements
 
 #: Longest title at the head of a page; a longer one is cut there, never on the cover.
@@ -60,14 +60,19 @@ def build_document(
         Complete, the same for every writer.
     """
     shown = document_units(read)
-    blocks = chart_blocks(calculation.case, shown.units, calculation.view, _chosen(read))
-    study = _study(read, shown)
+    study: RecordedAccuracy | None = None
+    recorded: tuple[RecordedStudy, ...] = ()
+    chosen: list[str | None] = []
+    if isinstance(read, WorkbookInput):
+        study = recorded_accuracy(read.workbook, shown.units)
+        recorded = recorded_studies(read, shown.units)
+        chosen = chosen_elements(read.workbook)
+    blocks = chart_blocks(calculation.case, shown.units, calculation.view, chosen)
     if study is not None and study.belongs_to(calculation.case_sha256):
         blocks = {**blocks, "ChartAccuracy": accuracy_block(study.rows)}
     pictures = Pictures(Charts.of(blocks), vectors, pixels)
-    told = (*alerts, *(clean(note) for note in shown.notes))
-    subject = Subject(name, calculation, read, shown, pictures, told, show_times, study, against)
-    there = _studies(read, shown)
+    alerts = (*alerts, *(clean(note) for note in shown.notes))
+    subject = Subject(name, calculation, read, shown, pictures, alerts, show_times, study, against)
     sections = (
         opening.summary(subject),
         opening.scope(subject),
@@ -79,7 +84,7 @@ def build_document(
         starting.start(subject),
         starting.reversals(subject),
         starting.fatigue(subject),
-        *((studies.studies(subject, there),) if there else ()),
+        *((studies.studies(subject, recorded),) if recorded else ()),
         closing.effects(subject),
         closing.accuracy(subject),
         closing.equations(subject),
@@ -97,20 +102,3 @@ def build_document(
         paper=shown.paper,
         date=int(calculation.stamp.date.timestamp()),
     )
-
-
-def _study(read: CaseInput, shown: DocumentUnits) -> RecordedAccuracy | None:
-    """The study of accuracy that stands in a workbook."""
-    return (
-        recorded_accuracy(read.workbook, shown.units) if isinstance(read, WorkbookInput) else None
-    )
-
-
-def _studies(read: CaseInput, shown: DocumentUnits) -> tuple[RecordedStudy, ...]:
-    """Studies that stand on sheets of their own in a workbook."""
-    return recorded_studies(read, shown.units) if isinstance(read, WorkbookInput) else ()
-
-
-def _chosen(read: CaseInput) -> list[str | None]:
-    """Elements that the engineer wants drawn, named in the workbook."""
-    return chosen_elements(read.workbook) if isinstance(read, WorkbookInput) else []

@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from addin.contract import tables as contract
 from addin.contract.problems import shortened
-from addin.contract.tables import STUDY_RESULT_TABLES
+from addin.contract.tables import STUDY_RESULT_TABLES, find_column
 from addin.diff.changes import Change, Differences, Value, VerdictChange
 from addin.diff.files import COMPARED
 from addin.diff.wording import change_in_words, in_words, telling
-from addin.report.document import Block, Column, Facts, Paragraph, Section, Table
+from addin.report.document import Block, Column, Facts, Paragraph, Section, Table, section
 from addin.report.numbers import clean, of_dimension, pretty_unit, typed
 from addin.report.subject import Subject
+from addin.report.tables import without_blanks
 
 #: Most changed inputs shown. [count]
 _MOST = 120
 #: Longest text of a cell. [characters]
 _LONGEST = 200
 _OTHER_VERDICTS = 12
-#: Dimension of each column of the results, by table.
-_DIMENSIONS: Mapping[str, Mapping[str, str]] = {
-    spec.name: {field.name: field.dimension for field in spec.columns}
-    for spec in (*COMPARED, *STUDY_RESULT_TABLES)
-}
+_RESULTS = frozenset(spec.name for spec in (*COMPARED, *STUDY_RESULT_TABLES))
 
 
 def earlier_name(differences: Differences) -> str:
@@ -48,27 +46,21 @@ def earlier_name(differences: Differences) -> str:
 
 def changes(subject: Subject, differences: Differences) -> Section:
     """Inputs that changed, and what that did to verdicts and results."""
-    before = differences.first
-    facts = [
+    before, name = differences.first, clean(subject.name)
+    facts = (
         ("Compared with", clean(before.source.name)),
         ("Title block there", clean(before.revision) or "blank"),
         ("Its inputs, SHA-256", before.digest or "not recorded"),
         ("Its results", clean(f"{before.results_from}; {before.software}")),
-    ]
-    blocks: list[Block] = [Paragraph(_sentence(differences), "lead"), Facts(tuple(facts))]
-    return Section(
+    )
+    parts = [_inputs(differences), _verdicts(differences), _results(differences, name)]
+    if differences.studies.anything:
+        parts.append(_studies(differences, name))
+    return section(
         f"Changes since {earlier_name(differences)}",
-        tuple(blocks),
-        (
-            _inputs(differences),
-            _verdicts(differences),
-            _results(differences, clean(subject.name)),
-            *(
-                (_studies(differences, clean(subject.name)),)
-                if differences.studies.anything
-                else ()
-            ),
-        ),
+        Paragraph(_sentence(differences), "lead"),
+        Facts(facts),
+        parts=parts,
     )
 
 
@@ -93,76 +85,73 @@ def _inputs(differences: Differences) -> Section:
     """Inputs before and after; what changes no result in one sentence."""
     title = "Inputs"
     if differences.inputs is None:
-        return Section(title, (Paragraph("Not compared: a result JSON holds no inputs."),))
-    real = [one for one in differences.inputs if not one.administrative]
-    other = [one for one in differences.inputs if one.administrative]
+        return section(title, Paragraph("Not compared: a result JSON holds no inputs."))
+    real = [change for change in differences.inputs if not change.administrative]
+    other = [change for change in differences.inputs if change.administrative]
     note = []
     if len(real) > _MOST:
         note.append(f"{_MOST} of {len(real)} are shown; torsionbook diff lists all.")
     if other:
         sentence = "; ".join(
-            " ".join(filter(None, (_words(one.row), one.column, _before_after(one))))
-            for one in other[:8]
+            " ".join(filter(None, (_words(change.row), change.column, _before_after(change))))
+            for change in other[:8]
         )
         rest = f"; and {len(other) - 8} more" if len(other) > 8 else ""
         note.append(f"Also changed, without any bearing on results: {sentence}{rest}.")
     if not real:
-        return Section(title, (Paragraph(" ".join(["No difference.", *note])),))
+        return section(title, Paragraph(" ".join(["No difference.", *note])))
     table = _table("Inputs that changed", real[:_MOST], with_table=True)
-    return Section(title, (replace(table, note=" ".join(note)),))
+    return section(title, replace(table, note=" ".join(note)))
 
 
-def _before_after(one: Change) -> str:
-    return f"({_value(one, one.before)} → {_value(one, one.after)})"
+def _before_after(change: Change) -> str:
+    return f"({_value(change, change.before)} → {_value(change, change.after)})"
 
 
-def _table(caption: str, found: Iterable[Change], with_table: bool = False) -> Table:
+def _table(caption: str, changes: Iterable[Change], with_table: bool = False) -> Table:
     """Changes as lines: where, before, after, by how much."""
     columns = (
-        *((Column("Table"),) if with_table else ()),
+        Column("Table"),
         Column("Row", "", "sentence"),
         Column("Quantity"),
         Column("Unit"),
-        Column("Before", "", "number"),
-        Column("After", "", "number"),
-        Column("Change", "", "number"),
+        *(Column(header, "", "number") for header in ("Before", "After", "Change")),
     )
-    rows = []
-    for one in found:
-        table = (contract.caption(one.table),) if with_table else ()
-        unit = pretty_unit(one.unit)
-        rows.append(
-            (
-                *table,
-                _words(one.row) or "–",
-                one.column or "–",
-                unit,
-                _value(one, one.before),
-                _value(one, one.after),
-                _by_how_much(one) or ("–" if one.kind == "changed" else one.kind),
-            )
+    rows = (
+        (
+            contract.caption(change.table),
+            _words(change.row) or "–",
+            change.column or "–",
+            pretty_unit(change.unit),
+            _value(change, change.before),
+            _value(change, change.after),
+            _by_how_much(change) or ("–" if change.kind == "changed" else change.kind),
         )
-    return Table(caption, columns, tuple(rows))
+        for change in changes
+    )
+    first = 0 if with_table else 1
+    return Table(caption, columns[first:], tuple(row[first:] for row in rows))
 
 
-def _by_how_much(one: Change) -> str:
+def _by_how_much(change: Change) -> str:
     """The change as printed."""
-    number, _, unit = change_in_words(one).partition(" ")
-    return _minus(f"{number} {pretty_unit(unit) if unit == one.unit else unit}".rstrip())
+    number, _, unit = change_in_words(change).partition(" ")
+    return _minus(f"{number} {pretty_unit(unit) if unit == change.unit else unit}".rstrip())
 
 
 def _words(text: str) -> str:
     return shortened(clean(text), _LONGEST)
 
 
-def _value(one: Change, value: Value) -> str:
+def _value(change: Change, value: Value) -> str:
     """A value as printed; a blank as a dash."""
-    shown = one.shown(value)
+    shown = change.shown(value)
     if isinstance(shown, bool) or not isinstance(shown, int | float) or not math.isfinite(shown):
-        return _words(in_words(one, value))
-    if one.table in _DIMENSIONS:
-        dimension = _DIMENSIONS[one.table].get(one.column, "none")
-        return of_dimension(float(shown), one.column, dimension, one.unit)
+        return _words(in_words(change, value))
+    if change.table in _RESULTS:
+        field = find_column(change.table, change.column)
+        dimension = "none" if field is None else field.dimension
+        return of_dimension(float(shown), change.column, dimension, change.unit)
     return typed(float(shown))
 
 
@@ -172,47 +161,35 @@ def _minus(text: str) -> str:
 
 def _verdicts(differences: Differences) -> Section:
     """Every check at a glance before and after, and other verdicts that changed."""
-    checks = [one for one in differences.verdicts if one.table == "Verdicts"]
-    others = [one for one in differences.verdicts if one.table != "Verdicts" and one.changed]
+    checks = [check for check in differences.verdicts if check.table == "Verdicts"]
+    others = [c for c in differences.verdicts if c.table != "Verdicts" and c.changed]
     blocks: list[Block] = []
     if checks:
         blocks.append(_judged("Checks before and after", checks))
     if others:
         some = [
-            replace(one, row=f"{contract.caption(one.table)}: {one.row}")
-            for one in others[:_OTHER_VERDICTS]
+            replace(check, row=f"{contract.caption(check.table)}: {check.row}")
+            for check in others[:_OTHER_VERDICTS]
         ]
-        table = _judged("Other verdicts that changed", some)
-        left = len(others) - len(some)
-        note = f"{len(some)} of {len(others)} are shown." if left else ""
-        blocks.append(replace(table, note=note))
-    return Section("Verdicts", tuple(blocks) or (Paragraph("Neither file holds verdicts."),))
+        note = f"{len(some)} of {len(others)} are shown." if len(some) < len(others) else ""
+        blocks.append(replace(_judged("Other verdicts that changed", some), note=note))
+    return section("Verdicts", *blocks or [Paragraph("Neither file holds verdicts.")])
 
 
-def _judged(caption: str, found: Sequence[VerdictChange]) -> Table:
+def _judged(caption: str, checks: Sequence[VerdictChange]) -> Table:
+    """Verdicts before and after, with the numbers judged where there are any."""
     columns = (
         Column("Check", "", "sentence"),
-        Column("Before", "", "number"),
-        Column("After", "", "number"),
-        Column("Limit", "", "number"),
-        Column("Verdict before", "", "verdict"),
-        Column("Verdict after", "", "verdict"),
+        *(Column(header, "", "number") for header in ("Before", "After", "Limit")),
+        *(Column(header, "", "verdict") for header in ("Verdict before", "Verdict after")),
     )
-    rows = tuple(
-        (
-            _words(one.row),
-            _quantity(one.result_before),
-            _quantity(one.result_after),
-            _quantity(one.limit),
-            one.before or "–",
-            one.after or "–",
-        )
-        for one in found
-    )
-    numbers = any(row[1] or row[2] or row[3] for row in rows)
-    if numbers:
-        return Table(caption, columns, rows)
-    return Table(caption, (columns[0], *columns[4:]), tuple((row[0], *row[4:]) for row in rows))
+    rows = []
+    for check in checks:
+        numbers = (check.result_before, check.result_after, check.limit)
+        verdicts = (check.before or "–", check.after or "–")
+        rows.append((_words(check.row), *map(_quantity, numbers), *verdicts))
+    table = Table(caption, columns, tuple(rows))
+    return table if any(any(row[1:4]) for row in rows) else without_blanks(table)
 
 
 def _quantity(words: str) -> str:
@@ -228,27 +205,32 @@ def _results(differences: Differences, name: str) -> Section:
     title = "Results"
     if not differences.results:
         sentence = f"No difference in {differences.same_results:,} quantities."
-        return Section(title, (Paragraph(sentence),))
-    blocks, shown = _by_table(differences.results)
+        return section(title, Paragraph(sentence))
+    tables, shown = _by_table(differences.results)
     differ = len(differences.results)
     sentence = _how_many(
         differences, "results", differences.same_results, differ, differ - shown, name
     )
-    return Section(title, (Paragraph(sentence), *blocks))
+    return section(title, Paragraph(sentence), *tables)
 
 
 def _studies(differences: Differences, name: str) -> Section:
     """Study sheets: rows that changed, and what the studies found where both files hold them."""
-    there = differences.studies
+    studies = differences.studies
     letters = f"A is {differences.first.source.name}, B this calculation."
-    notes = [Paragraph(clean(" ".join([*there.notes, letters])))] if there.notes else []
-    asked = [_table("Rows of study sheets that changed", there.inputs[:_MOST], with_table=True)]
-    blocks, shown = _by_table(there.results)
-    differ = len(there.results)
-    left = differ - shown + max(len(there.inputs) - _MOST, 0)
-    sentence = _how_many(differences, "results of studies", there.same_results, differ, left, name)
-    return Section(
-        "Studies", (*notes, *(asked if there.inputs else ()), Paragraph(sentence), *blocks)
+    rows = _table("Rows of study sheets that changed", studies.inputs[:_MOST], with_table=True)
+    tables, shown = _by_table(studies.results)
+    differ = len(studies.results)
+    hidden = differ - shown + max(len(studies.inputs) - _MOST, 0)
+    sentence = _how_many(
+        differences, "results of studies", studies.same_results, differ, hidden, name
+    )
+    return section(
+        "Studies",
+        Paragraph(clean(" ".join([*studies.notes, letters]))) if studies.notes else None,
+        rows if rows.rows else None,
+        Paragraph(sentence),
+        *tables,
     )
 
 
@@ -265,25 +247,24 @@ def _how_many(
     return sentence
 
 
-def _by_table(results: Iterable[Change]) -> tuple[list[Block], int]:
+def _by_table(results: Iterable[Change]) -> tuple[list[Table], int]:
     """What is asked for first, a table each result table, and how many changes that is."""
     by_table: dict[str, list[Change]] = {}
-    for one in results:
-        by_table.setdefault(one.table, []).append(one)
-    blocks: list[Block] = []
+    for change in results:
+        by_table.setdefault(change.table, []).append(change)
+    tables: list[Table] = []
     shown = 0
-    for table, differing in by_table.items():
-        some = telling(table, differing)
+    for name, differing in by_table.items():
+        some = telling(name, differing)
         shown += len(some)
         if some:
-            rows = [
-                f"{sum(one.kind == kind for one in differing)} {words}"
-                for kind, words in (("row removed", "only before"), ("row added", "only now"))
-                if any(one.kind == kind for one in differing)
-            ]
+            kinds = Counter(change.kind for change in differing)
+            removed, added = kinds["row removed"], kinds["row added"]
+            rows = [f"{removed} only before"] if removed else []
+            rows += [f"{added} only now"] if added else []
             note = f"Rows that have no counterpart: {', '.join(rows)}." if rows else ""
-            blocks.append(replace(_table(contract.caption(table), some), note=note))
-    return blocks, shown
+            tables.append(replace(_table(contract.caption(name), some), note=note))
+    return tables, shown
 
 
 def _quoted(name: str) -> str:

@@ -403,7 +403,7 @@ class Pictures:
 
     def curves(
         self,
-        series: Sequence[tuple[str, Sequence[float], Sequence[float]]],
+        series: Sequence[tuple[str, Sequence[tuple[float, float]]]],
         across: str,
         up: str,
         caption: str,
@@ -417,7 +417,8 @@ class Pictures:
             return None
         with _style():
             drawing, (ax,) = _new(1, 78.0)
-            for k, (name, x, y) in enumerate(series):
+            for k, (name, points) in enumerate(series):
+                x, y = zip(*points, strict=True)
                 dash = ("-", "--", ":", "-.")[k // len(_COLOURS)]
                 ax.plot(
                     x, y, dash, color=_COLOURS[k % len(_COLOURS)], marker="o" if markers else "",
@@ -433,7 +434,7 @@ class Pictures:
                     axis.set_minor_formatter(_some_plain_numbers)
             ax.tick_params(which="minor", labelsize=6)
             ax.set(xlabel=clean(across), ylabel=clean(up))
-            if any(name for name, _, _ in series):
+            if any(name for name, _ in series):
                 _legend_below(drawing, ax, 3)
             return self._picture(drawing, clean(caption))
 

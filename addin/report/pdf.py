@@ -7,14 +7,12 @@ read as markup. Fonts are those inside typst; a script that they lack is taken f
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from addin.report.document import (
     Block,
     Document,
-    Equation,
     Facts,
     Figure,
     Listing,
@@ -92,29 +90,23 @@ def _section(section: Section) -> dict[str, Any]:
     }
 
 
-def _block(block: Block) -> Mapping[str, Any]:
+def _block(block: Block) -> dict[str, Any]:
+    """A block by its fields, under the name of its class; long words may be broken."""
+    data: dict[str, Any] = {"type": type(block).__name__.lower(), **vars(block)}
     if isinstance(block, Paragraph):
-        return {"type": "paragraph", "kind": block.kind, "text": soft(block.text, _LINE)}
-    if isinstance(block, Listing):
-        return {"type": "listing", "items": [soft(item, _LINE) for item in block.items],
-                "marker": block.marker}  # fmt: skip
-    if isinstance(block, Facts):
-        return {"type": "facts", "rows": _facts(block.rows), "width": block.width}
-    if isinstance(block, Table):
-        return {"type": "table"} | _table(block)
-    if isinstance(block, Figure):
-        svg = block.svg.decode("utf-8")
-        return {
-            "type": "figure",
-            "svg": svg,
-            "caption": soft(block.caption, _LINE),
-            "number": block.number,
-        }
-    if isinstance(block, Equation):
-        return {"type": "equation", "name": block.name, "formula": block.formula, "where": block.where,
-                "source": block.source, "number": block.number}  # fmt: skip
-    assert isinstance(block, SignatureBox)
-    return {"type": "signatures", "rows": [[soft(word, 24) for word in row] for row in block.rows]}
+        data["text"] = soft(block.text, _LINE)
+    elif isinstance(block, Listing):
+        data["items"] = [soft(item, _LINE) for item in block.items]
+    elif isinstance(block, Facts):
+        data["rows"] = _facts(block.rows)
+    elif isinstance(block, Table):
+        data |= _table(block)
+    elif isinstance(block, Figure):
+        data |= {"svg": block.svg.decode("utf-8"), "caption": soft(block.caption, _LINE)}
+        del data["png"]
+    elif isinstance(block, SignatureBox):
+        data["rows"] = [[soft(word, 24) for word in row] for row in block.rows]
+    return data
 
 
 def _facts(rows: tuple[tuple[str, str], ...]) -> list[list[str]]:
