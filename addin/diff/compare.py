@@ -61,14 +61,7 @@ def _settings(first: ComparedFile, second: ComparedFile) -> list[Change]:
     """Settings of the command line with which the results were calculated."""
     names = dict.fromkeys([*first.settings, *second.settings])
     return [
-        Change(
-            "changed",
-            "Command line",
-            "",
-            name,
-            first.settings.get(name),
-            second.settings.get(name),
-        )
+        Change("changed", "Command line", "", name, before, after)
         for name in names
-        if first.settings.get(name) != second.settings.get(name)
+        if (before := first.settings.get(name)) != (after := second.settings.get(name))
     ]

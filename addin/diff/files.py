@@ -11,12 +11,12 @@ from typing import Any
 from addin.calculation.calculation import Calculation
 from addin.contract.problems import CellProblem
 from addin.contract.shown_units import ShownUnits
-from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES, TableSpec
+from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES, TableSpec, table
 from addin.contract.units import UnitError, parse_unit
 from addin.reading.one_file import Unreadable, file_problem, read_checked
 from addin.reading.typed_case import CaseInput, TypedCase
 from addin.reading.workbook import WorkbookInput
-from addin.recorded.provenance import json_provenance, workbook_provenance
+from addin.recorded.provenance import Provenance, json_provenance, workbook_provenance
 from addin.recorded.results import recorded_rows
 from addin.recorded.studies import RecordedStudy, recorded_studies
 from addin.verify.json_file import header_rows, read_results_json
@@ -114,10 +114,22 @@ def read_compared_file(
     read = read_checked(source)
     if isinstance(read, Unreadable) or read.problems:
         raise CannotBeCompared(source, read.problems)
+    units, settings, why = None, {}, "calculated now, a case holds none"
     if isinstance(read, WorkbookInput):
-        return with_studies(_of_workbook(source, read, recalculate, on_stage), read)
-    side = _calculated(source, read, None, {}, "calculated now, a case holds none", on_stage)
-    return with_studies(side, read)
+        units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
+        recorded = workbook_provenance(read.workbook)
+        is_current = recorded.digest == case_digest(read.data)
+        if is_current and not recalculate:
+            return with_studies(_as_recorded(source, read, units, recorded), read)
+        settings, why = recorded.settings, "calculated now, the workbook holds none"
+        if is_current:
+            why = "calculated now, as asked"
+        elif recorded.digest:
+            why = "calculated now, those in the workbook belong to other inputs"
+    run, problems = recalculate_case(read, settings, on_stage)
+    if run is None:
+        raise CannotBeCompared(source, problems)
+    return with_studies(compared_file(source, read, run, units, why, settings), read)
 
 
 def with_studies(side: ComparedFile, read: CaseInput) -> ComparedFile:
@@ -149,58 +161,25 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> ComparedFile:
     }
     startup = content.get("startup")
     if isinstance(startup, dict) and isinstance(startup.get("bearing_forces"), list):
-        tables["BearingForces"] = header_rows(_spec("BearingForces"), startup["bearing_forces"])
+        tables["BearingForces"] = header_rows(table("BearingForces"), startup["bearing_forces"])
+    software = f"torsionbook {content.get('version', '')}".strip()
     return ComparedFile(
-        source,
-        None,
-        None,
-        None,
-        _plain_tables(tables),
+        source, None, None, None, _plain_tables(tables),
         "as recorded in the file, which holds no inputs",
-        f"torsionbook {content.get('version', '')}".strip(),
-        str(content.get("case_sha256") or ""),
-        json_provenance(content).settings,
-    )
+        software, str(content.get("case_sha256") or ""), json_provenance(content).settings,
+    )  # fmt: skip
 
 
-def _of_workbook(
-    source: Path,
-    read: WorkbookInput,
-    recalculate: bool,
-    on_stage: Callable[[str], None] | None,
+def _as_recorded(
+    source: Path, read: WorkbookInput, units: ShownUnits, recorded: Provenance
 ) -> ComparedFile:
-    units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
     tables = {spec.name: recorded_rows(read.workbook, spec, units) for spec in COMPARED}
     tables["Verdicts"] = [_with_judged(row) for row in tables["Verdicts"]]
-    recorded = workbook_provenance(read.workbook)
-    digest = case_digest(read.data)
-    if recorded.digest == digest and not recalculate:
-        return ComparedFile(
-            source, read.data, read.typed, units, tables,
-            "as recorded in the file, whose recorded digest is that of its inputs",
-            recorded.software, digest, recorded.settings,
-        )  # fmt: skip
-    if not recorded.digest:
-        why = "calculated now, the workbook holds none"
-    elif recorded.digest == digest:
-        why = "calculated now, as asked"
-    else:
-        why = "calculated now, those in the workbook belong to other inputs"
-    return _calculated(source, read, units, recorded.settings, why, on_stage)
-
-
-def _calculated(
-    source: Path,
-    read: CaseInput,
-    units: ShownUnits | None,
-    settings: Mapping[str, Any],
-    why: str,
-    on_stage: Callable[[str], None] | None,
-) -> ComparedFile:
-    run, problems = recalculate_case(read, settings, on_stage)
-    if run is None:
-        raise CannotBeCompared(source, problems)
-    return compared_file(source, read, run, units, why, settings)
+    return ComparedFile(
+        source, read.data, read.typed, units, tables,
+        "as recorded in the file, whose recorded digest is that of its inputs",
+        recorded.software, recorded.digest, recorded.settings,
+    )  # fmt: skip
 
 
 def compared_file(
@@ -239,15 +218,11 @@ def compared_file(
         if spec.name in run.tables
     }
     forces = (run.startup or {}).get("bearing_forces") or ()
-    tables["BearingForces"] = header_rows(_spec("BearingForces"), list(forces))
+    tables["BearingForces"] = header_rows(table("BearingForces"), list(forces))
     return ComparedFile(
         source, read.data, read.typed, units, _plain_tables(tables), results_from,
         run.stamp.software, run.case_sha256, dict(settings or {}),
     )  # fmt: skip
-
-
-def _spec(name: str) -> TableSpec:
-    return next(spec for spec in COMPARED if spec.name == name)
 
 
 def _plain_tables(tables: Mapping[str, list[dict[str, Any]]]) -> dict[str, Rows]:
@@ -255,15 +230,15 @@ def _plain_tables(tables: Mapping[str, list[dict[str, Any]]]) -> dict[str, Rows]
     return {name: [_plain_row(name, row) for row in rows] for name, rows in tables.items()}
 
 
-def _plain_row(table: str, row: Mapping[str, Any]) -> dict[str, Any]:
+def _plain_row(name: str, row: Mapping[str, Any]) -> dict[str, Any]:
     plain = {k: v.item() if hasattr(v, "item") else v for k, v in row.items()}
-    if table == "Verdicts":
+    if name == "Verdicts":
         for column in ("Result", "Limit"):
             value = plain.get(column)
             if isinstance(value, int | float) and not isinstance(value, bool):
                 plain[column] = RoundedNumber(float(value), 0.0, "")
     for column in ("Allowable starts", "Paper count"):
-        if table == "AllowableStarts" and plain.get(column) is None:
+        if name == "AllowableStarts" and plain.get(column) is None:
             # a row that does not say whether its starts are limited is of no whole start
             plain[column] = "unlimited" if "unlimited" in plain else "not judged"
     return plain
@@ -274,8 +249,7 @@ def _plain_row(table: str, row: Mapping[str, Any]) -> dict[str, Any]:
 
 def _with_judged(row: Mapping[str, Any]) -> dict[str, Any]:
     """A row of table `Verdicts` with its numbers read out of the words."""
-    judged = {k: _judged(row[k]) for k in ("Result", "Limit") if k in row}
-    return dict(row) | judged
+    return dict(row) | {k: _judged(row[k]) for k in ("Result", "Limit") if k in row}
 
 
 _NUMBER_AND_UNIT = re.compile(r"(-?\d[\d,]*(?:\.(\d+))?(?:[eE][+-]?\d+)?)\s*(\S.*)?")

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from addin.contract.tables import INPUT_TABLES, SCALAR_TABLE, SCALARS, Field, TableSpec, input_table
 from addin.diff.changes import Change, Value
+from addin.diff.rows import NAMED, Row, RowComparison, changed
 from addin.diff.units import Units
-from addin.recorded.match_rows import match_rows, row_name
 from engine.case.data import ADMINISTRATIVE, TABLES, CaseData
 
 #: Share of the stated cells that must be the same for a row under another name to be the same row. [1]
 _ALIKE = 0.7
 #: Where an element stands: another element in its place has taken it over.
 _PLACE = ("Kind", "From", "To")
-
-Row = Mapping[str, Any]
 
 
 @dataclass
@@ -30,11 +28,6 @@ class Renamed:
     def now(self, kind: str, name: Any) -> Any:
         """A name of the first file as the second has it."""
         return self.names.get(kind, {}).get(name, name) if isinstance(name, str) else name
-
-
-#: Tables whose rows carry a name that others refer to, referred ones first.
-_NAMED = {"Stations": "station", "Materials": "material", "Elements": "element",
-          "Excitations": "excitation"}  # fmt: skip
 
 
 def compare_inputs(
@@ -59,22 +52,16 @@ def compare_inputs(
         Quantities that are the same. [count]
     """
     renamed = Renamed()
-    for name, kind in _NAMED.items():
+    for name, kind in NAMED.items():
         spec = input_table(name)
         renamed.names[kind] = _renamed(spec, _rows(first, spec), _rows(second, spec), renamed)
     changes, same = [], 0
-    for one in SCALARS:
-        before, after = getattr(first, one.attribute), getattr(second, one.attribute)
+    for scalar in SCALARS:
+        before, after = getattr(first, scalar.attribute), getattr(second, scalar.attribute)
         if _same(before, after):
             same += before is not None
-            continue
-        unit, factor = units.of_field(SCALAR_TABLE, one)
-        changes.append(
-            Change(
-                "changed", SCALAR_TABLE, "", one.name, before, after, unit, factor,
-                one.attribute in ADMINISTRATIVE,
-            )
-        )  # fmt: skip
+        else:
+            changes.append(changed(SCALAR_TABLE, "", scalar, before, after, units))
     for spec in INPUT_TABLES:
         more, count = compare_table(spec, _rows(first, spec), _rows(second, spec), units, renamed)
         changes += more
@@ -118,43 +105,14 @@ def compare_table(
         Quantities that are the same. [count]
     """
     translated = [_translated(spec, row, renamed) for row in first]
-    pairs = match_rows(
-        [row_name(spec.name, row) for row in translated],
-        [row_name(spec.name, row) for row in second],
-    )
-    changes, same = [], 0
-    for i, j in pairs:
-        if i is None or j is None:
-            row = second[j] if j is not None else first[i]  # type: ignore[index]
-            words = "; ".join(_in_words(spec, row, units))
-            kind = "row added" if i is None else "row removed"
-            before, after = (None, words) if i is None else (words, None)
-            changes.append(Change(kind, spec.name, _name(spec, row, units), "", before, after))
-            continue
-        old, name = translated[i], _name(spec, second[j], units)
-        was = _name(spec, first[i], units)
-        if was != name and spec.name in _NAMED:
-            changes.append(Change("row renamed", spec.name, name, "", was, name))
-        for one in spec.columns:
-            before, after = old[one.name], second[j][one.name]
-            if _same(before, after):
-                same += before is not None
-                continue
-            unit, factor = units.of_field(spec.name, one)
-            changes.append(
-                Change(
-                    "changed", spec.name, name, one.name, before, after, unit, factor,
-                    one.attribute in ADMINISTRATIVE,
-                )
-            )  # fmt: skip
-    return changes, same
+    return _InputRows(spec, spec.columns, units).compare(first, translated, second)
 
 
 def _translated(spec: TableSpec, row: Row, renamed: Renamed) -> dict[str, Any]:
     """A row of the first file under the names of the second."""
     kinds = {one.name: one.kind for one in spec.columns}
-    if spec.name in _NAMED:
-        kinds[spec.row_name[0]] = _NAMED[spec.name]
+    if spec.name in NAMED:
+        kinds[spec.row_name[0]] = NAMED[spec.name]
     if spec.name == "Meshes":
         kinds["Element"] = "element"
     return {name: renamed.now(kinds[name], value) for name, value in row.items()}
@@ -205,25 +163,22 @@ def _same(before: Value, after: Value) -> bool:
     return before == after
 
 
-def _name(spec: TableSpec, row: Row, units: Units) -> str:
-    """What a row is called, numbers in the unit shown."""
-    shown = []
-    for column in spec.row_name:
-        value = row[column]
-        if value is not None:
-            shown.append(_value_in_words(spec, spec.column(column), value, units))
-    return ", ".join(shown)
+class _InputRows(RowComparison):
+    """Rows of an input table: equal to the digits of the digest, numbers in the unit shown."""
 
+    def same(self, field: Field, before: Value, after: Value) -> bool:
+        return _same(before, after)
 
-def _in_words(spec: TableSpec, row: Row, units: Units) -> Iterator[str]:
-    for one in spec.columns:
-        value = row[one.name]
-        if value is not None and one.name not in spec.row_name:
-            yield f"{one.name} {_value_in_words(spec, one, value, units)}"
+    def name(self, row: Row) -> str:
+        columns = (self.spec.column(name) for name in self.spec.row_name)
+        return ", ".join(
+            self.words(column, row[column.name])
+            for column in columns
+            if row[column.name] is not None
+        )
 
-
-def _value_in_words(spec: TableSpec, one: Field, value: Any, units: Units) -> str:
-    if isinstance(value, str) or not one.is_number:
-        return str(value)
-    unit, factor = units.of_field(spec.name, one)
-    return f"{value / factor:.6g} {'' if unit == '1' else unit}".rstrip()
+    def words(self, field: Field, value: Any) -> str:
+        if isinstance(value, str) or not field.is_number:
+            return str(value)
+        unit, factor = self.units.of_field(self.spec.name, field)
+        return f"{value / factor:.6g} {'' if unit == '1' else unit}".rstrip()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from addin.contract.audit_items import DIGEST_ITEM
@@ -14,9 +15,11 @@ from addin.contract.units import USUAL
 from addin.diff.changes import Change, Value, VerdictChange
 from addin.diff.files import COMPARED, RoundedNumber
 from addin.diff.inputs import Renamed
+from addin.diff.rows import RowComparison
 from addin.diff.units import Units
 from addin.recorded.match_rows import match_rows, row_name
 from addin.recorded.provenance import is_own_of_each_run
+from addin.verify.compare import is_number
 
 #: Relative size of what rounding, other units and other processors change. [1]
 _ROUNDING = 1e-9
@@ -86,35 +89,48 @@ def compare_rows(
         Quantities that are the same. [count]
     """
     fields = [
-        one
-        for one in spec.workbook_columns
-        if one not in spec.extra_columns and (spec.name, one.name) not in _LEFT_OUT
+        field
+        for field in spec.workbook_columns
+        if field not in spec.extra_columns and (spec.name, field.name) not in _LEFT_OUT
     ]
     old = [_translated(fields, row, renamed) for row in first if _counts(spec, row)]
     new = [row for row in second if _counts(spec, row)]
-    scale = {one.name: _scale(one.name, (*old, *new)) for one in fields}
-    changes, same = [], 0
-    for i, j in match_rows(
-        [row_name(spec.name, row) for row in old], [row_name(spec.name, row) for row in new]
-    ):
-        if i is None or j is None:
-            row = new[j] if j is not None else old[i]  # type: ignore[index]
-            kind = "row added" if i is None else "row removed"
-            words = "; ".join(_in_words(spec, fields, row, units))
-            before, after = (None, words) if i is None else (words, None)
-            changes.append(Change(kind, spec.name, _name(spec, row), "", before, after))
-            continue
-        for one in fields:
-            before, after = old[i].get(one.name), new[j].get(one.name)
-            if _same(before, after, scale[one.name]):
-                same += before is not None
-                continue
-            unit, factor = units.of_field(spec.name, one, one.name)
-            name = _name(spec, new[j])
-            changes.append(
-                Change("changed", spec.name, name, one.name, before, after, unit, factor)
-            )
-    return changes, same
+    scales = {field.name: _scale(field.name, (*old, *new)) for field in fields}
+    return _ResultRows(spec, fields, units, scales).compare(old, old, new)
+
+
+class _ResultRows(RowComparison):
+    """Rows of a result table: equal but for rounding; a mode is called a mode."""
+
+    def __init__(
+        self,
+        spec: TableSpec,
+        fields: Sequence[Field],
+        units: Units,
+        scales: Mapping[str, float] = MappingProxyType({}),
+    ) -> None:
+        super().__init__(spec, fields, units)
+        self._scales = scales
+
+    def same(self, field: Field, before: Any, after: Any) -> bool:
+        if is_number(before) and is_number(after):
+            return bool(abs(after - before) <= _ROUNDING * self._scales[field.name])
+        return bool((before or None) == (after or None))
+
+    def name(self, row: Mapping[str, Any]) -> str:
+        shown = []
+        for column in self.spec.row_name:
+            value = row.get(column)
+            if value is not None:
+                word = "mode " if column == "Mode" else "at " if column == "Applied at" else ""
+                shown.append(f"{word}{value:g}" if is_number(value) else f"{word}{value}")
+        return ", ".join(shown)
+
+    def words(self, field: Field, value: Any) -> str:
+        if not is_number(value):
+            return str(value)
+        unit, factor = self.units.of_field(self.spec.name, field)
+        return f"{value / factor:.6g} {unit}".rstrip()
 
 
 def _counts(spec: TableSpec, row: Mapping[str, Any]) -> bool:
@@ -135,43 +151,8 @@ def _translated(
 
 
 def _scale(column: str, rows: Sequence[Mapping[str, Any]]) -> float:
-    numbers = [abs(row[column]) for row in rows if _is_number(row.get(column))]
+    numbers = [abs(row[column]) for row in rows if is_number(row.get(column))]
     return max(numbers, default=0.0)
-
-
-def _same(before: Any, after: Any, scale: float) -> bool:
-    if _is_number(before) and _is_number(after):
-        return bool(abs(after - before) <= _ROUNDING * scale)
-    return bool((before or None) == (after or None))
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _name(spec: TableSpec, row: Mapping[str, Any]) -> str:
-    """What a row is called; a mode is called a mode."""
-    shown = []
-    for column in spec.row_name:
-        value = row.get(column)
-        if value is not None:
-            word = "mode " if column == "Mode" else "at " if column == "Applied at" else ""
-            shown.append(f"{word}{value:g}" if _is_number(value) else f"{word}{value}")
-    return ", ".join(shown)
-
-
-def _in_words(
-    spec: TableSpec, fields: Sequence[Field], row: Mapping[str, Any], units: Units
-) -> list[str]:
-    words = []
-    for one in fields:
-        value = row.get(one.name)
-        if value is None or value == "" or one.name in spec.row_name:
-            continue
-        unit, factor = units.of_field(spec.name, one, one.name)
-        shown = f"{value / factor:.6g} {unit}".rstrip() if _is_number(value) else str(value)
-        words.append(f"{one.name} {shown}")
-    return words
 
 
 # --- verdicts -------------------------------------------------------------------------------------
@@ -206,28 +187,20 @@ def compare_verdicts(
             _judged_in_words(value, dimension, units)
             for value in (was.get("Result"), now.get("Result"), now.get("Limit", was.get("Limit")))
         ]
-        changes.append(
-            VerdictChange(
-                "Verdicts",
-                str(now.get("Check") or was.get("Check")),
-                str(was.get("Verdict") or ""),
-                str(now.get("Verdict") or ""),
-                *words,
-            )
-        )
+        check = str(now.get("Check") or was.get("Check"))
+        verdicts = (str(row.get("Verdict") or "") for row in (was, now))
+        changes.append(VerdictChange("Verdicts", check, *verdicts, *words))
     for name in ("SeparationMargins", "SteadyState", "TorqueReversals"):
         spec = result_table(name)
         rows = [_translated(spec.columns, row, renamed) for row in first.get(name, ())]
         others = second.get(name, ())
-        pairs = match_rows(
-            [row_name(name, row) for row in rows], [row_name(name, row) for row in others]
-        )
-        for i, j in pairs:
+        keys = ([row_name(name, row) for row in side] for side in (rows, others))
+        for i, j in match_rows(*keys):
             if i is None or j is None:
                 continue
             before, after = rows[i].get("Verdict"), others[j].get("Verdict")
             if before != after:
-                row = _name(spec, others[j])
+                row = _ResultRows(spec, (), units).name(others[j])
                 changes.append(VerdictChange(name, row, str(before or ""), str(after or "")))
     return changes
 

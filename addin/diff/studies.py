@@ -57,13 +57,8 @@ def compare_studies(
             )
         for spec in _COMPARED:
             if spec.name in old.tables and spec.name in new.tables:
-                more, count = compare_rows(
-                    spec,
-                    _plain(old.tables[spec.name]),
-                    _plain(new.tables[spec.name]),
-                    units,
-                    renamed,
-                )
+                before, after = (_plain(study.tables[spec.name]) for study in (old, new))
+                more, count = compare_rows(spec, before, after, units, renamed)
                 results += more
                 same_results += count
     return StudyDifferences(tuple(notes), tuple(inputs), tuple(results), same_inputs, same_results)

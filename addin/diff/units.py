@@ -22,7 +22,7 @@ class Units:
     def __init__(self, sides: Iterable[tuple[TypedCase | None, ShownUnits | None]]) -> None:
         self._sides = list(sides)
 
-    def of_field(self, table: str, field: Field, column: str = "") -> tuple[str, float]:
+    def of_field(self, table: str, field: Field) -> tuple[str, float]:
         """The unit of a quantity.
 
         Parameters
@@ -31,8 +31,6 @@ class Units:
             Table, ``Case`` for a scalar. [name]
         field : Field
             The scalar or column.
-        column : str
-            Header, where it is not the field's own name (repeated columns). [name]
 
         Returns
         -------
@@ -44,7 +42,7 @@ class Units:
         if not field.has_unit:
             return "", 1.0
         for typed, shown in self._sides:
-            for name in self._names(table, field, column or field.name, typed, shown):
+            for name in self._names(table, field, typed, shown):
                 found = _factor(name, field)
                 if found is not None:
                     return name, found
@@ -59,7 +57,6 @@ class Units:
         self,
         table: str,
         field: Field,
-        column: str,
         typed: TypedCase | None,
         shown: ShownUnits | None,
     ) -> Iterable[str]:
@@ -68,7 +65,7 @@ class Units:
             if isinstance(entry, Typed):
                 yield entry.unit
         elif shown is not None:
-            yield shown.name(table, column)
+            yield shown.name(table, field.name)
 
 
 def _factor(unit: str, field: Field) -> float | None:

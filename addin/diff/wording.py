@@ -14,13 +14,8 @@ from addin.writing.results_json import storable
 
 #: Changed results shown of each table unless all are asked for. [count]
 SHOWN = 12
-#: JSON keys of the kinds of change.
-_KINDS = {
-    "changed": "changed",
-    "row added": "row_added",
-    "row removed": "row_removed",
-    "row renamed": "row_renamed",
-}
+#: JSON keys of what is stated of either file.
+_OF_FILES = {"before": "a", "after": "b", "result_before": "result_a", "result_after": "result_b"}
 
 
 def in_words(change: Change, value: Value, *, unit: bool = True) -> str:
@@ -66,9 +61,8 @@ def change_in_words(change: Change) -> str:
     """
     difference, relative = change.difference, change.relative
     if difference is None:
-        return {"row added": "added", "row removed": "removed", "row renamed": "renamed"}.get(
-            change.kind, ""
-        )
+        _, _, done = change.kind.partition("row ")
+        return done
     if change.unit == "%":
         return f"{change.shown(difference):+.3g} points"
     positive = _size(change.before) > 0.0 and _size(change.after) > 0.0
@@ -97,6 +91,7 @@ def _size(value: Value) -> float:
 
 def as_json(differences: Differences) -> dict[str, Any]:
     """Everything that differs as a JSON object."""
+    inputs, studies = differences.inputs, differences.studies
     return {
         "format": AUDIT_FORMAT,
         "a": _side(differences.first),
@@ -104,28 +99,18 @@ def as_json(differences: Differences) -> dict[str, Any]:
         "same_inputs": differences.same_inputs,
         "same_results": differences.same_results,
         "verdicts": [
-            {
-                "table": one.table,
-                "row": one.row,
-                "a": one.before,
-                "b": one.after,
-                "result_a": one.result_before,
-                "result_b": one.result_after,
-                "limit": one.limit,
-                "changed": one.changed,
-            }
-            for one in differences.verdicts
+            {_OF_FILES.get(name, name): value for name, value in vars(check).items()}
+            | {"changed": check.changed}
+            for check in differences.verdicts
         ],
-        "inputs": None
-        if differences.inputs is None
-        else [_change(one) for one in differences.inputs],
-        "results": [_change(one) for one in differences.results],
+        "inputs": None if inputs is None else [_change(change) for change in inputs],
+        "results": [_change(change) for change in differences.results],
         "studies": {
-            "notes": list(differences.studies.notes),
-            "same_inputs": differences.studies.same_inputs,
-            "same_results": differences.studies.same_results,
-            "inputs": [_change(one) for one in differences.studies.inputs],
-            "results": [_change(one) for one in differences.studies.results],
+            "notes": list(studies.notes),
+            "same_inputs": studies.same_inputs,
+            "same_results": studies.same_results,
+            "inputs": [_change(change) for change in studies.inputs],
+            "results": [_change(change) for change in studies.results],
         },
     }
 
@@ -143,7 +128,7 @@ def _side(side: ComparedFile) -> dict[str, Any]:
 
 def _change(one: Change) -> dict[str, Any]:
     return {
-        "kind": _KINDS[one.kind],
+        "kind": one.kind.replace(" ", "_"),
         "table": one.table,
         "row": one.row,
         "column": one.column,

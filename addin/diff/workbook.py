@@ -147,10 +147,8 @@ def _verdicts(page: Any, formats: _Formats, differences: Differences, row: int) 
     """Every check of table `Verdicts`, and the verdicts of other tables that changed."""
     changed = sum(one.changed for one in differences.verdicts)
     page.write_string(row, 0, f"Verdicts: {changed} of those below changed", formats.caption)
-    for k, header in enumerate(
-        ("Check", "Result A", "Result B", "Limit", "Verdict A", "Verdict B")
-    ):
-        page.write_string(row + 1, k, header, formats.header)
+    headers = ("Check", "Result A", "Result B", "Limit", "Verdict A", "Verdict B")
+    page.write_row(row + 1, 0, headers, formats.header)
     first = last = row + 2
     ordered = sorted(
         differences.verdicts, key=lambda one: (one.table != "Verdicts", not one.changed)
@@ -185,8 +183,7 @@ def _changes(
     _set_up(page, formats, title, _WIDTHS)
     page.merge_range(1, 0, 1, len(_HEADERS) - 1, sentence, formats.note)
     head = 3
-    for k, header in enumerate(_HEADERS):
-        page.write_string(head, k, header, formats.header)
+    page.write_row(head, 0, _HEADERS, formats.header)
     page.freeze_panes(head + 1, 0)
     page.repeat_rows(head)
     for row, one in enumerate(changes, head + 1):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from typing import TypeGuard
 
 from addin.verify.findings import Agreement
 from addin.xlsx import ErrorValue
@@ -43,8 +44,8 @@ def agreement(found: RecordedValue, expected: Value, allowed: float | None = Non
         The best that holds.
     """
     value = found.value
-    if _is_number(value) and _is_number(expected):
-        return _numbers(float(value), float(expected), found.number_format, allowed)  # type: ignore[arg-type]
+    if is_number(value) and is_number(expected):
+        return _numbers(float(value), float(expected), found.number_format, allowed)
     if _is_same(value, expected):
         return Agreement.BITS
     if isinstance(value, str) and isinstance(expected, str):
@@ -66,9 +67,9 @@ def is_rounding(found: Value, expected: Value, scale: float = 0.0) -> bool:
     -------
     bool
     """
-    if _is_number(found) and _is_number(expected):
+    if is_number(found) and is_number(expected):
         smallest = max(ROUNDING * scale, 1e-300)
-        return math.isclose(found, expected, rel_tol=ROUNDING, abs_tol=smallest)  # type: ignore[arg-type]
+        return math.isclose(found, expected, rel_tol=ROUNDING, abs_tol=smallest)
     return _is_same(found, expected)
 
 
@@ -79,7 +80,8 @@ def _is_same(one: Value, other: Value) -> bool:
     return one == other and isinstance(one, bool) == isinstance(other, bool)
 
 
-def _is_number(value: object) -> bool:
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether a value is a number; a flag is none."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
