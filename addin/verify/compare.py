@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 from typing import TypeGuard
 
+from addin.contract.problems import shortened
 from addin.verify.findings import Agreement
 from addin.xlsx import ErrorValue
 
@@ -24,6 +25,20 @@ class RecordedValue:
     place: str = ""  #: Cell, or path. [A1]
     formula: str = ""  #: Text of a formula in it; empty without one.
     number_format: str = ""  #: How it is shown; empty = with all digits.
+
+
+def plain_value(value: Value) -> None | bool | int | float | str:
+    """A value, an error by its code."""
+    return value.code if isinstance(value, ErrorValue) else value
+
+
+def value_in_words(value: Value) -> str:
+    """A value as a sentence shows it."""
+    if value is None or value == "":
+        return "nothing"
+    if isinstance(value, float):
+        return f"{value:.9g}"
+    return shortened(str(plain_value(value)), 90)
 
 
 def agreement(found: RecordedValue, expected: Value, allowed: float | None = None) -> Agreement:

@@ -93,6 +93,16 @@ class Verification:
         """Whether everything in it follows from its inputs."""
         return self.outcome == "follows"
 
+    @property
+    def same_version(self) -> bool:
+        """Whether this version made the results."""
+        return self.made_by == self.this
+
+    @property
+    def same_inputs(self) -> bool:
+        """Whether the results belong to the inputs in the file."""
+        return self.recorded == self.inputs
+
     def total(self, agreement: Agreement) -> int:
         """Results that agree just so well."""
         return sum(one.of[agreement] for one in self.counts)
@@ -143,7 +153,7 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
         outcome = "does not follow"
         one = "1 thing does" if wrong == 1 else f"{wrong:,} things do"
         sentence = f"{one} not follow from the inputs, of {results:,} results compared."
-        if about.recorded and about.recorded != about.inputs:
+        if about.recorded and not about.same_inputs:
             sentence = f"The results belong to other inputs. {sentence}"
     return replace(
         about, outcome=outcome, sentence=sentence, counts=tuple(counts), findings=tuple(ordered)
@@ -154,10 +164,7 @@ def not_calculated(
     about: Verification, problems: tuple[CellProblem, ...], findings: Sequence[Finding] = ()
 ) -> Verification:
     """The outcome where the inputs cannot be calculated."""
+    sentence, listed = "Its inputs cannot be calculated.", tuple(findings)
     return replace(
-        about,
-        outcome="not verified",
-        sentence="Its inputs cannot be calculated.",
-        findings=tuple(findings),
-        problems=problems,
+        about, outcome="not verified", sentence=sentence, findings=listed, problems=problems
     )

@@ -120,27 +120,20 @@ def verify_results_json(
         f"torsionbook {product_version()}", str(content.get("case_sha256") or ""),
         case_digest(read.data), recorded.settings, within,
     )  # fmt: skip
-    findings = _on_digests(about, recorded.digest)
+    findings = [*_on_digests(about, recorded.digest)]
     run, problems = recalculate_case(read, recorded.settings, on_stage)
     if run is None:
         return not_calculated(about, problems)
     expected = results_to_json(run, product_version(), run.details)
-    same_version = about.made_by == about.this
-    pairs = list(_table_pairs(content, expected))
     missing = [
         Finding("row missing", spec.key, "", "the table is missing", spec.name)
         for spec in RESULT_TABLES
         if spec.key in expected and spec.key not in content
     ]
-    counts, more = compare_tables(
-        pairs,
-        Allowances(run.results),
-        within=within,
-        same_version=same_version,
-        same_inputs=about.recorded == about.inputs,
-    )
+    allowances = Allowances(run.results)
+    counts, more = compare_tables(_table_pairs(content, expected), allowances, about)
     findings += missing + more
-    allowed = Allowances(run.results).of_words()
+    allowed = allowances.of_words()
     one = Counts("the rest", "")
     counts.append(one)
     for key in _NESTED:
@@ -149,22 +142,16 @@ def verify_results_json(
     return concluded(about, counts, findings)
 
 
-def _on_digests(about: Verification, of_audit_table: str) -> list[Finding]:
-    findings = []
-    if about.recorded != about.inputs:
-        findings.append(
-            Finding(
-                "digest", "", "case_sha256",
-                f"the results were calculated from inputs with SHA-256 {short_digest(about.recorded)}, those "
-                f"of the case have {short_digest(about.inputs)}: this is another case",
-                found=about.recorded, expected=about.inputs,
-            )
+def _on_digests(about: Verification, of_audit_table: str) -> Iterator[Finding]:
+    if not about.same_inputs:
+        yield Finding(
+            "digest", "", "case_sha256",
+            f"the results were calculated from inputs with SHA-256 {short_digest(about.recorded)}, those "
+            f"of the case have {short_digest(about.inputs)}: this is another case",
+            found=about.recorded, expected=about.inputs,
         )  # fmt: skip
     if of_audit_table and of_audit_table != about.recorded:
-        findings.append(
-            Finding("digest", "", "audit", "case_sha256 and table Audit name different inputs")
-        )
-    return findings
+        yield Finding("digest", "", "audit", "case_sha256 and table Audit name different inputs")
 
 
 def _table_pairs(
@@ -177,12 +164,11 @@ def _table_pairs(
         stands = header_rows(spec, rows_of(content, spec.name))
         columns = tuple(dict.fromkeys(column for row in (*follows, *stands) for column in row))
         keys = {field.name: field.key for field in spec.columns}
+        keys = {column: keys.get(column, json_key(column)) for column in columns}
         rows = [
             {
-                column: RecordedValue(
-                    row.get(column), f"{spec.key}[{k}].{keys.get(column, json_key(column))}"
-                )
-                for column in columns
+                column: RecordedValue(row.get(column), f"{spec.key}[{k}].{key}")
+                for column, key in keys.items()
             }
             for k, row in enumerate(stands)
         ]

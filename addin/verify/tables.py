@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -12,8 +13,15 @@ from addin.contract.tables import find_column, find_table
 from addin.recorded.match_rows import match_rows, row_columns, row_name
 from addin.recorded.provenance import is_own_of_each_run
 from addin.verify.allowances import Allowances
-from addin.verify.compare import RecordedValue, agreement, is_rounding
-from addin.verify.findings import Agreement, Counts, Finding
+from addin.verify.compare import (
+    RecordedValue,
+    agreement,
+    is_number,
+    is_rounding,
+    plain_value,
+    value_in_words,
+)
+from addin.verify.findings import Agreement, Counts, Finding, Verification
 from addin.xlsx import ErrorValue
 
 #: Share of the numbers of a family that must be reproduced for the others to be called edited. [1]
@@ -58,19 +66,14 @@ class Compared:
     @property
     def is_number(self) -> bool:
         """Whether both are numbers."""
-        return all(
-            isinstance(v, int | float) and not isinstance(v, bool)
-            for v in (self.found.value, self.expected)
-        )
+        return is_number(self.found.value) and is_number(self.expected)
 
 
 def compare_tables(
     pairs: Iterable[tuple[ExpectedTable, RecordedTable]],
     allowances: Allowances,
+    about: Verification,
     *,
-    within: Agreement,
-    same_version: bool,
-    same_inputs: bool,
     known_version: bool = True,
     unit_of: Callable[[str, str], str] = lambda table, column: "",
 ) -> tuple[list[Counts], list[Finding]]:
@@ -82,10 +85,8 @@ def compare_tables(
         Tables.
     allowances : Allowances
         Reported errors.
-    within : Agreement
-        What is accepted.
-    same_version, same_inputs : bool
-        Whether this version made the file, and from these inputs. [flags]
+    about : Verification
+        What made the file, from which inputs, and what is accepted.
     known_version : bool
         Whether a version made the file that there ever was; else its words are held to those of
         this one, to the letter. [flag]
@@ -103,7 +104,7 @@ def compare_tables(
     findings: list[Finding] = []
     compared: list[Compared] = []
     numbers = {True: 0, False: 0}
-    same_words = same_version or not known_version
+    same_words = about.same_version or not known_version
     sizes: dict[tuple[str, str], int] = {}
     for expected, stands in pairs:
         one = Counts(expected.name, stands.sheet)
@@ -119,14 +120,12 @@ def compare_tables(
                 findings += _one_sided(expected, stands, pair, same_words)
                 continue
             row, there = expected.rows[pair[0]], stands.rows[pair[1]]
-            for cell in _compare_row(expected, stands, row, there, allowances, one, known_version):
-                compared.append(replace(cell, scale=scales[cell.column]))
+            cells = _compare_row(expected, stands, row, there, allowances, one, known_version)
+            compared += (replace(cell, scale=scales[cell.column]) for cell in cells)
         numbers[_of_the_start(expected.name)] += sum(one.of)
+    others = Counter(_of_the_start(c.table) for c in compared if not c.is_rounding)
     reproduced = {
-        family: count
-        and 1.0
-        - sum(not c.is_rounding for c in compared if _of_the_start(c.table) == family) / count
-        >= _REPRODUCED
+        family: bool(count) and 1.0 - others[family] / count >= _REPRODUCED
         for family, count in numbers.items()
     }
     columns = _in_other_units(compared, sizes, unit_of)
@@ -134,8 +133,8 @@ def compare_tables(
     for cell in compared:
         if (cell.table, cell.column) in columns:
             continue
-        sure = bool(same_version and same_inputs and reproduced[_of_the_start(cell.table)])
-        finding = _finding(cell, within, sure, same_words)
+        sure = reproduced[_of_the_start(cell.table)] and about.same_version and about.same_inputs
+        finding = _finding(cell, about.within, sure, same_words)
         if finding is not None:
             findings.append(finding)
     return counts, findings
@@ -200,25 +199,19 @@ def _one_sided(
 ) -> Iterable[Finding]:
     fails = same_words or not _worded(expected.name)
     if pair[0] is not None:
-        name = _name(expected, expected.rows[pair[0]])
-        if expected.name == "Audit" and is_own_of_each_run(name):
-            return
-        yield Finding(
-            "row missing", stands.sheet, "", f"the row {name} is missing", expected.name, name,
-            fails=fails,
-        )  # fmt: skip
-        return
-    assert pair[1] is not None
-    there = stands.rows[pair[1]]
-    name = _name(expected, {h: s.value for h, s in there.items()})
+        kind, place, row = "row missing", "", expected.rows[pair[0]]
+    else:
+        assert pair[1] is not None
+        there = stands.rows[pair[1]]
+        kind, place = "row added", next((s.place for s in there.values() if s.place), "")
+        row = {h: s.value for h, s in there.items()}
+    name = _name(expected, row)
     if expected.name == "Audit" and is_own_of_each_run(name):
         return
-    place = next((s.place for s in there.values() if s.place), "")
-    yield Finding(
-        "row added", stands.sheet, place,
-        f"the row {name or 'without a name'} does not follow from the inputs",
-        expected.name, name, fails=fails,
-    )  # fmt: skip
+    sentence = f"the row {name or 'without a name'} does not follow from the inputs"
+    if pair[0] is not None:
+        sentence = f"the row {name} is missing"
+    yield Finding(kind, stands.sheet, place, sentence, expected.name, name, fails=fails)
 
 
 def _compare_row(
@@ -257,32 +250,23 @@ def _compare_row(
 def _finding(cell: Compared, within: Agreement, sure: bool, same_words: bool) -> Finding | None:
     """What is said of a result that is not as it would be written; None if nothing."""
     found, wanted = cell.found.value, cell.expected
+    shown, follows = value_in_words(found), value_in_words(wanted)
+    kind, fails = "edited", True
     if cell.found.formula:
-        kind, sentence = (
-            "edited",
-            f"the formula ={shortened(cell.found.formula)} stands in place of a result",
-        )
-        fails = True
+        sentence = f"the formula ={shortened(cell.found.formula)} stands in place of a result"
     elif isinstance(wanted, int | float) and isinstance(found, str | ErrorValue):
-        kind, sentence = (
-            "edited",
-            f"the text '{_shown(found)}' stands in place of the number {_shown(wanted)}",
-        )
-        fails = True
+        sentence = f"the text '{shown}' stands in place of the number {follows}"
     elif sure and not cell.is_rounding:
-        kind, sentence = "edited", f"{_shown(found)} stands here, {_shown(wanted)} was written"
-        fails = True
+        sentence = f"{shown} stands here, {follows} was written"
+    elif cell.agreement <= within:
+        return None
     else:
-        fails = cell.agreement > within
-        kind, sentence = "different", f"{_shown(found)} stands here, {_shown(wanted)} follows"
-        worded = _worded(cell.table, cell.column)
-        if fails and worded and not same_words and not cell.is_number:
+        kind, sentence = "different", f"{shown} stands here, {follows} follows"
+        if not same_words and not cell.is_number and _worded(cell.table, cell.column):
             fails, sentence = False, f"{sentence}, in the words of this version"
-        elif not fails:
-            return None
     return Finding(
         kind, cell.sheet, cell.found.place, sentence, cell.table, cell.row, cell.column,
-        _plain(found), _plain(wanted), fails,
+        plain_value(found), plain_value(wanted), fails,
     )  # fmt: skip
 
 
@@ -300,33 +284,17 @@ def _in_other_units(
     for (table, column), cells in by_column.items():
         unit = unit_of(table, column)
         ratios = [c.found.value / c.expected for c in cells]  # type: ignore[operator]
+        is_one_factor = all(math.isclose(ratio, ratios[0], rel_tol=1e-9) for ratio in ratios)
         different_numbers = len({c.expected for c in cells}) > 1
         whole = len(cells) == sizes[table, column]
-        if not (unit and whole and different_numbers and all(_near(r, ratios[0]) for r in ratios)):
+        if not (unit and whole and different_numbers and is_one_factor):
             continue
         first = cells[0]
         findings[table, column] = Finding(
             "different", first.sheet, first.found.place,
             f"all {len(cells)} numbers of the column are {ratios[0]:.6g} times what follows in the "
             f"unit above it, {unit}: the unit was changed after the calculation. Recalculate.",
-            table, "", column, _plain(first.found.value), _plain(first.expected),
+            table, "", column, plain_value(first.found.value),
+            plain_value(first.expected),
         )  # fmt: skip
     return findings
-
-
-def _near(one: float, other: float) -> bool:
-    return math.isclose(one, other, rel_tol=1e-9)
-
-
-def _shown(value: Any) -> str:
-    if value is None or value == "":
-        return "nothing"
-    if isinstance(value, ErrorValue):
-        return value.code
-    if isinstance(value, float):
-        return f"{value:.9g}"
-    return shortened(str(value), 90)
-
-
-def _plain(value: Any) -> Any:
-    return value.code if isinstance(value, ErrorValue) else value

@@ -9,7 +9,7 @@ from typing import Any
 from addin.calculation.calculation import Calculation
 from addin.contract.digests import DIGITS, short_digest
 from addin.contract.problems import shortened
-from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES
+from addin.contract.tables import RESULT_TABLES, WORKBOOK_TABLES, find_table
 from addin.contract.texts import NO_STUDY
 from addin.contract.version import RELEASED, product_version
 from addin.reading.workbook import WorkbookInput, read_workbook
@@ -47,6 +47,7 @@ from addin.xlsx.xml_part import main, parse_part
 from engine.case.data import case_digest
 
 _RESULTS = (*RESULT_TABLES, *WORKBOOK_TABLES)
+_NO_FACT = ("", "", None)
 #: Facts that tell of the run and not of the inputs, or are told by a finding of their own.
 _OWN_FACTS = frozenset({"run_Software", "run_Date", "run_SHA256", "run_Stamp"})
 _STUDY_FACTS = frozenset({"run_AccuracySentence", "run_AccuracyReference", "run_AccuracyInputs"})
@@ -75,7 +76,8 @@ def verify_workbook(
         Result by result.
     """
     workbook = read.workbook
-    recorded, findings = _recorded(workbook)
+    recorded = _recorded(workbook)
+    findings = [*_on_record(workbook)]
     inputs = case_digest(read.data)
     about = Verification(
         workbook.path, "", "", recorded.software, f"torsionbook {product_version()}",
@@ -97,53 +99,50 @@ def verify_workbook(
     findings += _on_studies(read)
     findings += missing_tables(workbook)
     findings += odd_columns(workbook)
-    findings += typed_over(workbook, about.made_by == about.this or not _is_known(about))
+    findings += typed_over(workbook, about.same_version or not _is_known(about))
     return concluded(about, counts, findings)
 
 
 # --- what the workbook records --------------------------------------------------------------------
 
 
-def _recorded(workbook: Workbook) -> tuple[Provenance, list[Finding]]:
-    """Digest, software and settings; findings where two places disagree or a name was led astray."""
-    findings: list[Finding] = []
-    table = workbook.tables.get("Audit")
-    audit = workbook_provenance(workbook)
-    facts = _facts(workbook)
-    digest = str(facts.get("run_SHA256", ("", "", None))[2] or "").strip()
-    findings += [
-        Finding(
-            "settings", table.sheet if table else "", "",
-            f"the setting {one} cannot be used again", "Audit",
-        )
-        for one in audit.unreadable
-    ]  # fmt: skip
+def _recorded(workbook: Workbook) -> Provenance:
+    """Digest, software and settings."""
+    audit, facts = workbook_provenance(workbook), _facts(workbook)
+    digest, software = (
+        str(facts.get(f"run_{name}", _NO_FACT)[2] or "") for name in ("SHA256", "Software")
+    )
+    return replace(
+        audit, digest=audit.digest or digest.strip(), software=audit.software or software
+    )
+
+
+def _on_record(workbook: Workbook) -> Iterator[Finding]:
+    """Settings that are lost, two places that disagree, names that were led astray."""
+    table, audit, facts = (
+        workbook.tables.get("Audit"),
+        workbook_provenance(workbook),
+        _facts(workbook),
+    )
+    for setting in audit.unreadable:
+        sentence = f"the setting {setting} cannot be used again"
+        yield Finding("settings", table.sheet if table else "", "", sentence, "Audit")
+    sheet, cell, value = facts.get("run_SHA256", _NO_FACT)
+    digest = str(value or "").strip()
     if digest and audit.digest and digest != audit.digest:
-        sheet, cell, _ = facts["run_SHA256"]
-        findings.append(
-            Finding(
-                "digest", sheet, cell,
-                f"the digest {short_digest(digest)} here is not {short_digest(audit.digest)} of table Audit: one of "
-                "them was edited", "RunFacts", "run_SHA256", "Value", digest, audit.digest,
-            )
+        yield Finding(
+            "digest", sheet, cell,
+            f"the digest {short_digest(digest)} here is not {short_digest(audit.digest)} of table Audit: one of "
+            "them was edited", "RunFacts", "run_SHA256", "Value", digest, audit.digest,
         )  # fmt: skip
     elif not digest and audit.digest:
-        findings.append(
-            Finding("digest", "", "", "run_SHA256 is blank, while table Audit has a digest")
-        )
+        yield Finding("digest", "", "", "run_SHA256 is blank, while table Audit has a digest")
     for name, (sheet, cell, _) in facts.items():
         named = workbook.defined_names.get(name)
         at = named and named.rect and (named.sheet, cell_name(named.rect.top, named.rect.left))
         if at and at != (sheet, cell):
-            findings.append(
-                Finding(
-                    "edited", at[0] or "", at[1],
-                    f"the name {name} leads here, not to {sheet}!{cell} where it is written",
-                    "RunFacts", name,
-                )
-            )  # fmt: skip
-    software = audit.software or str(facts.get("run_Software", ("", "", None))[2] or "")
-    return replace(audit, digest=audit.digest or digest, software=software), findings
+            sentence = f"the name {name} leads here, not to {sheet}!{cell} where it is written"
+            yield Finding("edited", at[0] or "", at[1], sentence, "RunFacts", name)
 
 
 def _facts(workbook: Workbook, name: str = "RunFacts") -> dict[str, tuple[str, str, Any]]:
@@ -159,30 +158,19 @@ def _facts(workbook: Workbook, name: str = "RunFacts") -> dict[str, tuple[str, s
     }
 
 
-def _on_digest(workbook: Workbook, recorded: Provenance, inputs: str) -> list[Finding]:
+def _on_digest(workbook: Workbook, recorded: Provenance, inputs: str) -> Iterator[Finding]:
     if recorded.digest == inputs:
-        return []
-    sheet, cell, _ = _facts(workbook).get("run_SHA256", ("", "", None))
-    if not recorded.digest:
-        sentence = "no digest of the inputs is recorded, though there are results"
-    else:
+        return
+    sheet, cell, _ = _facts(workbook).get("run_SHA256", _NO_FACT)
+    sentence = "no digest of the inputs is recorded, though there are results"
+    if recorded.digest:
         sentence = (
             f"the results were calculated from inputs with SHA-256 {short_digest(recorded.digest)}, those "
             f"in the file have {short_digest(inputs)}: inputs were changed since"
         )
-    return [
-        Finding(
-            "digest",
-            sheet,
-            cell,
-            sentence,
-            "RunFacts",
-            "run_SHA256",
-            "Value",
-            recorded.digest,
-            inputs,
-        )
-    ]
+    yield Finding(
+        "digest", sheet, cell, sentence, "RunFacts", "run_SHA256", "Value", recorded.digest, inputs
+    )
 
 
 def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
@@ -218,13 +206,12 @@ def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
 
 def _holds_results(workbook: Workbook) -> bool:
     """Whether any result table holds a value."""
-    for spec in _RESULTS:
-        table = workbook.tables.get(spec.name)
-        if table is not None and any(
-            _rows(workbook, table, tuple(field.name for field in spec.columns))
-        ):
-            return True
-    return False
+    tables = ((spec, workbook.tables.get(spec.name)) for spec in _RESULTS)
+    return any(
+        any(_rows(workbook, table, tuple(field.name for field in spec.columns)))
+        for spec, table in tables
+        if table is not None
+    )
 
 
 def _is_known(about: Verification) -> bool:
@@ -243,7 +230,10 @@ def _compared(
     drawn = drawn_elements(workbook, list(run.view.histories or ()))
     written = tables_to_write(fresh, run.view, stamp, drawn)
     findings = [Finding("not shown", "", "", note, fails=False) for note in fresh.notes]
-    findings += _other_drawing(workbook, drawn)
+    for k, (wanted, shown) in enumerate(zip(chosen_elements(workbook), drawn, strict=False), 1):
+        if wanted and wanted != shown:
+            sentence = f"history {k} draws {shown}, {wanted} was chosen since"
+            findings.append(Finding("chart", "", "", sentence, fails=False))
     study = _has_study(workbook)
     by_name = {data.name: data for data in written}
     pairs = []
@@ -257,30 +247,23 @@ def _compared(
         pairs.append((ExpectedTable(spec.name, rows, columns), stands))
         findings += _without_digits(spec.name, stands)
     units, _ = read_shown_units(workbook, run.case.ratings.rated_torque)
-    same_version = about.made_by == about.this
-    known, same_inputs = _is_known(about), about.recorded == about.inputs
+    known = _is_known(about)
+    same_words = about.same_version or not known
     if not known:
         sentence = (
             f"the file says that '{about.made_by}' made it, a version that this one does not know: its "
             "words must be those of this version"
         )
         findings.append(Finding("different", "", "", sentence, "Audit", "Software", fails=False))
-    counts, more = compare_tables(
-        pairs,
-        Allowances(run.results),
-        within=about.within,
-        same_version=same_version,
-        same_inputs=same_inputs,
-        known_version=known,
-        unit_of=units.name,
-    )
+    allowances = Allowances(run.results)
+    counts, more = compare_tables(pairs, allowances, about, known_version=known, unit_of=units.name)
     findings += more
     findings += _facts_compared(workbook, by_name.get("RunFacts"), study, counts, about)
-    for one, finding in compare_charts(workbook, written, same_version or not known):
+    for one, finding in compare_charts(workbook, written, same_words):
         counts.append(one)
         findings += [finding] if finding else []
-    findings += _drawings(workbook, same_version or not known)
-    findings += compare_units(workbook, same_version or not known)
+    findings += _drawings(workbook, same_words)
+    findings += compare_units(workbook, same_words)
     findings += _formulas_compared(workbook, fresh, written, pairs)
     return counts, findings
 
@@ -300,7 +283,9 @@ def _rows(
 ) -> Iterator[dict[str, RecordedValue]]:
     """Rows of a table in which something stands in one of the columns."""
     part = workbook.sheet_part(table.sheet)
-    formats, ours = _formats(workbook), _own_formats(table.name)
+    formats, spec = _formats(workbook), find_table(table.name)
+    # a coarser number format in the file than the shipped one allows nothing more
+    ours = {f.name: f.format for f in spec.workbook_columns if f.is_number} if spec else {}
     for row in range(table.data.top, table.data.bottom + 1):
         held = {}
         for column in columns:
@@ -338,24 +323,17 @@ def _without_digits(table: str, stands: RecordedTable) -> Iterator[Finding]:
             )  # fmt: skip
 
 
-def _own_formats(table: str) -> dict[str, str]:
-    """Number formats of a result table as shipped: a coarser one in the file allows nothing more."""
-    spec = next((one for one in _RESULTS if one.name == table), None)
-    columns = spec.workbook_columns if spec is not None else ()
-    return {one.name: one.format for one in columns if one.is_number}
-
-
 def _facts_compared(
     workbook: Workbook,
     data: TableData | None,
     study: bool,
     counts: list[Counts],
     about: Verification,
-) -> list[Finding]:
+) -> Iterator[Finding]:
     """Facts that live formulas read."""
     if data is None:
-        return []
-    facts, findings = _facts(workbook), []
+        return
+    facts = _facts(workbook)
     one = Counts("RunFacts", next((sheet for sheet, _, _ in facts.values()), ""))
     counts.append(one)
     for name, _, follows in data.rows:
@@ -369,25 +347,17 @@ def _facts_compared(
         if follows is not None or how is not Agreement.BITS:
             one.of[how] += 1
         if how > Agreement.DIGITS:
-            sentence = f"{name}: '{stands}' stands here, '{follows}' follows"
-            fails = (
-                not isinstance(follows, str) or about.made_by == about.this or not _is_known(about)
-            )
-            findings.append(
-                Finding(
-                    "different", sheet, cell, sentence, "RunFacts", str(name), "Value", stands,
-                    follows, fails,
-                )
+            yield Finding(
+                "different", sheet, cell, f"{name}: '{stands}' stands here, '{follows}' follows",
+                "RunFacts", str(name), "Value", stands, follows,
+                not isinstance(follows, str) or about.same_version or not _is_known(about),
             )  # fmt: skip
     accuracy = facts.get("run_AccuracyInputs")
     if study and accuracy and about.inputs[:DIGITS] not in str(accuracy[2]):
-        findings.append(
-            Finding(
-                "digest", *accuracy[:2], "the accuracy study belongs to other inputs", "RunFacts",
-                "run_AccuracyInputs", "Value", accuracy[2], about.inputs,
-            )
+        yield Finding(
+            "digest", *accuracy[:2], "the accuracy study belongs to other inputs", "RunFacts",
+            "run_AccuracyInputs", "Value", accuracy[2], about.inputs,
         )  # fmt: skip
-    return findings
 
 
 def _has_study(workbook: Workbook) -> bool:
@@ -396,58 +366,43 @@ def _has_study(workbook: Workbook) -> bool:
     return bool(words) and words != NO_STUDY
 
 
-def _other_drawing(workbook: Workbook, drawn: list[str | None]) -> list[Finding]:
-    """Histories drawn for other elements than the engineer names now."""
-    return [
-        Finding(
-            "chart", "", "", f"history {k} draws {shown}, {wanted} was chosen since", fails=False
-        )
-        for k, (wanted, shown) in enumerate(zip(chosen_elements(workbook), drawn, strict=False), 1)
-        if wanted and wanted != shown
-    ]
-
-
 def _formulas_compared(
     workbook: Workbook,
     fresh: Workbook,
     written: list[TableData],
     pairs: list[tuple[ExpectedTable, RecordedTable]],
-) -> list[Finding]:
+) -> Iterator[Finding]:
     """Formulas whose value is old, once the results are written anew."""
     left_out: dict[str, list[Rect]] = {}
     for expected, stands in pairs:
         table = workbook.tables[expected.name]
         if len(expected.rows) != len(stands.rows):
             left_out.setdefault(table.sheet, []).append(table.data)
-    reason, restored = "", {}
     try:
         fresh.write_tables(list(_with_own_values(workbook, written)))
         restored = restore(fresh)
         report = fresh.refresh_formula_caches()
-    except ObstaclesFound as blocked:
-        reason = " ".join(map(str, blocked.obstacles[:3]))
     except PackageError as error:
-        reason = str(error)
-    if reason:
-        noted = Finding("not shown", "", "", f"formulas were not judged: {reason}", fails=False)
-        return [noted, *_of_unjudged(workbook, None, reason)]
-    findings = list(old_values(workbook, fresh, left_out, _formats(workbook), restored))
+        obstacles = error.obstacles[:3] if isinstance(error, ObstaclesFound) else (error,)
+        reason = " ".join(map(str, obstacles))
+        yield Finding("not shown", "", "", f"formulas were not judged: {reason}", fails=False)
+        yield from _of_unjudged(workbook, None, reason)
+        return
+    yield from old_values(workbook, fresh, left_out, _formats(workbook), restored)
     if report.removed:
         sentence = f"{report.removed} formulas were not judged. {report.reason}"
-        findings.append(Finding("not shown", "", "", sentence, fails=False))
-    return [*findings, *(_of_unjudged(workbook, fresh, report.reason) if report.removed else ())]
+        yield Finding("not shown", "", "", sentence, fails=False)
+        yield from _of_unjudged(workbook, fresh, report.reason)
 
 
 def _of_unjudged(workbook: Workbook, fresh: Workbook | None, reason: str) -> Iterator[Finding]:
     """Live formulas of ours that cannot be judged: the workbook is not verified by its tables alone."""
-    left = unjudged(workbook, fresh)
-    if left:
-        first = left[0]
-        count = "1 live formula" if len(left) == 1 else f"{len(left):,} live formulas"
-        yield Finding(
-            "not judged", first.sheet, first.cell,
-            f"{count} of ours, from here on, could not be judged. {reason}",
-        )  # fmt: skip
+    formulas = unjudged(workbook, fresh)
+    if formulas:
+        first, many = formulas[0], len(formulas)
+        count = "1 live formula" if many == 1 else f"{many:,} live formulas"
+        sentence = f"{count} of ours, from here on, could not be judged. {reason}"
+        yield Finding("not judged", first.sheet, first.cell, sentence)
 
 
 def _with_own_values(workbook: Workbook, written: list[TableData]) -> Iterator[TableData]:
@@ -477,9 +432,10 @@ def _with_standing(workbook: Workbook, data: TableData, column: str) -> TableDat
     table = workbook.tables[data.name]
     at, place = columns.index(column), table.ref.left + table.column_index(column)
     part = workbook.sheet_part(table.sheet)
-    rows = [list(row) for row in data.rows]
-    for k, row in enumerate(rows):
-        row[at] = part.constant(table.data.top + k, place)
+    values = (part.constant(table.data.top + k, place) for k in range(len(data.rows)))
+    rows = [
+        [*row[:at], value, *row[at + 1 :]] for row, value in zip(data.rows, values, strict=True)
+    ]
     return replace(data, rows=rows)
 
 
@@ -501,10 +457,6 @@ def _formats(workbook: Workbook) -> list[str]:
         int(entry.get("numFmtId")): entry.get("formatCode", "")
         for entry in root.iterfind(f"{main('numFmts')}/{main('numFmt')}")
     }
-    return [
-        custom.get(number) or _BUILT_IN.get(number, "General")
-        for number in (
-            int(entry.get("numFmtId", "0"))
-            for entry in root.iterfind(f"{main('cellXfs')}/{main('xf')}")
-        )
-    ]
+    styles = root.iterfind(f"{main('cellXfs')}/{main('xf')}")
+    numbers = (int(entry.get("numFmtId", "0")) for entry in styles)
+    return [custom.get(number) or _BUILT_IN.get(number, "General") for number in numbers]
