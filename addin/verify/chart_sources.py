@@ -10,12 +10,12 @@ from typing import Any
 from addin.contract.chart_tables import LABELS
 from addin.contract.charts import FirstCell, Label, Words
 from addin.contract.problems import shortened
-from addin.contract.sheets import SHEETS, Sheet
+from addin.contract.sheets import SHEETS
 from addin.contract.studies.registry import EVERY_CHART, with_studies
 from addin.contract.tables import INPUT_TABLES
 from addin.verify.compare import ROUNDING
 from addin.verify.findings import Finding
-from addin.verify.structure import plain
+from addin.verify.structure import plain, present_sheet
 from addin.xlsx import Drawn, DrawnChart, Workbook
 from addin.xlsx.references import Rect, cell_name, quoted_sheet
 
@@ -184,19 +184,20 @@ def _expected(workbook: Workbook) -> Iterator[_Expected]:
                 )
             except KeyError:  # a table or column that is missing, which is a finding by itself
                 continue
-            in_cell = None if isinstance(title, str) else title
-            words = title if isinstance(title, str) else _words_in(workbook, title)
-            yield _Expected(_present(workbook, sheet), words, in_cell, series)
+            in_cell, words = None, title
+            if not isinstance(title, str):  # other programs keep the words instead of the cell
+                title_sheet, rect = in_cell = title
+                words = str(workbook.shown_value(title_sheet, cell_name(rect.top, rect.left)) or "")
+            yield _Expected(present_sheet(workbook, sheet), str(words), in_cell, series)
 
 
 def _cells(workbook: Workbook, table: str, column: str, row: int | None = None) -> Area:
     """Data cells of a column of a table where it stands in the workbook, or one row of them."""
     place = workbook.tables[table]
     at = place.ref.left + {name: k for k, name in enumerate(place.columns)}[column]
-    top, bottom = place.data.top, place.data.bottom
-    if row is not None:
-        top = bottom = top + row
-    return place.sheet, Rect(top, at, bottom, at)
+    data = place.data
+    rows = (data.top, data.bottom) if row is None else (data.top + row, data.top + row)
+    return place.sheet, Rect(rows[0], at, rows[1], at)
 
 
 def _words(workbook: Workbook, words: Words) -> Area | str:
@@ -206,20 +207,6 @@ def _words(workbook: Workbook, words: Words) -> Area | str:
     if isinstance(words, FirstCell):
         return _cells(workbook, words.table, words.column, 0)
     return plain(words)
-
-
-def _words_in(workbook: Workbook, area: Area) -> str:
-    """The words that a title shows, which other programs keep instead of its cell."""
-    sheet, rect = area
-    return str(workbook.shown_value(sheet, cell_name(rect.top, rect.left)) or "")
-
-
-def _present(workbook: Workbook, sheet: Sheet) -> str | None:
-    """A sheet under its shipped name, or under the one it has now, told by its tables."""
-    if sheet.name in workbook.sheet_names:
-        return sheet.name
-    tables = (workbook.tables.get(name) for name in sheet.tables)
-    return next((table.sheet for table in tables if table is not None), None)
 
 
 # --- what is carried ------------------------------------------------------------------------------

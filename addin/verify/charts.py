@@ -20,8 +20,9 @@ def drawn_elements(workbook: Workbook, names: Sequence[str]) -> list[str | None]
     """The elements whose histories stand in the chart data."""
     labels = workbook.tables.get("ChartLabels")
     drawn: list[str | None] = [None] * HISTORIES
-    for row in range(labels.data.top, labels.data.bottom + 1) if labels else ():
-        assert labels is not None
+    if labels is None:
+        return drawn
+    for row in range(labels.data.top, labels.data.bottom + 1):
         key = str(workbook.shown_value(labels.sheet, cell_name(row, labels.ref.left)))
         text = str(workbook.shown_value(labels.sheet, cell_name(row, labels.ref.left + 1)))
         head, _, number = key.rpartition(" ")
@@ -47,20 +48,19 @@ def compare_charts(
             yield counts, None
             continue
         wrong = _wrong_cells(workbook, table, data, counts)
-        if not wrong:
-            yield counts, None
-            continue
-        yield counts, Finding(
-            "chart", table.sheet, wrong[0],
-            f"{len(wrong)} of {sum(counts.of)} values that are drawn do not follow from the inputs",
-            chart.name, fails=same_version,
-        )  # fmt: skip
+        finding = None
+        if wrong:
+            values = f"{len(wrong)} of {sum(counts.of)} values that are drawn"
+            sentence = f"{values} do not follow from the inputs"
+            finding = Finding(
+                "chart", table.sheet, wrong[0], sentence, chart.name, fails=same_version
+            )
+        yield counts, finding
 
 
 def _wrong_cells(workbook: Workbook, table: Table, data: TableData, counts: Counts) -> list[str]:
     """Cells of a chart table that differ; rounding is none."""
-    columns = list(data.columns or table.columns)
-    at = [table.ref.left + table.column_index(name) for name in columns]
+    at = [table.ref.left + table.column_index(name) for name in data.columns or table.columns]
     wrong = []
     rows = max(len(data.rows), table.data.height)
     for k in range(rows):
@@ -74,7 +74,8 @@ def _wrong_cells(workbook: Workbook, table: Table, data: TableData, counts: Coun
             stands = workbook.shown_value(table.sheet, cell)
             if stands is None and (follows is None or follows == ""):
                 continue
-            follows = _held(follows)
+            if follows is not None and not isinstance(follows, bool | str):
+                follows = float(follows)  # as a cell holds it
             if stands == follows:
                 counts.of[0] += 1
             elif is_rounding(stands, follows):
@@ -83,10 +84,3 @@ def _wrong_cells(workbook: Workbook, table: Table, data: TableData, counts: Coun
                 counts.of[3] += 1
                 wrong.append(cell)
     return wrong
-
-
-def _held(value: Any) -> Any:
-    """A value as a cell holds it."""
-    if isinstance(value, bool) or value is None:
-        return value
-    return value if isinstance(value, str) else float(value)

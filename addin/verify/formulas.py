@@ -18,10 +18,10 @@ from addin.contract.sheets import (
     TITLE_BLOCK,
 )
 from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, Field
-from addin.verify.compare import RecordedValue, agreement
+from addin.verify.compare import RecordedValue, agreement, plain_value, value_in_words
 from addin.verify.findings import Agreement, Finding
-from addin.verify.structure import plain
-from addin.xlsx import ErrorValue, Formula, PackageError, Table, Workbook
+from addin.verify.structure import plain, present_sheet
+from addin.xlsx import Formula, PackageError, Table, Workbook
 from addin.xlsx.references import Rect, cell_name, parse_cell
 
 #: Where labels are looked for.
@@ -149,25 +149,21 @@ def _beside_labels(
 
 def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
     """The lines of words above the tables, unless they were moved as they are."""
+    sheets = {sheet.name: sheet for sheet in SHEETS}
     for shipped, first, _, formula, _, _ in FACT_LINES:
-        sheet = _present_sheet(workbook, shipped)
+        sheet = present_sheet(workbook, sheets[shipped])
         if sheet is None:
             continue
-        places = [
-            at for at, text in _placed_texts(workbook, sheet) if _bare(text) == _bare(formula)
-        ]
-        if places:
-            yield OwnFormula(sheet, *places[0], formula, "line of words")
+        part = workbook.sheet_part(sheet)
+        held = ((at, part.value(*at)) for at in part.formulas)
+        moved = next(
+            (at for at, f in held if isinstance(f, Formula) and _bare(f.text) == _bare(formula)),
+            None,
+        )
+        if moved:
+            yield OwnFormula(sheet, *moved, formula, "line of words")
         elif workbook.value(sheet, first) not in (None, ""):
             yield OwnFormula(sheet, *parse_cell(first), formula, "line of words")
-
-
-def _present_sheet(workbook: Workbook, shipped: str) -> str | None:
-    """A sheet under the name it was shipped with, or under the one it has now, told by its tables."""
-    if shipped in workbook.sheet_names:
-        return shipped
-    tables = next(sheet.tables for sheet in SHEETS if sheet.name == shipped)
-    return next((workbook.tables[name].sheet for name in tables if name in workbook.tables), None)
 
 
 def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
@@ -186,11 +182,10 @@ def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
         standing = {words for _, _, words in _words_of(workbook, sheet)}
         for label in formulas:
             if plain(label) not in standing:
-                yield Finding(
-                    "edited", sheet, "",
-                    f"the label '{label}' is missing, so that nothing tells which number is meant",
-                    expected=label, fails=same_version,
-                )  # fmt: skip
+                sentence = (
+                    f"the label '{label}' is missing, so that nothing tells which number is meant"
+                )
+                yield Finding("edited", sheet, "", sentence, expected=label, fails=same_version)
     yield from _verdict_astray(workbook)
 
 
@@ -244,7 +239,10 @@ def _replaced(workbook: Workbook, own: OwnFormula) -> Finding:
     """What is said of a cell that does not hold the formula it should."""
     value = workbook.sheet_part(own.sheet).value(own.row, own.column)
     if not isinstance(value, Formula):
-        return _over(own.sheet, own.cell, value, own.what, own.table, own.header)
+        shown = plain_value(value)
+        words = "nothing" if shown is None else f"'{shortened(str(shown), 60)}'"
+        sentence = f"{own.what}: {words} stands where a live formula was"
+        return Finding("edited", own.sheet, own.cell, sentence, own.table, "", own.header, shown)
     sentence = (
         f"{own.what}: the formula is ={shortened(value.text, 90)}, not the one of this version"
     )
@@ -281,25 +279,6 @@ def restore(fresh: Workbook) -> dict[tuple[str, int, int], OwnFormula]:
     return restored
 
 
-def _placed_texts(workbook: Workbook, sheet: str) -> Iterator[tuple[tuple[int, int], str]]:
-    part = workbook.sheet_part(sheet)
-    for row, column in part.formulas:
-        value = part.value(row, column)
-        if isinstance(value, Formula):
-            yield (row, column), value.text
-
-
-def _over(
-    sheet: str, cell: str, value: object, what: str, table: str = "", header: str = ""
-) -> Finding:
-    shown = value.code if isinstance(value, ErrorValue) else value
-    sentence = "nothing" if shown is None else f"'{shortened(str(shown), 60)}'"
-    return Finding(
-        "edited", sheet, cell, f"{what}: {sentence} stands where a live formula was", table, "", header,
-        shown, None,
-    )  # fmt: skip
-
-
 def old_values(
     standing: Workbook,
     fresh: Workbook,
@@ -312,6 +291,7 @@ def old_values(
         if not standing.sheet_bytes(sheet):
             continue
         old, new = standing.sheet_part(sheet), fresh.sheet_part(sheet)
+        tables = [table for table in standing.tables.values() if table.sheet == sheet]
         for row, column in old.formulas:
             if any(area.has(row, column) for area in left_out.get(sheet, ())):
                 continue
@@ -319,7 +299,7 @@ def old_values(
             shows, follows = old.constant(row, column), new.constant(row, column)
             if shows is None and own is not None and follows not in (None, ""):
                 sentence = f"{own.what}: the formula in place of ours shows nothing to be judged"
-                yield Finding("edited", sheet, own.cell, sentence, expected=_plain(follows))
+                yield Finding("edited", sheet, own.cell, sentence, expected=plain_value(follows))
             if shows is None or follows is None:
                 continue
             style = int(old.style(row, column) or 0)
@@ -331,20 +311,10 @@ def old_values(
             )  # fmt: skip
             yield Finding(
                 kind, sheet, cell_name(row, column),
-                f"{what} shows {_shown(shows)}, {_shown(follows)} follows",
-                _table_at(standing, sheet, row, column), found=_plain(shows),
-                expected=_plain(follows),
+                f"{what} shows {value_in_words(shows)}, {value_in_words(follows)} follows",
+                next((t.name for t in tables if t.ref.has(row, column)), ""), found=plain_value(shows),
+                expected=plain_value(follows),
             )  # fmt: skip
-
-
-def _table_at(workbook: Workbook, sheet: str, row: int, column: int) -> str:
-    """The table in which a cell lies; empty beside all tables."""
-    around = (
-        table.name
-        for table in workbook.tables.values()
-        if table.sheet == sheet and table.ref.has(row, column)
-    )
-    return next(around, "")
 
 
 def unjudged(standing: Workbook, fresh: Workbook | None) -> list[OwnFormula]:
@@ -363,16 +333,6 @@ def unjudged(standing: Workbook, fresh: Workbook | None) -> list[OwnFormula]:
         if standing.shown_value(own.sheet, own.cell) not in (None, "")
         and (fresh is None or fresh.shown_value(own.sheet, own.cell) is None)
     ]
-
-
-def _plain(value: object) -> object:
-    return value.code if isinstance(value, ErrorValue) else value
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, float):
-        return f"{value:.9g}"
-    return shortened(str(_plain(value)), 90) or "nothing"
 
 
 def _bare(formula: str) -> str:

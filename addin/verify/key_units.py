@@ -40,14 +40,18 @@ def compare_units(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
         beside = next(
             part.filled_cells(Rect(own.row, own.column + 1, own.row, own.column + 3)), None
         )
-        if beside is None:
-            yield _edited(own.sheet, cell_name(own.row, own.column + 1), own.what, "", expected, same_version)  # fmt: skip
-            continue
+        beside = beside or (own.row, own.column + 1)
         shown, held = part.constant(*beside), part.value(*beside)
         if isinstance(held, Formula) and (shown is None or _reads(held.text, source)):
             continue
-        if not isinstance(shown, str) or shown.strip() != expected:
-            yield _edited(own.sheet, cell_name(*beside), own.what, str(shown or ""), expected, same_version)  # fmt: skip
+        if isinstance(shown, str) and shown.strip() == expected:
+            continue
+        unit = str(shown or "")
+        yield Finding(
+            "edited", own.sheet, cell_name(*beside),
+            f"{own.what}: the unit '{shortened(unit, 30)}' stands beside the number, which is in {expected}",
+            found=unit, expected=expected, fails=same_version,
+        )  # fmt: skip
 
 
 def _reads(formula: str, cell: str) -> bool:
@@ -59,21 +63,9 @@ def _of_column(workbook: Workbook, name: str) -> tuple[str, str]:
     """The cell above a column and the unit in it; blank where there is none."""
     table_name, column = name.rstrip("]").split("[")
     table = workbook.tables.get(table_name)
-    known = {} if table is None else {c.casefold(): k for k, c in enumerate(table.columns)}
-    if table is None or not table.header_row or table.header_row < 2:
+    at = None if table is None else table.columns_at.get(column.casefold())
+    if table is None or at is None or not table.header_row or table.header_row < 2:
         return "", ""
-    if column.casefold() not in known:
-        return "", ""
-    cell = cell_name(table.header_row - 1, table.ref.left + known[column.casefold()])
+    cell = cell_name(table.header_row - 1, at)
     shown = workbook.shown_value(table.sheet, cell)
     return cell, shown.strip() if isinstance(shown, str) else ""
-
-
-def _edited(
-    sheet: str, cell: str, what: str, found: str, expected: str, same_version: bool
-) -> Finding:
-    return Finding(
-        "edited", sheet, cell,
-        f"{what}: the unit '{shortened(found, 30)}' stands beside the number, which is in {expected}",
-        found=found, expected=expected, fails=same_version,
-    )  # fmt: skip

@@ -6,6 +6,7 @@ import unicodedata
 from collections.abc import Iterator
 
 from addin.contract.problems import shortened
+from addin.contract.sheets import Sheet
 from addin.contract.tables import INPUT_TABLES, RESULT_TABLES, WORKBOOK_TABLES, TableSpec
 from addin.verify.findings import Finding
 from addin.xlsx import Table, Workbook
@@ -31,9 +32,8 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
         at = _as_cells(workbook, spec)
         if at is None and spec in WORKBOOK_TABLES:
             continue
-        if at is None:
-            sentence = f"the workbook has no table {spec.name}: its results were taken out"
-        else:
+        sentence = f"the workbook has no table {spec.name}: its results were taken out"
+        if at is not None:
             sentence = (
                 f"{spec.name} is a range of cells here, no table: nothing in it was compared. Make it "
                 f"a table of that name again, or recalculate in a new template"
@@ -102,6 +102,14 @@ def _as_cells(workbook: Workbook, spec: TableSpec) -> tuple[str, str] | None:
             if beside == wanted and not any(ref.has(row, column) for ref in inside):
                 return sheet, cell_name(row, column)
     return None
+
+
+def present_sheet(workbook: Workbook, sheet: Sheet) -> str | None:
+    """A sheet under the name it was shipped with, or under the one it has now, told by its tables."""
+    if sheet.name in workbook.sheet_names:
+        return sheet.name
+    tables = (workbook.tables.get(name) for name in sheet.tables)
+    return next((table.sheet for table in tables if table is not None), None)
 
 
 def plain(text: object) -> str:

@@ -48,9 +48,8 @@ def traced(source: Path, wanted: str) -> Iterator[str]:
         yield from _cell(_Traced(read), wanted)
         return
     match = _TABLE_AND_COLUMN.fullmatch(wanted.strip())
-    spec = match and next(
-        (s for n, s in _RESULTS.items() if n.casefold() == match[1].casefold()), None
-    )
+    specs = {name.casefold(): spec for name, spec in _RESULTS.items()}
+    spec = specs.get(match[1].casefold()) if match else None
     if not match or spec is None:
         raise ValueError(f"'{wanted}' is no result table; there are {', '.join(_RESULTS)}.")
     columns = [f for f in spec.every_column if not match[2] or _is(f, match[2], spec)]
@@ -84,9 +83,8 @@ def _cell(traced_workbook: _Traced, wanted: str) -> Iterator[str]:
         if not table.data.has(row, column):
             continue
         header = table.columns[column - table.ref.left]
-        field = next(
-            (f for f in spec.workbook_columns if f.name.casefold() == header.casefold()), None
-        )
+        fields = {field.name.casefold(): field for field in spec.workbook_columns}
+        field = fields.get(header.casefold())
         if field is None:
             raise ValueError(
                 f"{wanted} is in a column of your own, {header}, of table {spec.name}."
@@ -127,17 +125,14 @@ class _Traced:
     def row_of(self, table: Table, spec: TableSpec, row: int) -> dict[str, Any]:
         """What a result row is about, by header; of its element the material too."""
         context = {}
-        for one in spec.columns:
-            if one.name in table.columns:
-                at = table.ref.left + table.column_index(one.name)
-                value = self.workbook.shown_value(table.sheet, cell_name(row, at))
-                if value not in (None, "") and not isinstance(value, ErrorValue):
-                    context[one.name] = f"{value:g}" if isinstance(value, float) else value
-        element = next(
-            (e for e in self.read.data.elements if e.element == context.get("Element")), None
-        )
-        if element is not None and element.material:
-            context["Material"] = element.material
+        for field in spec.columns:
+            at = table.columns_at.get(field.name.casefold())
+            value = self._value(table, at, row) if at else None
+            if value is not None and not isinstance(value, ErrorValue):
+                context[field.name] = f"{value:g}" if isinstance(value, float) else value
+        for element in self.read.data.elements:
+            if element.element == context.get("Element") and element.material:
+                context["Material"] = element.material
         if "Applied at" in context:
             context["Station"] = context["Applied at"]
         return context
@@ -145,11 +140,10 @@ class _Traced:
     def inputs(self, field: Field, context: Mapping[str, Any]) -> Iterator[str]:
         """Inputs of a result with their places and values; those of the row picked out."""
         assert field.trace is not None
-        for words, names in (
-            ("of the row", field.trace.of_row),
-            ("of the case", field.trace.of_case),
+        for words, names, known in (
+            ("of the row", field.trace.of_row, context),
+            ("of the case", field.trace.of_case, {}),
         ):
-            known = context if words == "of the row" else {}
             lines = [line for name in names for line in self._lines(name, known)]
             if lines:
                 yield f"  {words}:"
@@ -195,24 +189,18 @@ class _Traced:
         keys = [c for c in row_columns(name) if c in context and c in table.columns]
         if name == "Excitations":
             keys = ["Name"] if "Excitation" in context else []
-        spec = _RESULTS.get(name)
-        if spec is not None and not keys:
-            keys = [
-                c
-                for c in ("Element", "Mode", "Effect", "Plan")
-                if c in context and c in table.columns
-            ]
+        if name in _RESULTS and not keys:
+            ours = ("Element", "Mode", "Effect", "Plan")
+            keys = [c for c in ours if c in context and c in table.columns]
         if not keys:
             return list(rows) if not context or name not in _RESULTS else []
         wanted = {k: context["Excitation"] if k == "Name" else context[k] for k in keys}
-        found = []
-        for row in rows:
-            held = {
-                k: self._value(table, table.ref.left + table.column_index(k), row) for k in keys
-            }
-            if all(_words(held[k]) == _words(wanted[k]) for k in keys):
-                found.append(row)
-        return found
+        places = {k: table.ref.left + table.column_index(k) for k in keys}
+        return [
+            row
+            for row in rows
+            if all(_words(self._value(table, places[k], row)) == _words(wanted[k]) for k in keys)
+        ]
 
     def _value(self, table: Table, column: int, row: int) -> Any:
         value = self.workbook.shown_value(table.sheet, cell_name(row, column))
@@ -223,18 +211,16 @@ class _Traced:
         value = self._value(table, column, row)
         if value is None:
             return "blank"
-        unit = ""
+        if isinstance(value, ErrorValue):
+            return value.code
+        unit: Any = None
         spec = _RESULTS.get(table.name) or _INPUTS[table.name]
         header = table.columns[column - table.ref.left]
         fields = spec.workbook_columns if table.name in _RESULTS else spec.columns
         if any(f.name == header and f.has_unit for f in fields):
-            unit = str(
-                self.workbook.shown_value(table.sheet, cell_name(table.ref.top - 1, column)) or ""
-            )
-        if isinstance(value, ErrorValue):
-            return value.code
+            unit = self.workbook.shown_value(table.sheet, cell_name(table.ref.top - 1, column))
         number = f"{value:,.10g}" if isinstance(value, float) else str(value)
-        return f"{number} {'' if unit == '1' else unit}".rstrip()
+        return f"{number} {'' if unit == '1' else unit or ''}".rstrip()
 
 
 def _words(value: Any) -> str:

@@ -58,6 +58,11 @@ def _digests(verification: Verification) -> str:
     return f"SHA-256 {short_digest(verification.inputs)}, recorded is {short_digest(verification.recorded)}"
 
 
+def _finding(finding: Finding) -> dict[str, Any]:
+    keys = ("kind", "fails", "sheet", "cell", "table", "row", "column", "found", "expected")
+    return {key: storable(getattr(finding, key)) for key in keys} | {"message": in_words(finding)}
+
+
 def as_json(verification: Verification) -> dict[str, Any]:
     """A verification as a JSON object."""
     return {
@@ -76,28 +81,11 @@ def as_json(verification: Verification) -> dict[str, Any]:
             {
                 "table": one.table,
                 "sheet": one.sheet,
-                "equal_to_the_bit": one.of[Agreement.BITS],
-                "equal_in_the_digits_shown": one.of[Agreement.DIGITS],
-                "within_the_reported_error": one.of[Agreement.ERROR],
-                "different": one.of[Agreement.DIFFERENT],
+                **{AGREEMENTS[how].replace(" ", "_"): one.of[how] for how in Agreement},
                 "not_compared": one.not_compared,
             }
             for one in verification.counts
         ],
-        "findings": [
-            {
-                "kind": one.kind,
-                "fails": one.fails,
-                "sheet": one.sheet,
-                "cell": one.cell,
-                "table": one.table,
-                "row": one.row,
-                "column": one.column,
-                "found": storable(one.found),
-                "expected": storable(one.expected),
-                "message": in_words(one),
-            }
-            for one in verification.findings
-        ],
+        "findings": [_finding(finding) for finding in verification.findings],
         "errors": [problem.as_json() for problem in verification.problems],
     }
