@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeGuard
 
 from addin.diff.files import ComparedFile
+from addin.verify.compare import is_number
 
 #: A number in SI, words, a flag, or None for a blank.
 Value = None | bool | float | str
@@ -29,9 +30,9 @@ class Change:
     @property
     def difference(self) -> float | None:
         """Second minus first; None where either is no number. [SI]"""
-        if not (_is_number(self.before) and _is_number(self.after)):
+        if not (_is_finite(self.before) and _is_finite(self.after)):
             return None
-        difference = float(self.after) - float(self.before)  # type: ignore[arg-type]
+        difference = float(self.after) - float(self.before)
         return difference if math.isfinite(difference) else None
 
     @property
@@ -56,7 +57,7 @@ class Change:
         number, text or None
             Numbers converted, everything else as it is. [shown unit]
         """
-        return float(value) / self.factor if _is_number(value) else value  # type: ignore[arg-type]
+        return float(value) / self.factor if _is_finite(value) else value
 
 
 @dataclass(frozen=True)
@@ -116,13 +117,7 @@ class Differences:
             return True
         return bool(self.results) or any(not c.administrative for c in self.inputs or ())
 
-    def changed_verdicts(self) -> Iterator[VerdictChange]:
-        """Checks whose verdict is another one."""
-        return (one for one in self.verdicts if one.changed)
 
-
-def _is_number(value: object) -> bool:
+def _is_finite(value: object) -> TypeGuard[float]:
     """A number; what a damaged file states as NaN is none."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    return math.isfinite(value)
+    return is_number(value) and math.isfinite(value)

@@ -56,7 +56,6 @@ class RoundedNumber:
     """A number of table `Verdicts`, which a workbook shows in words with few digits."""
 
     number: float  #: It. [SI]
-    half_step: float  #: Half the last digit shown; 0 where all digits are there. [SI]
     words: str  #: As shown.
 
 
@@ -236,7 +235,7 @@ def _plain_row(name: str, row: Mapping[str, Any]) -> dict[str, Any]:
         for column in ("Result", "Limit"):
             value = plain.get(column)
             if isinstance(value, int | float) and not isinstance(value, bool):
-                plain[column] = RoundedNumber(float(value), 0.0, "")
+                plain[column] = RoundedNumber(float(value), "")
     for column in ("Allowable starts", "Paper count"):
         if name == "AllowableStarts" and plain.get(column) is None:
             # a row that does not say whether its starts are limited is of no whole start
@@ -252,25 +251,23 @@ def _with_judged(row: Mapping[str, Any]) -> dict[str, Any]:
     return dict(row) | {k: _judged(row[k]) for k in ("Result", "Limit") if k in row}
 
 
-_NUMBER_AND_UNIT = re.compile(r"(-?\d[\d,]*(?:\.(\d+))?(?:[eE][+-]?\d+)?)\s*(\S.*)?")
+_NUMBER_AND_UNIT = re.compile(r"(-?\d[\d,]*(?:\.\d+)?(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 _DIMENSIONS = ("fraction", "frequency", "pressure", "torque", "time", "speed")
 
 
 def _judged(shown: Any) -> Any:
     """A judged number out of words such as ``12.34 %``; words without one stay words."""
     if isinstance(shown, float):
-        return RoundedNumber(shown, 0.0, f"{shown:,.10g}")
+        return RoundedNumber(shown, f"{shown:,.10g}")
     match = _NUMBER_AND_UNIT.fullmatch(str(shown).strip())
     if match is None:
         return shown
-    text, decimals, unit = match.group(1), match.group(2) or "", match.group(3) or ""
-    number = float(text.replace(",", ""))
-    half = 0.5 * 10.0 ** -len(decimals)
+    number, unit = float(match[1].replace(",", "")), match[2] or ""
     for dimension in _DIMENSIONS if unit else ():
         try:
             scale = parse_unit(unit, dimension)
         except UnitError:
             continue
         if not scale.base:
-            return RoundedNumber(number * scale.factor, half * scale.factor, str(shown))
-    return shown if unit else RoundedNumber(number, half, str(shown))
+            return RoundedNumber(number * scale.factor, str(shown))
+    return shown if unit else RoundedNumber(number, str(shown))

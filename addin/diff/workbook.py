@@ -13,6 +13,7 @@ from addin.contract.tables import caption
 from addin.diff.changes import Change, Differences
 from addin.diff.files import ComparedFile
 from addin.diff.wording import in_words
+from addin.verify.compare import is_number
 
 _HEADERS = ("Table", "Row", "Quantity", "Unit", "A", "B", "B − A", "(B − A) / A", "What")
 _WIDTHS = (21, 36, 21, 10, 20, 20, 14, 11, 50)
@@ -204,14 +205,12 @@ def _change(page: Any, formats: _Formats, row: int, one: Change) -> None:
     if one.kind in ("row added", "row removed"):
         sentence = f"{sentence}: {before or after or ''}"
         before = after = None
-        for k in range(4, 8):
-            page.write_blank(row, k, None, formats.plain)
+        page.write_row(row, 4, [None] * 4, formats.plain)
     else:
         _numbers(page, formats, row, one)
     page.write_string(row, 8, sentence, words)
-    page.set_row(
-        row, _height(one.row, table, *(v for v in (before, after) if isinstance(v, str)), sentence)
-    )
+    words_shown = [value for value in (before, after) if isinstance(value, str)]
+    page.set_row(row, _height(one.row, table, *words_shown, sentence))
 
 
 def _numbers(page: Any, formats: _Formats, row: int, one: Change) -> None:
@@ -219,22 +218,15 @@ def _numbers(page: Any, formats: _Formats, row: int, one: Change) -> None:
     before, after = one.shown(one.before), one.shown(one.after)
     number = formats.number(before, after)
     for k, value, shown in ((4, one.before, before), (5, one.after, after)):
-        is_number = isinstance(shown, int | float) and not isinstance(shown, bool)
-        if is_number and math.isfinite(shown):  # type: ignore[arg-type]
+        if is_number(shown) and math.isfinite(shown):
             page.write_number(row, k, shown, number)
         else:
             style = formats.quiet if one.administrative else formats.text
             page.write_string(row, k, in_words(one, value), style)
-    difference, relative = one.difference, one.relative
-    if difference is None:
-        page.write_blank(row, 6, None, formats.plain)
-    else:
-        shown = one.shown(difference)
-        page.write_number(row, 6, shown, formats.number(shown))
-    if relative is None:
-        page.write_blank(row, 7, None, formats.plain)
-    else:
-        page.write_number(row, 7, relative, formats.percent)
+    difference, relative = one.shown(one.difference), one.relative
+    style = formats.plain if difference is None else formats.number(difference)
+    page.write(row, 6, difference, style)
+    page.write(row, 7, relative, formats.plain if relative is None else formats.percent)
 
 
 def _height(name: str, table: str, *words: str) -> float:

@@ -5,7 +5,7 @@ Text is plain text: both writers show it as it is, whatever signs it holds.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from addin.report.formula import Node
@@ -173,10 +173,3 @@ def numbered(sections: Sequence[Section]) -> tuple[Section, ...]:
         return replace(one, blocks=blocks, parts=parts, number=number)
 
     return tuple(section(one, str(k)) for k, one in enumerate(sections, start=1))
-
-
-def blocks_of(sections: Sequence[Section]) -> Iterator[Block]:
-    """Every block in reading order."""
-    for section in sections:
-        yield from section.blocks
-        yield from blocks_of(section.parts)

@@ -11,6 +11,7 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,12 +20,13 @@ from addin.contract.chart_tables import CHART_TABLES, GROUPS, HISTORIES
 from addin.contract.charts import CHARTS, ChartSpec, FirstCell, Label, Series, Words
 from addin.contract.palette import PALETTE, SPEED_GROUPS
 from addin.report.document import Figure
-from addin.report.numbers import clean, pretty_unit
+from addin.report.numbers import clean, pretty_unit, raised
 
 try:
     import matplotlib as mpl
     from matplotlib.figure import Figure as Drawing
     from matplotlib.patches import Patch
+    from matplotlib.ticker import NullFormatter
 except ImportError:  # `torsionbook report` says so before anything is calculated
     pass
 
@@ -47,34 +49,7 @@ _NAMED_STATIONS = 40
 #: Width of a line in a picture over that in the workbook, whose charts are larger. [1]
 _LINE = 0.7
 _COLOURS = tuple(PALETTE[c] for c in ("navy", "rust", "teal", "gold", "plum"))
-_STYLE: Mapping[str, Any] = {
-    "font.family": ["DejaVu Sans"],
-    "font.size": 7.0,
-    "text.parse_math": False,
-    "text.color": "#303030",
-    "axes.labelcolor": "#303030",
-    "axes.titlesize": 7.5,
-    "axes.titleweight": "bold",
-    "axes.titlecolor": PALETTE["navy"],
-    "axes.titlelocation": "left",
-    "axes.edgecolor": "#8C8C8C",
-    "axes.linewidth": 0.5,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.formatter.use_mathtext": False,
-    "grid.color": "#E3E3E3",
-    "grid.linewidth": 0.4,
-    "xtick.color": "#606060",
-    "ytick.color": "#606060",
-    "xtick.major.width": 0.5,
-    "ytick.major.width": 0.5,
-    "lines.linewidth": 1.0,
-    "legend.frameon": False,
-    "legend.fontsize": 6.5,
-    "svg.fonttype": "path",
-    "svg.hashsalt": "torsionbook",
-    "path.simplify": False,
-}
+_STYLE = Path(__file__).with_name("report.mplstyle")
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,11 +75,8 @@ class Charts:
         """
         columns = {}
         for table in CHART_TABLES:
-            rows = blocks[table.name]
-            columns[table.name] = {
-                name: list(values)
-                for name, values in zip(table.columns, zip(*rows, strict=True), strict=True)
-            }
+            values = (list(column) for column in zip(*blocks[table.name], strict=True))
+            columns[table.name] = dict(zip(table.columns, values, strict=True))
         labels = {str(key): clean(str(text or "")) for key, text in blocks["ChartLabels"]}
         return cls(columns, labels)
 
@@ -143,7 +115,7 @@ class Pictures:
         size = math.ceil(len(names) / count)
         lines = [range(k, min(k + size, len(names))) for k in range(0, len(names), size)]
         pictures = [lines[k : k + together] for k in range(0, len(lines), together)]
-        found = []
+        figures = []
         for part, some in enumerate(pictures, start=1):
             with _style():
                 drawing, axes = _new(len(some), height * len(some) + 5.0)
@@ -155,13 +127,8 @@ class Pictures:
                 self._speed_legend(drawing)
                 which = "" if len(pictures) == 1 else f", part {part} of {len(pictures)}"
                 which += "" if named else " (names are in the tables)"
-                found.append(
-                    self._picture(
-                        drawing,
-                        f"Train{which}: {CHARTS['train'].caption}",
-                    )
-                )
-        return found
+                figures.append(self._picture(drawing, f"Train{which}: {CHARTS['train'].caption}"))
+        return figures
 
     def _train_line(self, ax: Any, names: Sequence[str], items: range) -> None:
         columns = self.charts.columns["ChartTrain"]
@@ -184,10 +151,11 @@ class Pictures:
             side.set_visible(False)
 
     def _speed_legend(self, drawing: Drawing) -> None:
+        labels = (self.charts.labels[f"Speed group {k + 1}"] for k in range(GROUPS))
         groups = [
-            Patch(color=SPEED_GROUPS[k][0], label=self.charts.labels[f"Speed group {k + 1}"])
-            for k in range(GROUPS)
-            if self.charts.labels[f"Speed group {k + 1}"]
+            Patch(color=colours[0], label=label)
+            for colours, label in zip(SPEED_GROUPS, labels, strict=False)
+            if label
         ]
         if groups:
             drawing.legend(handles=groups, loc="outside upper left", ncols=len(groups))
@@ -256,11 +224,9 @@ class Pictures:
             x, y = self._points(series)
             if not x.size:
                 continue
-            if series.name_beside:
-                if spec.name != "interference":
-                    self._named_point(ax, series, (float(x[0]), float(y[0])), end)
-                continue
-            if series.values_beside:
+            if series.name_beside and spec.name != "interference":
+                self._named_point(ax, series, (float(x[0]), float(y[0])), end)
+            if series.name_beside or series.values_beside:
                 continue
             style = {
                 "color": PALETTE.get(series.colour, series.colour),
@@ -306,11 +272,8 @@ class Pictures:
     def shapes(self, rows: Sequence[Mapping[str, Any]]) -> Figure | None:
         """Twist of the stations in the first modes; `rows` of table ModeShapes."""
         spec = CHARTS["shapes"]
-        modes = [
-            (series, f"mode_{k}")
-            for k, series in enumerate(spec.series, start=1)
-            if f"mode_{k}" in (rows or [{}])[0]
-        ]
+        keys = {f"mode_{k}": series for k, series in enumerate(spec.series, start=1)}
+        modes = [(series, key) for key, series in keys.items() if rows and key in rows[0]]
         if not modes:
             return None
         names = [clean(str(row["station"])) for row in rows]
@@ -370,9 +333,9 @@ class Pictures:
                 groups.append([f])
         for group in groups:
             shown = [f"{f:.1f}" for f in group]
-            words = (
-                ", ".join(shown) if len(group) < 4 else f"{shown[0]} to {shown[-1]} ({len(group)})"
-            )
+            words = ", ".join(shown)
+            if len(group) > 3:
+                words = f"{shown[0]} to {shown[-1]} ({len(group)})"
             middle = sum(group) / len(group)
             ax.annotate(f"{words} Hz", (float(x[0]), middle), xytext=(4, 0), fontsize=6,
                         textcoords="offset points", va="center", color=PALETTE["navy"])  # fmt: skip
@@ -386,10 +349,10 @@ class Pictures:
         for start in range(0, len(drawn), together):
             some = drawn[start : start + together]
             titles = "; ".join(self._words(CHARTS[name].title) for name in some)
-            caption = f"Start against time: {titles}"
-            picture = self.panels(some, caption, titled=True, same_x=True)
-            pictures += [picture] if picture else []
-        return pictures
+            pictures.append(
+                self.panels(some, f"Start against time: {titles}", titled=True, same_x=True)
+            )
+        return [picture for picture in pictures if picture is not None]
 
     def reversal(self) -> Figure | None:
         """Torque around the deepest reversal: all of it, closely, and the forces then."""
@@ -424,11 +387,11 @@ class Pictures:
                     x, y, dash, color=_COLOURS[k % len(_COLOURS)], marker="o" if markers else "",
                     markersize=3, label=clean(name),
                 )  # fmt: skip
-            for axis, scale, wanted in (
+            for axis, scale, is_log in (
                 (ax.xaxis, ax.set_xscale, log_x),
                 (ax.yaxis, ax.set_yscale, log),
             ):
-                if wanted:
+                if is_log:
                     scale("log")
                     axis.set_major_formatter(_plain_number)
                     axis.set_minor_formatter(_some_plain_numbers)
@@ -487,7 +450,9 @@ _HALO = {"boxstyle": "square,pad=0.12", "facecolor": "white", "edgecolor": "none
 
 def _style() -> Any:
     """Settings of this module, whatever the user's own are."""
-    settings: Any = dict(mpl.rcParamsDefault) | dict(_STYLE) | {"backend": "agg"}
+    own = {"axes.titlecolor": PALETTE["navy"], "backend": "agg"}
+    style = dict(mpl.rc_params_from_file(_STYLE, use_default_template=False))
+    settings: Any = dict(mpl.rcParamsDefault) | style | own
     return mpl.rc_context(settings)
 
 
@@ -528,11 +493,8 @@ def _axis(words: str) -> str:
     return f"{head}[{pretty_unit(unit.rstrip(']'))}]" if bracket else words
 
 
-_UP = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-
-
 def _power_of_ten(value: float, _: Any = None) -> str:
-    return f"10{str(round(math.log10(value))).translate(_UP)}" if value > 0.0 else ""
+    return f"10{raised(round(math.log10(value)))}" if value > 0.0 else ""
 
 
 def _plain_number(value: float, _: Any = None) -> str:
@@ -558,11 +520,7 @@ def _log_numbers(axis: Any, number: str) -> None:
         axis.set_minor_formatter(_some_plain_numbers if high > 12.0 * low else _plain_number)
     else:
         axis.set_major_formatter(_decimal)
-        axis.set_minor_formatter(_some_decimals if high < 300.0 * low else _no_number)
-
-
-def _no_number(value: float, _: Any = None) -> str:
-    return ""
+        axis.set_minor_formatter(_some_decimals if high < 300.0 * low else NullFormatter())
 
 
 def _some_plain_numbers(value: float, _: Any = None) -> str:

@@ -47,26 +47,6 @@ def fence(body: str | Node, around: str = "()") -> Node:
     return ("fence", around[0], formula(body), around[1])
 
 
-def text_of(node: Node) -> str:
-    """A formula in one line of plain text."""
-    kind, *rest = node
-    if kind == "row":
-        return " ".join(text_of(one) for one in rest)
-    if kind == "fraction":
-        return f"({text_of(rest[0])})/({text_of(rest[1])})"
-    if kind == "root":
-        return f"√({text_of(rest[0])})"
-    if kind == "fence":
-        return f"{rest[0]}{text_of(rest[1])}{rest[2]}"
-    if kind == "accent":
-        return text_of(rest[0]) + "'" * rest[1]
-    if kind == "script":
-        base, sub, sup = rest
-        below = f"_{text_of(sub)}" if sub else ""
-        return text_of(base) + below + (f"^{text_of(sup)}" if sup else "")
-    return str(rest[0])
-
-
 def _word(word: str) -> Node:
     if word in _RELATIONS:
         return ("operator", word, "relation")

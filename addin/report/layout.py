@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import takewhile
+from itertools import chain, takewhile
 
 from addin.report.document import Block, Column, Paragraph, Section, Table
 
@@ -58,9 +58,8 @@ def column_widths(table: Table, total: float = TEXT_WIDTH) -> list[float]:
         return [width * total / sum(least) for width in least]
     # long texts get more, but not in proportion: a sentence ten times longer may take ten lines
     wish = [math.sqrt(max(n - m, 0.0)) for n, m in zip(natural, least, strict=True)]
-    given = [
-        min(m + spare * w / sum(wish), n) for m, w, n in zip(least, wish, natural, strict=True)
-    ]
+    shares = zip(least, wish, natural, strict=True)
+    given = [min(m + spare * w / sum(wish), n) for m, w, n in shares]
     rest = total - sum(given)
     longest = max(range(len(given)), key=lambda k: natural[k] - given[k])
     given[longest] += max(rest, 0.0)
@@ -112,9 +111,7 @@ def _has_words(table: Table, k: int) -> bool:
 def _header(column: Column) -> int:
     words = column.header.split()
     half = math.ceil(len(column.header) / 2)
-    return max(
-        [half if len(words) > 1 else len(column.header), *(len(w) for w in words)], default=0
-    )
+    return max(half if len(words) > 1 else len(column.header), *map(len, words), 0)
 
 
 def _mm(characters: int) -> float:
@@ -202,16 +199,9 @@ def folded(table: Table, total: float = TEXT_WIDTH) -> list[Table]:
     for n, rows in enumerate(pieces, start=1):
         height = math.ceil(len(rows) / beside)
         blank = ("",) * len(table.columns)
-        lines = []
-        for line in range(height):
-            cells: list[str] = []
-            for k in range(beside):
-                at = line + k * height
-                cells += [*([""] if k else []), *(rows[at] if at < len(rows) else blank)]
-            lines.append(tuple(cells))
-        columns = list(table.columns)
-        for _ in range(beside - 1):
-            columns += [Column("", "", "gap"), *table.columns]
+        padded = [("", *row) for row in (*rows, *[blank] * (height * beside - len(rows)))]
+        lines = [tuple(chain(*padded[line::height]))[1:] for line in range(height)]
+        columns = ([Column("", "", "gap"), *table.columns] * beside)[1:]
         caption = table.caption if len(pieces) == 1 else f"{table.caption} ({n} of {len(pieces)})"
         note = table.note if n == len(pieces) else ""
         tables.append(Table(caption, tuple(columns), tuple(lines), note, together=True))

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from addin.calculation.calculation import Calculation
 from addin.contract.digests import short_digest
 from addin.contract.problems import CellProblem
-from addin.diff.changes import Differences
 from addin.diff.compare import compare_read_files
 from addin.diff.files import CannotBeCompared, compared_file, read_compared_file, with_studies
 from addin.reading.one_file import Unreadable, read_checked
@@ -75,10 +73,13 @@ def report(
     differences = None
     if against is not None:
         tell(f"comparing with {against.name}")
+        units, origin = document_units(read).units, "calculated now, for this document"
         try:
-            differences = _compared(against, source, read, calculation)
+            earlier = read_compared_file(against, recalculate=True)
         except CannotBeCompared as error:
             return Reported(error.problems, (), (), against)
+        now = with_studies(compared_file(source, read, calculation, units, origin), read)
+        differences = compare_read_files(earlier, now)
     tell("drawing")
     alerts = stored_results(read, calculation.case_sha256)
     document = build_document(
@@ -92,27 +93,14 @@ def report(
         show_times=not os.environ.get("SOURCE_DATE_EPOCH"),
         against=differences,
     )
-    made: list[tuple[Path, bytes]] = []
-    if pdf is not None:
-        tell("setting the PDF")
-        made.append((pdf, pdf_of(document)))
-    if docx is not None:
-        tell("setting the DOCX")
-        made.append((docx, docx_of(document)))
-    for path, content in made:
-        write_whole(path, partial(Path.write_bytes, data=content))
-    return Reported((), (*calculation.warnings, *alerts), tuple(path for path, _ in made))
-
-
-def _compared(
-    against: Path, source: Path, read: CaseInput, calculation: Calculation
-) -> Differences:
-    """An earlier revision, calculated again by this version, and this calculation."""
-    units = document_units(read).units
-    now = compared_file(source, read, calculation, units, "calculated now, for this document")
-    return compare_read_files(
-        read_compared_file(against, recalculate=True), with_studies(now, read)
-    )
+    made: dict[Path, bytes] = {}
+    for form, path, content in (("PDF", pdf, pdf_of), ("DOCX", docx, docx_of)):
+        if path is not None:
+            tell(f"setting the {form}")
+            made[path] = content(document)
+    for path, data in made.items():
+        write_whole(path, partial(Path.write_bytes, data=data))
+    return Reported((), (*calculation.warnings, *alerts), tuple(made))
 
 
 def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:

@@ -43,7 +43,7 @@ def engineering(value: float, digits: int = 4) -> str:
     power = 3 * math.floor(math.log10(abs(rounded)) / 3.0 + 1e-12) if rounded else 0
     mantissa = rounded / 10.0**power
     before = len(str(int(abs(mantissa))))
-    return f"{_signed(f'{mantissa:.{max(digits - before, 0)}f}')}×10{str(power).translate(_UP)}"
+    return f"{_signed(f'{mantissa:.{max(digits - before, 0)}f}')}×10{raised(power)}"
 
 
 def significant(value: float, digits: int = 4) -> str:
@@ -60,6 +60,11 @@ def significant(value: float, digits: int = 4) -> str:
 def fixed(value: float, decimals: int) -> str:
     """A number with so many decimals."""
     return _signed(f"{value:,.{decimals}f}")
+
+
+def raised(power: int) -> str:
+    """A whole number as an exponent."""
+    return str(power).translate(_UP)
 
 
 def _signed(text: str) -> str:
@@ -79,7 +84,7 @@ def typed(value: float, digits: int = 10) -> str:
         grouped = f"{int(whole):,}" + (f".{rest}" if rest else "")
         return _signed(("-" if value < 0.0 else "") + grouped)
     mantissa, _, power = text.partition("e")
-    return f"{_signed(mantissa)}×10{str(int(power)).translate(_UP)}"
+    return f"{_signed(mantissa)}×10{raised(int(power))}"
 
 
 def of_dimension(value: float, name: str, dimension: str, unit: str = "") -> str:
@@ -157,7 +162,7 @@ def _fraction(value: float) -> str:
 def scientific(value: float, decimals: int = 3) -> str:
     """A number with a power of ten."""
     mantissa, _, power = f"{value:.{decimals}e}".partition("e")
-    return f"{_signed(mantissa)}×10{str(int(power)).translate(_UP)}"
+    return f"{_signed(mantissa)}×10{raised(int(power))}"
 
 
 def pretty_unit(unit: str) -> str:

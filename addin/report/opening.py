@@ -95,12 +95,11 @@ def signatures(subject: Subject) -> SignatureBox:
 
 def _earlier(differences: Differences) -> list[tuple[str, ...]]:
     """The line of the revision compared with; its date is not known here."""
-    before = differences.first.data
+    first = differences.first
+    before = first.data
     if before is None:
         return []
-    sentence = (
-        f"{clean(differences.first.source.name)}, inputs {short_digest(differences.first.digest)}"
-    )
+    sentence = f"{clean(first.source.name)}, inputs {short_digest(first.digest)}"
     words = (before.revision, "", sentence, before.prepared_by, before.checked_by, "")
     return [tuple(shortened(clean(str(one or "")), 100) for one in words)]
 
@@ -147,13 +146,14 @@ def summary(subject: Subject) -> Section:
 
 def conclusions(subject: Subject) -> Iterator[str]:
     """What follows from the verdicts: where the train could be changed, what to enter, what to measure."""
-    verdicts = [row for row in subject.rows("Verdicts") if row["check"] != "Overall"]
-    failing = [
-        str(row["check"])
-        for row in verdicts
-        if row["verdict"] in (Judgement.FAIL, Judgement.UNBOUNDED)
-    ]
-    open_checks = [str(row["check"]) for row in verdicts if row["verdict"] == Judgement.NOT_JUDGED]
+    verdicts = {
+        str(row["check"]): row["verdict"]
+        for row in subject.rows("Verdicts")
+        if row["check"] != "Overall"
+    }
+    bad = (Judgement.FAIL, Judgement.UNBOUNDED)
+    failing = [check for check, verdict in verdicts.items() if verdict in bad]
+    open_checks = [check for check, v in verdicts.items() if v == Judgement.NOT_JUDGED]
     if failing:
         yield f"Not accepted in this form: {', '.join(failing)}."
     elif len(open_checks) < len(verdicts):
@@ -167,9 +167,8 @@ def conclusions(subject: Subject) -> Iterator[str]:
     for mode in near:
         yield _where_to_act(subject, mode)
     if near:
-        shafts = dict.fromkeys(
-            clean(str(_mode(subject, mode)["largest_strain_energy"])) for mode in near
-        )
+        energies = (_mode(subject, mode)["largest_strain_energy"] for mode in near)
+        shafts = dict.fromkeys(clean(str(energy)) for energy in energies)
         modes = ", ".join(str(mode) for mode in near)
         yield (
             f"Field test: confirm the frequency of mode{'s' if len(near) > 1 else ''} {modes} and the "
@@ -221,11 +220,9 @@ def _key_figures(subject: Subject) -> Iterator[tuple[str, str]]:
         yield "Lowest natural frequencies", f"{first} {subject.unit(*place)}"
     worst = results.margins.worst
     if worst is not None:
-        yield (
-            "Least separation margin",
-            f"{fixed(100.0 * worst.margin, 2)} % (mode {worst.mode} against "
-            f"{clean(worst.excitation)}; {fixed(100.0 * worst.required, 0)} % required)",
-        )
+        margin, required = fixed(100.0 * worst.margin, 2), fixed(100.0 * worst.required, 0)
+        against = f"mode {worst.mode} against {clean(worst.excitation)}"
+        yield "Least separation margin", f"{margin} % ({against}; {required} % required)"
     if subject.calculation.startup is None:
         yield "Start", "not calculated: the inputs hold no motor torque and no torque against time"
         return

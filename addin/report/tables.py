@@ -55,43 +55,30 @@ def input_table(
     """
     first, *others = table(name).columns
     chosen = [first, *(field for field in others if not columns or field.name in columns)]
-    typed = _typed_table(chosen, rows, shown, caption)
-    stated = tuple(row for row in typed.rows if any(row[1:]))
+    heads, texts = [], []
+    for field in chosen:
+        cells = [entry_text(row.get(field.name), field, shown) for row in rows]
+        # one unit a column where all its numbers share it, else a unit in each cell
+        units = {unit for text, unit in cells if text}
+        common = units.pop() if len(units) == 1 else ""
+        heads.append(_column(field, common))
+        texts.append([text if common else f"{text} {unit}".strip() for text, unit in cells])
+    lines = tuple(zip(*texts, strict=True))
+    stated = tuple(line for line in lines if any(line[1:]))
     if not stated:
         return None
-    return without_blanks(replace(typed, rows=stated if columns else typed.rows))
-
-
-def _typed_table(
-    columns: Sequence[Field],
-    rows: Sequence[Mapping[str, Entry]],
-    shown: DocumentUnits,
-    caption: str,
-) -> Table:
-    """One unit a column where all its numbers share it, else a unit in each cell."""
-    cells = [
-        [entry_text(row.get(column.name), column, shown) for column in columns] for row in rows
-    ]
-    heads, texts = [], []
-    for k, column in enumerate(columns):
-        units = {unit for row in cells for text, unit in [row[k]] if text}
-        common = units.pop() if len(units) == 1 else ""
-        heads.append(_column(column, common))
-        texts.append(
-            [text if common else f"{text} {unit}".strip() for text, unit in (r[k] for r in cells)]
-        )
-    return Table(caption, tuple(heads), tuple(zip(*texts, strict=True)))
+    return without_blanks(Table(caption, tuple(heads), stated if columns else lines))
 
 
 def _column(field: Field, unit: str) -> Column:
-    header = field.header
+    kind = "number" if field.is_number else "text"
     if field.name == "Percent speed":
         unit = f"{unit} of sync."
     if field.name == "Verdict":
-        return Column(header, unit, "verdict")
-    if field.is_sentence:
-        return Column(header, unit, "sentence")
-    return Column(header, unit, "number" if field.is_number else "text")
+        kind = "verdict"
+    elif field.is_sentence:
+        kind = "sentence"
+    return Column(field.header, unit, kind)
 
 
 def result_table(

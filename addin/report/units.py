@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain
 
-from addin.contract import tables as fields
 from addin.contract.problems import shortened
 from addin.contract.shown_units import ShownUnits, shown_units, template_units
-from addin.contract.tables import Field
+from addin.contract.tables import EVERY_TABLE, Field
 from addin.contract.units import parse_unit
 from addin.reading.typed_case import CaseInput, Entry, Typed
 from addin.reading.workbook import WorkbookInput
@@ -22,13 +22,6 @@ from addin.writing.workbook import read_shown_units
 
 #: Digits of an input that was converted to another unit: as good as the factor of its unit.
 _CONVERTED_DIGITS = 7
-#: Tables that a document may show.
-_TABLES = (
-    *fields.INPUT_TABLES,
-    *fields.RESULT_TABLES,
-    *fields.WORKBOOK_TABLES,
-    *fields.STUDY_RESULT_TABLES,
-)
 #: Longest text of a cell. [characters]
 _LONGEST = 1000
 
@@ -71,16 +64,17 @@ def document_units(read: CaseInput) -> DocumentUnits:
     """Units of a document about an input."""
     rated = read.data.ratings.rated_torque
     if isinstance(read, WorkbookInput):
-        found, problems = read_shown_units(read.workbook, rated)
-        system = _system(found.names.values())
-        usual = template_units(
-            system, _TABLES
-        )  # a cell above a column without a unit holds other words
-        names = usual | {k: v for k, v in found.names.items() if v and k in usual}
+        stated, problems = read_shown_units(read.workbook, rated)
+        system = _system(stated.names.values())
+        usual = template_units(system, EVERY_TABLE)
+        # a cell above a column without a unit holds other words
+        names = usual | {k: v for k, v in stated.names.items() if v and k in usual}
         units, _ = shown_units(names, rated)
         return DocumentUnits(units, system, True, tuple(problems))
-    system = _system(entry.unit for entry in _entries(read) if isinstance(entry, Typed))
-    units, _ = shown_units(template_units(system, _TABLES), rated)
+    rows = (row for table in read.typed.tables.values() for row in table)
+    entries = chain.from_iterable(row.values() for row in (read.typed.scalars, *rows))
+    system = _system(entry.unit for entry in entries if isinstance(entry, Typed))
+    units, _ = shown_units(template_units(system, EVERY_TABLE), rated)
     return DocumentUnits(units, system, False, ())
 
 
@@ -125,10 +119,3 @@ def _system(units: Iterable[str]) -> str:
         elif parts & {"kg", "N", "kN", "Pa", "MPa", "GPa", "mm", "m", "kW", "MW", "W"}:
             us[False] += 1
     return "US" if us[True] > us[False] else "SI"
-
-
-def _entries(read: CaseInput) -> Iterable[Entry]:
-    yield from read.typed.scalars.values()
-    for rows in read.typed.tables.values():
-        for row in rows:
-            yield from row.values()

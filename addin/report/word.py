@@ -116,14 +116,13 @@ class _Writer:
         _font(normal, _TEXT_FONT, 10.0)
         normal.paragraph_format.space_after = Pt(5)
         normal.paragraph_format.line_spacing = 1.08
-        for level, size in ((1, 15.0), (2, 12.0)):
+        for level, size, before, after in ((1, 15.0, 22, 7), (2, 12.0, 14, 5)):
             style = self.file.styles[f"Heading {level}"]
             _font(style, _TABLE_FONT, size, _NAVY, bold=True)
-            style.paragraph_format.space_before = Pt(22 if level == 1 else 14)
-            style.paragraph_format.space_after = Pt(7 if level == 1 else 5)
-            style.paragraph_format.keep_with_next = True
-            if level == 1:
-                _border(style.element.get_or_add_pPr(), "bottom", _NAVY, 8)
+            shape = style.paragraph_format
+            shape.space_before, shape.space_after = Pt(before), Pt(after)
+            shape.keep_with_next = True
+        _border(self.file.styles["Heading 1"].element.get_or_add_pPr(), "bottom", _NAVY, 8)
         for name, font, size, colour, after in (
             ("Report caption", _TEXT_FONT, 9.0, _INK, 4.0),
             ("Report note", _TEXT_FONT, 8.5, _GREY, 10.0),
@@ -176,14 +175,13 @@ class _Writer:
             _run(box._parent.add_paragraph(), cover.subtitle, 12.0, "FFFFFF", font=_TABLE_FONT)
         self._gap(6.0)
         self.facts(cover.facts, 46.0)
-        tone = tone_of(cover.verdict) or "open"
-        ink, ground = _TONES[tone]
+        ink, ground = _TONES[tone_of(cover.verdict) or "open"]
         box = self._box(ground, ink, 2.5)
         _run(box, f"Overall verdict: {cover.verdict}", 13.0, ink, bold=True, font=_TABLE_FONT)
         _run(box._parent.add_paragraph(), cover.sentence, 9.5, ink)
         for alert in cover.alerts:
             self._gap(4.0)
-            _run(self._box(_TONES["bad"][1], _TONES["bad"][0], 2.0), alert, 9.5, _TONES["bad"][0])
+            self._alert(alert, 9.5)
         self._gap(48.0)
         _run(self._paragraph("Report cell"), "Revisions", 9.0, _NAVY, bold=True)
         self._cells(cover.revisions)
@@ -255,21 +253,25 @@ class _Writer:
 
     def _sentences(self, block: Paragraph) -> Any:
         if block.kind == "alert":
-            paragraph = self._box(_TONES["bad"][1], _TONES["bad"][0], 2.0)
-            _run(paragraph, block.text, 10.0, _TONES["bad"][0])
-            return paragraph
+            return self._alert(block.text, 10.0)
         paragraph = self._paragraph("Report note" if block.kind == "note" else "Normal")
         paragraph.add_run(block.text)
         if block.kind == "lead":
             _border(paragraph._p.get_or_add_pPr(), "left", _NAVY, 14, 6)
         return paragraph
 
+    def _alert(self, text: str, size: float) -> Any:
+        ink, ground = _TONES["bad"]
+        paragraph = self._box(ground, ink, 2.0)
+        _run(paragraph, text, size, ink)
+        return paragraph
+
     def _caption(self, kind: str, number: int, words: str, *, above: bool) -> None:
         paragraph = self._paragraph("Report caption")
-        paragraph.paragraph_format.keep_with_next = above
+        shape = paragraph.paragraph_format
+        shape.keep_with_next = above
         if not above:
-            paragraph.paragraph_format.space_before = Pt(2)
-            paragraph.paragraph_format.space_after = Pt(12)
+            shape.space_before, shape.space_after = Pt(2), Pt(12)
         _run(paragraph, f"{kind} {number}  ", 9.0, _NAVY, bold=True)
         paragraph.add_run(words)
 
@@ -371,12 +373,11 @@ class _Writer:
 
     def _figure(self, figure: Figure) -> None:
         paragraph = self.file.add_paragraph()
-        paragraph.paragraph_format.keep_with_next = True
-        paragraph.paragraph_format.space_before = Pt(6)
-        paragraph.paragraph_format.space_after = Pt(2)
-        picture = paragraph.add_run().add_picture(
-            io.BytesIO(figure.png), width=Mm(figure.width - 1.0)
-        )
+        shape = paragraph.paragraph_format
+        shape.keep_with_next = True
+        shape.space_before, shape.space_after = Pt(6), Pt(2)
+        pixels, width = io.BytesIO(figure.png), Mm(figure.width - 1.0)
+        picture = paragraph.add_run().add_picture(pixels, width=width)
         picture._inline.docPr.set("descr", figure.caption)
         picture._inline.docPr.set("name", f"Figure {figure.number}")
         self._caption("Figure", figure.number, figure.caption, above=False)

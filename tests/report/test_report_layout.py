@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -10,12 +12,12 @@ from addin.charts.data import chart_blocks
 from addin.contract.shown_units import shown_units, template_units
 from addin.contract.tables import RESULT_TABLES
 from addin.report.document import (
+    Block,
     Column,
     Figure,
     Paragraph,
     Section,
     Table,
-    blocks_of,
     numbered,
 )
 from addin.report.figures import WIDTH, Charts, Pictures
@@ -31,6 +33,13 @@ from engine.case.data import CaseData, ElementRow, StationRow
 
 KINDS = st.sampled_from(["text", "number", "sentence", "verdict"])
 WORDS = st.text(alphabet="abcxyz_-. 0123456789", max_size=60)
+
+
+def blocks_of(sections: Sequence[Section]) -> Iterator[Block]:
+    """Every block in reading order."""
+    for section in sections:
+        yield from section.blocks
+        yield from blocks_of(section.parts)
 
 
 @st.composite

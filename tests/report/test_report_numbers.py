@@ -12,9 +12,29 @@ from hypothesis import strategies as st
 from addin.calculation.audit import EQUATIONS as AUDITED
 from addin.report import numbers
 from addin.report.equations import EQUATIONS, METHODS, by
-from addin.report.formula import formula, frac, text_of
+from addin.report.formula import Node, formula, frac
 
 UP = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+
+
+def text_of(node: Node) -> str:
+    """A formula in one line of plain text."""
+    kind, *rest = node
+    if kind == "row":
+        return " ".join(text_of(one) for one in rest)
+    if kind == "fraction":
+        return f"({text_of(rest[0])})/({text_of(rest[1])})"
+    if kind == "root":
+        return f"√({text_of(rest[0])})"
+    if kind == "fence":
+        return f"{rest[0]}{text_of(rest[1])}{rest[2]}"
+    if kind == "accent":
+        return text_of(rest[0]) + "'" * rest[1]
+    if kind == "script":
+        base, sub, sup = rest
+        below = f"_{text_of(sub)}" if sub else ""
+        return text_of(base) + below + (f"^{text_of(sup)}" if sup else "")
+    return str(rest[0])
 
 
 def value_of(shown: str) -> float:
