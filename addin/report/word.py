@@ -116,7 +116,7 @@ class _Writer:
         _font(normal, _TEXT_FONT, 10.0)
         normal.paragraph_format.space_after = Pt(5)
         normal.paragraph_format.line_spacing = 1.08
-        for level, size, before, after in ((1, 15.0, 22, 7), (2, 12.0, 14, 5)):
+        for level, size, before, after in ((1, 15.0, 22.0, 7.0), (2, 12.0, 14.0, 5.0)):
             style = self.file.styles[f"Heading {level}"]
             _font(style, _TABLE_FONT, size, _NAVY, bold=True)
             shape = style.paragraph_format

@@ -57,36 +57,30 @@ class OwnFormula:
 
 def own_formulas(workbook: Workbook) -> list[OwnFormula]:
     """Live formulas of ours in the cells where they belong, whatever stands there."""
-    found: list[OwnFormula] = []
+    formulas: list[OwnFormula] = []
     for spec in (*RESULT_TABLES, *WORKBOOK_TABLES):
         table = workbook.tables.get(spec.name)
-        for field in spec.extra_columns if table is not None else ():
-            assert table is not None
-            if field.name.casefold() in {name.casefold() for name in table.columns}:
-                found += _of_column(workbook, table, spec.columns[0].name, field)
+        if table is not None:
+            for field in spec.extra_columns:
+                formulas += _of_column(workbook, table, spec.columns[0].name, field)
     name = workbook.defined_names.get("OverallVerdict")
     if name is not None and name.sheet is not None and name.rect is not None:
-        found.append(
-            OwnFormula(name.sheet, name.rect.top, name.rect.left, OVERALL, "overall verdict")
-        )
-    for sheet, formulas in _labelled(workbook):
-        found += _beside_labels(workbook, sheet, formulas)
-    return [*found, *_lines(workbook)]
+        place = (name.sheet, name.rect.top, name.rect.left)
+        formulas.append(OwnFormula(*place, OVERALL, "overall verdict"))
+    for sheet, beside in _labelled(workbook):
+        formulas += _beside_labels(workbook, sheet, beside)
+    return [*formulas, *_lines(workbook)]
 
 
 def _of_column(workbook: Workbook, table: Table, first: str, column: Field) -> Iterator[OwnFormula]:
     """The live column of a result table: a formula in every row that holds a result."""
-    at = table.ref.left + table.column_index(column.name)
-    named = [
-        table.ref.left + k for k, c in enumerate(table.columns) if c.casefold() == first.casefold()
-    ]
-    for row in range(table.data.top, table.data.bottom + 1):
-        if named and workbook.shown_value(table.sheet, cell_name(row, named[0])) is None:
+    part = workbook.sheet_part(table.sheet)
+    at, named = (table.columns_at.get(name.casefold()) for name in (column.name, first))
+    for row in range(table.data.top, table.data.bottom + 1) if at else ():
+        if named and part.constant(row, named) is None:
             continue
-        yield OwnFormula(
-            table.sheet, row, at, column.formula, f"live column {column.name}",
-            table.name, column.name,
-        )  # fmt: skip
+        what = f"live column {column.name}"
+        yield OwnFormula(table.sheet, row, at, column.formula, what, table.name, column.name)  # type: ignore[arg-type]
 
 
 def summary_sheet(workbook: Workbook) -> str | None:
@@ -205,34 +199,29 @@ def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
         titles = {plain(label) for _, _, _, label, _ in TITLE_BLOCK}
         columns = {c for _, c, words in _words_of(workbook, summary) if words in titles}
         if name.sheet != summary or (columns and name.rect.left not in columns):
-            yield Finding(
-                "edited", name.sheet, at,
+            sentence = (
                 "the name OverallVerdict leads here, not to the verdict below the title block of "
-                f"sheet {summary}",
-            )  # fmt: skip
+                f"sheet {summary}"
+            )
+            yield Finding("edited", name.sheet, at, sentence)
     specs = {spec.name for spec in (*RESULT_TABLES, *WORKBOOK_TABLES, *INPUT_TABLES)}
     ours = {table.sheet for table in workbook.tables.values() if table.name in specs}
-    for sheet in workbook.sheet_names:
-        if sheet not in ours:
-            continue
+    for sheet in (sheet for sheet in workbook.sheet_names if sheet in ours):
         part = workbook.sheet_part(sheet)
+        areas = [table.ref for table in workbook.tables.values() if table.sheet == sheet]
         for row, column in part.filled_cells(_LABELS):
             shown, held = part.constant(row, column), part.value(row, column)
             if not isinstance(shown, str) or not _VERDICT.fullmatch(shown.strip()):
                 continue
-            if (row, column) in part.formulas and not (
-                isinstance(held, Formula) and reads_nothing(workbook, held.text)
-            ):
+            is_constant = isinstance(held, Formula) and reads_nothing(workbook, held.text)
+            if (row, column) in part.formulas and not is_constant:
                 continue
-            if any(t.sheet == sheet and t.ref.has(row, column) for t in workbook.tables.values()):
+            if any(area.has(row, column) for area in areas):
                 continue
             if name and (name.sheet, name.rect) == (sheet, Rect(row, column, row, column)):
                 continue  # told as a formula typed over
-            yield Finding(
-                "edited", sheet, cell_name(row, column),
-                f"'{shortened(shown, 60)}' stands here as a verdict, and no formula gives it",
-                found=shown,
-            )  # fmt: skip
+            sentence = f"'{shortened(shown, 60)}' stands here as a verdict, and no formula gives it"
+            yield Finding("edited", sheet, cell_name(row, column), sentence, found=shown)
 
 
 def _replaced(workbook: Workbook, own: OwnFormula) -> Finding:

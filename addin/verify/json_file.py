@@ -13,7 +13,7 @@ from addin.contract.version import product_version
 from addin.reading.typed_case import CaseInput
 from addin.recorded.provenance import json_provenance, rows_of
 from addin.verify.allowances import Allowances
-from addin.verify.compare import RecordedValue, agreement
+from addin.verify.compare import RecordedValue, agreement, is_number
 from addin.verify.findings import (
     Agreement,
     Counts,
@@ -22,7 +22,7 @@ from addin.verify.findings import (
     concluded,
     not_calculated,
 )
-from addin.verify.tables import ExpectedTable, RecordedTable, compare_tables
+from addin.verify.tables import TablePair, compare_tables
 from addin.writing.recalculate import recalculate_case
 from addin.writing.results_json import results_to_json
 from engine.case.data import case_digest
@@ -78,10 +78,8 @@ def header_rows(spec: TableSpec, rows: Any) -> list[dict[str, Any]]:
     headers = {field.key: field.name for field in spec.columns}
     if spec.repeated is not None:
         head = f"{spec.repeated.key}_"
-        for row in rows:
-            for key in row:
-                if key.startswith(head):
-                    headers[key] = f"{spec.repeated.name} {key.removeprefix(head)}"
+        keys = {key for row in rows for key in row if key.startswith(head)}
+        headers |= {key: f"{spec.repeated.name} {key.removeprefix(head)}" for key in keys}
     return [{headers.get(key, key): value for key, value in row.items()} for row in rows]
 
 
@@ -154,17 +152,15 @@ def _on_digests(about: Verification, of_audit_table: str) -> Iterator[Finding]:
         yield Finding("digest", "", "audit", "case_sha256 and table Audit name different inputs")
 
 
-def _table_pairs(
-    content: Mapping[str, Any], expected: Mapping[str, Any]
-) -> Iterator[tuple[ExpectedTable, RecordedTable]]:
+def _table_pairs(content: Mapping[str, Any], expected: Mapping[str, Any]) -> Iterator[TablePair]:
     for spec in RESULT_TABLES:
         if spec.key not in expected or spec.key not in content:
             continue
         follows = header_rows(spec, expected[spec.key])
         stands = header_rows(spec, rows_of(content, spec.name))
         columns = tuple(dict.fromkeys(column for row in (*follows, *stands) for column in row))
-        keys = {field.name: field.key for field in spec.columns}
-        keys = {column: keys.get(column, json_key(column)) for column in columns}
+        keys = {column: json_key(column) for column in columns}
+        keys |= {field.name: field.key for field in spec.columns if field.name in keys}
         rows = [
             {
                 column: RecordedValue(row.get(column), f"{spec.key}[{k}].{key}")
@@ -172,7 +168,7 @@ def _table_pairs(
             }
             for k, row in enumerate(stands)
         ]
-        yield ExpectedTable(spec.name, follows, columns), RecordedTable("", rows)
+        yield TablePair(spec.name, "", columns, follows, rows)
 
 
 def _nested(
@@ -192,8 +188,7 @@ def _nested(
             there, follows = (values[k] if k < len(values) else None for values in (others, many))
             yield from _nested(f"{path}[{k}]", there, follows, allowed, counts)
         return
-    is_number = isinstance(expected, int | float) and not isinstance(expected, bool)
-    share = allowed * abs(expected) if allowed and is_number else allowed
+    share = allowed * abs(expected) if allowed and is_number(expected) else allowed
     how = agreement(RecordedValue(found, path), expected, share)
     counts.of[how] += 1
     if how is not Agreement.BITS:

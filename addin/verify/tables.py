@@ -29,20 +29,15 @@ _REPRODUCED = 0.9
 
 
 @dataclass(frozen=True)
-class ExpectedTable:
-    """A table as it would be written."""
+class TablePair:
+    """A table as it stands beside the same as it would be written."""
 
     name: str  #: Result table.
-    rows: Sequence[Mapping[str, Any]]  #: Values by header; a blank is None or absent. [shown units]
+    sheet: str  #: Its sheet; empty in a JSON file.
     columns: tuple[str, ...]  #: Its headers.
-
-
-@dataclass(frozen=True)
-class RecordedTable:
-    """A table as it stands."""
-
-    sheet: str  #: Its sheet, or the key in a JSON file.
-    rows: Sequence[Mapping[str, RecordedValue]]  #: What stands in each row by header. [shown units]
+    #: Values by header; a blank is None or absent. [shown units]
+    expected: Sequence[Mapping[str, Any]]
+    recorded: Sequence[Mapping[str, RecordedValue]]  #: What stands in each row. [shown units]
 
 
 @dataclass(frozen=True)
@@ -70,7 +65,7 @@ class Compared:
 
 
 def compare_tables(
-    pairs: Iterable[tuple[ExpectedTable, RecordedTable]],
+    tables: Iterable[TablePair],
     allowances: Allowances,
     about: Verification,
     *,
@@ -81,7 +76,7 @@ def compare_tables(
 
     Parameters
     ----------
-    pairs : iterable of (ExpectedTable, RecordedTable)
+    tables : iterable of TablePair
         Tables.
     allowances : Allowances
         Reported errors.
@@ -106,23 +101,22 @@ def compare_tables(
     numbers = {True: 0, False: 0}
     same_words = about.same_version or not known_version
     sizes: dict[tuple[str, str], int] = {}
-    for expected, stands in pairs:
-        one = Counts(expected.name, stands.sheet)
-        counts.append(one)
-        for column in expected.columns:
-            sizes[expected.name, column] = sum(
-                isinstance(row.get(column), int | float) and bool(row[column])
-                for row in expected.rows
-            )
-        scales = {column: _scale(expected.rows, column) for column in expected.columns}
-        for pair in _paired(expected, stands):
-            if pair[0] is None or pair[1] is None:
-                findings += _one_sided(expected, stands, pair, same_words)
+    for table in tables:
+        count = Counts(table.name, table.sheet)
+        counts.append(count)
+        scales = {}
+        for column in table.columns:
+            values = (row.get(column) for row in table.expected)
+            sizes_of_column = [abs(v) for v in values if isinstance(v, int | float)]
+            sizes[table.name, column] = sum(map(bool, sizes_of_column))
+            scales[column] = max(sizes_of_column, default=0.0)
+        for i, j in _paired(table):
+            if i is None or j is None:
+                findings += _one_sided(table, i, j, same_words)
                 continue
-            row, there = expected.rows[pair[0]], stands.rows[pair[1]]
-            cells = _compare_row(expected, stands, row, there, allowances, one, known_version)
+            cells = _compare_row(table, i, j, allowances, count, known_version)
             compared += (replace(cell, scale=scales[cell.column]) for cell in cells)
-        numbers[_of_the_start(expected.name)] += sum(one.of)
+        numbers[_of_the_start(table.name)] += sum(count.of)
     others = Counter(_of_the_start(c.table) for c in compared if not c.is_rounding)
     reproduced = {
         family: bool(count) and 1.0 - others[family] / count >= _REPRODUCED
@@ -155,20 +149,13 @@ def _worded(table: str, column: str = "") -> bool:
     return (spec is not None and spec.worded) or (field is not None and field.kind == "sentence")
 
 
-def _scale(rows: Sequence[Mapping[str, Any]], column: str) -> float:
-    """Largest number of a column; 0 without one."""
-    numbers = [abs(v) for row in rows if isinstance(v := row.get(column), int | float)]
-    return max(numbers, default=0.0)
-
-
-def _paired(expected: ExpectedTable, stands: RecordedTable) -> list[tuple[int | None, int | None]]:
+def _paired(table: TablePair) -> list[tuple[int | None, int | None]]:
     """Rows matched by name; those whose very name was changed are matched by their order."""
-    plain = [{h: s.value for h, s in row.items()} for row in stands.rows]
-    if not row_columns(expected.name):
-        return match_rows(range(len(expected.rows)), range(len(plain)))
+    if not row_columns(table.name):
+        return match_rows(range(len(table.expected)), range(len(table.recorded)))
     pairs = match_rows(
-        [row_name(expected.name, row) for row in expected.rows],
-        [row_name(expected.name, row) for row in plain],
+        [row_name(table.name, row) for row in table.expected],
+        [row_name(table.name, _values(row)) for row in table.recorded],
     )
     missing = [i for i, j in pairs if i is not None and j is None]
     added = [j for i, j in pairs if i is None and j is not None]
@@ -178,59 +165,55 @@ def _paired(expected: ExpectedTable, stands: RecordedTable) -> list[tuple[int | 
     return pairs
 
 
-def _name(expected: ExpectedTable, row: Mapping[str, Any]) -> str:
-    names = row_columns(expected.name)
-    if not names:
-        return ""
-    shown = (row.get(column) for column in names)
+def _values(row: Mapping[str, RecordedValue]) -> dict[str, Any]:
+    return {header: recorded.value for header, recorded in row.items()}
+
+
+def _name(table: TablePair, row: Mapping[str, Any]) -> str:
+    shown = (row.get(column) for column in row_columns(table.name))
     return ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in shown if v is not None)
 
 
 def _one_sided(
-    expected: ExpectedTable,
-    stands: RecordedTable,
-    pair: tuple[int | None, int | None],
-    same_words: bool,
+    table: TablePair, i: int | None, j: int | None, same_words: bool
 ) -> Iterable[Finding]:
-    fails = same_words or not _worded(expected.name)
-    if pair[0] is not None:
-        kind, place, row = "row missing", "", expected.rows[pair[0]]
-    else:
-        assert pair[1] is not None
-        there = stands.rows[pair[1]]
-        kind, place = "row added", next((s.place for s in there.values() if s.place), "")
-        row = {h: s.value for h, s in there.items()}
-    name = _name(expected, row)
-    if expected.name == "Audit" and is_own_of_each_run(name):
-        return
-    sentence = f"the row {name or 'without a name'} does not follow from the inputs"
-    if pair[0] is not None:
+    kind, place = "row missing", ""
+    if i is not None:
+        name = _name(table, table.expected[i])
         sentence = f"the row {name} is missing"
-    yield Finding(kind, stands.sheet, place, sentence, expected.name, name, fails=fails)
+    else:
+        assert j is not None
+        row = table.recorded[j]
+        kind, place = "row added", next((s.place for s in row.values() if s.place), "")
+        name = _name(table, _values(row))
+        sentence = f"the row {name or 'without a name'} does not follow from the inputs"
+    if table.name != "Audit" or not is_own_of_each_run(name):
+        fails = same_words or not _worded(table.name)
+        yield Finding(kind, table.sheet, place, sentence, table.name, name, fails=fails)
 
 
 def _compare_row(
-    expected: ExpectedTable,
-    stands: RecordedTable,
-    row: Mapping[str, Any],
-    there: Mapping[str, RecordedValue],
+    table: TablePair,
+    i: int,
+    j: int,
     allowances: Allowances,
     counts: Counts,
     known_version: bool,
 ) -> Iterable[Compared]:
     """Cells of one row that are not equal to the bit; all are counted."""
-    name = _name(expected, row)
-    for column in expected.columns:
-        found = there.get(column)
+    row, recorded = table.expected[i], table.recorded[j]
+    name = _name(table, row)
+    for column in table.columns:
+        found = recorded.get(column)
         if found is None:
             continue
-        field, in_audit = find_column(expected.name, column), expected.name == "Audit"
+        field, in_audit = find_column(table.name, column), table.name == "Audit"
         own_value = in_audit and column == "Value" and is_own_of_each_run(name)
         if own_value or (field is not None and field.wall_time):
             counts.not_compared += 1
             continue
         wanted = row.get(column)
-        allowed = allowances.of_value(expected.name, column, row)
+        allowed = allowances.of_value(table.name, column, row)
         if isinstance(wanted, str) and not known_version:
             allowed = None
         how = agreement(found, wanted, allowed)
@@ -239,7 +222,7 @@ def _compare_row(
         if wanted is not None or how is not Agreement.BITS:
             counts.of[how] += 1
         if how is not Agreement.BITS:
-            yield Compared(expected.name, stands.sheet, name, column, found, wanted, how)
+            yield Compared(table.name, table.sheet, name, column, found, wanted, how)
 
 
 def _finding(cell: Compared, within: Agreement, sure: bool, same_words: bool) -> Finding | None:

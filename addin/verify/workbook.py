@@ -30,7 +30,7 @@ from addin.verify.findings import (
 from addin.verify.formulas import old_values, restore, typed_over, unjudged
 from addin.verify.key_units import compare_units
 from addin.verify.structure import missing_tables, odd_columns
-from addin.verify.tables import ExpectedTable, RecordedTable, compare_tables
+from addin.verify.tables import TablePair, compare_tables
 from addin.writing.recalculate import recalculate_case
 from addin.writing.workbook import RunStamp, chosen_elements, read_shown_units, tables_to_write
 from addin.xlsx import (
@@ -243,9 +243,9 @@ def _compared(
             continue
         columns = tuple(data.columns or table.columns)
         rows = [dict(zip(columns, row, strict=True)) for row in data.rows]
-        stands = RecordedTable(table.sheet, list(_rows(workbook, table, columns)))
-        pairs.append((ExpectedTable(spec.name, rows, columns), stands))
-        findings += _without_digits(spec.name, stands)
+        recorded = list(_rows(workbook, table, columns))
+        pairs.append(TablePair(spec.name, table.sheet, columns, rows, recorded))
+        findings += _without_digits(pairs[-1])
     units, _ = read_shown_units(workbook, run.case.ratings.rated_torque)
     known = _is_known(about)
     same_words = about.same_version or not known
@@ -305,22 +305,21 @@ def _rows(
             yield held
 
 
-def _without_digits(table: str, stands: RecordedTable) -> Iterator[Finding]:
+def _without_digits(table: TablePair) -> Iterator[Finding]:
     """A note for each column whose numbers are shown as fixed words, whatever they are."""
-    told = set()
-    for row in stands.rows:
+    columns = set()
+    for row in table.recorded:
         for column, one in row.items():
-            if column in told or not isinstance(one.value, float) or not one.value:
+            if column in columns or not isinstance(one.value, float) or not one.value:
                 continue
             if not one.number_format or shown_step(one.value, one.number_format):
                 continue
-            told.add(column)
+            columns.add(column)
+            code = shortened(one.number_format, 60)
+            sentence = f"the number format {code} shows no digit of {one.value:.9g}"
             yield Finding(
-                "not shown", stands.sheet, one.place,
-                f"the number format {shortened(one.number_format, 60)} shows no digit of "
-                f"{one.value:.9g}",
-                table, "", column, fails=False,
-            )  # fmt: skip
+                "not shown", table.sheet, one.place, sentence, table.name, "", column, fails=False
+            )
 
 
 def _facts_compared(
@@ -370,13 +369,13 @@ def _formulas_compared(
     workbook: Workbook,
     fresh: Workbook,
     written: list[TableData],
-    pairs: list[tuple[ExpectedTable, RecordedTable]],
+    pairs: list[TablePair],
 ) -> Iterator[Finding]:
     """Formulas whose value is old, once the results are written anew."""
     left_out: dict[str, list[Rect]] = {}
-    for expected, stands in pairs:
-        table = workbook.tables[expected.name]
-        if len(expected.rows) != len(stands.rows):
+    for pair in pairs:
+        table = workbook.tables[pair.name]
+        if len(pair.expected) != len(pair.recorded):
             left_out.setdefault(table.sheet, []).append(table.data)
     try:
         fresh.write_tables(list(_with_own_values(workbook, written)))
