@@ -38,22 +38,16 @@ def compare_read_files(first: ComparedFile, second: ComparedFile) -> Differences
     """Two sides that have been read."""
     # a case JSON is in SI, which nobody chose: workbooks alone say how numbers are shown
     units = Units([(s.typed, s.units) for s in (second, first) if s.units is not None])
-    inputs: list[Change] | None = None
+    inputs: tuple[Change, ...] | None = None
     renamed, same_inputs = Renamed(), 0
     if first.data is not None and second.data is not None:
-        inputs, renamed, same_inputs = compare_inputs(first.data, second.data, units)
-        inputs += _settings(first, second)
+        changes, renamed, same_inputs = compare_inputs(first.data, second.data, units)
+        inputs = (*changes, *_settings(first, second))
     results, same_results = compare_results(first.tables, second.tables, units, renamed)
-    verdicts = compare_verdicts(first.tables, second.tables, units, renamed)
+    verdicts = tuple(compare_verdicts(first.tables, second.tables, units, renamed))
+    studies = compare_studies(first, second, units, renamed)
     return Differences(
-        first,
-        second,
-        tuple(verdicts),
-        None if inputs is None else tuple(inputs),
-        tuple(results),
-        same_inputs,
-        same_results,
-        compare_studies(first, second, units, renamed),
+        first, second, verdicts, inputs, tuple(results), same_inputs, same_results, studies
     )
 
 

@@ -41,31 +41,22 @@ class Units:
         """
         if not field.has_unit:
             return "", 1.0
-        for typed, shown in self._sides:
-            for name in self._names(table, field, typed, shown):
-                found = _factor(name, field)
-                if found is not None:
-                    return name, found
         usual = DIMENSIONS[field.dimension]
-        for name in (field.unit_si, usual.unit_si, usual.si):
-            found = _factor(name, field)
-            if found is not None:
-                return name, found
+        stated = (self._stated(table, field, *side) for side in self._sides)
+        for name in (*stated, field.unit_si, usual.unit_si, usual.si):
+            factor = _factor(name, field)
+            if factor is not None:
+                return name, factor
         return usual.si, 1.0
 
-    def _names(
-        self,
-        table: str,
-        field: Field,
-        typed: TypedCase | None,
-        shown: ShownUnits | None,
-    ) -> Iterable[str]:
+    def _stated(
+        self, table: str, field: Field, typed: TypedCase | None, shown: ShownUnits | None
+    ) -> str:
+        """The unit that one side states; empty where it states none."""
         if table == SCALAR_TABLE and typed is not None:
             entry = typed.scalars.get(field.name)
-            if isinstance(entry, Typed):
-                yield entry.unit
-        elif shown is not None:
-            yield shown.name(table, field.name)
+            return entry.unit if isinstance(entry, Typed) else ""
+        return "" if shown is None else shown.name(table, field.name)
 
 
 def _factor(unit: str, field: Field) -> float | None:

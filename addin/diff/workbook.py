@@ -14,17 +14,10 @@ from addin.diff.changes import Change, Differences
 from addin.diff.files import ComparedFile
 from addin.diff.wording import in_words
 from addin.verify.compare import is_number
+from addin.xlsx.whole_files import write_whole
 
 _HEADERS = ("Table", "Row", "Quantity", "Unit", "A", "B", "B − A", "(B − A) / A", "What")
 _WIDTHS = (21, 36, 21, 10, 20, 20, 14, 11, 50)
-_ABOUT = (
-    "File",
-    "Revision",
-    "Inputs SHA-256",
-    "Software",
-    "Results",
-    "Settings of the command line",
-)
 _NAVY, _PALE, _GRID = "#1F3A5F", "#EEF3F8", "#BFC7D1"
 
 
@@ -52,7 +45,6 @@ class _Formats:
         )
         self.text = in_grid(text_wrap=True)
         self.plain = in_grid()
-        self.centred = in_grid(align="center")
         self.right = in_grid(align="right", text_wrap=True)
         self.percent = in_grid(num_format="+0.0%;-0.0%;0.0%")
         self.quiet = in_grid(font_color="#7F7F7F", text_wrap=True)
@@ -86,31 +78,31 @@ def write_book(differences: Differences, target: Path) -> None:
         When it cannot be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    options = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
-    temporary = target.with_name(f".{target.name}.tmp")
     try:
-        with xlsxwriter.Workbook(temporary, options) as book:
-            book.set_properties(
-                {"title": "Differences of two torsional analyses", "author": "torsionbook"}
-            )
-            formats = _Formats(book)
-            _cover(book.add_worksheet("Diff"), formats, differences)
-            inputs = book.add_worksheet("Inputs")
-            _changes(inputs, formats, "Inputs", differences.inputs or (), _of_inputs(differences))
-            results = book.add_worksheet("Results")
-            sentence = f"{differences.same_results} results are the same. Stresses, torques and frequencies in the unit shown."
-            _changes(results, formats, "Results", differences.results, sentence)
-            if differences.studies.anything or differences.studies.same_results:
-                studies = book.add_worksheet("Studies")
-                both = (*differences.studies.inputs, *differences.studies.results)
-                _changes(studies, formats, "Studies", both, _of_studies(differences))
-                studies.set_row(1, 13 * (2 + len(differences.studies.notes)))
-        temporary.replace(target)
+        write_whole(target, lambda path: _write(differences, path))
     except xlsxwriter.exceptions.FileCreateError as error:
         cause = error.args[0] if error.args else error
         raise cause if isinstance(cause, OSError) else OSError(str(error)) from error
-    finally:
-        temporary.unlink(missing_ok=True)
+
+
+def _write(differences: Differences, path: Path) -> None:
+    options = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
+    with xlsxwriter.Workbook(path, options) as book:
+        book.set_properties(
+            {"title": "Differences of two torsional analyses", "author": "torsionbook"}
+        )
+        formats = _Formats(book)
+        _cover(book.add_worksheet("Diff"), formats, differences)
+        inputs = book.add_worksheet("Inputs")
+        _changes(inputs, formats, "Inputs", differences.inputs or (), _of_inputs(differences))
+        results = book.add_worksheet("Results")
+        sentence = f"{differences.same_results} results are the same. Stresses, torques and frequencies in the unit shown."
+        _changes(results, formats, "Results", differences.results, sentence)
+        if differences.studies.anything or differences.studies.same_results:
+            studies = book.add_worksheet("Studies")
+            both = (*differences.studies.inputs, *differences.studies.results)
+            _changes(studies, formats, "Studies", both, _of_studies(differences))
+            studies.set_row(1, 13 * (2 + len(differences.studies.notes)))
 
 
 def _of_inputs(differences: Differences) -> str:
@@ -135,13 +127,14 @@ def _cover(page: Any, formats: _Formats, differences: Differences) -> None:
     page.write_blank(2, 0, None, formats.header)
     page.merge_range(2, 1, 2, 2, "A", formats.header)
     page.merge_range(2, 3, 2, 5, "B", formats.header)
-    sides = zip(_ABOUT, _about(differences.first), _about(differences.second), strict=True)
-    for row, (label, one, other) in enumerate(sides, 3):
+    first, second = (_about(side) for side in (differences.first, differences.second))
+    for row, label in enumerate(first, 3):
         page.write_string(row, 0, label, formats.label)
-        page.merge_range(row, 1, row, 2, one, formats.text)
-        page.merge_range(row, 3, row, 5, other, formats.text)
-        page.set_row(row, 13 * max(1, math.ceil(max(len(one) / 66, len(other) / 95))))
-    _verdicts(page, formats, differences, len(_ABOUT) + 4)
+        page.merge_range(row, 1, row, 2, first[label], formats.text)
+        page.merge_range(row, 3, row, 5, second[label], formats.text)
+        lines = max(len(first[label]) / 66, len(second[label]) / 95)
+        page.set_row(row, 13 * max(1, math.ceil(lines)))
+    _verdicts(page, formats, differences, len(first) + 4)
 
 
 def _verdicts(page: Any, formats: _Formats, differences: Differences, row: int) -> None:
@@ -151,9 +144,7 @@ def _verdicts(page: Any, formats: _Formats, differences: Differences, row: int) 
     headers = ("Check", "Result A", "Result B", "Limit", "Verdict A", "Verdict B")
     page.write_row(row + 1, 0, headers, formats.header)
     first = last = row + 2
-    ordered = sorted(
-        differences.verdicts, key=lambda one: (one.table != "Verdicts", not one.changed)
-    )
+    ordered = sorted(differences.verdicts, key=lambda v: (v.table != "Verdicts", not v.changed))
     for last, check in enumerate(ordered, first):
         name = check.row if check.table == "Verdicts" else f"{caption(check.table)}: {check.row}"
         page.write_string(last, 0, name, formats.text)
@@ -165,10 +156,16 @@ def _verdicts(page: Any, formats: _Formats, differences: Differences, row: int) 
     _colours(page, formats, first, last, 4, 5)
 
 
-def _about(side: ComparedFile) -> list[str]:
+def _about(side: ComparedFile) -> dict[str, str]:
     settings = ", ".join(f"{name} = {value}" for name, value in side.settings.items())
-    return [str(side.source), side.revision or "–", side.digest or "–", side.software,
-            side.results_from, settings or "none"]  # fmt: skip
+    return {
+        "File": str(side.source),
+        "Revision": side.revision or "–",
+        "Inputs SHA-256": side.digest or "–",
+        "Software": side.software,
+        "Results": side.results_from,
+        "Settings of the command line": settings or "none",
+    }
 
 
 def _colours(page: Any, formats: _Formats, first: int, last: int, left: int, right: int) -> None:

@@ -156,6 +156,17 @@ class Document:
     paper: str  #: ``a4`` or ``us-letter``.
     date: int  #: Seconds since 1970, UTC; the date written into the file. [s]
 
+    @property
+    def head(self) -> str:
+        """Document and revision, at the head of each page."""
+        revision = f"rev. {self.revision}" if self.revision else "no revision"
+        return f"{self.name or 'no document number'} · {revision}"
+
+    @property
+    def author(self) -> str:
+        """Who prepared it; empty where nobody is named."""
+        return dict(self.cover.signatures.rows).get("Prepared by", "")
+
 
 def numbered(sections: Sequence[Section]) -> tuple[Section, ...]:
     """Sections with their numbers, and their tables, figures and equations counted through."""

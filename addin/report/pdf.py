@@ -54,14 +54,11 @@ def pdf_of(document: Document) -> bytes:
 
 def _document(document: Document) -> dict[str, Any]:
     cover = document.cover
-    named = document.name or "no document number"
-    revision = f"rev. {document.revision}" if document.revision else "no revision"
-    prepared = next((name for role, name in cover.signatures.rows if role == "Prepared by"), "")
     return {
         "paper": document.paper,
         "margin": (_PAPER[document.paper] - TEXT_WIDTH) / 2.0,
-        "author": prepared,
-        "head": f"{named} · {revision}",
+        "author": document.author,
+        "head": document.head,
         "short_title": document.short_title,
         "foot": document.foot,
         "cover": {

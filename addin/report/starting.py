@@ -115,7 +115,7 @@ def _crossings(subject: Subject) -> Section:
 
 
 def _peaks(subject: Subject) -> Section:
-    """The table with the largest torque over rated torque, both at motor speed, after the torques."""
+    """Extreme torques of each element, beside the torques the largest over rated torque."""
     table = subject.table(
         "StartupPeaks", "Extreme torques of the start",
         note="From rest to the end of the run, at the element's own speed; stress nominal, without SCF. "

@@ -104,9 +104,8 @@ class _Writer:
     def _properties(self, document: Document) -> None:
         about = self.file.core_properties
         made = dt.datetime.fromtimestamp(document.date, dt.UTC).replace(tzinfo=None)
-        prepared = next((n for r, n in document.cover.signatures.rows if r == "Prepared by"), "")
         about.title = document.cover.title[:255]
-        about.author = about.last_modified_by = (prepared or "torsionbook")[:255]
+        about.author = about.last_modified_by = (document.author or "torsionbook")[:255]
         about.subject, about.comments, about.keywords = document.cover.kind, document.foot, ""
         about.created = about.modified = made
         about.revision = 1
@@ -144,10 +143,8 @@ class _Writer:
         page.top_margin, page.bottom_margin = Mm(25), Mm(22)
         page.header_distance = page.footer_distance = Mm(11)
         page.different_first_page_header_footer = True
-        named = document.name or "no document number"
-        revision = f"rev. {document.revision}" if document.revision else "no revision"
         head = page.header.paragraphs[0]
-        self._line(head, f"{named} · {revision}", document.short_title)
+        self._line(head, document.head, document.short_title)
         _border(head._p.get_or_add_pPr(), "bottom", _RULE, 4)
         for footer in (page.footer, page.first_page_footer):
             foot = footer.paragraphs[0]

@@ -21,18 +21,18 @@ def verify_file(
     on_stage: Callable[[str], None] | None = None,
 ) -> Verification:
     """Verify one file."""
+    inputs, content = source, {}
     is_json = source.suffix.lower() == ".json"
-    if is_json and case is None:
-        return _not_verified(
-            source, "A result JSON holds no inputs: name its case with --case CASE.json."
-        )
-    content = {}
     if is_json:
+        if case is None:
+            sentence = "A result JSON holds no inputs: name its case with --case CASE.json."
+            return _not_verified(source, sentence)
+        inputs = case
         try:
             content = read_results_json(source)
         except (ValueError, OSError) as error:
             return _not_verified(source, file_problem(source, error).message)
-    read = read_checked(case if is_json and case is not None else source)
+    read = read_checked(inputs)
     if isinstance(read, Unreadable):
         return _not_verified(source, read.problems[0].message, read.problems)
     if read.problems:
