@@ -9,17 +9,6 @@ from itertools import zip_longest
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "Cell",
-    "Floats",
-    "HISTORY_POINTS",
-    "Rows",
-    "decimate",
-    "thinned",
-    "plain",
-    "side_by_side",
-]
-
 Cell = float | int | str | None
 Rows = list[list[Cell]]
 Floats = NDArray[np.float64]

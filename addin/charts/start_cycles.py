@@ -13,10 +13,8 @@ import numpy as np
 
 from addin.calculation.calculation import RunView
 from addin.charts.data import governing_shaft
-from engine.errors import TorsionError
-from engine.fatigue.sn_curve import sn_curve_for
-
-__all__ = ["LISTED_CYCLES", "start_cycle_facts", "start_cycle_rows"]
+from engine.fatigue.sn_curve import SNCurve
+from engine.start.start_fatigue import sn_curve_of
 
 #: Most rows of table `StartCycles`.
 LISTED_CYCLES = 40
@@ -36,9 +34,9 @@ def start_cycle_rows(run: RunView) -> list[dict[str, Any]]:
         Largest damage first; the rest of the cycles, without an amplitude, last. [SI]
     """
     shaft = governing_shaft(run)
-    curve = None if shaft is None else _curve(run, shaft)
-    if shaft is None or curve is None:
+    if shaft is None:
         return []
+    curve = _curve(run, shaft)
     amplitude, count = next((a, n) for name, a, n in run.cycles if name == shaft)
     if not amplitude.size:
         largest, _ = run.amplitudes.get(shaft, (0.0, 0.0))
@@ -79,18 +77,9 @@ def start_cycle_facts(run: RunView) -> Mapping[str, Any]:
     }
 
 
-def _curve(run: RunView, shaft: str) -> Any:
-    """The S-N line of a shaft in torsion; None when it has none."""
-
-    case = run.case
-    name = next((e.material for e in case.elements if e.element == shaft), None)
-    material = next((m for m in case.materials if m.material == name), None)
-    if material is None:
-        return None
-    try:
-        return sn_curve_for(material, [p for p in case.sn_points if p.material == name])
-    except TorsionError:
-        return None
+def _curve(run: RunView, shaft: str) -> SNCurve:
+    """The S-N line of a judged shaft in torsion."""
+    return sn_curve_of(run.case, next(e.material for e in run.case.elements if e.element == shaft))
 
 
 def _row(amplitude: float | None, cycles: float, life: float) -> dict[str, Any]:

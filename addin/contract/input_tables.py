@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from addin.contract.field import TableSpec, choice, integer, number, sentence, table, text
+from addin.contract.field import Field, TableSpec, choice, integer, number, sentence, table, text
 from engine.case.choices import EffectChoice
 from engine.case.effects import EFFECTS
 
 _CURVE_SPEED = "Speed in % of that station's speed at synchronism, rising within a station."
+
+
+def _of_both_gears(name: str, dimension: str, help: str, blank: str) -> tuple[Field, ...]:
+    """A quantity of the gears on the From and on the To side of a mesh, in a column each."""
+    return tuple(
+        number(f"{name} {gear}", dimension, help.format(side), blank=blank)
+        for gear, side in (("drive", "From"), ("driven", "To"))
+    )
+
 
 #: Input tables, in the order in which problems are reported.
 INPUT_TABLES: tuple[TableSpec, ...] = (
@@ -112,33 +121,17 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Total angular clearance of a geared coupling, or of a spring to ground that is a stop.",
                 blank="none",
             ),
-            number(
-                "Mass drive", "mass",
-                "Mass of the gear on the From side, where it moves on its bearings.",
-                blank="gear does not move laterally",
+            *_of_both_gears(
+                "Mass", "mass", "Mass of the gear on the {} side, where it moves on its bearings.",
+                "gear does not move laterally",
             ),
-            number(
-                "Mass driven", "mass",
-                "Mass of the gear on the To side, where it moves on its bearings.",
-                blank="gear does not move laterally",
+            *_of_both_gears(
+                "Bearing stiffness", "linear stiffness",
+                "Stiffness of the {} gear's bearings together, the same in all radial directions.",
+                "rigid",
             ),
-            number(
-                "Bearing stiffness drive", "linear stiffness",
-                "Stiffness of the From gear's bearings together, the same in all radial directions.",
-                blank="rigid",
-            ),
-            number(
-                "Bearing stiffness driven", "linear stiffness",
-                "Stiffness of the To gear's bearings together, the same in all radial directions.",
-                blank="rigid",
-            ),
-            number(
-                "Bearing damping drive", "linear damping",
-                "Damping of the From gear's bearings together.", blank="0",
-            ),
-            number(
-                "Bearing damping driven", "linear damping",
-                "Damping of the To gear's bearings together.", blank="0",
+            *_of_both_gears(
+                "Bearing damping", "linear damping", "Damping of the {} gear's bearings together.", "0",
             ),
             choice(
                 "Gear type", ("external", "internal"), "Internal gears keep the sense of rotation.",

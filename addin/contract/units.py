@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from addin.contract.problems import shortened
+from addin.contract.problems import nearest, shortened
 from addin.contract.tables import DIMENSIONS
 
 #: What a relative unit is a share of.
@@ -421,9 +421,6 @@ def _hint(text: str, dimension: str) -> str:
 
 def _similar(tidy: str, dimension: str) -> str:
     """The usual unit that a mistyped one resembles."""
-    from difflib import get_close_matches
-
     units = DIMENSIONS[dimension].units
-    folded = {unit.casefold(): unit for unit in units}
-    close = get_close_matches(tidy.casefold(), folded, n=1)
-    return f"did you mean {folded[close[0]]}? Usual are " + ", ".join(units) if close else ""
+    close = nearest(tidy, units)
+    return f"did you mean {close}? Usual are " + ", ".join(units) if close else ""

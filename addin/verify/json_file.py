@@ -122,7 +122,7 @@ def verify_results_json(
     run, problems = recalculate_case(read, recorded.settings, on_stage)
     if run is None:
         return not_calculated(about, problems)
-    expected = results_to_json(run, product_version(), run.details)
+    expected = results_to_json(run, product_version())
     missing = [
         Finding("row missing", spec.key, "", "the table is missing", spec.name)
         for spec in RESULT_TABLES

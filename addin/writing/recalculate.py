@@ -128,7 +128,7 @@ def recalculate(
         content = (
             errors_to_json(problems, version, read.warnings)
             if calculation is None
-            else results_to_json(calculation, version, calculation.details)
+            else results_to_json(calculation, version)
         )
         try:
             write_json(json_file, content)

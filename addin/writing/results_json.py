@@ -8,9 +8,10 @@ never leaves the program.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Protocol
+from collections.abc import Iterable, Mapping
+from typing import Any
 
+from addin.calculation.calculation import Calculation
 from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.problems import CellProblem, shortened
 from addin.contract.tables import RESULT_TABLES, TableSpec, result_table
@@ -19,49 +20,15 @@ from engine.errors import InternalError
 _STARTUP = ("outcome", "time", "end_speed", "pull_in", "bearing_forces")
 
 
-class RunResults(Protocol):
-    """What a calculation hands over.
-
-    Attributes
-    ----------
-    tables : mapping of str to sequence of mapping
-        Contract name of a result table → rows by JSON key; None = absent. [SI]
-    case_sha256 : str
-        Digest of the inputs. [hexadecimal]
-    startup : mapping or None
-        Outcome, time and end speed of the start, pull_in and bearing_forces. [SI]
-    outcome : str
-        How the calculation ended. [words]
-    warnings : tuple of str
-        What the engineer should know. [sentences]
-    """
-
-    @property
-    def tables(self) -> Mapping[str, Sequence[Mapping[str, Any]]]: ...
-    @property
-    def case_sha256(self) -> str: ...
-    @property
-    def startup(self) -> Mapping[str, Any] | None: ...
-    @property
-    def outcome(self) -> str: ...
-    @property
-    def warnings(self) -> tuple[str, ...]: ...
-
-
-def results_to_json(
-    run: RunResults, version: str, details: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
+def results_to_json(run: Calculation, version: str) -> dict[str, Any]:
     """Results as JSON object of the contract.
 
     Parameters
     ----------
-    run : RunResults
+    run : Calculation
         What was calculated. [SI]
     version : str
         Version of this program. [text]
-    details : mapping, optional
-        ``modes``, ``damped_eigenvalues``, ``plans`` and ``sensitivity``, which no result table of
-        the contract holds. [SI]
 
     Returns
     -------
@@ -95,7 +62,7 @@ def results_to_json(
             for key in _STARTUP
             if run.startup.get(key) is not None
         }
-    return {**content, **(details or {})}
+    return {**content, **run.details}
 
 
 def table_rows(name: str, rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import datetime as dt
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from addin.contract.run_facts import RUN_FACTS
 from addin.contract.sheet import plot_name, text_height
 from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units
-from addin.contract.tables import Field, TableSpec
+from addin.contract.tables import TableSpec
 from addin.contract.texts import NO_STUDY
 from addin.recorded.study_digests import stated_digests, twelve_digits
 from addin.xlsx import (
@@ -145,8 +145,9 @@ def tables_to_write(
         Results, facts and chart data of the tables that the workbook has.
     """
     units, problems = read_shown_units(workbook, run.case.ratings.rated_torque)
-    wanted = [*result_blocks(run, units), _run_facts(run, stamp, units)]
-    wanted += chart_tables(run, units, chosen)
+    blocks = chart_blocks(run.case, units, run, chosen)
+    wanted = [*_result_blocks(run, units), _run_facts(run, stamp, units)]
+    wanted += [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
     workbook.notes += problems
     return _present(workbook, wanted)
 
@@ -318,21 +319,8 @@ def read_shown_units(
     return shown_units(names, rated_torque)
 
 
-def result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
-    """Rows of every result table in the units shown.
-
-    Parameters
-    ----------
-    run : RunView
-        Results. [SI]
-    units : ShownUnits
-        Units above the columns.
-
-    Returns
-    -------
-    list of TableData
-        One a table; live checks are formulas whose value is calculated when saving.
-    """
+def _result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
+    """Rows of every result table; live checks are formulas whose value is calculated when saving."""
     specs = (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES)
     tables = dict(run.tables) | {
         "StartCycles": start_cycle_rows(run),
@@ -341,29 +329,6 @@ def result_blocks(run: RunView, units: ShownUnits) -> list[TableData]:
         "EnergyShares": run.energies,
     }
     return [_result_block(spec, tables.get(spec.name, ()), units) for spec in specs]
-
-
-def chart_tables(
-    run: RunView, units: ShownUnits, chosen: Sequence[str | None] = ()
-) -> list[TableData]:
-    """Rows of every chart table.
-
-    Parameters
-    ----------
-    run : RunView
-        Results. [SI]
-    units : ShownUnits
-        Units above the columns.
-    chosen : sequence of (str or None)
-        Elements the engineer wants drawn. [names]
-
-    Returns
-    -------
-    list of TableData
-        One a table of sheet `ChartData`.
-    """
-    blocks = chart_blocks(run.case, units, run, chosen)
-    return [TableData(table.name, blocks[table.name], table.columns) for table in CHART_TABLES]
 
 
 def _result_block(
@@ -531,22 +496,17 @@ def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
             f"Table {data.name} has room for {count} of {len(data.rows)} rows; the others are in "
             "the JSON. Move what stands below the table to see them all."
         )
-    return TableData(data.name, data.rows[:count], data.columns, data.formulas)
-
-
-def _wrapped_columns() -> Iterator[tuple[TableSpec, Field]]:
-    """Columns with sentences that wrap, and their tables."""
-    for spec in fields.EVERY_TABLE:
-        for field in spec.columns:
-            if field.width:
-                yield spec, field
+    return replace(data, rows=data.rows[:count])
 
 
 def _fit_rows(workbook: Workbook, written: Sequence[TableData]) -> None:
     """Row heights of tables with sentences that wrap; rows no longer used get the usual one."""
     by_name = {data.name: data for data in written}
     heights: dict[str, list[float]] = {}
-    for spec, field in _wrapped_columns():
+    wrapped = (
+        (spec, field) for spec in fields.EVERY_TABLE for field in spec.columns if field.width
+    )
+    for spec, field in wrapped:
         name = spec.name
         data = by_name.get(name)
         if data is None or data.columns is None or field.name not in data.columns:

@@ -27,6 +27,7 @@ class Run:
     startup: dict[str, Any] | None = None
     outcome: str = "complete"
     warnings: tuple[str, ...] = field(default=("a warning",))
+    details: dict[str, Any] = field(default_factory=dict)
 
 
 @pytest.fixture
