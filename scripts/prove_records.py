@@ -246,11 +246,11 @@ _RESULTS: tuple[TableSpec, ...] = (
 )  # fmt: skip
 _SHEETS: tuple[Sheet, ...] = (
     Sheet(
-        "Scaling", "input", {"A": 1.5, "B": 12, "C:H": 12}, "H", {"Scaling": "B5"},
+        "Scaling", "input", {"A": 1.5, "B": 12, "C:H": 12}, {"Scaling": "B5"},
         intro="Factors on all stiffnesses, for torsionbook scale FILE.",
     ),
     Sheet(
-        "Scaled frequencies", "result", {"A": 1.5, "B:H": 14}, "H", {"ScaledFrequencies": "B7"},
+        "Scaled frequencies", "result", {"A": 1.5, "B:H": 14}, {"ScaledFrequencies": "B7"},
         intro="Frequencies with every stiffness scaled: torsionbook scale FILE.",
     ),
 )  # fmt: skip

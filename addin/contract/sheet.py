@@ -28,14 +28,13 @@ class Sheet:
     #: ``input``, ``live``, ``result`` or ``notes``: colour of the tab and of the banner's word.
     kind: str
     widths: Mapping[str, float]  #: Column widths by ranges such as ``B:D``.
-    last: str  #: Last column of the banner.
     tables: Mapping[str, str]  #: Cell of each table's caption; header and data stand below. [A1]
     charts: tuple[ChartAt, ...] = ()  #: Its charts.
     freeze: str = "A4"  #: First cell that scrolls; empty = all of it. [A1]
     header_rows: int = 3  #: Rows repeated on every page; a chart must begin below them.
     one_page: bool = False  #: Whether all of it is fitted to one page.
     hidden: bool = False  #: Whether it holds nothing but numbers behind charts.
-    printed: str = ""  #: Last column on paper; empty = all of them.
+    printed: str = ""  #: Last column of banner and print; empty = all of them.
     #: Columns at which another page begins; the print is then as large as the widest page allows,
     #: not fitted to one page.
     breaks: tuple[str, ...] = ()
@@ -46,6 +45,11 @@ class Sheet:
     intro: str = ""  #: One sentence below the strip.
     #: Of a study: sheet of the plain run behind which it stands; empty = behind all of those.
     behind: str = ""
+
+    @property
+    def last(self) -> str:
+        """Last column of banner and print."""
+        return self.printed or list(self.widths)[-1].split(":")[-1]
 
 
 def text_height(text: str, width: float) -> float:

@@ -127,7 +127,7 @@ class Frames:
         if sheet.repeated:
             page.repeat_columns(sheet.repeated)
         if sheet.printed or sheet.breaks or sheet.row_breaks:
-            page.print_area(f"A1:{sheet.printed or sheet.last}{_LAST_ROW}")
+            page.print_area(f"A1:{sheet.last}{_LAST_ROW}")
 
     def _put(self, page: Any, row: int, column: int, value: Any, style: Any) -> None:
         """A number, words or a blank."""
@@ -180,7 +180,7 @@ def _print_scale(sheet: Sheet, paper: float) -> int:
     begin, _, end = sheet.repeated.partition(":")
     repeated = range(column_number(begin), column_number(end) + 1) if sheet.repeated else range(0)
     edges = [0, *(column_number(letters) for letters in sheet.breaks)]
-    ends = [*edges[1:], column_number(sheet.printed or sheet.last) + 1]
+    ends = [*edges[1:], column_number(sheet.last) + 1]
     widest = max(
         sum(pixels[k] for k in {*range(first, end), *(repeated if first else ())})
         for first, end in zip(edges, ends, strict=True)

@@ -47,7 +47,6 @@ LIVE_SHEET = Sheet(
     "live",
     {"A": 1.5, "B": 25, "C": 27, "D": 11, "E": 12, "F": 11, "G": 24, "H": 24, "I": 12, "J": 27,
      "K:M": 12, "N:P": 15},
-    "P",
     {},
     freeze="A4",
     intro="Modes, margins and shaft stiffness of what is typed now, without a start. In cells of "

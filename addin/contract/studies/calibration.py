@@ -356,7 +356,6 @@ _SHEETS: tuple[Sheet, ...] = (
         "Measured",
         "input",
         {"A": 1.5, "B": 9, "C:D": 12, "E": 2, "F": 24, "G:H": 13, "I": 40},
-        "I",
         {"MeasuredFrequencies": "B5", "MeasuredPeaks": "F5"},
         freeze="A8",
         intro="What was measured on the train, for torsionbook calibrate FILE.",
@@ -366,7 +365,6 @@ _SHEETS: tuple[Sheet, ...] = (
         "result",
         {"A": 1.5, "B": 18, "C": 13, "D:E": 12, "F:G": 9, "H:I": 8, "J:L": 9, "M": 22, "N": 12, "O": 8.5,
          "P": 6},
-        "P",
         {
             "FrequencyFit": "B7",
             "PeakFit": f"B{_PEAKS_AT}",

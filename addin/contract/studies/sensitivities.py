@@ -90,7 +90,6 @@ _SHEETS: tuple[Sheet, ...] = (
         "Sensitivities",
         "result",
         {"A": 1.5, "B": 15, "C": 22, "D:K": 8.5, "L": 16, "M": 37},
-        "M",
         {"Sensitivities": "B7"},
         freeze="A10",
         side=0.25,
@@ -101,7 +100,6 @@ _SHEETS: tuple[Sheet, ...] = (
         "Frequency sensitivities",
         "result",
         {"A": 1.5, "B": 16, "C": 23, "D:P": 8.8},
-        "P",
         {"FrequencySensitivities": "B7"},
         freeze="A10",
         intro="How each frequency follows each stiffness and inertia; the green shifts "

@@ -319,7 +319,6 @@ _SHEETS: tuple[Sheet, ...] = (
         "Duty",
         "input",
         {"A": 1.5, "B": 34, "C:H": 11, "I": 30},
-        "I",
         {"StartConditions": "B5"},
         freeze="A8",
         intro="Kinds of starts and how often each happens, for torsionbook starts FILE: start matrix and "
@@ -330,7 +329,6 @@ _SHEETS: tuple[Sheet, ...] = (
         "result",
         {"A": 1.5, "B": 30, "C:E": 9.5, "F": 10, "G": 26, "H:J": 9.5, "K:L": 18, "M:Q": 11.5,
          "R": 56},
-        "R",
         {"StartsByVoltage": "M7", "StartMatrix": f"B{8 + _CHART_ROWS}"},
         (
             ChartAt("starts-voltage", "C7", 460, 330),
@@ -346,7 +344,6 @@ _SHEETS: tuple[Sheet, ...] = (
         "Damage ledger",
         "result",
         {"A": 1.5, "B": 20, "C": 26, "D:J": 10, "K": 10, "L": 32},
-        "L",
         {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER.below(7)}"},
         freeze="",
         side=0.25,
