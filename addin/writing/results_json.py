@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from addin.calculation.calculation import Calculation
 from addin.contract.json_formats import RESULTS_FORMAT
 from addin.contract.problems import CellProblem, shortened
 from addin.contract.tables import RESULT_TABLES, TableSpec, result_table
 from engine.errors import InternalError
+
+if TYPE_CHECKING:  # a schema or an error is written without the engine
+    from addin.calculation.calculation import Calculation
 
 _STARTUP = ("outcome", "time", "end_speed", "pull_in", "bearing_forces")
 
