@@ -18,8 +18,9 @@ from engine.model.train import Train
 from engine.start.settings import settings_of
 from engine.start.simulation import simulate
 from engine.start.start_model import StartModel, start_model
-from engine.start.time_response import TimeResponse, linear, time_response, torque_from_function
+from engine.start.time_response import TimeResponse, linear, time_response
 from engine.start.trajectory import Trajectory
+from tests.prescribed import torque_from_function
 
 __all__ = ["PreparedStart", "build_and_solve", "prepare_start", "response", "run_steps"]
 

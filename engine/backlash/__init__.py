@@ -6,7 +6,6 @@ module                responsibility
 `contact_systems`     A train with clearances as pieces: linear systems that share one basis
 `event_simulation`    one event-driven simulation: from the arrays of a start to sampled histories
                       and a log of events
-`clearance_response`  A train with clearances under given torques, from given angles and speeds
 `contacts`            what a run with clearances tells about teeth and bearings: impacts, speeds,
                       forces
 `event_start`         starts with clearances, sideways motion of gears, field application and

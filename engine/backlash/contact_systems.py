@@ -12,23 +12,19 @@ Stated damping ratios act on the modes of each piece; a mode of free flight has 
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
+from engine.arrays import Floats, Ints, Mask
 from engine.model.modes import Modes
 from engine.model.train import Flank, Train
 from engine.stepping.contact_loop import FREE
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 #: A direction whose part outside the basis is smaller than this is in it already.
 INSIDE = 1e-9
@@ -95,7 +91,6 @@ class ForceLocations:
 class ContactSystem:
     """One linear system."""
 
-    loaded: tuple[bool, ...]  #: Whether each flank is: all drive flanks, then all back flanks.
     stiffness: Floats  #: λ and damping coefficient of its modes. [1/s², 1/s] Shape (m,).
     rate: Floats  #: Likewise. [1/s², 1/s] Shape (m,).
     turn: Floats  #: Basis coordinates from its modal coordinates, orthogonal. [1] Shape (m, m).
@@ -116,7 +111,7 @@ def shared_basis(
     train: Train,
     modes: Modes,
     flanks: Sequence[Flank],
-    keep: NDArray[np.bool_],
+    keep: Mask,
     stated: Floats,
     stated_elsewhere: float,
 ) -> SharedBasis:
@@ -197,14 +192,9 @@ def _flight(train: Train, flank: Flank) -> Floats:
 
 def _groups(rows: Floats) -> Ints:
     """Number of the connected part each degree of freedom belongs to."""
-    n = rows.shape[1]
-    a, b = [], []
-    for row in rows:
-        ends = np.flatnonzero(row)
-        a += list(itertools.repeat(int(ends[0]), len(ends) - 1)) if len(ends) else []
-        b += [int(e) for e in ends[1:]]
-    graph = csr_matrix((np.ones(len(a)), (a, b)), shape=(n, n))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+    touched = csr_matrix(rows != 0.0, dtype=np.int64)
+    groups = connected_components(touched.T @ touched, directed=False)[1]
+    return np.asarray(groups, dtype=np.int64)
 
 
 def _orthonormal(candidates: Sequence[Floats], n: int) -> Floats:
@@ -234,25 +224,19 @@ class ContactSystems:
         self.places = places
         self.pieces: list[ContactSystem] = []
         self._keys: list[int] = []
-        self._mean = mean_speed
+        #: Mean speed from velocities in the common basis, shape (m,). [√(1/(kg m²))]
+        self.mean_speed = mean_speed
+        #: Forces to the common basis, shape (m, n_forces). [rad/√(kg m²)]
+        self.common_reach = _common_reach(basis, places)
         self._scale = shows_scale
         self._tables: tuple[Any, ...] | None = None
         self._levels = 1
         self._step = 0.0
-        self._common_reach = _common_reach(basis, places)
 
     def index_of(self, contact: Sequence[int]) -> int:
-        """Number of the piece with these contacts, made if it is new.
+        """Place in the tables of the piece with these contacts, made if it is new.
 
-        Parameters
-        ----------
-        contact : sequence of int
-            Contact of each flank: all drive flanks, then all back flanks. [1]
-
-        Returns
-        -------
-        int
-            Its place in the tables. [index]
+        `contact` is that of each flank: all drive flanks, then all back flanks.
         """
         loaded = tuple(int(c) != FREE for c in contact)
         key = sum(1 << i for i, state in enumerate(loaded) if state)
@@ -264,35 +248,17 @@ class ContactSystems:
         return len(self._keys) - 1
 
     @property
-    def n_dampers(self) -> int:
-        """Dampers that act as forces, the flanks among them. [count]"""
-        return len(self.places.viscous) + 2 * len(self.basis.flanks)
-
-    @property
-    def mean_speed(self) -> Floats:
-        """Mean speed from velocities in the common basis, shape (m,). [√(1/(kg m²))]"""
-        return self._mean
-
-    @property
     def contacts(self) -> tuple[Floats, Floats, Floats, Floats]:
         """Gap, stiffness, damping and torque scale of each flank. [rad, N m/rad, SI, N m]"""
         flanks = self.basis.flanks
-        scale = [
-            float(np.max(self._scale[self.output_element == f.element], initial=0.0))
-            for f in flanks
-        ]
+        scale = [self._scale_of(f) for f in flanks]
         gap = [math.inf if f.gap is None else f.gap for f in flanks]
         return (
-            np.array([0.0 for _ in flanks] + gap, dtype=np.float64),
+            np.array([0.0] * len(flanks) + gap, dtype=np.float64),
             np.array(2 * [f.stiffness for f in flanks], dtype=np.float64),
             np.array(2 * [f.viscous for f in flanks], dtype=np.float64),
             np.array(2 * scale, dtype=np.float64),
         )
-
-    @property
-    def common_reach(self) -> Floats:
-        """Forces to the common basis, shape (m, n_forces). [rad/√(kg m²)]"""
-        return self._common_reach
 
     def tables(self, step: float, sampled: float) -> tuple[Any, ...]:
         """Arguments of the compiled loop; it fills in the coefficients of the steps it takes.
@@ -317,6 +283,7 @@ class ContactSystems:
         levels = 2 + max(int(np.ceil(np.log2(max(fastest / sampled, 1.0)))), 0)
         self._levels = max(self._levels, levels)
         n, m = len(p), basis.vectors.shape[1]
+        n_dampers = len(self.places.viscous) + 2 * len(basis.flanks)
 
         def stacked(parts: list[Floats]) -> Floats:
             return np.ascontiguousarray(np.array(parts, dtype=np.float64))
@@ -328,24 +295,28 @@ class ContactSystems:
             stacked([x.rate for x in p]),
             stacked([x.reach.T for x in p]),
             stacked([x.constant for x in p]),
-            stacked([self._mean @ x.turn for x in p]),
+            stacked([self.mean_speed @ x.turn for x in p]),
             stacked([flank_rows @ x.turn for x in p]),
             stacked([x.viscous for x in p]).reshape(n, -1),
             stacked([self._visibility(x) for x in p]),
             stacked([x.turn for x in p]),
             np.zeros((n, self._levels, 2, 2, m)),
             np.zeros((n, self._levels, 2, 4, m)),
-            np.zeros((n, self._levels, 2 * self.n_dampers, 2 * self.n_dampers)),
+            np.zeros((n, self._levels, 2 * n_dampers, 2 * n_dampers)),
             np.zeros((n, self._levels), dtype=np.int64),
         )
         return self._tables
+
+    def _scale_of(self, flank: Flank) -> float:
+        """Torque scale of the element of a flank. [N m]"""
+        return float(np.max(self._scale[self.output_element == flank.element], initial=0.0))
 
     def _visibility(self, piece: ContactSystem) -> Floats:
         """Largest share of an output's scale that one unit of each mode is."""
         position = np.abs(piece.output_position) / self._scale[:, None]
         flank = np.zeros(position.shape[1])
         for i, f in enumerate(self.basis.flanks):
-            scale = float(np.max(self._scale[self.output_element == f.element], initial=0.0))
+            scale = self._scale_of(f)
             if scale > 0.0:
                 both = np.maximum(
                     np.abs(self.basis.drive_rows[i] @ piece.turn),
@@ -382,7 +353,6 @@ def _make_piece(pieces: ContactSystems, loaded: tuple[bool, ...]) -> ContactSyst
     """Modes, damping and outputs of one combination of contacts."""
     basis, places = pieces.basis, pieces.places
     train, flanks = basis.train, basis.flanks
-    m, r = basis.vectors.shape[1], basis.n_rigid
     factor = np.ones(train.n_rows)
     factor[[flank.drive_row for flank in flanks]] = loaded[: len(flanks)]
     back_factor = np.array(loaded[len(flanks) :], dtype=np.float64)
@@ -391,9 +361,9 @@ def _make_piece(pieces: ContactSystems, loaded: tuple[bool, ...]) -> ContactSyst
     omega, turn = _modes_of_piece(basis, stiffness, back_stiffness)
     rate = _rates(basis, places, stiffness, back_stiffness, omega, turn)
     gap = np.array([f.gap if f.gap is not None else 0.0 for f in flanks], dtype=np.float64)
-    hold = np.where(back_factor > 0.0, back_stiffness * np.where(back_factor > 0.0, gap, 0.0), 0.0)
-    constant = (basis.back_rows.T @ hold) if len(flanks) else np.zeros(m)
-    constant[:r] = 0.0
+    hold = back_stiffness * np.where(back_factor > 0.0, gap, 0.0)
+    constant = basis.back_rows.T @ hold
+    constant[: basis.n_rigid] = 0.0
     own = places.viscous.copy()  # a flank damps in contact only, as a force of its own
     on_flank = np.isin(places.rows, [f.drive_row for f in flanks])
     own[len(places.nodes) - places.first_damper :][on_flank] = 0.0
@@ -401,7 +371,7 @@ def _make_piece(pieces: ContactSystems, loaded: tuple[bool, ...]) -> ContactSyst
     reach = turn.T @ pieces.common_reach
     constant = turn.T @ constant
     outputs = _outputs(pieces, stiffness, back_stiffness, hold, omega, turn, reach, constant)
-    return ContactSystem(loaded, omega**2, rate, turn, reach, constant, viscous, *outputs)
+    return ContactSystem(omega**2, rate, turn, reach, constant, viscous, *outputs)
 
 
 def _modes_of_piece(
@@ -456,15 +426,13 @@ def _rates(
     train, r = basis.train, basis.n_rigid
     elastic = omega > 0.0
     share = turn[r:] ** 2
-    stated = np.zeros(len(omega))
     total = share.sum(axis=0)
-    stated[:] = (basis.stated[r:] @ share) / np.where(total > 0.0, total, 1.0)
+    stated = (basis.stated[r:] @ share) / np.where(total > 0.0, total, 1.0)
     square = np.where(elastic, omega, 1.0) ** 2
     strain = stiffness[:, None] * (basis.rows @ turn) ** 2 / square
     loss = train.loss_factor @ strain
-    if len(back_stiffness):
-        back_strain = back_stiffness[:, None] * (basis.back_rows @ turn) ** 2 / square
-        loss = loss + train.loss_factor[[f.drive_row for f in basis.flanks]] @ back_strain
+    back_strain = back_stiffness[:, None] * (basis.back_rows @ turn) ** 2 / square
+    loss = loss + train.loss_factor[[f.drive_row for f in basis.flanks]] @ back_strain
     rate = np.where(elastic, 2.0 * (stated + 0.5 * loss) * omega, 0.0)
     viscous = train.viscous.copy()
     viscous[places.rows] = 0.0

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.backlash.event_simulation import EventModel, EventRun
 from engine.model.train import Train
 from engine.start.event_results import BearingForce, ContactRecord
 from engine.start.start import ForceHistories
 from engine.stepping import contact_loop as events
-
-Floats = NDArray[np.float64]
 
 
 def contact_records(
@@ -81,41 +79,15 @@ def _time_unloaded(log: Floats, end: float) -> float:
 
 
 def bearing_forces(train: Train, run: EventRun) -> tuple[BearingForce, ...]:
-    """Largest bearing force of each gear that moves sideways.
-
-    Parameters
-    ----------
-    train : Train
-        The train. [SI]
-    run : EventRun
-        The run. [SI]
-
-    Returns
-    -------
-    tuple of BearingForce
-        One a gear. [N]
-    """
-    out = []
-    for body, (force, time) in zip(train.bodies, run.largest_bearing, strict=True):
-        out.append(BearingForce(train.stations[body.station], float(force), float(time)))
-    return tuple(out)
+    """Largest bearing force of each gear that moves sideways."""
+    return tuple(
+        BearingForce(train.stations[body.station], float(force), float(time))
+        for body, (force, time) in zip(train.bodies, run.largest_bearing, strict=True)
+    )
 
 
 def force_histories(train: Train, run: EventRun) -> ForceHistories:
-    """Tooth and bearing forces at the samples.
-
-    Parameters
-    ----------
-    train : Train
-        The train. [SI]
-    run : EventRun
-        The run. [SI]
-
-    Returns
-    -------
-    ForceHistories
-        Normal tooth forces of the meshes, radial forces of the bearings. [N]
-    """
+    """Normal tooth forces of the meshes and radial forces of the bearings at the samples."""
     meshes = [f for f in train.flanks if f.base_radius is not None]
     force = np.zeros((len(meshes), len(run.trajectory.time)))
     for i, f in enumerate(meshes):

@@ -8,21 +8,19 @@ the steps themselves, two samples at an event, one before and one after it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Ints
 from engine.backlash.contact_systems import ContactSystem, ContactSystems
 from engine.errors import InternalError
-from engine.start.time_response import PrescribedTorque
+from engine.start.start_model import Machines
+from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
 from engine.stepping import contact_loop as events
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 #: Whether a run may end: (times, phases, mean speeds) → flag.
 Settled = Callable[[Floats, Floats, Floats], bool]
@@ -32,21 +30,20 @@ ROWS, LOGGED = 2048, 512
 MOST_STEPS = 5_000_000
 
 
-@dataclass(frozen=True, eq=False)
-class EventModel:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EventModel(Machines):
     """A start in arrays, with its pieces."""
 
     pieces: ContactSystems  #: The pieces met so far; more are made as a run comes to them. [SI]
-    curves: tuple[Any, ...]  #: As for the compiled loop. [SI]
-    motors: tuple[Any, ...]  #: Likewise. [SI]
-    loads: tuple[Any, ...]  #: Likewise. [SI]
-    timed: tuple[Any, ...]  #: Likewise. [SI]
-    damper_force: Ints  #: Force of each damper, those of the flanks last. Shape (n_dampers,).
-    electrical: tuple[Any, ...]  #: Of each motor, before anything was switched. [SI]
-    phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
     sampled: float  #: Angular frequency that the base step samples. [rad/s]
     limited: bool  #: True: contact damping never exceeds the spring force.
-    visible: float  #: Ringing above this share of an answer is followed. [1]
+    visible: float = 0.0  #: Ringing above this share of an answer is followed. [1]
+
+    @property
+    def damper_force(self) -> Ints:
+        """Force of each damper, those of the flanks last, shape (n_dampers,). [index]"""
+        places = self.pieces.places
+        return np.arange(places.first_damper, places.n_forces + 2 * len(self.pieces.basis.flanks))
 
 
 @dataclass(frozen=True)
@@ -271,6 +268,7 @@ class _Simulation:
         self.recorder = _Recorder(model, script.keep_state, script.keep_all)
         self.field_time: float | None = None
         self.trip_time: float | None = None
+        self._waits_for_angle = False
         self.steps = 0
         self.stuck = False
 
@@ -321,9 +319,16 @@ class _Simulation:
 
     def _knots(self) -> Floats:
         """Times at which a prescribed torque has a corner."""
-        times, counts = self.model.timed[1], self.model.timed[3]
-        parts = [t[:n] for t, n in zip(times, counts, strict=True)]
-        return np.unique(np.concatenate([np.array(self.script.stops, dtype=np.float64), *parts]))
+        stops = np.array(self.script.stops, dtype=np.float64)
+        return np.unique(np.concatenate([stops, *knots_of(self.model.timed)]))
+
+    def _awaited(self) -> dict[str, float]:
+        """Mean speeds at which something follows on the way up; of two equal ones the first counts."""
+        s = self.script
+        speeds = {"trip": s.trip_speed, "end": s.end_speed}
+        if self.field_time is None and not self._waits_for_angle:
+            speeds["field"] = s.field_speed
+        return {what: speed for what, speed in speeds.items() if speed is not None}
 
     def _targets(self) -> Floats:
         """Speeds and load angle that the loop stops at now."""
@@ -332,44 +337,26 @@ class _Simulation:
         if self.trip_time is not None:
             down = s.coast_end if s.coast_end is not None else -math.inf
         else:
-            waiting = [w for w in (s.trip_speed, s.end_speed) if w is not None]
-            if s.field_speed is not None and self.field_time is None:
-                if not self._waits_for_angle:
-                    waiting.append(s.field_speed)
-                elif s.field_angle is not None:
-                    angle = s.field_angle - float(self.electrical[7][0])
-            up = min(waiting, default=math.inf)
+            up = min(self._awaited().values(), default=math.inf)
+            if self._waits_for_angle and self.field_time is None and s.field_angle is not None:
+                angle = s.field_angle - float(self.electrical[7][0])
         return np.array([up, down, angle, self.model.sampled])
-
-    _waits_for_angle = False
 
     def _at_speed(self, t: float) -> bool:
         """What follows when a speed is reached; False: the run ends."""
-        s = self.script
         if self.trip_time is not None:
             return False
-        waiting_for_field = (
-            s.field_speed is not None and self.field_time is None and not self._waits_for_angle
-        )
-        others = [w for w in (s.trip_speed, s.end_speed) if w is not None]
-        if (
-            waiting_for_field
-            and s.field_speed is not None
-            and s.field_speed < min(others, default=math.inf)
-        ):
-            if s.field_angle is None:
-                self._apply_field(t)
-            else:
-                self._waits_for_angle = True
-            return True
-        if s.trip_speed is not None and s.trip_speed <= min(
-            (w for w in (s.end_speed,) if w is not None), default=math.inf
-        ):
+        speeds = self._awaited()
+        reached = min(speeds, key=speeds.__getitem__)
+        if reached == "trip":
             self.trip_time = t
             self.electrical[8][:] = 0.0
             self.clock[1] = 2.0
-            return True
-        return False
+        elif reached == "field" and self.script.field_angle is not None:
+            self._waits_for_angle = True
+        elif reached == "field":
+            self._apply_field(t)
+        return reached != "end"
 
     def _apply_field(self, t: float) -> None:
         self.field_time = t
@@ -400,7 +387,7 @@ class _Simulation:
             if reason != events.MORE or self.steps > MOST_STEPS:
                 return int(reason)
 
-    def _result(self, settled: bool = False, reached: bool = False) -> EventRun:
+    def _result(self, settled: bool, reached: bool) -> EventRun:
         r = self.recorder
         trajectory, phase, bearing = r.result(reached, self.steps)
         return EventRun(
@@ -417,47 +404,3 @@ class _Simulation:
             np.concatenate(r.position, axis=1),
             np.concatenate(r.velocity, axis=1),
         )
-
-
-def no_machines() -> dict[str, tuple[Any, ...]]:
-    """Curves, motors and loads of a run without any.
-
-    Returns
-    -------
-    dict
-        Fields of `EventModel`. [SI]
-    """
-    none, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
-    return {
-        "curves": (np.zeros((0, 1)), np.zeros((0, 1, 4)), none),
-        "motors": (none, none, none, nothing, nothing, 0.0, none),
-        "loads": (none, none, nothing, nothing),
-    }
-
-
-def torque_tables(torques: Sequence[PrescribedTorque], stations: Sequence[int]) -> tuple[Any, ...]:
-    """Prescribed torques, linear between their knots, as the compiled loop takes them.
-
-    Parameters
-    ----------
-    torques : sequence of PrescribedTorque
-        Torques. [N m]
-    stations : sequence of int
-        Station of each force. [indices]
-
-    Returns
-    -------
-    tuple
-        Force, times, torques and counts of each table. [s, N m]
-    """
-    longest = max((len(p.knots) for p in torques), default=1)
-    times, values = np.zeros((len(torques), longest)), np.zeros((len(torques), longest))
-    for i, p in enumerate(torques):
-        times[i, : len(p.knots)] = p.knots
-        values[i, : len(p.knots)] = p.value(p.knots, "right")
-    return (
-        np.array([list(stations).index(p.station) for p in torques], dtype=np.int64),
-        times,
-        values,
-        np.array([len(p.knots) for p in torques], dtype=np.int64),
-    )

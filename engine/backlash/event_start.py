@@ -9,21 +9,24 @@ which the field is applied or the motor trips is an event of the same kind.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from engine.backlash.contact_systems import ContactSystems, ForceLocations, shared_basis
+from engine.arrays import Floats, Ints, Mask
+from engine.backlash.contact_systems import (
+    ContactSystems,
+    ForceLocations,
+    SharedBasis,
+    shared_basis,
+)
 from engine.backlash.contacts import bearing_forces, contact_records, force_histories
 from engine.backlash.event_simulation import (
     EventModel,
     EventRun,
     EventSchedule,
     Settled,
-    no_machines,
     simulate_events,
-    torque_tables,
 )
 from engine.case.choices import ContactLaw, Method
 from engine.case.data import CaseData
@@ -33,37 +36,31 @@ from engine.case.result_words import Outcome
 from engine.errors import ModelError
 from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
-from engine.model.modes import Modes, stated_damping
-from engine.model.motor import electrical_arrays, motors_of, voltage_factor
+from engine.model.modes import stated_damping
+from engine.model.motor import motors_of, voltage_factor
 from engine.model.rigid_runup import RigidRunup, rigid_runup
 from engine.model.train import Flank, Train
 from engine.start.event_results import PullIn, Repeatability
 from engine.start.outcome import StartOutcome, outcome_of, run_length
-from engine.start.peaks import element_peaks, relative_errors, worst_outputs
-from engine.start.prescribed import prescribed_torques, run_prescribed
+from engine.start.peaks import judge_run
+from engine.start.prescribed import run_prescribed
 from engine.start.pull_in import has_failed, has_settled, judge_pull_in, swing_frequency_linear
 from engine.start.settings import NEGLIGIBLE, StartSettings, has_start, keeps_history, settings_of
 from engine.start.start import Start, run_start
-from engine.start.start_model import COARSEST_FIRST, MAX_VALUES, StartModel, start_model
-from engine.start.trajectory import Trajectory, read_turning
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from engine.start.start_model import (
+    COARSEST_FIRST,
+    MAX_VALUES,
+    Machines,
+    StartModel,
+    machine_arrays,
+    start_model,
+)
+from engine.start.time_response import prescribed_torques
+from engine.start.trajectory import SingleRun
 
 
 def clearances_of(train: Train) -> tuple[Flank, ...]:
-    """Flanks that can part: those with a clearance.
-
-    Parameters
-    ----------
-    train : Train
-        The train. [SI]
-
-    Returns
-    -------
-    tuple of Flank
-        In the order of the elements. [count]
-    """
+    """Flanks that can part, those with a clearance, in the order of the elements."""
     return tuple(f for f in train.flanks if f.gap is not None and f.gap > 0.0)
 
 
@@ -116,20 +113,14 @@ LOOK_EVERY = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class _Run:
-    """One simulation with what is read out of it."""
+class _Run(SingleRun):
+    """One simulation, with its events."""
 
     events: EventRun
-    end: float
-    turning: list[tuple[Floats, Floats]]
 
     @property
     def n_steps(self) -> int:
-        return self.events.trajectory.n_steps
-
-    @property
-    def plain(self) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
-        return self.events.trajectory, self.end, self.turning
+        return self.trajectory.n_steps
 
 
 def run_event_start(
@@ -140,27 +131,9 @@ def run_event_start(
 ) -> Start:
     """Calculate a start with clearances, sideways motion, field application or trip.
 
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    modal : ModalTrain
-        Its train, modes and damping, all teeth in contact. [SI]
-    effects : StartEffects
-        What is simulated. [flags]
-    linear : Start, optional
-        The linear start of the same case, which gives the scale of each torque; calculated if not
-        at hand. [SI]
-
-    Returns
-    -------
-    Start
-        Outcome, peaks, histories, contacts and error estimates. [SI]
-
-    Raises
-    ------
-    ModelError
-        If the train cannot turn or has no motor, or an effect lacks its data.
+    `modal` has all teeth in contact. The linear start of the same case gives the scale of each torque; it
+    is calculated if it is not given. Raises `ModelError` if the train cannot turn or has no motor, or an
+    effect lacks its data.
     """
     train = modal.train
     if linear is None and has_start(case):
@@ -169,7 +142,7 @@ def run_event_start(
         linear = run_prescribed(case, modal)
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     if linear.runup is None:
-        setup = _prescribed(case, modal, effects, linear, tolerance)
+        setup = _prescribed(case, modal, effects, linear)
     else:
         setup = _start(case, modal, effects, linear, tolerance)
     model, step = setup.model, setup.step
@@ -180,29 +153,25 @@ def run_event_start(
         # what is not followed shrinks with the step, so that the change from h to h/2 shows it
         seen = replace(changed, visible=VISIBLE * tolerance * (h / first) ** 2)
         run = simulate_events(seen, h, setup.script, settled=setup.settled)
-        end = float(run.trajectory.time[-1])
-        trajectory, turning = read_turning(run.trajectory, end)
-        return _Run(replace(run, trajectory=trajectory), end, turning)
+        single = SingleRun.until(run.trajectory, float(run.trajectory.time[-1]))
+        return _Run(**vars(single), events=replace(run, trajectory=single.trajectory))
 
     coarse, fine = _light(at(step)), at(0.5 * step)
     halvings, sensitivity, taken = 0, None, coarse.n_steps + fine.n_steps
     while True:
-        output = worst_outputs(train, fine.events.trajectory, fine.turning)
         unseen = _left_out(setup, fine, tolerance)
         same_until = _together_until(coarse.events, fine.events, TOGETHER * step)
-        same = _last_extreme(coarse, fine, output) < same_until
-        peaks = element_peaks(
+        judged = judge_run(
             train,
             unseen,
-            fine.plain,
-            coarse.plain,
-            output,
+            fine,
+            coarse,
             until_largest=bool(modelled),
             guard_share=SAME_CONTACTS_SHARE,
             same_until=same_until,
         )
-        bound = unseen[output[output >= 0]]
-        error, truncation = relative_errors(peaks, bound)
+        output, error = judged.output_of_element, judged.estimated_error
+        same = _last_extreme(coarse, fine, output) < same_until
         met = error <= tolerance and not fine.events.gave_up
         values = fine.n_steps * len(unseen)
         next_steps = fine.n_steps * max(2.0, fine.n_steps / coarse.n_steps)
@@ -237,17 +206,11 @@ def run_event_start(
     run = fine.events
     pull_in = _pull_in(run, case)
     return Start(
+        **vars(judged),
         outcome=_outcome(run, case, linear, pull_in, fine.end),
-        peaks=peaks,
-        trajectory=run.trajectory,
-        turning_points=tuple(fine.turning[i] for i in output if i >= 0),
-        coarse_turning_points=tuple(coarse.turning[i] for i in output if i >= 0),
-        output_of_element=output,
         runup=linear.runup,
         step=0.5 * step,
         halvings=halvings,
-        estimated_error=error,
-        truncation_error=truncation,
         kept_modes=len(model.pieces.basis.closed_omega),
         method=Method.EXPONENTIAL,
         met_tolerance=met,
@@ -282,8 +245,7 @@ def _start(
     tolerance: float,
 ) -> _Setup:
     """A start with its motors."""
-    train, modes = modal.train, modal.modes
-    settings = settings_of(case)
+    train, settings = modal.train, settings_of(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
     synchronous = case.ratings.synchronous_speed
     assert synchronous is not None
@@ -304,7 +266,7 @@ def _start(
         effects,
         implicit_dampers=True,
     )
-    model = _event_model(case, train, modes, plain, effects, linear, tolerance)
+    model = _event_model(case, modal, plain, effects, linear)
     angle = min(COARSEST_EVENT_ANGLE * (tolerance / DEFAULT_TOLERANCE_PEAK) ** 0.25, COARSEST_FIRST)
     step = angle / plain.pulsation_omega
     if linear.method == Method.EXPONENTIAL:  # Newmark's steps are shorter than these runs need
@@ -316,21 +278,12 @@ def _start(
     return _Setup(model, script, step, plain.truncation, drops, judge, plain.uncoupled_dampers)
 
 
-def _prescribed(
-    case: CaseData,
-    modal: ModalTrain,
-    effects: StartEffects,
-    linear: Start,
-    tolerance: float,
-) -> _Setup:
+def _prescribed(case: CaseData, modal: ModalTrain, effects: StartEffects, linear: Start) -> _Setup:
     """Prescribed torques alone: every mode is kept, and followed where it rings."""
-    train, modes = modal.train, modal.modes
+    train = modal.train
     torques = prescribed_torques(case, train)
     stations = sorted({p.station for p in torques})
-    keep = np.ones(modes.n_modes, dtype=np.bool_)
-    flanks = [f for f in clearances_of(train) if train.elements[f.element] in effects.clearances]
-    stated = stated_damping(case, modes)
-    basis = shared_basis(train, modes, flanks, keep, stated, case.damping_ratio or 0.0)
+    basis = _basis(case, modal, effects, np.ones(modal.modes.n_modes, dtype=np.bool_))
     rows = np.flatnonzero(train.viscous > 0.0)
     nodes = np.flatnonzero(train.node_damping > 0.0)
     places = ForceLocations(
@@ -341,18 +294,12 @@ def _prescribed(
     )
     mean = basis.vectors[train.node_dof[0]] * train.node_scale[0] / train.speed_ratio[0]
     pieces = ContactSystems(basis, places, mean, _scale(train, linear))
-    n = places.n_forces
     step = linear.step * 2.0 ** (linear.halvings + 1)
     model = EventModel(
         pieces=pieces,
-        **no_machines(),
-        timed=torque_tables(torques, stations),
-        damper_force=np.arange(len(stations), n + 2 * len(flanks)),
-        electrical=electrical_arrays((), case),
-        phase=np.zeros(0),
+        **machine_arrays(case, (), (), torques, stations),
         sampled=COARSEST_EVENT_ANGLE / step,
         limited=effects.contact_law == ContactLaw.LIMITED,
-        visible=VISIBLE * tolerance,
     )
     script = EventSchedule(maximum_time=linear.outcome.time, keep_all=keeps_history(case))
     return _Setup(model, script, step, np.zeros(len(pieces.output_element)), False, None, ())
@@ -398,39 +345,29 @@ def _script(
     )
 
 
-def _event_model(
-    case: CaseData,
-    train: Train,
-    modes: Modes,
-    plain: StartModel,
-    effects: StartEffects,
-    linear: Start,
-    tolerance: float,
-) -> EventModel:
-    """The arrays of a plain start with clearances in them."""
+def _basis(case: CaseData, modal: ModalTrain, effects: StartEffects, keep: Mask) -> SharedBasis:
+    """The basis of the pieces that the clearances of a plan make."""
+    train, modes = modal.train, modal.modes
     flanks = [f for f in clearances_of(train) if train.elements[f.element] in effects.clearances]
     stated = stated_damping(case, modes)
-    basis = shared_basis(train, modes, flanks, plain.keep, stated, case.damping_ratio or 0.0)
+    return shared_basis(train, modes, flanks, keep, stated, case.damping_ratio or 0.0)
+
+
+def _event_model(
+    case: CaseData, modal: ModalTrain, plain: StartModel, effects: StartEffects, linear: Start
+) -> EventModel:
+    """The arrays of a plain start with clearances in them."""
+    basis = _basis(case, modal, effects, plain.keep)
     first = int(plain.dampers[0][0]) if len(plain.dampers[0]) else len(plain.force_nodes)
     places = ForceLocations(plain.force_nodes, plain.damper_rows, first, plain.dampers[1])
     mean = np.zeros(basis.vectors.shape[1])
     mean[: len(plain.mean_speed)] = plain.mean_speed
-    pieces = ContactSystems(basis, places, mean, _scale(train, linear))
-    n = places.n_forces
+    pieces = ContactSystems(basis, places, mean, _scale(modal.train, linear))
     return EventModel(
+        **{field.name: getattr(plain, field.name) for field in fields(Machines)},
         pieces=pieces,
-        curves=plain.curves,
-        motors=plain.motors,
-        loads=plain.loads,
-        timed=plain.timed,
-        damper_force=np.concatenate(
-            [np.arange(first, n), np.arange(n, n + 2 * len(flanks))]
-        ).astype(np.int64),
-        electrical=plain.electrical,
-        phase=plain.phase,
         sampled=plain.pulsation_omega,
         limited=effects.contact_law == ContactLaw.LIMITED,
-        visible=VISIBLE * tolerance,
     )
 
 
@@ -487,9 +424,9 @@ def _may_be_overtaken(coarse: _Run, fine: _Run, output: Ints, parted: float) -> 
 
 def _light(run: _Run) -> _Run:
     """A run whose turning points are all that is still wanted."""
-    none = np.empty((0, 0))
-    thin = replace(run.events.trajectory, torque=none, torque_rate=none)
-    return replace(run, events=replace(run.events, trajectory=thin, phase=none, bearing=none))
+    none, thin = np.empty((0, 0)), run.without_history()
+    events = replace(run.events, trajectory=thin.trajectory, phase=none, bearing=none)
+    return replace(thin, events=events)
 
 
 def _changed(model: EventModel) -> EventModel:

@@ -9,9 +9,9 @@ module            responsibility
                   step, and how
 `settings`        how a start is to be calculated: what the case asks for, blanks filled
 `torque_outputs`  element torques as linear functions of modal coordinates and applied torques
+`time_response`   any train under prescribed torques, untwisted at the beginning
 `start_model`     a start in arrays: as few modes as the tolerance allows, forces, dampers and
                   curves
-`time_response`   any train under prescribed torques, from any initial twist and speed
 `trajectory`      sampled histories of a start, their turning points, and how they are kept in
                   bounded memory
 `outcome`         how a start ended: the word, and the sentence with its numbers

@@ -7,22 +7,18 @@ against pulsating torque, acceleration ("Philosophy of resonant response locatio
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData
 from engine.case.defaults import NOTABLE_REVERSAL
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.modal_train import ModalTrain
-from engine.model.train import Train
 from engine.operation.margins import percent_speed
 from engine.start.start import Start
-
-Floats = NDArray[np.float64]
 
 #: A mode within this share of twice line frequency is excited by the initial shock (the paper).
 INITIAL_SHOCK_ZONE = 0.10
@@ -43,52 +39,28 @@ class Crossing:
     percent_speed: float | None
     time: float | None  #: When the mean speed passes there; None if the start ends before. [s]
     #: At that speed, referred to the motor; None, like the next two, if it is not reached. [N m]
-    average_torque: float | None
-    pulsating_torque: float | None  #: Likewise. [N m]
-    load_torque: float | None  #: Likewise. [N m]
-    acceleration: float | None  #: Of the reference shaft as a rigid train. [rad/s²]
-    sweep_rate: float | None  #: Rate at which the pulsation frequency falls. [Hz/s]
-    governing_element: str | None  #: Element most stressed while the mode is excited.
-    peak_to_peak_torque: float | None  #: Its torque range in that window. [N m]
+    average_torque: float | None = None
+    pulsating_torque: float | None = None  #: Likewise. [N m]
+    load_torque: float | None = None  #: Likewise. [N m]
+    acceleration: float | None = None  #: Of the reference shaft as a rigid train. [rad/s²]
+    sweep_rate: float | None = None  #: Rate at which the pulsation frequency falls. [Hz/s]
+    governing_element: str | None = None  #: Element most stressed while the mode is excited.
+    peak_to_peak_torque: float | None = None  #: Its torque range in that window. [N m]
     #: Its nominal stress range, where it has a stress diameter. [Pa]
-    peak_to_peak_stress: float | None
-    mesh_minimum_torque: float | None  #: Lowest mesh torque in that window. [N m]
-    note: str  #: The reasons, in words.
+    peak_to_peak_stress: float | None = None
+    mesh_minimum_torque: float | None = None  #: Lowest mesh torque in that window. [N m]
+    note: str = ""  #: The reasons, in words.
 
 
-def start_crossings(
-    modal: ModalTrain,
-    start: Start,
-    line_frequency: float,
-    synchronous_speed: float,
-    stress_per_torque: Sequence[float | None],
-    meshes: Sequence[int],
-) -> tuple[Crossing, ...]:
-    """All crossings of a start.
+def crossings_of(case: CaseData, modal: ModalTrain, start: Start) -> tuple[Crossing, ...]:
+    """Crossings of a start by the falling 2 × slip frequency, in rising frequency.
 
-    Parameters
-    ----------
-    modal : ModalTrain
-        Its train, modes and damping. [SI]
-    start : Start
-        The start. [SI]
-    line_frequency : float
-        Line frequency. [Hz]
-    synchronous_speed : float
-        Synchronous speed of the reference shaft. [rad/s]
-    stress_per_torque : sequence of float or None, shape (n_elements,)
-        Nominal shear stress per torque; None without a stress diameter. [Pa/(N m)]
-    meshes : sequence of int
-        Elements whose torque may not reverse: gear meshes. [indices]
-
-    Returns
-    -------
-    tuple of Crossing
-        In rising frequency. [count]
+    Empty where the speed of the motor or of its field is not known.
     """
-    train, modes, damping = modal
-    runup = start.runup
-    if runup is None:
+    modes, damping = modal.modes, modal.damping
+    runup, line_frequency = start.runup, case.ratings.line_frequency
+    synchronous_speed = case.ratings.synchronous_speed
+    if runup is None or not line_frequency or not synchronous_speed:
         return ()
     highest = 2.0 * line_frequency * (1.0 + INITIAL_SHOCK_ZONE)
     below = [
@@ -102,51 +74,33 @@ def start_crossings(
         f = frequencies[i]
         percent = percent_speed(f, line_frequency)
         speed = synchronous_speed * max(1.0 - f / (2.0 * line_frequency), 0.0)
-        acceleration = runup.acceleration_at(speed)
-        crossing = _Point(
-            frequency=f,
-            time=None if percent is None else _passing(start, speed),
-            average=float(np.interp(speed, runup.speed, runup.average)),
-            pulsating=float(np.interp(speed, runup.speed, runup.pulsating)),
-            load=float(np.interp(speed, runup.speed, runup.load)),
-            sweep_rate=2.0 * line_frequency * acceleration / synchronous_speed,
-        )
+        time = None if percent is None else _passing(start, speed)
         window = _window(start, frequencies, i, line_frequency, synchronous_speed)
-        governing, span, stress, lowest = _response(train, start, window, stress_per_torque, meshes)
-        reverses = None if lowest is None else lowest < -NOTABLE_REVERSAL * _largest(start)
-        note = _note(crossing, float(damping.ratio[r]), line_frequency, reverses)
-        passed = crossing.time is not None
-        crossings.append(
-            Crossing(
-                mode=r - modes.n_rigid + 1,
-                frequency=f,
-                percent_speed=percent,
-                time=crossing.time,
-                average_torque=crossing.average if passed else None,
-                pulsating_torque=crossing.pulsating if passed else None,
-                load_torque=crossing.load if passed else None,
-                acceleration=acceleration if passed else None,
-                sweep_rate=crossing.sweep_rate if passed else None,
-                governing_element=governing,
-                peak_to_peak_torque=span,
-                peak_to_peak_stress=stress,
-                mesh_minimum_torque=lowest,
-                note=note,
-            )
+        crossing = Crossing(
+            mode=r - modes.n_rigid + 1,
+            frequency=f,
+            percent_speed=percent,
+            time=time,
+            **_response(case, start, window),
         )
+        if time is not None:
+            acceleration = runup.acceleration_at(speed)
+            crossing = replace(
+                crossing,
+                average_torque=float(np.interp(speed, runup.speed, runup.average)),
+                pulsating_torque=float(np.interp(speed, runup.speed, runup.pulsating)),
+                load_torque=float(np.interp(speed, runup.speed, runup.load)),
+                acceleration=acceleration,
+                sweep_rate=2.0 * line_frequency * acceleration / synchronous_speed,
+            )
+        lowest, largest = (
+            crossing.mesh_minimum_torque,
+            max((p.size for p in start.peaks), default=0.0),
+        )
+        reverses = None if lowest is None else lowest < -NOTABLE_REVERSAL * largest
+        note = _note(crossing, float(damping.ratio[r]), line_frequency, reverses)
+        crossings.append(replace(crossing, note=note))
     return tuple(crossings)
-
-
-@dataclass(frozen=True)
-class _Point:
-    """State of the rigid train where a mode is crossed."""
-
-    frequency: float
-    time: float | None
-    average: float
-    pulsating: float
-    load: float
-    sweep_rate: float
 
 
 def _passing(start: Start, speed: float) -> float | None:
@@ -168,11 +122,7 @@ def _window(
     """Time in which mode i responds: from just above it to half-way to the next mode below."""
     f, twice = frequencies[i], 2.0 * line_frequency
     higher = frequencies[i + 1] if i + 1 < len(frequencies) else math.inf
-    begin = (
-        min(WINDOW_BEGINS * f, math.sqrt(f * higher))
-        if math.isfinite(higher)
-        else WINDOW_BEGINS * f
-    )
+    begin = min(WINDOW_BEGINS * f, math.sqrt(f * higher))
     end = math.sqrt(f * frequencies[i - 1]) if i > 0 else 0.0
     t0 = 0.0 if begin >= twice else _passing(start, synchronous_speed * (1.0 - begin / twice))
     if t0 is None:
@@ -181,54 +131,37 @@ def _window(
     return t0, start.outcome.time if t1 is None else t1
 
 
-def _response(
-    train: Train,
-    start: Start,
-    window: tuple[float, float] | None,
-    stress_per_torque: Sequence[float | None],
-    meshes: Sequence[int],
-) -> tuple[str | None, float | None, float | None, float | None]:
+def _response(case: CaseData, start: Start, window: tuple[float, float] | None) -> dict[str, Any]:
     """Governing element with its torque and stress range, and the lowest mesh torque."""
     if window is None:
-        return None, None, None, None
+        return {}
     spans: dict[int, float] = {}
-    lowest: float | None = None
-    for element, (when, value) in start.turning_of_element().items():
+    stresses: dict[int, float] = {}
+    lowest: list[float] = []
+    for index, (when, value) in start.turning_of_element().items():
         inside = value[(when >= window[0]) & (when <= window[1])]
         if not len(inside):
             continue
-        spans[element] = float(np.ptp(inside))
-        if element in meshes:
-            lowest = float(inside.min()) if lowest is None else min(lowest, float(inside.min()))
+        element = case.elements[index]
+        spans[index] = float(np.ptp(inside))
+        if element.stress_diameter:
+            stresses[index] = spans[index] * stress_of_unit_torque(element)
+        if element.kind == ElementKind.GEAR_MESH:
+            lowest.append(float(inside.min()))
     if not spans:
-        return None, None, None, None
-    judged = {e: s * k for e, s in spans.items() if (k := stress_per_torque[e]) is not None}
-    if judged:
-        worst = max(judged, key=lambda e: judged[e])
-        return train.elements[worst], spans[worst], judged[worst], lowest
-    worst = max(spans, key=lambda e: spans[e] * _power_ratio(train, e))
-    return train.elements[worst], spans[worst], None, lowest
+        return {}
+    ratios = case.element_speed_ratios  # so that torques on all shafts compare as power
+    sizes = stresses or {i: span * ratios[case.elements[i].element] for i, span in spans.items()}
+    worst = max(sizes, key=sizes.__getitem__)
+    return {
+        "governing_element": case.elements[worst].element,
+        "peak_to_peak_torque": spans[worst],
+        "peak_to_peak_stress": stresses.get(worst),
+        "mesh_minimum_torque": min(lowest, default=None),
+    }
 
 
-def _power_ratio(train: Train, element: int) -> float:
-    """Speed of an element over the reference, so that torques on all shafts compare as power."""
-    rows = np.flatnonzero(train.row_element == element)
-    if not len(rows):
-        return next(m.from_ratio for m in train.rigid_meshes if m.element == element)
-    node = (
-        int(np.flatnonzero(train.node_incidence[rows[0]] > 0.0)[0])
-        if np.any(train.node_incidence[rows[0]] > 0.0)
-        else int(np.flatnonzero(train.node_incidence[rows[0]])[0])
-    )
-    return float(train.speed_ratio[node])
-
-
-def _largest(start: Start) -> float:
-    """Largest torque of the whole start."""
-    return max((p.size for p in start.peaks), default=0.0)
-
-
-def _note(p: _Point, ratio: float, line_frequency: float, reverses: bool | None) -> str:
+def _note(p: Crossing, ratio: float, line_frequency: float, reverses: bool | None) -> str:
     """The paper's reasons in words."""
     notes = []
     if p.frequency >= 2.0 * line_frequency * (1.0 - INITIAL_SHOCK_ZONE):
@@ -240,57 +173,29 @@ def _note(p: _Point, ratio: float, line_frequency: float, reverses: bool | None)
         return " ".join([*notes, "The pulsation itself stays below it."])
     if p.time is None:
         return " ".join([*notes, "Not reached: the start ends before this speed."])
+    sweep, average, pulsating = p.sweep_rate, p.average_torque, p.pulsating_torque
+    assert sweep is not None
+    assert average is not None
+    assert pulsating is not None
     steady = 1.0 / (2.0 * ratio) if ratio > 0.0 else math.inf
-    swept = LEWIS_FACTOR * p.frequency / math.sqrt(p.sweep_rate) if p.sweep_rate > 0.0 else math.inf
+    swept = LEWIS_FACTOR * p.frequency / math.sqrt(sweep) if sweep > 0.0 else math.inf
     if swept < 0.8 * steady:
         notes.append(
-            f"Sweep of {p.sweep_rate:.1f} Hz/s limits the build-up to about {swept:.0f} × static "
+            f"Sweep of {sweep:.1f} Hz/s limits the build-up to about {swept:.0f} × static "
             f"(steady resonance {steady:.0f} ×): acceleration helps here."
         )
     elif math.isfinite(steady):
         notes.append(
-            f"Sweep of {p.sweep_rate:.1f} Hz/s is slow (undamped limit {swept:.0f} ×): damping sets the "
+            f"Sweep of {sweep:.1f} Hz/s is slow (undamped limit {swept:.0f} ×): damping sets the "
             f"build-up, near {steady:.0f} × static."
         )
     else:
         notes.append("No damping and no sweep: the build-up is not limited.")
     notes.append(
-        f"Pulsating torque is {p.pulsating / p.average:.0%} of the average there."
-        if p.average > 0.0
+        f"Pulsating torque is {pulsating / average:.0%} of the average there."
+        if average > 0.0
         else "The average torque is not positive there."
     )
     if reverses is not None:
         notes.append("Mesh torque reverses." if reverses else "Mesh torque stays positive.")
     return " ".join(notes)
-
-
-def crossings_of(case: CaseData, model: ModalTrain, start: Start) -> tuple[Crossing, ...]:
-    """Crossings of a start by the falling 2 × slip frequency.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    model : ModalTrain
-        Modes that are reported. [SI]
-    start : Start
-        The start. [SI]
-
-    Returns
-    -------
-    tuple of Crossing
-        Empty where the speed of the motor or of its field is not known. [SI]
-    """
-    ratings = case.ratings
-    if start.runup is None or not ratings.line_frequency or not ratings.synchronous_speed:
-        return ()
-    stress = [stress_of_unit_torque(e) if e.stress_diameter else None for e in case.elements]
-    meshes = [i for i, e in enumerate(case.elements) if e.kind == ElementKind.GEAR_MESH]
-    return start_crossings(
-        model,
-        start,
-        ratings.line_frequency,
-        ratings.synchronous_speed,
-        stress,
-        meshes,
-    )

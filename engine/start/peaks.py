@@ -6,14 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Ints
 from engine.case.defaults import LEAST_PEAK_ERROR
 from engine.model.train import Train
 from engine.start.settings import NEGLIGIBLE
-from engine.start.trajectory import Trajectory
-
-Floats = NDArray[np.float64]
+from engine.start.trajectory import SingleRun, Trajectory, Turning
 
 #: Maxima, and minima, of two runs that are compared to estimate the error of the largest.
 COMPARED_EXTREMES = 6
@@ -48,28 +46,24 @@ class ElementPeak:
         return self.error / self.size if self.size > 0.0 else 0.0
 
 
-def worst_outputs(
-    train: Train, trajectory: Trajectory, turning: list[tuple[Floats, Floats]]
-) -> NDArray[np.int64]:
+def worst_outputs(train: Train, run: SingleRun) -> Ints:
     """For each element the output (segment) with the largest peak-to-peak torque.
 
     Parameters
     ----------
     train : Train
         The train. [SI]
-    trajectory : Trajectory
+    run : SingleRun
         A simulated start. [SI]
-    turning : list of (ndarray, ndarray)
-        Turning points of every output. [s, N m]
 
     Returns
     -------
     ndarray of int, shape (n_elements,)
         Output; −1 where an element has none. [index]
     """
-    span = np.array([float(np.ptp(value)) for _, value in turning])
+    span = np.array([float(np.ptp(value)) for _, value in run.turning])
     chosen = np.full(len(train.elements), -1, dtype=np.int64)
-    for output, element in enumerate(trajectory.output_element):
+    for output, element in enumerate(run.trajectory.output_element):
         if element < 0:  # a bearing of a gear, not an element of the train
             continue
         if chosen[element] < 0 or span[output] > span[chosen[element]]:
@@ -118,44 +112,33 @@ def _distance(values: Floats, others: Floats) -> float:
     return float(np.max(np.min(np.abs(values[:, None] - others[None, :]), axis=1)))
 
 
-def relative_errors(peaks: tuple[ElementPeak, ...], truncation: Floats) -> tuple[float, float]:
-    """Largest relative error of the peaks, and the part of it that modes left out may cause.
+@dataclass(frozen=True, eq=False)
+class JudgedRun:
+    """What a start answers: the finer of two simulations, judged by the coarser."""
 
-    Parameters
-    ----------
-    peaks : tuple of ElementPeak
-        Peaks. [N m]
-    truncation : ndarray, shape (n_peaks,)
-        Bound on what modes left out may add to each. [N m]
-
-    Returns
-    -------
-    error : float
-        Largest relative error. [1]
-    truncation : float
-        Largest relative truncation. [1]
-    """
-    sizes = np.array([p.size for p in peaks])
-    floor = np.maximum(sizes, NEGLIGIBLE * np.max(sizes, initial=0.0))
-    floor = np.where(floor > 0.0, floor, np.inf)
-    errors = np.array([p.error for p in peaks])
-    return (
-        float(np.max(errors / floor, initial=0.0)),
-        float(np.max(truncation / floor, initial=0.0)),
-    )
+    peaks: tuple[ElementPeak, ...]  #: One an element. [N m]
+    trajectory: Trajectory  #: The finer simulation. [SI]
+    #: Per element, times and torques of all turning points from rest to the end. [s, N m]
+    turning_points: tuple[Turning, ...]
+    #: The same at twice the step: what the error of cycle counts is estimated from. [s, N m]
+    coarse_turning_points: tuple[Turning, ...]
+    #: Row of `trajectory.torque` that stands for each element; −1 where there is none. Shape
+    #: (n_elements,).
+    output_of_element: Ints
+    estimated_error: float  #: Largest relative error of the peaks. [1]
+    truncation_error: float  #: Part of it that the modes left out may cause. [1]
 
 
-def element_peaks(
+def judge_run(
     train: Train,
     truncation: Floats,
-    fine: tuple[Trajectory, float, list[tuple[Floats, Floats]]],
-    coarse: tuple[Trajectory, float, list[tuple[Floats, Floats]]],
-    output: NDArray[np.int64],
+    fine: SingleRun,
+    coarse: SingleRun,
     *,
     until_largest: bool = False,
     guard_share: float = 1.0,
     same_until: float = math.inf,
-) -> tuple[ElementPeak, ...]:
+) -> JudgedRun:
     """Extremes of every element; the error is the change from h to h/2 plus the truncation.
 
     That change is about fifteen times the error of the finer run at fourth order, three times at
@@ -168,10 +151,8 @@ def element_peaks(
         The train. [SI]
     truncation : ndarray, shape (n_outputs,)
         Bound on what modes left out may add to each output. [N m]
-    fine, coarse : tuple
-        Trajectory, end time and turning points at h/2 and at h. [SI]
-    output : ndarray of int, shape (n_elements,)
-        Output that stands for each element; −1 where there is none. [index]
+    fine, coarse : SingleRun
+        Simulations at h/2 and at h. [SI]
     until_largest : bool, optional
         True: extremes after the largest do not count for the error (runs with impacts). [flag]
     guard_share : float, optional
@@ -183,15 +164,17 @@ def element_peaks(
 
     Returns
     -------
-    tuple of ElementPeak
-        One an element. [N m]
+    JudgedRun
+        Peaks and their errors. [N m]
     """
-    trajectory, _, turning = fine
+    trajectory, turning = fine.trajectory, fine.turning
+    output = worst_outputs(train, fine)
     judged = [(element, int(i)) for element, i in enumerate(output) if i >= 0]
+    bound = truncation[output[output >= 0]]
     size = np.array([float(np.max(np.abs(turning[i][1]))) for _, i in judged])
     change = np.array(
         [
-            _difference(turning[i], coarse[2][i], until_largest, guard_share, same_until)
+            _difference(turning[i], coarse.turning[i], until_largest, guard_share, same_until)
             for _, i in judged
         ]
     )
@@ -212,4 +195,14 @@ def element_peaks(
                 float(max(own, least) * scale + truncation[i]),
             )
         )
-    return tuple(peaks)
+    scale = np.where(floor > 0.0, floor, np.inf)
+    errors = np.array([p.error for p in peaks])
+    return JudgedRun(
+        tuple(peaks),
+        trajectory,
+        tuple(turning[i] for _, i in judged),
+        tuple(coarse.turning[i] for _, i in judged),
+        output,
+        float(np.max(errors / scale, initial=0.0)),
+        float(np.max(bound / scale, initial=0.0)),
+    )

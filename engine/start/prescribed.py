@@ -7,8 +7,8 @@ fine enough for the cubic between samples to catch the peaks, which the change o
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Mask
 from engine.case.choices import Method
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK
@@ -18,13 +18,11 @@ from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
 from engine.model.train import Train
 from engine.start.outcome import StartOutcome
-from engine.start.peaks import element_peaks, relative_errors, worst_outputs
+from engine.start.peaks import judge_run
 from engine.start.start import Start
-from engine.start.time_response import PrescribedTorque, linear, time_response
+from engine.start.time_response import PrescribedTorque, prescribed_torques, time_response
 from engine.start.torque_outputs import force_reach, torque_outputs
-from engine.start.trajectory import Trajectory, turning_of
-
-Floats = NDArray[np.float64]
+from engine.start.trajectory import SingleRun, Trajectory
 
 #: Samples per period of the fastest mode that matters, tried first.
 SAMPLES_PER_PERIOD = 16.0
@@ -35,24 +33,9 @@ MAX_SAMPLES, MAX_VALUES = 2_000_000, 10_000_000
 
 
 def run_prescribed(case: CaseData, modal: ModalTrain) -> Start:
-    """Response to the prescribed torques, from rest.
+    """Response to the prescribed torques, from rest; its outcome is ``completed``.
 
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    modal : ModalTrain
-        Its train, modes and damping. [SI]
-
-    Returns
-    -------
-    Start
-        Peaks, histories and error estimates, outcome ``completed``. [SI]
-
-    Raises
-    ------
-    ModelError
-        If neither the table nor MaximumTime says how long to follow the train.
+    Raises `ModelError` if neither the table nor MaximumTime says how long to follow the train.
     """
     train, modes, damping = modal
     torques = prescribed_torques(case, train)
@@ -66,7 +49,7 @@ def run_prescribed(case: CaseData, modal: ModalTrain) -> Start:
     step, keep, truncation = _first_step(train, modes, torques, tolerance, end)
     most = _most_samples(train)
 
-    def at(h: float) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
+    def at(h: float) -> SingleRun:
         count = min(max(int(np.ceil(end / h)), 2), most)
         r = time_response(
             train,
@@ -80,65 +63,29 @@ def run_prescribed(case: CaseData, modal: ModalTrain) -> Start:
         trajectory = Trajectory(
             r.time, mean, r.torque, r.torque_rate, r.output_element, False, count
         )
-        return trajectory, end, turning_of(trajectory, end)
+        return SingleRun.until(trajectory, end)
 
     coarse, fine = at(step), at(0.5 * step)
     halvings = 0
     while True:
-        output = worst_outputs(train, fine[0], fine[2])
-        peaks = element_peaks(train, truncation, fine, coarse, output)
-        error, bound = relative_errors(peaks, truncation[output[output >= 0]])
+        judged = judge_run(train, truncation, fine, coarse)
+        error, bound = judged.estimated_error, judged.truncation_error
         # the present spacing is step / 2, the next one would be step / 4
         if error <= tolerance or error - bound <= 0.1 * bound or 4.0 * end / step > most:
             break
         halvings, step = halvings + 1, 0.5 * step
         coarse, fine = fine, at(0.5 * step)
-    speed = float(fine[0].mean_speed[-1])
+    speed = float(fine.trajectory.mean_speed[-1])
     return Start(
+        **vars(judged),
         outcome=StartOutcome.with_numbers(Outcome.COMPLETED, end, speed),
-        peaks=peaks,
-        trajectory=fine[0],
-        turning_points=tuple(fine[2][i] for i in output if i >= 0),
-        coarse_turning_points=tuple(coarse[2][i] for i in output if i >= 0),
-        output_of_element=output,
         runup=None,
         step=0.5 * step,
         halvings=halvings,
-        estimated_error=error,
-        truncation_error=bound,
         kept_modes=int(keep.sum()),
         method=Method.EXPONENTIAL,
         met_tolerance=error <= tolerance,
     )
-
-
-def prescribed_torques(case: CaseData, train: Train) -> list[PrescribedTorque]:
-    """Table `TorqueTime` as torques, linear between its rows.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    train : Train
-        Its train. [SI]
-
-    Returns
-    -------
-    list of PrescribedTorque
-        One a station. [N m]
-    """
-    names = list(dict.fromkeys(p.station for p in case.torque_time))
-    torques = []
-    for name in names:
-        rows = [p for p in case.torque_time if p.station == name]
-        torques.append(
-            linear(
-                train.stations.index(str(name)),
-                np.array([p.time for p in rows], dtype=float),
-                np.array([p.torque for p in rows], dtype=float),
-            )
-        )
-    return torques
 
 
 def _most_samples(train: Train) -> int:
@@ -148,7 +95,7 @@ def _most_samples(train: Train) -> int:
 
 def _first_step(
     train: Train, modes: Modes, torques: list[PrescribedTorque], tolerance: float, end: float
-) -> tuple[float, NDArray[np.bool_], Floats]:
+) -> tuple[float, Mask, Floats]:
     """Spacing that resolves every mode with a visible share of some element's torque.
 
     Modes that no affordable spacing resolves (a link of 1e16 N m/rad) follow statically; the bound
@@ -166,12 +113,7 @@ def _first_step(
     visible = np.max(static / total, axis=0, initial=0.0) > MATTERS * tolerance
     affordable = modes.frequency * SAMPLES_PER_PERIOD * end <= 0.25 * _most_samples(train)
     keep[visible & ~affordable] = False
-    jumps, ramps = np.zeros(len(torques)), np.zeros(len(torques))
-    for i, p in enumerate(torques):
-        y = p.value(p.knots, "right")
-        jumps[i] = abs(float(y[0]))
-        slope = np.diff(y) / np.diff(p.knots)
-        ramps[i] = float(np.sum(np.abs(np.diff(slope, prepend=0.0, append=0.0))))
+    jumps, ramps = np.array([p.jump for p in torques]), np.array([p.ramp for p in torques])
     bound = (flexible * (reach @ jumps + reach @ ramps / omega))[:, ~keep].sum(axis=1)
     fastest = float(np.max(modes.frequency[visible & keep], initial=0.0))
     step = min(end / 200.0, 1.0 / (SAMPLES_PER_PERIOD * fastest)) if fastest > 0.0 else end / 200.0

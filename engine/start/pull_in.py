@@ -16,11 +16,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.start.event_results import PullIn
-
-Floats = NDArray[np.float64]
 
 #: A swing of this amplitude has settled: 1 % of the pull-out torque, at the most. [rad]
 SETTLED_SWING = 0.01
@@ -296,21 +294,3 @@ def swing_frequency_linear(
 
 def _torque_at(angle: float, pull_out: float, saliency: float) -> float:
     return pull_out * math.sin(angle) + saliency * math.sin(2.0 * angle)
-
-
-def swing_decay_time(inertia: float, damper: float) -> float:
-    """Time in which a small swing falls to 1/e, 2J/c.
-
-    Parameters
-    ----------
-    inertia : float
-        Of the whole train, referred to the motor. [kg m²]
-    damper : float
-        Damper torque over slip speed, with what the load adds. [N m s/rad]
-
-    Returns
-    -------
-    float
-        Time; infinite without damping. [s]
-    """
-    return 2.0 * inertia / damper if damper > 0.0 else math.inf

@@ -18,19 +18,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Ints
 from engine.case.choices import ElementKind
 from engine.case.data import CaseData, ElementRow
 from engine.case.defaults import NOTABLE_REVERSAL
-from engine.case.practice_limits import PRACTICE_LIMITS
 from engine.case.result_words import Judgement
 from engine.model.excitation import transmitted_torque
 from engine.model.train import Train
 from engine.start.event_results import ContactRecord
 from engine.start.start import Start
-
-Floats = NDArray[np.float64]
 
 #: Torque above zero by less than this share of the largest of its element is rounding: teeth apart.
 ROUNDING = 1e-9
@@ -69,7 +66,6 @@ class Reversal:
     recontact_speed_angular: float | None
     #: Largest normal tooth force; None for a coupling and without that model. [N]
     tooth_force: float | None
-    practice: str  #: What the literature says of such an element in a start.
     sentence: str  #: What was found, with its numbers.
 
     @property
@@ -79,18 +75,10 @@ class Reversal:
 
 
 def reversing_elements(case: CaseData) -> tuple[int, ...]:
-    """Elements whose torque should not reverse.
+    """Indices of the elements whose torque should not reverse.
 
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-
-    Returns
-    -------
-    tuple of int
-        Gear meshes, geared couplings (those with a row in Meshes), and every element that states
-        a reversal limit. [indices]
+    Gear meshes, geared couplings (those with a row in Meshes), and every element that states a reversal
+    limit.
     """
     toothed = {m.element for m in case.meshes}
     return tuple(
@@ -103,23 +91,9 @@ def reversing_elements(case: CaseData) -> tuple[int, ...]:
 def torque_reversals(
     case: CaseData, train: Train, start: Start, contacts: Sequence[ContactRecord] = ()
 ) -> tuple[Reversal, ...]:
-    """Reversals of every mesh, geared coupling and element with a reversal limit.
+    """Reversals of every mesh, geared coupling and element with a reversal limit, in the order of Elements.
 
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    train : Train
-        Its train. [SI]
-    start : Start
-        The start that is reported. [SI]
-    contacts : sequence of ContactRecord
-        What happened at the clearances of that start. [SI]
-
-    Returns
-    -------
-    tuple of Reversal
-        In the order of Elements. [rows]
+    `contacts` tells what happened at the clearances of that start.
     """
     wanted = reversing_elements(case)
     turning = start.turning_of_element()
@@ -174,7 +148,6 @@ def _reversal(
         recontact_speed=None if contact is None else contact.recontact_speed,
         recontact_speed_angular=None if contact is None else contact.recontact_speed_angular,
         tooth_force=None if contact is None else contact.tooth_force,
-        practice=_practice(element),
         sentence=sentence,
     )
 
@@ -201,12 +174,6 @@ def _numbers(count: int, first: float, longest: float, slip: float | None) -> st
     sentence = f"{count} reversal{'s' if count > 1 else ''} from {first:.3f} s on, "
     sentence += f"the longest {1e3 * longest:.3g} ms"
     return sentence if slip is None else f"{sentence}, deepest at 2 × slip {slip:.3g} Hz"
-
-
-def _practice(element: ElementRow) -> str:
-    """What the literature says of such an element in a start."""
-    kind = ElementKind.GEAR_MESH if element.kind == ElementKind.GEAR_MESH else "coupling"
-    return next(p.says for p in PRACTICE_LIMITS if p.applies_to == kind and p.service == "start")
 
 
 def _slip_frequency(case: CaseData, start: Start, time: float) -> float | None:
@@ -240,9 +207,7 @@ def _passages(
     return began, ended
 
 
-def _spans(
-    torque: Floats, hysteresis: float, rounding: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _spans(torque: Floats, hysteresis: float, rounding: float) -> tuple[Ints, Ints]:
     """First turning point below zero of each reversal, and the first above zero after it.
 
     The latter is the number of turning points where a reversal is still open.
@@ -263,7 +228,7 @@ def _roots(
     slope: Floats,
     when: Floats,
     torque: Floats,
-    after: NDArray[np.int64],
+    after: Ints,
 ) -> Floats:
     """Where the dense output crosses zero between turning points `after` − 1 and `after`."""
     before = np.maximum(after - 1, 0)

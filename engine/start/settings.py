@@ -28,55 +28,17 @@ class StartSettings:
 
 
 def keeps_history(case: CaseData) -> bool:
-    """Whether the case wants every sample of the start in a file.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-
-    Returns
-    -------
-    bool
-        True if KeepHistory names a kind of file.
-    """
+    """Whether the case wants every sample of the start in a file: KeepHistory names a kind of file."""
     return case.keep_history not in (None, HistoryFile.NO)
 
 
 def has_start(case: CaseData) -> bool:
-    """Whether the case describes a start.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-
-    Returns
-    -------
-    bool
-        True if there is a motor torque curve.
-    """
+    """Whether the case describes a start: there is a motor torque curve."""
     return bool(case.motor_torque)
 
 
 def settings_of(case: CaseData) -> StartSettings:
-    """Settings of the start, blanks filled.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-
-    Returns
-    -------
-    StartSettings
-        Method, tolerance, end speed and maximum time. [SI]
-
-    Raises
-    ------
-    ModelError
-        Without synchronous speed.
-    """
+    """Settings of the start, blanks filled; `ModelError` without synchronous speed."""
     synchronous = case.ratings.synchronous_speed
     if synchronous is None:
         raise ModelError("A start needs the synchronous speed.")

@@ -1,23 +1,21 @@
-"""One simulation of a start at one step, and what is read out of it."""
+"""One simulation of a start at one step."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.choices import Method
 from engine.errors import InternalError
 from engine.model.motor import has_electrical
 from engine.start.start_model import StartModel
+from engine.start.time_response import knots_of
 from engine.start.trajectory import KEPT_VALUES, Recorder, Trajectory
 from engine.stepping import linear_loop as kernels
 from engine.stepping.exponential import exponential_step
 from engine.stepping.newmark import newmark_step
-
-Floats = NDArray[np.float64]
 
 #: Steps between two copies of the state out of the compiled loop.
 CHUNK = 4096
@@ -75,12 +73,7 @@ def simulate(
         force, rate = _forces_at(model, t, t + 0.5 * h, q, v, phase)
         while remaining > 0 and flag == kernels.PENDING:
             count = min(CHUNK, remaining)
-            out = [
-                np.empty((count, n)),
-                np.empty((count, n)),
-                np.empty((count, nf)),
-                np.empty((count, nf)),
-            ]
+            out = [np.empty((count, width)) for width in (n, n, nf, nf)]
             done, flag = kernels.advance_start(
                 count, h, t, target_speed, free, forced, model.stiffness, model.rate, reach,
                 model.mean_speed, model.curves, model.motors, model.loads, model.timed,
@@ -126,10 +119,7 @@ def _step_plan(model: StartModel, step: float, maximum_time: float) -> list[tupl
     Steps are the base step divided by powers of two, shortened so that one ends at every knot of
     a torque against time.
     """
-    times, counts = model.timed[1], model.timed[3]
-    knots = np.unique(
-        np.concatenate([np.zeros(0), *(t[:n] for t, n in zip(times, counts, strict=True))])
-    )
+    knots = np.unique(np.concatenate([np.zeros(0), *knots_of(model.timed)]))
     plan: list[tuple[int, float]] = []
     at = 0.0
     # a ringing mode is sampled as finely as the pulsation is
@@ -164,29 +154,3 @@ def _torques(
         torque += y.velocity @ v.T
         slope += y.velocity @ acceleration.T
     return torque, slope
-
-
-@dataclass(frozen=True, eq=False)
-class SingleRun:
-    """One simulation of a start at one step, and what is read out of it."""
-
-    trajectory: Trajectory  #: The simulation. [SI]
-    end: float  #: When it ended. [s]
-    #: Times and torques of all turning points of every output, from rest to the end. [s, N m]
-    turning: list[tuple[Floats, Floats]]
-
-    @property
-    def parts(self) -> tuple[Trajectory, float, list[tuple[Floats, Floats]]]:
-        """Trajectory, end and turning points. [SI]"""
-        return self.trajectory, self.end, self.turning
-
-    def without_history(self) -> SingleRun:
-        """With the turning points alone: the history is most of the memory.
-
-        Returns
-        -------
-        SingleRun
-            Without torques. [SI]
-        """
-        none = np.empty((0, 0))
-        return replace(self, trajectory=replace(self.trajectory, torque=none, torque_rate=none))

@@ -14,8 +14,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.choices import Method
 from engine.case.data import CaseData
 from engine.case.defaults import LONGEST_START
@@ -32,9 +32,9 @@ from engine.start.event_results import (
     Repeatability,
 )
 from engine.start.outcome import StartOutcome, end_of, outcome_of, run_length, start_settled
-from engine.start.peaks import ElementPeak, element_peaks, relative_errors, worst_outputs
+from engine.start.peaks import ElementPeak, JudgedRun, judge_run
 from engine.start.settings import PLAIN_START, StartSettings, keeps_history, settings_of
-from engine.start.simulation import SingleRun, simulate
+from engine.start.simulation import simulate
 from engine.start.start_model import (
     COARSEST_FIRST,
     FINEST_FIRST,
@@ -43,9 +43,7 @@ from engine.start.start_model import (
     start_model,
     usual_step,
 )
-from engine.start.trajectory import Trajectory, read_turning
-
-Floats = NDArray[np.float64]
+from engine.start.trajectory import SingleRun
 
 #: The same for Newmark: error ≈ this × (phase per step)², second order and far larger.
 NEWMARK_ERROR_AT_ONE_RADIAN = 0.4
@@ -69,25 +67,14 @@ class ForceHistories:
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
-    """A complete start."""
+class Start(JudgedRun):
+    """A complete start: the finest simulation, and what led to it."""
 
     outcome: StartOutcome  #: How it ended. [mixed]
-    peaks: tuple[ElementPeak, ...]  #: One an element. [N m]
-    trajectory: Trajectory  #: The finest simulation. [SI]
-    #: Per element, times and torques of all turning points from rest to the end. [s, N m]
-    turning_points: tuple[tuple[Floats, Floats], ...]
-    #: The same at twice the step: what the error of cycle counts is estimated from. [s, N m]
-    coarse_turning_points: tuple[tuple[Floats, Floats], ...]
-    #: Row of `trajectory.torque` that stands for each element; −1 where there is none. Shape
-    #: (n_elements,).
-    output_of_element: NDArray[np.int64]
     #: The rigid-body run-up; None for a response to prescribed torques alone. [SI]
     runup: RigidRunup | None
     step: float  #: Largest step used. [s]
     halvings: int  #: How often the step was halved to meet the tolerance.
-    estimated_error: float  #: Largest relative error of the peaks. [1]
-    truncation_error: float  #: Part of it that the modes left out may cause. [1]
     kept_modes: int  #: Modes integrated.
     method: str  #: ``exponential`` or ``newmark``.
     met_tolerance: bool  #: False if halving stopped before the tolerance was met.
@@ -178,9 +165,7 @@ class PreparedStart:
             self.maximum_time,
             keep_all=self.keep_all,
         )
-        end = end_of(trajectory, self.settings.end_speed)
-        thin, turning = read_turning(trajectory, end)
-        return SingleRun(thin, end, turning)
+        return SingleRun.until(trajectory, end_of(trajectory, self.settings.end_speed))
 
     def to_its_end(self, step: float) -> tuple[PreparedStart, SingleRun]:
         """Simulate at one step, prolonged until the start has ended or settled.
@@ -211,18 +196,7 @@ class PreparedStart:
         return prepared, run
 
     def outcome(self, run: SingleRun) -> StartOutcome:
-        """How a simulation ended.
-
-        Parameters
-        ----------
-        run : SingleRun
-            A simulation of this start. [SI]
-
-        Returns
-        -------
-        StartOutcome
-            Word, numbers and sentence. [mixed]
-        """
+        """How a simulation of this start ended."""
         return outcome_of(self.runup, self.settings, run.trajectory, run.end, self.synchronous)
 
 
@@ -231,26 +205,9 @@ def prepared_start(
     modal: ModalTrain,
     effects: StartEffects = PLAIN_START,
 ) -> PreparedStart:
-    """Everything of a start that does not depend on the step.
+    """Everything of a start that does not depend on the step; by default of the plain start.
 
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    modal : ModalTrain
-        Its train, modes and damping. [SI]
-    effects : StartEffects, optional
-        What is simulated; default the plain start. [flags]
-
-    Returns
-    -------
-    PreparedStart
-        Ready to be simulated. [SI]
-
-    Raises
-    ------
-    ModelError
-        If the train cannot turn (a spring holds it to ground) or has no motor.
+    Raises `ModelError` if the train cannot turn (a spring holds it to ground) or has no motor.
     """
     train, modes = modal.train, modal.modes
     if modes.n_rigid == 0:
@@ -274,31 +231,12 @@ def run_start(
     modal: ModalTrain,
     effects: StartEffects = PLAIN_START,
 ) -> Start:
-    """Calculate the start of a case to the accuracy it asks for.
+    """Calculate the start of a case to the accuracy it asks for; by default the plain start.
 
     Clearances, field application and a trip are events, which this loop of equal steps does not
-    have; the other effects are simulated as chosen.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    modal : ModalTrain
-        Its train, modes and damping. [SI]
-    effects : StartEffects, optional
-        What is simulated; default the plain start. [flags]
-
-    Returns
-    -------
-    Start
-        Outcome, peaks, histories and error estimates. [SI]
-
-    Raises
-    ------
-    ModelError
-        If the train cannot turn (a spring holds it to ground) or has no motor.
+    have; the other effects are simulated as chosen. Raises `ModelError` if the train cannot turn (a spring
+    holds it to ground) or has no motor.
     """
-    train = modal.train
     prepared = prepared_start(case, modal, effects)
     settings, model = prepared.settings, prepared.model
     step = min(_first_step(settings, model.pulsation_omega), model.largest_step)
@@ -306,35 +244,26 @@ def run_start(
     coarse, fine = coarse.without_history(), prepared.at(0.5 * step)
     halvings = 0
     while True:
-        output = worst_outputs(train, fine.trajectory, fine.turning)
-        peaks = element_peaks(train, model.truncation, fine.parts, coarse.parts, output)
-        bound = model.truncation[output[output >= 0]]
-        error, truncation = relative_errors(peaks, bound)
+        judged = judge_run(modal.train, model.truncation, fine, coarse)
+        error, truncation = judged.estimated_error, judged.truncation_error
         met = error <= settings.tolerance_peak
-        by_step = error - truncation
         values = fine.trajectory.n_steps * len(model.truncation)
         if (
             met
             or halvings >= MAX_HALVINGS
             or 2 * values > MAX_VALUES
-            or by_step < min(0.1 * truncation, settings.tolerance_peak)
+            or error - truncation < min(0.1 * truncation, settings.tolerance_peak)
         ):
             break
         halvings += 1
         step *= 0.5
         coarse, fine = fine.without_history(), prepared.at(0.5 * step)
     return Start(
+        **vars(judged),
         outcome=prepared.outcome(fine),
-        peaks=peaks,
-        trajectory=fine.trajectory,
-        turning_points=tuple(fine.turning[i] for i in output if i >= 0),
-        coarse_turning_points=tuple(coarse.turning[i] for i in output if i >= 0),
-        output_of_element=output,
         runup=prepared.runup,
         step=0.5 * step,
         halvings=halvings,
-        estimated_error=error,
-        truncation_error=truncation,
         kept_modes=len(model.stiffness),
         method=settings.method,
         met_tolerance=met,

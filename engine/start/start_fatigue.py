@@ -36,32 +36,13 @@ COMPARED_CYCLES = 50
 def is_counted(start: Start | None) -> bool:
     """Whether the damage of a start says how many are allowed; see `COUNTED_STARTS`.
 
-    Parameters
-    ----------
-    start : Start or None
-        The start; None = there is none to speak against it. [SI]
-
-    Returns
-    -------
-    bool
-        False where it did not come to its end.
+    False where it did not come to its end; without a start there is nothing to speak against it.
     """
     return start is None or start.outcome.outcome in COUNTED_STARTS
 
 
 def judged_shafts(case: CaseData) -> list[tuple[int, ElementRow]]:
-    """Elements whose fatigue can be judged: diameter, material and S-N points.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-
-    Returns
-    -------
-    list of (int, ElementRow)
-        Index and row of each. [index, SI]
-    """
+    """Index and row of each element whose fatigue can be judged: diameter, material and S-N points."""
     with_points = {p.material for p in case.sn_points}
     return [
         (i, e)
@@ -90,20 +71,7 @@ def sn_slope(case: CaseData) -> float:
 
 
 def sn_curve_of(case: CaseData, name: str | None) -> SNCurve:
-    """S-N line of a material by its name.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    name : str or None
-        Row of Materials. [name]
-
-    Returns
-    -------
-    SNCurve
-        Its line in torsion. [Pa]
-    """
+    """S-N line in torsion of a material by its name."""
     material = next(m for m in case.materials if m.material == name)
     return sn_curve_for(material, [p for p in case.sn_points if p.material == name])
 

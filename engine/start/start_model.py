@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Ints, Mask
 from engine.case.data import CaseData
 from engine.case.effect import StartEffects
 from engine.errors import ModelError
@@ -18,11 +18,9 @@ from engine.model.modal_train import ModalTrain
 from engine.model.modes import Modes
 from engine.model.motor import Motor, electrical_arrays, through_synchronism, voltage_factor
 from engine.model.train import Train
-from engine.numerics.torque_curve import TorqueCurve
 from engine.start.settings import NEGLIGIBLE, PLAIN_START
+from engine.start.time_response import PrescribedTorque, prescribed_torques, torque_tables
 from engine.start.torque_outputs import TorqueOutputs, force_reach, torque_outputs
-
-Floats = NDArray[np.float64]
 
 #: Largest and smallest phase of the pulsation per step tried first. [rad]
 COARSEST_FIRST, FINEST_FIRST = 2.0, 0.02
@@ -59,8 +57,21 @@ LARGEST_AMPLIFICATION = 20.0
 SAMPLED_ANGLE = 7.0
 
 
-@dataclass(frozen=True, eq=False)
-class StartModel:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Machines:
+    """Torques of motors, loads and tables against time, as arguments of the compiled loop."""
+
+    curves: tuple[Any, ...]  #: Knots, cubics and counts of all curves of torque against speed. [SI]
+    motors: tuple[Any, ...]  #: Force, curves, speed and pole pairs of each. [SI]
+    loads: tuple[Any, ...]  #: Force, curve and speeds of each. [SI]
+    timed: tuple[Any, ...]  #: As `torque_tables` gives them. [SI]
+    #: Transient, field and connection of each motor, before anything was switched. [SI]
+    electrical: tuple[Any, ...]
+    phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StartModel(Machines):
     """A start in arrays: kept modes, force stations, curves."""
 
     #: ω² and damping coefficient of the kept modes. [1/s², 1/s] Shape (n_modes,).
@@ -71,25 +82,18 @@ class StartModel:
     #: (n_modes,).
     mean_speed: Floats
     outputs: TorqueOutputs  #: Element torques. [SI]
-    curves: tuple[Any, ...]  #: Arguments of the compiled loop. [SI]
-    motors: tuple[Any, ...]  #: Likewise. [SI]
-    loads: tuple[Any, ...]  #: Likewise. [SI]
-    timed: tuple[Any, ...]  #: Likewise. [SI]
-    dampers: tuple[Any, ...]  #: Likewise. [SI]
-    phase: Floats  #: Phase of each pulsation at t = 0. [rad] Shape (n_motors,).
+    dampers: tuple[Any, ...]  #: Force and coefficient of each, for the compiled loop. [SI]
     pulsation_omega: float  #: Highest pulsation frequency, twice line. [rad/s]
     #: (end time, largest angular frequency to be resolved until then). [s, rad/s]
     windows: tuple[tuple[float, float], ...]
     #: Bound on what the modes left out may add to each output. [N m] Shape (n_outputs,).
     truncation: Floats
     largest_step: float  #: Longest step at which dampers that act as forces are followed. [s]
-    #: Transient, field and connection of each motor, for the compiled loop. [SI]
-    electrical: tuple[Any, ...]
-    keep: NDArray[np.bool_]  #: Modes that are integrated. [mask] Shape (n_modes,).
+    keep: Mask  #: Modes that are integrated. [mask] Shape (n_modes,).
     #: Nodes of the first forces: stations, then dampers to ground. [indices]
-    force_nodes: NDArray[np.int64]
+    force_nodes: Ints
     #: Rows of the remaining forces, dampers across elements. [indices]
-    damper_rows: NDArray[np.int64]
+    damper_rows: Ints
     #: Dampers so strong for their inertias that following them as forces would need absurdly short
     #: steps: they damp each mode for itself although coupling was asked for.
     uncoupled_dampers: tuple[str, ...] = ()
@@ -137,10 +141,9 @@ def start_model(
         Arguments of the compiled loop. [SI]
     """
     train, modes, damping = modal
-    timed_names = list(dict.fromkeys(p.station for p in case.torque_time))
-    timed_stations = [train.stations.index(str(n)) for n in timed_names]
+    torques = prescribed_torques(case, train)
     stations = sorted(
-        {m.station for m in motors} | {d.station for d in loads} | set(timed_stations)
+        {m.station for m in motors} | {d.station for d in loads} | {p.station for p in torques}
     )
     column = {s: i for i, s in enumerate(stations)}
     index = np.array(stations, dtype=np.int64)
@@ -154,7 +157,7 @@ def start_model(
         all_reach = np.concatenate(
             [force_reach(train, modes, forces), modes.row_twist[dampers.rows].T], axis=1
         )
-        of_stations = _force_sizes(case, train, motors, loads, column, effects)
+        of_stations = _force_sizes(case, train, motors, loads, torques, column, effects)
         sizes = _with_dampers(of_stations, modal, dampers, all_reach, fastest)
         outputs = _outputs(train, modes, forces, dampers, uncoupled)
         ringing, slow, scale = _mode_amplitudes(modes, outputs, all_reach, sizes, fastest)
@@ -166,7 +169,7 @@ def start_model(
             break
         uncoupled += [dampers.names[i] for i in np.flatnonzero(held)]
         dampers = dampers.without(held)
-    jump = _last_jump(case)
+    jump = max((float(p.knots[0]) for p in torques if p.jump), default=0.0)
     own = all_reach[:, len(index) :]
     rate = damping.rate - own**2 @ dampers.viscous  # those act as forces
     left_out = ~keep
@@ -179,24 +182,18 @@ def start_model(
             f"Station '{train.stations[motors[0].station]}' is held to ground by a spring; its "
             "motor cannot start."
         )
-    curves: list[TorqueCurve] = []
     return StartModel(
-        np.ascontiguousarray(modes.omega[keep] ** 2),
-        np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
-        np.ascontiguousarray(all_reach[keep]),
-        np.ascontiguousarray(mean[keep]),
-        _outputs(train, modes, forces, dampers, uncoupled, keep),
-        motors=_motor_arrays(motors, column, curves, line_omega, effects),
-        loads=_load_arrays(loads, column, curves),
-        timed=_timed_arrays(case, timed_names, timed_stations, column),
-        curves=_curve_arrays(curves),
+        **machine_arrays(case, motors, loads, torques, stations, effects),
+        stiffness=np.ascontiguousarray(modes.omega[keep] ** 2),
+        rate=np.ascontiguousarray(np.maximum(rate[keep], 0.0)),
+        reach=np.ascontiguousarray(all_reach[keep]),
+        mean_speed=np.ascontiguousarray(mean[keep]),
+        outputs=_outputs(train, modes, forces, dampers, uncoupled, keep),
         dampers=(np.arange(len(index), all_reach.shape[1]), dampers.viscous),
-        phase=np.array([m.phase for m in motors]),
         pulsation_omega=fastest,
         windows=_with_breakaway(windows, train, motors, loads, jump, shock, fastest),
         truncation=truncation,
         largest_step=_damper_step(dampers, own, keep),
-        electrical=electrical_arrays(motors, case, effects),
         keep=keep,
         force_nodes=forces,
         damper_rows=dampers.rows,
@@ -204,17 +201,68 @@ def start_model(
     )
 
 
+def machine_arrays(
+    case: CaseData,
+    motors: Sequence[Motor],
+    loads: Sequence[Load],
+    torques: Sequence[PrescribedTorque],
+    stations: Sequence[int],
+    effects: StartEffects = PLAIN_START,
+) -> dict[str, Any]:
+    """Fields of `Machines` by name; `stations` names the station of each force.
+
+    The case says what happens at breaker closing, field application and trip, the effects which of it
+    counts.
+    """
+    column = {station: i for i, station in enumerate(stations)}
+    n = len(motors)
+    curves = [curve for m in motors for curve in (m.average, m.pulsating)]
+    with_field = np.arange(0, 2 * n, 2)
+    if effects.pull_in:
+        with_field = np.arange(2 * n, 3 * n)
+        curves += [through_synchronism(m.average) for m in motors]
+    of_loads = np.arange(len(curves), len(curves) + len(loads))
+    curves += [d.torque for d in loads]
+    longest = max((len(c.knots) for c in curves), default=1)
+    knots = np.zeros((len(curves), longest))
+    cubics = np.zeros((len(curves), longest, 4))
+    for i, c in enumerate(curves):
+        knots[i, : len(c.knots)] = c.knots
+        cubics[i, : len(c.knots)] = c.cubic
+    return {
+        "curves": (knots, cubics, np.array([len(c.knots) for c in curves], dtype=np.int64)),
+        "motors": (
+            np.array([column[m.station] for m in motors], dtype=np.int64),
+            np.arange(0, 2 * n, 2),
+            np.arange(1, 1 + 2 * n, 2),
+            np.array([m.synchronous_speed for m in motors]),
+            np.array([m.pole_pairs for m in motors]),
+            motors[0].pole_pairs * motors[0].synchronous_speed if motors else 0.0,
+            with_field,
+        ),
+        "loads": (
+            np.array([column[d.station] for d in loads], dtype=np.int64),
+            of_loads,
+            np.array([d.synchronous_speed for d in loads]),
+            np.array([d.soft_speed for d in loads]),
+        ),
+        "timed": torque_tables(torques, stations),
+        "electrical": electrical_arrays(tuple(motors), case, effects),
+        "phase": np.array([m.phase for m in motors]),
+    }
+
+
 @dataclass(frozen=True, eq=False)
 class _Dampers:
     """Dampers that act as forces: those at nodes, to ground, then those of rows."""
 
-    nodes: NDArray[np.int64]
-    rows: NDArray[np.int64]
+    nodes: Ints
+    rows: Ints
     viscous: Floats  # of both [N m s/rad]
-    needed: NDArray[np.bool_]  # not to be given back to the modes: there is no spring beside it
+    needed: Mask  # not to be given back to the modes: there is no spring beside it
     names: tuple[str, ...]
 
-    def without(self, held: NDArray[np.bool_]) -> _Dampers:
+    def without(self, held: Mask) -> _Dampers:
         """All but those held."""
         n = len(self.nodes)
         return _Dampers(
@@ -255,7 +303,7 @@ def _candidate_dampers(
 
 def _too_strong(
     dampers: _Dampers, gains: Floats, reach: Floats, tolerance: float, fastest: float
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Dampers that would need absurdly short steps: as few as possible, the strongest first."""
     held = np.zeros(len(gains), dtype=np.bool_)
     most = DAMPER_STEP / (FINEST_DAMPER_STEP * usual_step(tolerance, fastest))
@@ -280,7 +328,7 @@ def _joint_rate(reach: Floats, viscous: Floats) -> float:
     return float(np.linalg.norm(reach * np.sqrt(viscous), 2) ** 2)
 
 
-def _damper_step(dampers: _Dampers, reach: Floats, keep: NDArray[np.bool_]) -> float:
+def _damper_step(dampers: _Dampers, reach: Floats, keep: Mask) -> float:
     """Longest step at which the dampers are followed. [s]"""
     loose = dampers.viscous * np.sum(reach**2, axis=0) * dampers.needed
     rate = float(np.max(loose, initial=0.0))
@@ -292,10 +340,10 @@ def _damper_step(dampers: _Dampers, reach: Floats, keep: NDArray[np.bool_]) -> f
 def _outputs(
     train: Train,
     modes: Modes,
-    forces: NDArray[np.int64],
+    forces: Ints,
     dampers: _Dampers,
     uncoupled: Sequence[str],
-    keep: NDArray[np.bool_] | None = None,
+    keep: Mask | None = None,
 ) -> TorqueOutputs:
     """Element torques; a rigid mesh also feels the dampers that act as forces on its To side.
 
@@ -371,6 +419,7 @@ def _force_sizes(
     train: Train,
     motors: tuple[Motor, ...],
     loads: tuple[Load, ...],
+    torques: Sequence[PrescribedTorque],
     column: dict[int, int],
     effects: StartEffects,
 ) -> tuple[_ForceSizes, float]:
@@ -401,16 +450,12 @@ def _force_sizes(
         reference_torque += (largest + pulsating) * float(train.speed_ratio[m.station])
     for d in loads:
         step[column[d.station]] += float(d.torque(0.0))
-    for name in dict.fromkeys(p.station for p in case.torque_time):
-        rows = [p for p in case.torque_time if p.station == name]
-        times = np.array([p.time for p in rows], dtype=float)
-        torques = np.array([p.torque for p in rows], dtype=float)
-        i = column[train.stations.index(str(name))]
-        slope = np.diff(torques) / np.diff(times)
-        step[i] += abs(float(torques[0]))
-        ramp[i] += float(np.sum(np.abs(np.diff(slope, prepend=0.0, append=0.0))))
-        smooth[i] += float(np.max(np.abs(torques)))
-        reference_torque += smooth[i] * float(train.speed_ratio[train.stations.index(str(name))])
+    for p in torques:
+        i = column[p.station]
+        step[i] += p.jump
+        ramp[i] += p.ramp
+        smooth[i] += float(np.max(np.abs(p.samples)))
+        reference_torque += smooth[i] * float(train.speed_ratio[p.station])
     carried = np.maximum(step, SWITCHED_SHARE * smooth)
     return _ForceSizes(step, ramp, smooth, carried), reference_torque
 
@@ -454,12 +499,6 @@ def _with_dampers(
     )
 
 
-def _last_jump(case: CaseData) -> float:
-    """Latest time at which a table of torque against time begins with a jump; else zero."""
-    first = {p.station: p for p in reversed(case.torque_time)}
-    return max((float(p.time or 0.0) for p in first.values() if p.torque), default=0.0)
-
-
 def _mode_amplitudes(
     modes: Modes, outputs: TorqueOutputs, reach: Floats, sizes: _ForceSizes, fastest: float
 ) -> tuple[Floats, Floats, Floats]:
@@ -484,7 +523,7 @@ def _mode_amplitudes(
 def _kept_modes(
     modes: Modes, ringing: Floats, slow: Floats, scale: Floats, tolerance: float, fastest: float,
     effects: StartEffects,
-) -> NDArray[np.bool_]:  # fmt: skip
+) -> Mask:  # fmt: skip
     """Drop modes from the top while their bound stays below a tenth of the tolerance."""
     keep = np.ones(modes.n_modes, dtype=np.bool_)
     if effects.fast_modes:
@@ -501,7 +540,7 @@ def _kept_modes(
 
 def _windows(
     modal: ModalTrain, ringing: Floats, scale: Floats,
-    keep: NDArray[np.bool_], tolerance: float, fastest: float, maximum_time: float,
+    keep: Mask, tolerance: float, fastest: float, maximum_time: float,
     effects: StartEffects,
 ) -> tuple[tuple[float, float], ...]:  # fmt: skip
     """Until when each kept fast mode rings visibly after breaker closing.
@@ -561,68 +600,3 @@ def _merged(windows: list[tuple[float, float]]) -> tuple[tuple[float, float], ..
         if not merged or until > merged[-1][0]:
             merged.append((until, omega))
     return tuple(merged)
-
-
-def _curve_arrays(curves: list[TorqueCurve]) -> tuple[Any, ...]:
-    longest = max((len(c.knots) for c in curves), default=1)
-    knots = np.zeros((len(curves), longest))
-    cubics = np.zeros((len(curves), longest, 4))
-    for i, c in enumerate(curves):
-        knots[i, : len(c.knots)] = c.knots
-        cubics[i, : len(c.knots)] = c.cubic
-    return knots, cubics, np.array([len(c.knots) for c in curves], dtype=np.int64)
-
-
-def _motor_arrays(
-    motors: tuple[Motor, ...],
-    column: dict[int, int],
-    curves: list[TorqueCurve],
-    line_omega: float,
-    effects: StartEffects,
-) -> tuple[Any, ...]:
-    first, n = len(curves), len(motors)
-    for m in motors:
-        curves += [m.average, m.pulsating]
-    with_field = np.arange(first, first + 2 * n, 2)
-    if effects.pull_in:
-        with_field = np.arange(len(curves), len(curves) + n)
-        curves += [through_synchronism(m.average) for m in motors]
-    return (
-        np.array([column[m.station] for m in motors], dtype=np.int64),
-        np.arange(first, first + 2 * n, 2),
-        np.arange(first + 1, first + 2 * n, 2),
-        np.array([m.synchronous_speed for m in motors]),
-        np.array([m.pole_pairs for m in motors]),
-        line_omega,
-        with_field,
-    )
-
-
-def _load_arrays(
-    loads: tuple[Load, ...], column: dict[int, int], curves: list[TorqueCurve]
-) -> tuple[Any, ...]:
-    first = len(curves)
-    curves += [d.torque for d in loads]
-    return (
-        np.array([column[d.station] for d in loads], dtype=np.int64),
-        np.arange(first, first + len(loads)),
-        np.array([d.synchronous_speed for d in loads]),
-        np.array([d.soft_speed for d in loads]),
-    )
-
-
-def _timed_arrays(
-    case: CaseData, names: list[str | None], stations: list[int], column: dict[int, int]
-) -> tuple[Any, ...]:
-    rows = [[p for p in case.torque_time if p.station == n] for n in names]
-    longest = max((len(r) for r in rows), default=1)
-    times, torques = np.zeros((len(rows), longest)), np.zeros((len(rows), longest))
-    for i, points in enumerate(rows):
-        times[i, : len(points)] = [p.time for p in points]
-        torques[i, : len(points)] = [p.torque for p in points]
-    return (
-        np.array([column[s] for s in stations], dtype=np.int64),
-        times,
-        torques,
-        np.array([len(r) for r in rows], dtype=np.int64),
-    )

@@ -1,4 +1,4 @@
-"""Any train under prescribed torques, from any initial twist and speed.
+"""Any train under prescribed torques, untwisted at the beginning.
 
 Torques are held between samples, linear between samples, or callables of time. For the first two
 the steps fall on the samples and the solution is exact; a callable is read at four points of each
@@ -10,19 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from engine.arrays import Floats, Ints, Mask
+from engine.case.data import CaseData
 from engine.errors import ModelError
 from engine.model.modes import Modes, modal_damping_matrix
 from engine.model.train import Train
 from engine.start.torque_outputs import force_reach, torque_outputs
 from engine.stepping import linear_loop as kernels
 from engine.stepping.exponential import polynomial_step
-
-Floats = NDArray[np.float64]
 
 #: Monomial coefficients of s from values at s = 0, 1/3, 2/3, 1.
 _FOUR_POINT = np.linalg.inv(np.vander(np.array([0.0, 1.0, 2.0, 3.0]) / 3.0, 4, increasing=True))
@@ -36,7 +36,7 @@ _SPACING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class PrescribedTorque:
-    """Torque at one station as a function of time; make it by `held`, `linear` or `torque_from_function`."""
+    """Torque at one station as a function of time."""
 
     station: int  #: Station.
     #: Times between which the torque is one polynomial; empty for a callable. [s] Shape (n,).
@@ -44,30 +44,21 @@ class PrescribedTorque:
     #: Torque at times, from the left and from the right of a knot: value(t, side). [N m]
     value: Callable[[Floats, str], Floats]
 
+    @property
+    def samples(self) -> Floats:
+        """Torque just after each knot, shape (n,). [N m]"""
+        return self.value(self.knots, "right")
 
-def held(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
-    """Torque that keeps each sample until the next (zero before the first).
+    @property
+    def jump(self) -> float:
+        """Size of the jump with which it begins. [N m]"""
+        return abs(float(self.samples[0]))
 
-    Parameters
-    ----------
-    station : int
-        Station. [index]
-    times : ndarray, shape (n,)
-        Rising. [s]
-    torques : ndarray, shape (n,)
-        Torque from that time on. [N m]
-
-    Returns
-    -------
-    PrescribedTorque
-        The torque. [N m]
-    """
-    t, y = np.asarray(times, dtype=float), np.concatenate([[0.0], torques])
-
-    def value(at: Floats, side: str) -> Floats:
-        return np.asarray(y[np.searchsorted(t, at, side="left" if side == "left" else "right")])
-
-    return PrescribedTorque(station, t, value)
+    @property
+    def ramp(self) -> float:
+        """Sum of all its changes of slope. [N m/s]"""
+        slope = np.diff(self.samples) / np.diff(self.knots)
+        return float(np.sum(np.abs(np.diff(slope, prepend=0.0, append=0.0))))
 
 
 def linear(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
@@ -97,26 +88,54 @@ def linear(station: int, times: Floats, torques: Floats) -> PrescribedTorque:
     return PrescribedTorque(station, t, value)
 
 
-def torque_from_function(station: int, function: Callable[[Floats], Floats]) -> PrescribedTorque:
-    """Torque given by a smooth function of time.
+def prescribed_torques(case: CaseData, train: Train) -> list[PrescribedTorque]:
+    """Table `TorqueTime` as torques, one a station, linear between its rows."""
+    names = list(dict.fromkeys(p.station for p in case.torque_time))
+    torques = []
+    for name in names:
+        rows = [p for p in case.torque_time if p.station == name]
+        torques.append(
+            linear(
+                train.stations.index(str(name)),
+                np.array([p.time for p in rows], dtype=float),
+                np.array([p.torque for p in rows], dtype=float),
+            )
+        )
+    return torques
+
+
+def torque_tables(torques: Sequence[PrescribedTorque], stations: Sequence[int]) -> tuple[Any, ...]:
+    """Prescribed torques, linear between their knots, as the compiled loop takes them.
+
+    Force, times [s], torques [N m] and counts of each table; `stations` names the station of each force.
+    """
+    longest = max((len(p.knots) for p in torques), default=1)
+    times, values = np.zeros((len(torques), longest)), np.zeros((len(torques), longest))
+    for i, p in enumerate(torques):
+        times[i, : len(p.knots)] = p.knots
+        values[i, : len(p.knots)] = p.samples
+    return (
+        np.array([list(stations).index(p.station) for p in torques], dtype=np.int64),
+        times,
+        values,
+        np.array([len(p.knots) for p in torques], dtype=np.int64),
+    )
+
+
+def knots_of(timed: tuple[Any, ...]) -> list[Floats]:
+    """Times at which torque tables have corners.
 
     Parameters
     ----------
-    station : int
-        Station. [index]
-    function : callable
-        Torque for an array of times. [N m]
+    timed : tuple
+        As `torque_tables` gives them. [s, N m]
 
     Returns
     -------
-    PrescribedTorque
-        The torque. [N m]
+    list of ndarray, shape (n_knots,)
+        One a table. [s]
     """
-
-    def value(at: Floats, side: str) -> Floats:
-        return np.asarray(np.broadcast_to(function(at), np.shape(at)), dtype=float)
-
-    return PrescribedTorque(station, np.empty(0), value)
+    return [times[:n] for times, n in zip(timed[1], timed[3], strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +151,7 @@ class TimeResponse:
     #: (n_outputs, n_times).
     torque: Floats
     torque_rate: Floats  #: Likewise. [N m, N m/s] Shape (n_outputs, n_times).
-    output_element: NDArray[np.int64]  #: Element of each output. Shape (n_outputs,).
+    output_element: Ints  #: Element of each output. Shape (n_outputs,).
     coupled: bool  #: True if damping coupled the modes and the full matrix was used.
 
 
@@ -143,9 +162,8 @@ def time_response(
     times: Floats,
     *,
     damping_ratio: Floats | None = None,
-    initial_angle: Floats | None = None,
     initial_speed: Floats | None = None,
-    kept: NDArray[np.bool_] | None = None,
+    kept: Mask | None = None,
 ) -> TimeResponse:
     """Integrate a train under prescribed torques.
 
@@ -162,8 +180,8 @@ def time_response(
         so their spacing sets the accuracy for callables. [s]
     damping_ratio : ndarray, shape (n_modes,), optional
         Stated modal damping, in addition to the train's dampers. [1]
-    initial_angle, initial_speed : ndarray, shape (n_stations,), optional
-        Angle and speed at the start, in running direction; default zero. [rad, rad/s]
+    initial_speed : ndarray, shape (n_modes,), optional
+        Modal velocities at the start; default rest. [rad √(kg m²)/s]
     kept : ndarray of bool, shape (n_modes,), optional
         Modes that are integrated; elastic modes left out follow statically. Default all. [mask]
 
@@ -175,7 +193,7 @@ def time_response(
     Raises
     ------
     ModelError
-        If initial values contradict a rigid mesh, or times do not rise.
+        If times do not rise.
     """
     t = np.asarray(times, dtype=float)
     if len(t) < 1 or np.any(np.diff(t) <= 0.0):
@@ -184,8 +202,7 @@ def time_response(
     keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
     reach = force_reach(train, modes, stations)[keep]
     grid = _step_grid(t, torques)
-    q = _initial(train, modes, initial_angle)[keep]
-    v = _initial(train, modes, initial_speed)[keep]
+    v = np.zeros(modes.n_modes) if initial_speed is None else initial_speed
     physical = modal_damping_matrix(train, modes)
     matrix = physical
     if damping_ratio is not None:
@@ -198,7 +215,7 @@ def time_response(
     def forces(part: Floats) -> Floats:
         return _modal_cubics(torques, stations, reach, part)
 
-    out_q, out_v = _integrate(omega, matrix, coupled, grid, forces, q, v)
+    out_q, out_v = _integrate(omega, matrix, coupled, grid, forces, v[keep])
     if len(grid) != len(t):
         pick = np.searchsorted(grid, t)
         out_q, out_v = out_q[:, pick], out_v[:, pick]
@@ -226,37 +243,6 @@ def time_response(
     )
 
 
-def _initial(train: Train, modes: Modes, station_values: Floats | None) -> Floats:
-    """Modal coordinates of given station angles or speeds: Φᵀ M θ."""
-    if station_values is None:
-        return np.zeros(modes.n_modes)
-    wanted = np.asarray(station_values, dtype=float)
-    dof_value = np.zeros(train.n_dof)
-    inner = np.ones(train.n_dof, dtype=np.bool_)
-    for i in range(train.n_stations):
-        value = wanted[i] / train.node_scale[i]
-        dof = train.node_dof[i]
-        if not inner[dof] and abs(value - dof_value[dof]) > 1e-9 * max(1.0, abs(value)):
-            raise ModelError(
-                f"The initial value of station '{train.stations[i]}' contradicts its rigid mesh."
-            )
-        dof_value[dof], inner[dof] = value, False
-    if np.any(inner):  # inner points of shafts: on the straight line the shaft would take at rest
-        dof_value = _fill_inner(train, dof_value, inner)
-    return np.asarray(modes.shape.T @ (train.inertia * dof_value))
-
-
-def _fill_inner(train: Train, value: Floats, inner: NDArray[np.bool_]) -> Floats:
-    """Static position of inner points between given ends."""
-    B = train.incidence
-    K = (B.T * train.stiffness) @ B
-    value = value.copy()
-    value[inner] = np.linalg.solve(
-        K[np.ix_(inner, inner)], -K[np.ix_(inner, ~inner)] @ value[~inner]
-    )
-    return value
-
-
 def _step_grid(t: Floats, torques: Sequence[PrescribedTorque]) -> Floats:
     """Output times and the knots of the torques between them."""
     knots = [p.knots[(p.knots > t[0]) & (p.knots < t[-1])] for p in torques]
@@ -272,7 +258,7 @@ def _step_grid(t: Floats, torques: Sequence[PrescribedTorque]) -> Floats:
 
 
 def _modal_cubics(
-    torques: Sequence[PrescribedTorque], stations: NDArray[np.int64], reach: Floats, grid: Floats
+    torques: Sequence[PrescribedTorque], stations: Ints, reach: Floats, grid: Floats
 ) -> Floats:
     """Coefficients of the modal forces over every step, shape (n_steps, n_modes, 4)."""
     start, h = grid[:-1], np.diff(grid)
@@ -298,7 +284,6 @@ def _integrate(
     coupled: bool,
     grid: Floats,
     forces: Callable[[Floats], Floats],
-    q: Floats,
     v: Floats,
 ) -> tuple[Floats, Floats]:
     """Modal positions and velocities on the grid, shape (n_modes, n_grid).
@@ -308,6 +293,7 @@ def _integrate(
     """
     n = len(omega)
     out_q, out_v = np.empty((len(grid), n)), np.empty((len(grid), n))
+    q = np.zeros(n)
     out_q[0], out_v[0] = q, v
     state = np.concatenate([q, v])
     i = 0

@@ -16,12 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Ints, Mask
 from engine.model.modes import Modes
 from engine.model.train import RigidMesh, Train
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,13 +27,13 @@ class TorqueOutputs:
     """Element torques from modal coordinates, velocities and forces."""
 
     #: Element of each output; a subdivided shaft has one output a segment. Shape (n_outputs,).
-    element: NDArray[np.int64]
+    element: Ints
     position: Floats  #: Y_q. [N m] Shape (n_outputs, n_modes).
     velocity: Floats  #: Y_v. [N m s] Shape (n_outputs, n_modes).
     force: Floats  #: Y_f. [1] Shape (n_outputs, n_forces).
 
 
-def force_reach(train: Train, modes: Modes, stations: NDArray[np.int64]) -> Floats:
+def force_reach(train: Train, modes: Modes, stations: Ints) -> Floats:
     """What a unit torque at each force station does to each mode, and its angle in each mode.
 
     Parameters
@@ -59,10 +57,10 @@ def force_reach(train: Train, modes: Modes, stations: NDArray[np.int64]) -> Floa
 def torque_outputs(
     train: Train,
     modes: Modes,
-    stations: NDArray[np.int64],
-    kept: NDArray[np.bool_] | None = None,
+    stations: Ints,
+    kept: Mask | None = None,
     *,
-    dampers: NDArray[np.int64] | None = None,
+    dampers: Ints | None = None,
     damping: Floats | None = None,
 ) -> TorqueOutputs:
     """Output matrices of every element.
@@ -122,7 +120,7 @@ def _rigid_mesh_row(
     train: Train,
     modes: Modes,
     reach: Floats,
-    stations: NDArray[np.int64],
+    stations: Ints,
     mesh: RigidMesh,
     damping: Floats | None,
 ) -> tuple[Floats, Floats, Floats]:

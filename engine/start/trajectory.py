@@ -9,13 +9,13 @@ pictures and for interpolation, so that memory does not grow with the number of 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats, Ints
 from engine.stepping import linear_loop as kernels
 
-Floats = NDArray[np.float64]
 Turning = tuple[Floats, Floats]
 
 #: Torque values (samples × outputs) that are kept of one simulation.
@@ -34,7 +34,7 @@ class Trajectory:
     mean_speed: Floats  #: Rigid-body speed of the reference shaft. [rad/s] Shape (n_times,).
     torque: Floats  #: Torque of every output and its rate. [N m, N m/s] Shape (n_outputs, n_times).
     torque_rate: Floats  #: Likewise. [N m, N m/s] Shape (n_outputs, n_times).
-    output_element: NDArray[np.int64]  #: Element of each output. Shape (n_outputs,).
+    output_element: Ints  #: Element of each output. Shape (n_outputs,).
     reached: bool  #: True if the target speed was reached.
     n_steps: int  #: Steps taken.
     #: Turning points of every output where samples were thinned out; None = take them from the
@@ -58,7 +58,7 @@ class Recorder:
         Torque values that are kept; infinite = all. [count]
     """
 
-    def __init__(self, output_element: NDArray[np.int64], kept_values: float = KEPT_VALUES) -> None:
+    def __init__(self, output_element: Ints, kept_values: float = KEPT_VALUES) -> None:
         self._element = output_element
         self._most = max(kept_values / max(len(output_element), 1), 16.0)
         self._blocks: list[tuple[Floats, ...]] = []  # time, speed, torque, rate, further rows
@@ -172,7 +172,7 @@ class Recorder:
         )
 
 
-def _pairs(time: Floats) -> NDArray[np.int64]:
+def _pairs(time: Floats) -> Ints:
     """Samples that share their time with a neighbour: the corners of the curve."""
     same = np.flatnonzero(np.diff(time) == 0.0)
     return np.concatenate([same, same + 1])
@@ -183,27 +183,6 @@ def _joined(blocks: list[tuple[Floats, ...]]) -> tuple[Floats, ...]:
     if len(blocks) == 1:
         return blocks[0]
     return tuple(np.concatenate(part, axis=-1) for part in zip(*blocks, strict=True))
-
-
-def read_turning(trajectory: Trajectory, end: float) -> tuple[Trajectory, list[Turning]]:
-    """Turning points of every output, and the trajectory without its own copy of them.
-
-    Parameters
-    ----------
-    trajectory : Trajectory
-        A simulated start. [SI]
-    end : float
-        Time at which it ends. [s]
-
-    Returns
-    -------
-    trajectory : Trajectory
-        The same samples. [SI]
-    turning : list of (ndarray, ndarray)
-        Times and torques. [s, N m]
-    """
-    turning = turning_of(trajectory, end)
-    return replace(trajectory, turning=() if trajectory.thinned else None), turning
 
 
 def turning_of(trajectory: Trajectory, end: float) -> list[Turning]:
@@ -222,6 +201,35 @@ def turning_of(trajectory: Trajectory, end: float) -> list[Turning]:
         Times and torques. [s, N m]
     """
     return [_turning(trajectory, i, end) for i in range(len(trajectory.output_element))]
+
+
+@dataclass(frozen=True, eq=False)
+class SingleRun:
+    """One simulation of a start at one step, and what is read out of it."""
+
+    trajectory: Trajectory  #: The simulation. [SI]
+    end: float  #: When it ended. [s]
+    #: Times and torques of all turning points of every output, from rest to the end. [s, N m]
+    turning: list[Turning]
+
+    @classmethod
+    def until(cls, trajectory: Trajectory, end: float) -> SingleRun:
+        """A simulation up to its end; the trajectory gives up its own copy of turning points.
+
+        Parameters
+        ----------
+        trajectory : Trajectory
+            A simulated start. [SI]
+        end : float
+            Time at which it ends. [s]
+        """
+        turning = turning_of(trajectory, end)
+        return cls(replace(trajectory, turning=() if trajectory.thinned else None), end, turning)
+
+    def without_history(self) -> Self:
+        """With the turning points alone: the history is most of the memory."""
+        none = np.empty((0, 0))
+        return replace(self, trajectory=replace(self.trajectory, torque=none, torque_rate=none))
 
 
 def _turning(trajectory: Trajectory, output: int, end: float) -> Turning:

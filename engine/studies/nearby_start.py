@@ -36,9 +36,9 @@ from engine.run import calculate_start, planned_start
 from engine.start.outcome import StartOutcome
 from engine.start.peaks import worst_outputs
 from engine.start.settings import has_start
-from engine.start.simulation import SingleRun
 from engine.start.start import PreparedStart, Start, prepared_start
 from engine.start.start_fatigue import COUNTED_STARTS, judged_shafts, sn_curve_of
+from engine.start.trajectory import SingleRun
 
 Floats = NDArray[np.float64]
 Turning = tuple[Floats, Floats]
@@ -342,7 +342,7 @@ def _read(
     if isinstance(run, Start):
         turning = run.turning_of_element()
     else:
-        output = worst_outputs(model.train, run.trajectory, run.turning)
+        output = worst_outputs(model.train, run)
         turning = {e: run.turning[i] for e, i in enumerate(output.tolist()) if i >= 0}
     n = len(case.elements)
     maximum, minimum = np.zeros(n), np.zeros(n)

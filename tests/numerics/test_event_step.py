@@ -13,7 +13,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.backlash.clearance_response import clearance_response
 from engine.backlash.event_start import clearances_of
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 from engine.model.build_train import build_train
@@ -22,6 +21,7 @@ from engine.start.time_response import PrescribedTorque, linear
 from engine.stepping.contact_loop import FREE, _first_fall, mode_step
 from engine.stepping.exponential import HERMITE, exponential_step
 from tests.clearance_reference import ClearanceReference
+from tests.clearance_response import clearance_response
 from tests.numerics.test_steppers import exact_step
 
 # --- coefficients of one step ---------------------------------------------------------------------

@@ -14,8 +14,9 @@ from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
 from engine.start.simulation import simulate
 from engine.start.start_model import start_model
-from engine.start.time_response import TimeResponse, held, time_response, torque_from_function
+from engine.start.time_response import TimeResponse, time_response
 from engine.start.trajectory import Trajectory
+from tests.prescribed import held, torque_from_function
 from tests.trains import RATED, geared, load, prepared
 
 END = 0.5

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from engine.backlash.clearance_response import ClearanceResponse, clearance_response
 from engine.backlash.event_start import clearances_of
 from engine.case.data import CaseData, StationRow
 from engine.model.build_train import build_train
 from engine.model.modes import modes_of
 from engine.model.train import Train
+from tests.clearance_response import ClearanceResponse, clearance_response
 from tests.random_clearances import Pushed, pushed_train
 
 LAWS = ("limited", "no adhesion")

@@ -13,11 +13,10 @@ from hypothesis import strategies as st
 from engine.case.case import Case
 from engine.start.time_response import (
     TimeResponse,
-    held,
     linear,
     time_response,
-    torque_from_function,
 )
+from tests.prescribed import held, modal_speed, torque_from_function
 from tests.strategies import cases
 from tests.trains import prepared
 
@@ -46,7 +45,7 @@ def test_energy_and_momentum_are_kept_without_damping(case: Case, seed: int) -> 
     train, modes, _ = prepared(case)
     speed = consistent(train, np.random.default_rng(seed))
     t = np.concatenate([[0.0], np.geomspace(1e-5, 1.0, 40)])
-    r = time_response(train, modes, [], t, initial_speed=speed)
+    r = time_response(train, modes, [], t, initial_speed=modal_speed(train, modes, speed))
     total = energy(train, case, r)
     np.testing.assert_allclose(total, total[0], rtol=1e-9)
     if modes.n_rigid:
@@ -62,7 +61,9 @@ def test_dampers_and_modal_damping_only_take_energy(case: Case, seed: int) -> No
     speed = consistent(train, np.random.default_rng(seed))
     t = np.concatenate([[0.0], np.geomspace(1e-5, 1.0, 25)])
     ratio = np.where(modes.omega > 0.0, 0.01, 0.0)
-    r = time_response(train, modes, [], t, initial_speed=speed, damping_ratio=ratio)
+    r = time_response(
+        train, modes, [], t, initial_speed=modal_speed(train, modes, speed), damping_ratio=ratio
+    )
     total = energy(train, case, r)
     assert np.all(np.diff(total) <= 1e-7 * total[0])
 

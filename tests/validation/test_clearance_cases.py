@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from cases import case_path, load_case
 
-from engine.backlash.clearance_response import ClearanceResponse, clearance_response
 from engine.backlash.event_start import clearances_of
 from engine.case.data import CaseData, ElementRow, MeshRow, StationRow
 from engine.model.build_train import build_train
@@ -23,6 +22,7 @@ from engine.model.modes import modes_of
 from engine.start.time_response import linear
 from engine.start.trajectory import turning_of
 from engine.stepping.contact_loop import BACK, DRIVE, FREE
+from tests.clearance_response import ClearanceResponse, clearance_response
 
 
 def torque_peaks(found: ClearanceResponse, row: int = 0) -> tuple[np.ndarray, np.ndarray]:

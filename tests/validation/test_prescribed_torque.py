@@ -21,8 +21,9 @@ from engine.case.data import GROUND, ElementRow, StationRow, TorqueTimeRow
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import modal_damping
 from engine.start.prescribed import run_prescribed
-from engine.start.time_response import held, linear, time_response, torque_from_function
+from engine.start.time_response import linear, time_response
 from engine.stepping.linear_loop import turning_points
+from tests.prescribed import held, modal_speed, torque_from_function
 from tests.trains import prepared
 from tests.validation.cases import case_path, load_case
 
@@ -256,7 +257,9 @@ def test_a08_energy_and_momentum() -> None:
     case = train_of(model)
     train, modes, _ = prepared(case)
     t = np.linspace(0.0, 50.0, 5001)
-    r = time_response(train, modes, [], t, initial_speed=np.array(data["input"]["w0"], float))
+    r = time_response(
+        train, modes, [], t, initial_speed=modal_speed(train, modes, data["input"]["w0"])
+    )
     kinetic = 0.5 * J @ r.station_speed**2
     elastic = 0.5 * np.sum(r.torque**2 / k, axis=0)
     values = data["values"]

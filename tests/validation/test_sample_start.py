@@ -16,7 +16,7 @@ import pytest
 from engine.case.case import Case
 from engine.fatigue.stress import shear_stress
 from engine.model.modal_train import ModalTrain
-from engine.start.crossings import start_crossings
+from engine.start.crossings import crossings_of
 from engine.start.start import Start
 from tests.sample_case import PSI, sample_case, sample_data
 from tests.trains import prepared, started
@@ -100,13 +100,7 @@ def test_the_run_time_is_that_of_straight_lines_between_the_points(design: str) 
 def test_crossings(design: str, starts: dict[str, Start]) -> None:
     case = sample_case(design)
     train, modes, damping = prepared(case)
-    stress = [
-        float(shear_stress(1.0, e.stress_diameter, 0.0)) if e.stress_diameter else None
-        for e in case.elements
-    ]
-    rows = start_crossings(
-        ModalTrain(train, modes, damping), starts[design], 60.0, 60 * math.pi, stress, [3]
-    )
+    rows = crossings_of(case, ModalTrain(train, modes, damping), starts[design])
     percent = sample_data()["results"]["percent_speed"][design]
     assert [math.floor(r.percent_speed + 0.5) for r in rows] == percent
     first = rows[0]

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from engine.backlash.clearance_response import clearance_response
 from engine.backlash.event_simulation import EventRun, simulate_events
 from engine.backlash.event_start import clearances_of, run_event_start
 from engine.case.case import Case
@@ -30,6 +29,7 @@ from engine.model.modes import modes_of
 from engine.start.start import run_start
 from engine.start.time_response import linear
 from tests.clearance_reference import ClearanceReference
+from tests.clearance_response import clearance_response
 from tests.random_clearances import start_with_clearances
 from tests.trains import geared, prepared
 

@@ -13,7 +13,6 @@ from engine.start.pull_in import (
     has_settled,
     judge_pull_in,
     passages,
-    swing_decay_time,
     swing_frequency_linear,
 )
 
@@ -170,8 +169,6 @@ def test_linear_swing_frequency() -> None:
     found = swing_frequency_linear(pull_out, load, inertia, pairs, salient)
     assert found == pytest.approx(expected)
     assert swing_frequency_linear(pull_out, 1.01 * pull_out, inertia, pairs) is None
-    assert swing_decay_time(400.0, 1600.0) == pytest.approx(0.5)
-    assert swing_decay_time(400.0, 0.0) == math.inf
 
 
 def test_a_motor_that_stands_still_against_the_field_is_in_step_whatever_the_train_sways() -> None:

@@ -14,7 +14,7 @@ from engine.errors import TorsionError
 from engine.model.load import loads_of
 from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
-from engine.start.crossings import start_crossings
+from engine.start.crossings import crossings_of
 from engine.start.prescribed import run_prescribed
 from engine.start.simulation import simulate
 from engine.start.start import run_start
@@ -222,9 +222,7 @@ def test_pulsation_has_twice_slip_frequency_whatever_the_poles(poles: int) -> No
     assert case.ratings.synchronous_speed == pytest.approx(synchronous)
     assert start.outcome.time == pytest.approx(usual.outcome.time, rel=0.02)
     train, modes, damping = prepared(case)
-    rows = start_crossings(
-        ModalTrain(train, modes, damping), start, 60.0, synchronous, [None] * 3, [1]
-    )
+    rows = crossings_of(case, ModalTrain(train, modes, damping), start)
     for row in rows:
         assert row.percent_speed == pytest.approx(100.0 * (1.0 - row.frequency / 120.0))
         # the crossing is where the vibration is: largest torque soon after it
@@ -429,9 +427,7 @@ def test_modes_near_twice_line_are_flagged(
     case = tuned(frequency)
     train, modes, damping = prepared(case)
     start = started(case)
-    (row,) = start_crossings(
-        ModalTrain(train, modes, damping), start, 60.0, SYNCHRONOUS, [None], []
-    )
+    (row,) = crossings_of(case, ModalTrain(train, modes, damping), start)
     assert ("initial shock" in row.note) is flagged
     assert row.percent_speed == (None if percent is None else pytest.approx(percent, abs=1e-3))
     assert (row.time is None) is (percent is None)
@@ -443,9 +439,7 @@ def test_modes_near_twice_line_are_flagged(
 def test_a_mode_well_above_twice_line_has_no_row() -> None:
     case = tuned(140.0)
     train, modes, damping = prepared(case)
-    assert not start_crossings(
-        ModalTrain(train, modes, damping), started(case), 60.0, SYNCHRONOUS, [None], []
-    )
+    assert not crossings_of(case, ModalTrain(train, modes, damping), started(case))
 
 
 def test_curves_used_here_are_the_tables() -> None:

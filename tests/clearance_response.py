@@ -24,15 +24,13 @@ from engine.backlash.event_simulation import (
     EventModel,
     EventRun,
     EventSchedule,
-    no_machines,
     simulate_events,
-    torque_tables,
 )
 from engine.case.choices import ContactLaw
 from engine.case.data import CaseData
 from engine.model.modes import Modes
-from engine.model.motor import electrical_arrays
 from engine.model.train import Flank, Train
+from engine.start.start_model import machine_arrays
 from engine.start.time_response import PrescribedTorque
 from engine.stepping import contact_loop as events
 
@@ -120,17 +118,12 @@ def clearance_response(
         np.full(len(train.element_rows) + len(train.rigid_meshes), scale),
     )
     fastest = max(float(modes.omega.max()), 1.0 / max(float(np.ptp(t)), 1e-12))
-    nc = len(basis.flanks)
+    machines = machine_arrays(CaseData(), (), (), torques, stations)
     model = EventModel(
         pieces=pieces,
-        **no_machines(),
-        timed=_from_first_time(torque_tables(torques, stations), float(t[0])),
-        damper_force=np.arange(len(stations), len(stations) + 2 * nc),
-        electrical=electrical_arrays((), CaseData()),
-        phase=np.zeros(0),
+        **machines | {"timed": _from_first_time(machines["timed"], float(t[0]))},
         sampled=fastest,
         limited=options.get("contact_law", ContactLaw.LIMITED) == ContactLaw.LIMITED,
-        visible=0.0,
     )
     script = EventSchedule(
         maximum_time=float(t[-1] - t[0]), stops=tuple((t - t[0]).tolist()), keep_state=True
