@@ -98,8 +98,8 @@ def _answers(found: Results, wall: float) -> Record:
         "step": start.step,
         "impacts": sum(c.impacts for c in start.contacts),
         "sensitivity": None
-        if found.sensitivity is None
-        else {"spread": found.sensitivity.spread, "sensitive": found.sensitivity.sensitive},
+        if start.sensitivity is None
+        else {"spread": start.sensitivity.spread, "sensitive": start.sensitivity.sensitive},
         "peaks": {p.element: [p.maximum, p.minimum, p.error] for p in start.peaks},
         "starts": {
             s.element: [s.allowable_starts, e]

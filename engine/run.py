@@ -12,7 +12,6 @@ from engine.backlash.event_start import run_event_start
 from engine.case.data import CaseData, case_digest
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effect import StartEffects
-from engine.case.plausibility import implausible
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.model.excitation import excitations_of
 from engine.model.modal_analysis import ModalAnalysis, analyse
@@ -23,22 +22,12 @@ from engine.model.modes import (
 )
 from engine.operation.margins import interference, separation_margins
 from engine.operation.steady_state import judge, steady_state
-from engine.plan.evidence import (
-    Evidence,
-    collect_evidence,
-    with_event_start,
-    with_linear_start,
-)
+from engine.plan.evidence import Evidence, collect_evidence, start_evidence
 from engine.plan.plan import Plan, first_plan, revised_plan, with_times
 from engine.results.results import AtSpeed, Results
-from engine.results.times import COMPILING_EVENTS, accuracy_of_analyses, measured_times
+from engine.results.times import COMPILING_EVENTS, accuracy_of, measured_times
 from engine.results.verdicts import verdicts_of
-from engine.results.warnings import (
-    MAX_PLANS,
-    pulling_teeth_warnings,
-    starts_accuracy_warnings,
-    warnings_of,
-)
+from engine.results.warnings import MAX_PLANS, warnings_of
 from engine.start.crossings import Crossing, crossings_of
 from engine.start.event_results import Repeatability
 from engine.start.prescribed import run_prescribed
@@ -75,24 +64,10 @@ class PlannedStart:
 
 
 def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Results:
-    """Calculate everything a case calls for.
+    """Calculate everything a checked case calls for.
 
-    Parameters
-    ----------
-    case : CaseData
-        A checked case. [SI]
-    on_stage : callable, optional
-        Called with the name of each analysis as it begins. [name]
-
-    Returns
-    -------
-    Results
-        Complete and frozen. [SI]
-
-    Raises
-    ------
-    ModelError
-        If the train as a whole cannot be calculated; the sentence says why.
+    `on_stage` is called with the name of each analysis as it begins. Raises `ModelError` if the train as a
+    whole cannot be calculated; the sentence says why.
     """
     spent: list[tuple[str, float]] = []
 
@@ -109,70 +84,44 @@ def run(case: CaseData, on_stage: Callable[[str], None] | None = None) -> Result
     starts: AllowableStarts | None = None
     crossings: tuple[Crossing, ...] = ()
     errors: tuple[tuple[str, float | None], ...] = ()
-    plans: tuple[Plan, ...] = ()
+    reversals: tuple[Reversal, ...] = ()
     settled = True
     if has_start(case) or case.torque_time:
         planned = planned_start(case, analysis, stage)
-        plans, settled = planned.plans, planned.settled
+        settled = planned.settled
         with stage("fatigue"):
             start, starts, errors = judged_starts(case, planned)
+        reversals = torque_reversals(case, planned.model.train, start, start.contacts)
         if planned.plan.sweep:
             with stage("crossings"):
                 crossings = crossings_of(case, analysis.reported, start)
-        plans = (*plans[:-1], with_times(plans[-1], measured_times(planned.plan, spent)))
+        measured = with_times(planned.plan, measured_times(planned.plan, spent))
+        plans = (*planned.plans[:-1], measured)
     else:
-        plans = (first_plan(case, _evidence(case, analysis)),)
-    reversals: tuple[Reversal, ...] = ()
-    if start is not None:
-        reversals = torque_reversals(case, planned.model.train, start, start.contacts)
-    return Results(
-        **at_speed_results.__dict__,
+        plans = (first_plan(case, collect_evidence(case, analysis.torsional, analysis.coupled)),)
+    results = Results(
+        **vars(at_speed_results),
         start=start,
         crossings=crossings,
         starts=starts,
         starts_error=errors,
-        verdicts=verdicts_of(
-            case, at_speed_results.margins, at_speed_results.steady, start, starts, reversals
-        ),
-        warnings=tuple(
-            dict.fromkeys(
-                [
-                    *implausible(case),
-                    *at_speed_results.margins.warnings,
-                    *at_speed_results.steady.warnings,
-                    *warnings_of(case, analysis.reported, start, starts, plans[-1], settled),
-                    *starts_accuracy_warnings(case, start, errors),
-                    *pulling_teeth_warnings(case, plans[-1], reversals),
-                ]
-            )
-        ),
         spent=tuple(spent),
         plans=plans,
         reversals=reversals,
-        bearing_forces=() if start is None else start.bearing_forces,
-        pull_in=None if start is None else start.pull_in,
-        sensitivity=None if start is None else start.sensitivity,
-        accuracy=accuracy_of_analyses(case, start, errors, spent),
+        settled=settled,
+    )
+    return replace(
+        results,
+        accuracy=accuracy_of(results),
+        verdicts=verdicts_of(results),
+        warnings=tuple(dict.fromkeys(warnings_of(results))),
     )
 
 
 def at_speed(case: CaseData) -> AtSpeed:
-    """Modes, margins and forced response of a case, without a start.
+    """Modes, margins and forced response of a checked case, without a start: the numbers of `run`.
 
-    Parameters
-    ----------
-    case : CaseData
-        A checked case. [SI]
-
-    Returns
-    -------
-    AtSpeed
-        The same numbers as those of `run`. [SI]
-
-    Raises
-    ------
-    ModelError
-        If the train as a whole cannot be calculated; the sentence says why.
+    Raises `ModelError` if the train as a whole cannot be calculated; the sentence says why.
     """
     return _at_speed(case, lambda _: nullcontext())[1]
 
@@ -208,32 +157,12 @@ def _at_speed(case: CaseData, stage: Stage) -> tuple[ModalAnalysis, AtSpeed]:
 # --- modes, plan, start ---------------------------------------------------------------------------
 
 
-def _evidence(case: CaseData, analysis: ModalAnalysis) -> Evidence:
-    """Evidence before the start."""
-    return collect_evidence(case, analysis.torsional, analysis.coupled)
-
-
 def planned_start(
     case: CaseData, analysis: ModalAnalysis, stage: Stage = lambda _: nullcontext()
 ) -> PlannedStart:
-    """The start that the evidence calls for: linear first, then with events where it says so.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    analysis : ModalAnalysis
-        Its modes. [SI]
-    stage : callable, optional
-        Names an analysis and measures its time. [name]
-
-    Returns
-    -------
-    PlannedStart
-        The start with every plan made. [SI]
-    """
+    """The start that the evidence calls for: linear first, then with events where it says so."""
     with stage("plan"):
-        evidence = _evidence(case, analysis)
+        evidence = collect_evidence(case, analysis.torsional, analysis.coupled)
         plan = first_plan(case, evidence)
     model = analysis.reported if plan.lateral else analysis.torsional
     load_routines()
@@ -241,18 +170,18 @@ def planned_start(
     with stage("start"):
         linear, wall = _timed(lambda: calculate_start(case, model, plain, None))
     with stage("plan"):
-        evidence = with_linear_start(evidence, case, model.train, linear, wall)
+        evidence = replace(evidence, linear=start_evidence(case, model.train, linear, wall))
         plans = [first_plan(case, evidence)]
     start, settled = linear, True
     while plans[-1].events:
         effects = plans[-1].effects
-        if not _events_compiled():
+        if not is_compiled(advance_pieces):
             with stage(COMPILING_EVENTS):
                 calculate_start(case, model, effects, linear)
         with stage("start with events"):
             start, wall = _timed(partial(calculate_start, case, model, effects, linear))
         with stage("plan"):
-            evidence = with_event_start(evidence, case, model.train, start, wall)
+            evidence = replace(evidence, event=start_evidence(case, model.train, start, wall))
             new = revised_plan(case, plans[-1], evidence)
         runs_as_before = new.effects == plans[-1].effects
         settled = runs_as_before or len(plans) < MAX_PLANS
@@ -261,11 +190,6 @@ def planned_start(
         if runs_as_before or not settled:
             break
     return PlannedStart(start, linear, tuple(plans), model, evidence, settled)
-
-
-def _events_compiled() -> bool:
-    """Whether the loop of runs with events is at hand."""
-    return is_compiled(advance_pieces)
 
 
 def _timed(calculate: Callable[[], Start]) -> tuple[Start, float]:
@@ -280,21 +204,7 @@ def calculate_start(
 ) -> Start:
     """One start with the given effects.
 
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    model : ModalTrain
-        The train it is calculated with. [SI]
-    effects : StartEffects
-        What is simulated. [flags]
-    linear : Start or None
-        The linear start, which one with events begins from; None = calculate that one. [SI]
-
-    Returns
-    -------
-    Start
-        Complete, with its error estimates. [SI]
+    One with events begins from the linear start; None = calculate that one.
     """
     if linear is not None:
         return run_event_start(case, model, effects, linear)

@@ -180,8 +180,6 @@ def _plans(results: Results) -> Iterator[tuple[str, str]]:
     """What was simulated and why; sheet `Effects` has each number."""
     for plan in results.plans:
         yield f"Plan {plan.number}", plan.reason
-    if not results.plans:
-        return
     reported = results.plans[-1]
     on = [d.effect for d in reported.decisions if d.on]
     yield "Effects simulated", ", ".join(on) or "none"
@@ -190,9 +188,12 @@ def _plans(results: Results) -> Iterator[tuple[str, str]]:
     if reported.effects.clearances:
         yield "Clearances modelled", ", ".join(reported.effects.clearances)
         yield "Contact law", reported.effects.contact_law
-    if results.sensitivity is not None:
-        spread = f"a change of the input by 1e-9 may change a peak by {_percent(results.sensitivity.spread)}"
-        yield "Sensitive", f"{'yes' if results.sensitivity.sensitive else 'no'}: {spread}"
+    sensitivity = None if results.start is None else results.start.sensitivity
+    if sensitivity is not None:
+        spread = (
+            f"a change of the input by 1e-9 may change a peak by {_percent(sensitivity.spread)}"
+        )
+        yield "Sensitive", f"{'yes' if sensitivity.sensitive else 'no'}: {spread}"
 
 
 def _left_out(decision: EffectDecision) -> str:

@@ -70,7 +70,7 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
         What the workbook shows.
     """
     start = results.start
-    effects = results.plans[-1].effects if results.plans else None
+    effects = results.plans[-1].effects
     shafts = results.starts.shafts if results.starts is not None else ()
     return RunView(
         case=results.case,
@@ -82,7 +82,7 @@ def view_of(results: Results, audit: Rows = ()) -> RunView:
         cycles=tuple((s.element, s.cycles.amplitude, s.cycles.count) for s in shafts),
         amplitudes={s.element: (s.largest_amplitude, s.endurance) for s in shafts},
         plans=plan_details(results)["plans"],
-        contact_law=effects.contact_law if effects is not None and effects.clearances else None,
+        contact_law=effects.contact_law if effects.clearances else None,
         forces=None if start is None else start.forces,
         load_angle=_load_angle(results),
         energies=energy_rows(results, SHARE_MODES),

@@ -27,9 +27,10 @@ class Allowances:
         self._frequency = results.frequency_error if results.segments else None
         self._starts = {name: error for name, error in results.starts_error if error is not None}
         self._peaks: float | None = None
-        if results.start is not None:
-            spread = results.sensitivity.spread if results.sensitivity is not None else 0.0
-            self._peaks = max(results.start.estimated_error, spread)
+        start = results.start
+        if start is not None:
+            spread = start.sensitivity.spread if start.sensitivity is not None else 0.0
+            self._peaks = max(start.estimated_error, spread)
 
     def of_words(self) -> float | None:
         """Relative error of a number inside a sentence.

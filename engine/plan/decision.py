@@ -40,6 +40,11 @@ class Finding:
     cost: float | None = None  #: Wall time over that of the linear start; None = the effect's. [1]
     while_off: str = ""  #: What a reader must know while it is off, though it is possible.
 
+    @classmethod
+    def impossible(cls, why: str, bound: float | None = 0.0) -> Finding:
+        """An effect whose data are not there; nothing is lost without it unless `bound` is None."""
+        return cls(False, False, None, None, bound, why)
+
 
 def decide(
     effect: Effect, choice: str, finding: Finding, wall_time: float | None
@@ -109,16 +114,5 @@ def percent(share: float) -> str:
 
 
 def quoted(names: Iterable[str]) -> str:
-    """Names in a sentence.
-
-    Parameters
-    ----------
-    names : iterable of str
-        Of elements or stations. [names]
-
-    Returns
-    -------
-    str
-        Each between quotation marks. [sentence]
-    """
+    """Names in a sentence, each between quotation marks."""
     return ", ".join(f"'{name}'" for name in names)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from engine.arrays import Floats
 from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS, LONGEST_START
 from engine.case.effects import choice_of
@@ -23,8 +23,6 @@ from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts, sn_slope, stress_over_endurance
 from engine.start.start_model import LARGEST_AMPLIFICATION
 from engine.start.torque_outputs import force_reach, torque_outputs
-
-Floats = NDArray[np.float64]
 
 #: Relative change of an answer per unit of `Evidence.bearing_number`: largest seen 9.
 BEARING_GAIN = 50.0
@@ -111,19 +109,7 @@ def collect_evidence(
 ) -> Evidence:
     """Evidence that needs no start.
 
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    modal : ModalTrain
-        Without sideways motion of gears. [SI]
-    coupled : ModalTrain, optional
-        The same with it, where bearing data is given. [SI]
-
-    Returns
-    -------
-    Evidence
-        Everything but the linear start. [SI]
+    `modal` is without sideways motion of gears, `coupled` with it, where bearing data is given.
     """
     train, modes = modal.train, modal.modes
     ratings = case.ratings
@@ -290,24 +276,8 @@ def _relative(value: float, base: float) -> float:
     return abs(value / base - 1.0) if base > 0.0 else math.inf
 
 
-def element_minima(case: CaseData, train: Train, start: Start) -> tuple[ElementMinimum, ...]:
-    """Lowest torque of every element with two flanks, the moment of rest left out.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    train : Train
-        Its train. [SI]
-    start : Start
-        A start. [SI]
-
-    Returns
-    -------
-    tuple of ElementMinimum
-        One a mesh or geared coupling; the rounding of the largest torque of the train counts as
-        error. [N m]
-    """
+def _element_minima(case: CaseData, train: Train, start: Start) -> tuple[ElementMinimum, ...]:
+    """Lowest torque of every element with two flanks, the moment of rest left out; errors as estimated."""
     error = {p.element: p.error for p in start.peaks}
     turning = start.turning_of_element()
     toothed = {m.element for m in case.meshes} | {train.elements[f.element] for f in train.flanks}
@@ -325,63 +295,28 @@ def element_minima(case: CaseData, train: Train, start: Start) -> tuple[ElementM
     return tuple(minima)
 
 
-def with_linear_start(
-    evidence: Evidence, case: CaseData, train: Train, start: Start, wall_time: float
-) -> Evidence:
-    """The evidence, with what the linear start tells.
+def start_evidence(case: CaseData, train: Train, start: Start, wall_time: float) -> StartEvidence:
+    """What a calculated start says: the linear one, or one with events.
 
     Parameters
     ----------
-    evidence : Evidence
-        As gathered. [SI]
     case : CaseData
         The case. [SI]
     train : Train
         The train of that start. [SI]
     start : Start
-        The linear start. [SI]
+        The start. [SI]
     wall_time : float
         What it cost. [s]
 
     Returns
     -------
-    Evidence
-        A new record. [SI]
+    StartEvidence
+        For `Evidence.linear` or `Evidence.event`. [SI]
     """
-    return replace(evidence, linear=_told(case, train, start, wall_time), event=None)
-
-
-def with_event_start(
-    evidence: Evidence, case: CaseData, train: Train, start: Start, wall_time: float
-) -> Evidence:
-    """The evidence, with what a start with events tells.
-
-    Parameters
-    ----------
-    evidence : Evidence
-        With the linear start. [SI]
-    case : CaseData
-        The case. [SI]
-    train : Train
-        The train of that start. [SI]
-    start : Start
-        The start with events. [SI]
-    wall_time : float
-        What it cost. [s]
-
-    Returns
-    -------
-    Evidence
-        A new record. [SI]
-    """
-    return replace(evidence, event=_told(case, train, start, wall_time))
-
-
-def _told(case: CaseData, train: Train, start: Start, wall_time: float) -> StartEvidence:
-    """What a start tells."""
     stress = stress_over_endurance(case, start)
     return StartEvidence(
-        minima=element_minima(case, train, start),
+        minima=_element_minima(case, train, start),
         truncation_error=start.truncation_error,
         kept_modes=start.kept_modes,
         time=start.outcome.time,
@@ -394,20 +329,7 @@ def _told(case: CaseData, train: Train, start: Start, wall_time: float) -> Start
 
 
 def moves_laterally(case: CaseData, evidence: Evidence) -> bool:
-    """Whether gears move sideways on their bearings in the start: the decision on bearings.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case, for the choice of its user. [SI]
-    evidence : Evidence
-        What is known. [SI]
-
-    Returns
-    -------
-    bool
-        True if there are bearings, and they are called for or chosen. [flag]
-    """
+    """Whether gears move sideways on their bearings in the start: the decision on bearings."""
     if evidence.bearing_number is None:
         return False
     choice = choice_of(case, "bearings")
@@ -434,18 +356,7 @@ def reversing_minima(start: StartEvidence, tolerance: float) -> list[ElementMini
 
 
 def reversing(evidence: Evidence) -> tuple[str, ...]:
-    """Elements whose clearance the linear start calls for.
-
-    Parameters
-    ----------
-    evidence : Evidence
-        With the linear start; without it there are none. [SI]
-
-    Returns
-    -------
-    tuple of str
-        Their names. [names]
-    """
+    """Elements whose clearance the linear start calls for; none before it."""
     if evidence.linear is None:
         return ()
     return tuple(m.element for m in reversing_minima(evidence.linear, evidence.tolerance))

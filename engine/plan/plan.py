@@ -43,18 +43,7 @@ class Plan:
     warnings: tuple[str, ...] = ()  #: Choices that go against the evidence.
 
     def decision(self, effect: str) -> EffectDecision:
-        """The decision on one effect.
-
-        Parameters
-        ----------
-        effect : str
-            One of `EFFECTS`. [name]
-
-        Returns
-        -------
-        EffectDecision
-            Its line. [mixed]
-        """
+        """The decision on one effect, by its name in `EFFECTS`."""
         return next(d for d in self.decisions if d.effect == effect)
 
     @property
@@ -86,22 +75,10 @@ class Plan:
 
 
 def first_plan(case: CaseData, evidence: Evidence) -> Plan:
-    """The plan that cheap evidence calls for.
+    """The plan that cheap evidence calls for, number 1.
 
     Without a linear start in the evidence it says how to calculate that one: what depends on it
     (backlash, cycle counting) is then undecided.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case, for the choices of its user. [SI]
-    evidence : Evidence
-        What is known. [SI]
-
-    Returns
-    -------
-    Plan
-        Number 1. [mixed]
     """
     reason = "Modes, damping and rigid-body run-up."
     if evidence.linear is not None:
@@ -112,19 +89,8 @@ def first_plan(case: CaseData, evidence: Evidence) -> Plan:
 def revised_plan(case: CaseData, plan: Plan, evidence: Evidence) -> Plan:
     """A new plan where a run has found the old one wrong; the same plan where it has not.
 
-    Parameters
-    ----------
-    case : CaseData
-        The case, for the choices of its user. [SI]
-    plan : Plan
-        The plan that was run. [mixed]
-    evidence : Evidence
-        With the start of that run as `event`. [SI]
-
-    Returns
-    -------
-    Plan
-        With every clearance of the old one and those whose elements reversed. [mixed]
+    The evidence holds the start of that run as `event`. A new plan has every clearance of the old one and
+    those whose elements reversed.
     """
     if evidence.event is None:
         return plan
@@ -177,8 +143,7 @@ def _plan(
         if evidence.start or not effect.of_the_start:
             finding = FINDINGS[name](case, evidence, modelled)
         else:
-            why = "Neither motor curve nor prescribed torque."
-            finding = Finding(False, False, None, None, 0.0, why)
+            finding = Finding.impossible("Neither motor curve nor prescribed torque.")
         decision, warning = decide(effect, choice_of(case, name), finding, wall_time)
         decisions.append(decision)
         if warning:

@@ -3,13 +3,12 @@
 ==========  ======================================================================================
 module      responsibility
 ==========  ======================================================================================
+`results`   the complete, frozen results of one run
 `verdicts`  the checks at a glance: margin, steady-state stress, start, peaks, reversal, yield,
             starts
-`results`   the complete, frozen results of one run
 `tables`    results as the result tables of the contract: rows of plain values under their JSON
             keys
-`details`   what is told of a run that no result table holds: energy shares, nodes, plans, the
-            outcome in full
+`details`   what no result table of a run holds: energy shares, nodes, plans, the outcome in full
 `times`     what each analysis of a run cost, and how accurate it was
 `warnings`  warnings: what a reader must know beside the numbers of a run
 ==========  ======================================================================================

@@ -1,60 +1,47 @@
-"""What is told of a run that no result table holds: energy shares, nodes, plans, the outcome in full.
+"""What no result table of a run holds: energy shares, nodes, plans, the outcome in full.
 
 SI throughout, under the keys of the JSON.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 
+from engine.arrays import Floats
 from engine.model.frequency_derivatives import frequency_derivatives
 from engine.results.results import AtSpeed, Results
 from engine.results.tables import Row
 
 
 def start_summary(results: Results) -> Row | None:
-    """Outcome of the start.
+    """Outcome of the start; None if nothing was started.
 
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    dict or None
-        Keys outcome, time [s], end_speed [rad/s] and sentence, pull_in and bearing_forces where
-        they were simulated; None if nothing was started.
+    Keys outcome, time [s], end_speed [rad/s] and sentence, pull_in and bearing_forces where they were
+    simulated.
     """
-    if results.start is None:
+    start = results.start
+    if start is None:
         return None
-    summary = asdict(results.start.outcome)
-    if results.pull_in is not None:
-        summary["pull_in"] = asdict(results.pull_in)
-    if results.bearing_forces:
-        summary["bearing_forces"] = [asdict(one) for one in results.bearing_forces]
+    summary = asdict(start.outcome)
+    if start.pull_in is not None:
+        summary["pull_in"] = asdict(start.pull_in)
+    if start.bearing_forces:
+        summary["bearing_forces"] = [asdict(force) for force in start.bearing_forces]
     return summary
 
 
 def plan_details(results: Results) -> Row:
     """Plans and sensitivity of the run.
 
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    dict
-        Key ``plans``: number [count] and reason of each plan, the reported one last. Key
-        ``sensitivity``, where it was tried: spread [1] and sensitive.
+    Key ``plans``: number [count] and reason of each plan, the reported one last. Key ``sensitivity``,
+    where it was tried: spread [1] and sensitive.
     """
     details: Row = {
         "plans": [{"number": plan.number, "reason": plan.reason} for plan in results.plans]
     }
-    if results.sensitivity is not None:
-        details["sensitivity"] = asdict(results.sensitivity)
+    if results.start is not None and results.start.sensitivity is not None:
+        details["sensitivity"] = asdict(results.start.sensitivity)
     return details
 
 
@@ -62,19 +49,9 @@ def energy_rows(results: AtSpeed, most_modes: int) -> list[Row]:
     """Energy shares of every stiffness and inertia, from which frequencies follow a small change.
 
     ∂ln f/∂ln k = ½ × share of the strain energy, ∂ln f/∂ln J = −½ × share of the kinetic energy
-    (`engine.model.frequency_derivatives`, where modes as good as equal are treated as well).
-
-    Parameters
-    ----------
-    results : AtSpeed
-        A complete run, or one without a start. [SI]
-    most_modes : int
-        Elastic modes that are told. [count]
-
-    Returns
-    -------
-    list of dict
-        quantity, of, share_1, share_2, …: stiffnesses first, in the order of the case. [1]
+    (`engine.model.frequency_derivatives`, where modes as good as equal are treated as well). Keys
+    quantity, of, share_1, share_2, … [1], as many as there are elastic modes, `most_modes` at the most:
+    stiffnesses first, in the order of the case.
     """
     derivatives = frequency_derivatives(results.case, results.train, results.modes)
     return [
@@ -93,19 +70,10 @@ def energy_rows(results: AtSpeed, most_modes: int) -> list[Row]:
 def modal_details(results: AtSpeed) -> Row:
     """What the sheets have no table for: energy shares, nodes, damped eigenvalues.
 
-    Parameters
-    ----------
-    results : AtSpeed
-        A complete run, or one without a start. [SI]
-
-    Returns
-    -------
-    dict
-        Key ``modes``: per elastic mode its frequency [Hz], the share of strain energy of each
-        element and of kinetic energy of each station [1], and its nodes as element and position
-        from the From end [1]; of gears on bearings also ``bearing_strain_energy`` and
-        ``sideways_kinetic_energy`` by station [1]. Key ``damped_eigenvalues``, where dampers couple the modes: real
-        and imaginary parts [1/s].
+    Key ``modes``: per elastic mode its frequency [Hz], the share of strain energy of each element and of
+    kinetic energy of each station [1], and its nodes as element and position from the From end [1]; of
+    gears on bearings also ``bearing_strain_energy`` and ``sideways_kinetic_energy`` by station [1]. Key
+    ``damped_eigenvalues``, where dampers couple the modes: real and imaginary parts [1/s].
     """
     train, modes = results.train, results.modes
     rows = []
@@ -115,12 +83,8 @@ def modal_details(results: AtSpeed) -> Row:
             {
                 "mode": number,
                 "frequency": float(modes.frequency[r]),
-                "strain_energy": dict(
-                    zip(train.elements, modes.strain_share[:, r].tolist(), strict=True)
-                ),
-                "kinetic_energy": dict(
-                    zip(train.stations, modes.kinetic_share[:, r].tolist(), strict=True)
-                ),
+                "strain_energy": _shares(train.elements, modes.strain_share[:, r]),
+                "kinetic_energy": _shares(train.stations, modes.kinetic_share[:, r]),
                 "nodes": [
                     {"element": n.element, "position": n.position}
                     for n in results.nodes
@@ -137,6 +101,10 @@ def modal_details(results: AtSpeed) -> Row:
     return details
 
 
+def _shares(names: Sequence[str], shares: Floats) -> dict[str, float]:
+    return dict(zip(names, shares.tolist(), strict=True))
+
+
 def _sideways(results: AtSpeed, mode: int) -> Row:
     """Energy shares of the gears on bearings; nothing where there are none."""
     bodies = [results.train.stations[b.station] for b in results.train.bodies]
@@ -144,10 +112,6 @@ def _sideways(results: AtSpeed, mode: int) -> Row:
         return {}
     modes = results.modes
     return {
-        "bearing_strain_energy": dict(
-            zip(bodies, modes.bearing_share[:, mode].tolist(), strict=True)
-        ),
-        "sideways_kinetic_energy": dict(
-            zip(bodies, modes.sideways_share[:, mode].tolist(), strict=True)
-        ),
+        "bearing_strain_energy": _shares(bodies, modes.bearing_share[:, mode]),
+        "sideways_kinetic_energy": _shares(bodies, modes.sideways_share[:, mode]),
     }

@@ -1,17 +1,16 @@
 """The complete, frozen results of one run.
 
 Each analysis keeps its own result; an analysis the case does not call for is None, and a warning
-says why. Nothing is filled in later.
+says why. Accuracy, verdicts and warnings are read from the rest.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from engine.arrays import Complexes
 from engine.case.data import CaseData
+from engine.case.result_words import Judgement
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.model.excitation import Excitation
 from engine.model.modes import ModalDamping, Modes, Node
@@ -19,11 +18,21 @@ from engine.model.train import Train
 from engine.operation.margins import Interference, SeparationMargins
 from engine.operation.steady_state import SteadyState
 from engine.plan.plan import Plan
-from engine.results.verdicts import Verdict
 from engine.start.crossings import Crossing
-from engine.start.event_results import BearingForce, PullIn, Repeatability
 from engine.start.reversals import Reversal
 from engine.start.start import Start
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One check."""
+
+    check: str  #: What was checked.
+    result: float | str | None  #: What was found and what is allowed. [SI, in the dimension named]
+    limit: float | str | None  #: Likewise. [SI, in the dimension named]
+    dimension: str  #: ``fraction``, ``pressure``, ``torque``, ``count`` or ``text``.
+    verdict: Judgement  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
+    where: str  #: Mode, element or shaft that governs.
 
 
 @dataclass(frozen=True)
@@ -53,7 +62,7 @@ class AtSpeed:
     frequency_error: float
     damping: ModalDamping  #: Damping of the modes. [SI]
     #: Damped eigenvalues where dampers couple the modes; None where damping is proportional. [1/s]
-    eigenvalues: NDArray[np.complex128] | None
+    eigenvalues: Complexes | None
     excitations: tuple[Excitation, ...]  #: What was judged. [SI]
     margins: SeparationMargins  #: Separation margins with verdicts. [1]
     interference: Interference  #: Lines of the interference diagram. [Hz]
@@ -69,20 +78,16 @@ class Results(AtSpeed):
     starts: AllowableStarts | None  #: Fatigue of the judged shafts. [1]
     #: Per judged shaft, estimated relative error of its allowable starts; None = unlimited. [1]
     starts_error: tuple[tuple[str, float | None], ...]
-    verdicts: tuple[Verdict, ...]  #: The checks at a glance.
-    warnings: tuple[str, ...]  #: What a reader must know beside the numbers.
     spent: tuple[tuple[str, float], ...]  #: Wall time of each analysis in this run. [s]
     #: Every plan of this run; the last one is that of the results. [mixed]
-    plans: tuple[Plan, ...] = ()
+    plans: tuple[Plan, ...]
     #: Torque reversals of meshes and geared couplings in the start that is reported. [SI]
-    reversals: tuple[Reversal, ...] = ()
-    #: Largest bearing force of each gear that moves sideways. [N]
-    bearing_forces: tuple[BearingForce, ...] = ()
-    pull_in: PullIn | None = None  #: Field application, where it was simulated. [SI]
-    #: Change of the answers under a tiny change of the input, where clearances are modelled. [1]
-    sensitivity: Repeatability | None = None
+    reversals: tuple[Reversal, ...]
+    settled: bool  #: False if the last plan, too, was found wrong by its run.
     #: Estimated error and time of each analysis, as calculated. [1, s]
     accuracy: tuple[AccuracyRow, ...] = ()
+    verdicts: tuple[Verdict, ...] = ()  #: The checks at a glance.
+    warnings: tuple[str, ...] = ()  #: What a reader must know beside the numbers.
 
     @property
     def outcome(self) -> str:

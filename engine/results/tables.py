@@ -1,8 +1,8 @@
 """Results as the result tables of the contract: rows of plain values under their JSON keys.
 
 SI throughout, percentages as fractions (also `percent_speed`); CPM alone is in the unit of its name.
-None stands for blank. Workbook and JSON are both written from these rows. Each table has one function,
-of its name in small letters; a new column is a key in that function's rows.
+None stands for blank. Workbook and JSON are both written from these rows. A table whose columns are the
+fields of a record is that record; any other has a function of its name in small letters.
 """
 
 from __future__ import annotations
@@ -20,184 +20,68 @@ from engine.start.start_fatigue import is_counted
 
 Row = dict[str, Any]
 
+#: Fields of a `Reversal` that its table does not show.
+REVERSAL_DETAILS = ("kind", "minimum_time", "largest_torque", "hysteresis")
+
 
 def result_tables(results: Results) -> Mapping[str, list[Row]]:
-    """The result tables of the contract.
-
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    mapping of str to list of dict
-        Table name → rows with JSON keys. [SI]
-    """
+    """The result tables of the contract: name → rows with JSON keys."""
     return {
-        "Verdicts": verdicts(results),
+        "Verdicts": _rows(results.verdicts),
         **speed_tables(results),
-        "StartupPeaks": startup_peaks(results),
-        "StartupCrossings": startup_crossings(results),
-        "TorqueReversals": torque_reversals(results),
-        "AllowableStarts": allowable_starts(results),
-        "Effects": effects(results),
+        "StartupPeaks": _startup_peaks(results),
+        "StartupCrossings": _startup_crossings(results),
+        "TorqueReversals": _torque_reversals(results),
+        "AllowableStarts": _allowable_starts(results),
+        "Effects": _rows(results.plans[-1].decisions),
         "AccuracyCost": accuracy_cost(results.accuracy),
     }
 
 
 def speed_tables(results: AtSpeed) -> dict[str, list[Row]]:
-    """The result tables that need no start.
-
-    Parameters
-    ----------
-    results : AtSpeed
-        Modes, margins and forced response. [SI]
-
-    Returns
-    -------
-    dict of str to list of dict
-        Table name → rows with JSON keys. [SI]
-    """
+    """The result tables that need no start: name → rows with JSON keys."""
     return {
-        "NaturalFrequencies": natural_frequencies(results),
-        "ModeShapes": mode_shapes(results),
-        "SeparationMargins": separation_margins(results),
-        "SteadyState": steady_state(results),
+        "NaturalFrequencies": _natural_frequencies(results),
+        "ModeShapes": _mode_shapes(results),
+        "SeparationMargins": _separation_margins(results),
+        "SteadyState": _rows(results.steady.rows),
     }
 
 
-def torque_reversals(results: Results) -> list[Row]:
-    """Rows of `TorqueReversals`.
-
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    list of dict
-        One a gear mesh or geared coupling, its sentence as ``note``. [SI]
-    """
-    keys = (
-        "element",
-        "minimum_torque",
-        "reversals",
-        "time_unloaded",
-        "impacts",
-        "recontact_speed",
-        "tooth_force",
-        "longest_reversal",
-        "first_time",
-        "slip_frequency",
-        "transmitted_torque",
-        "margin",
-        "limit",
-        "verdict",
-        "recontact_speed_angular",
-        "model",
-    )
-    return [
-        {key: getattr(reversal, key) for key in keys} | {"note": reversal.sentence}
-        for reversal in results.reversals
-    ]
-
-
-def effects(results: Results) -> list[Row]:
-    """Rows of `Effects`: the decisions of the plan whose run is reported.
-
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    list of dict
-        One an effect. [SI]
-    """
-    decisions = results.plans[-1].decisions if results.plans else ()
-    return [asdict(decision) for decision in decisions]
-
-
-def verdicts(results: Results) -> list[Row]:
-    """Rows of `Verdicts`.
-
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    list of dict
-        One a check, the overall one first. [SI]
-    """
-    return [asdict(verdict) for verdict in results.verdicts]
-
-
-def startup_crossings(results: Results) -> list[Row]:
-    """Rows of `StartupCrossings`.
-
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    list of dict
-        One a mode that the falling 2 × slip frequency crosses. [SI]
-    """
-    return [
-        asdict(crossing) | {"percent_speed": _fraction(crossing.percent_speed)}
-        for crossing in results.crossings
-    ]
+def _rows(records: Iterable[Any]) -> list[Row]:
+    """Records whose fields are the columns of their table."""
+    return [asdict(record) for record in records]
 
 
 def accuracy_cost(rows: Iterable[AccuracyRow]) -> list[Row]:
-    """Rows of `AccuracyCost`.
+    """Rows of `AccuracyCost`, of a study or as calculated: errors [1] and wall time [s]."""
+    return _rows(rows)
 
-    Parameters
-    ----------
-    rows : iterable of AccuracyRow
-        Of a study, or as calculated. [SI]
 
-    Returns
-    -------
-    list of dict
-        Keys method, setting, error_peak [1], error_starts [1] and time [s].
-    """
-    return [
-        {
-            "method": row.method,
-            "setting": row.setting,
-            "error_peak": row.error_peak,
-            "error_starts": row.error_starts,
-            "time": row.time,
-        }
-        for row in rows
-    ]
+def _torque_reversals(results: Results) -> list[Row]:
+    """One a gear mesh or geared coupling, its sentence as ``note``."""
+    rows = _rows(results.reversals)
+    for row in rows:
+        row["note"] = row.pop("sentence")
+        for key in REVERSAL_DETAILS:
+            del row[key]
+    return rows
+
+
+def _startup_crossings(results: Results) -> list[Row]:
+    """One a mode that the falling 2 × slip frequency crosses."""
+    rows = _rows(results.crossings)
+    for row in rows:
+        row["percent_speed"] = _fraction(row["percent_speed"])
+    return rows
 
 
 def _fraction(percent: float | None) -> float | None:
     return None if percent is None else percent / 100.0
 
 
-def natural_frequencies(results: AtSpeed) -> list[Row]:
-    """Rows of `NaturalFrequencies`.
-
-    Parameters
-    ----------
-    results : AtSpeed
-        A complete run, or one without a start. [SI]
-
-    Returns
-    -------
-    list of dict
-        One a mode, rigid ones first. [SI]
-    """
+def _natural_frequencies(results: AtSpeed) -> list[Row]:
+    """One a mode, rigid ones first."""
     modes, line = results.modes, results.case.ratings.line_frequency
     train = results.train
     names = [*train.elements, *(f"bearing of {train.stations[b.station]}" for b in train.bodies)]
@@ -222,19 +106,8 @@ def natural_frequencies(results: AtSpeed) -> list[Row]:
     return rows
 
 
-def mode_shapes(results: AtSpeed) -> list[Row]:
-    """Rows of `ModeShapes`: twist of each station in its physical sense, the largest of a mode = 1.
-
-    Parameters
-    ----------
-    results : AtSpeed
-        A complete run, or one without a start. [SI]
-
-    Returns
-    -------
-    list of dict
-        One a station. [SI]
-    """
+def _mode_shapes(results: AtSpeed) -> list[Row]:
+    """One a station: its twist in its physical sense, the largest of a mode = 1."""
     train, modes = results.train, results.modes
     n = train.n_stations
     angle = (train.node_matrix() @ modes.shape)[:n] * train.sense[:n, None]
@@ -247,56 +120,16 @@ def mode_shapes(results: AtSpeed) -> list[Row]:
     return rows
 
 
-def separation_margins(results: AtSpeed) -> list[Row]:
-    """Rows of `SeparationMargins`: margins and what the forced response made of them.
-
-    Parameters
-    ----------
-    results : AtSpeed
-        A complete run, or one without a start. [SI]
-
-    Returns
-    -------
-    list of dict
-        One a row, under the keys of the JSON. [SI]
-    """
-    rows = []
-    for margin in results.margins.rows:
-        row = asdict(margin)
+def _separation_margins(results: AtSpeed) -> list[Row]:
+    """One a margin, with what the forced response made of it."""
+    rows = _rows(results.margins.rows)
+    for row in rows:
         row["frequency"] = row.pop("mode_frequency")
-        rows.append(row)
     return rows
 
 
-def steady_state(results: AtSpeed) -> list[Row]:
-    """Rows of `SteadyState`: the forced response of each element to each excitation.
-
-    Parameters
-    ----------
-    results : AtSpeed
-        A complete run, or one without a start. [SI]
-
-    Returns
-    -------
-    list of dict
-        One a row, under the keys of the JSON. [SI]
-    """
-    return [asdict(row) for row in results.steady.rows]
-
-
-def startup_peaks(results: Results) -> list[Row]:
-    """Rows of `StartupPeaks`.
-
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    list of dict
-        One an element; none without a start. [SI]
-    """
+def _startup_peaks(results: Results) -> list[Row]:
+    """One an element; none without a start."""
     start, synchronous = results.start, results.case.ratings.synchronous_speed
     if start is None:
         return []
@@ -320,19 +153,8 @@ def startup_peaks(results: Results) -> list[Row]:
     return rows
 
 
-def allowable_starts(results: Results) -> list[Row]:
-    """Rows of `AllowableStarts`.
-
-    Parameters
-    ----------
-    results : Results
-        A complete run. [SI]
-
-    Returns
-    -------
-    list of dict
-        One a judged shaft. [SI]
-    """
+def _allowable_starts(results: Results) -> list[Row]:
+    """One a judged shaft."""
     starts = results.starts
     if starts is None:
         return []

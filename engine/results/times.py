@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from engine.case.data import CaseData
+from collections.abc import Iterable
+
 from engine.case.defaults import DEFAULT_TOLERANCE_PEAK, DEFAULT_TOLERANCE_STARTS
 from engine.case.effects import EFFECTS
 from engine.plan.plan import Plan
-from engine.results.results import AccuracyRow
-from engine.start.start import Start
+from engine.results.results import AccuracyRow, Results
 
 #: Stage in which the loop of runs with events is compiled: its time is no analysis's.
 COMPILING_EVENTS = "compiling the routines for clearances and pull-in, once on this machine"
 
 
-def _totals(spent: list[tuple[str, float]]) -> dict[str, float]:
+def _totals(spent: Iterable[tuple[str, float]]) -> dict[str, float]:
     """Wall time of each analysis, its repetitions added up."""
     total: dict[str, float] = {}
     for name, wall in spent:
@@ -44,31 +44,9 @@ def measured_times(plan: Plan, spent: list[tuple[str, float]]) -> dict[str, floa
     }
 
 
-def accuracy_of_analyses(
-    case: CaseData,
-    start: Start | None,
-    errors: tuple[tuple[str, float | None], ...],
-    spent: list[tuple[str, float]],
-) -> tuple[AccuracyRow, ...]:
-    """Estimated error and time of each analysis of a run.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    start : Start or None
-        The start. [SI]
-    errors : tuple of (str, float or None)
-        Per judged shaft, relative error of its starts; None = unlimited. [1]
-    spent : list of (str, float)
-        Wall time of each analysis, in the order in which they ended. [s]
-
-    Returns
-    -------
-    tuple of AccuracyRow
-        One an analysis, its repetitions added up. [1, s]
-    """
-    total = _totals(spent)
+def accuracy_of(results: Results) -> tuple[AccuracyRow, ...]:
+    """Estimated error and time of each analysis of a run, its repetitions added up."""
+    case, start, total = results.case, results.start, _totals(results.spent)
     last = "start with events" if "start with events" in total else "start"
     rows = []
     for name, wall in total.items():
@@ -81,6 +59,6 @@ def accuracy_of_analyses(
             peak = start.estimated_error
         if name == "fatigue":
             setting = f"tolerance {case.tolerance_starts or DEFAULT_TOLERANCE_STARTS:.2g}"
-            starts = max((e for _, e in errors if e is not None), default=None)
+            starts = max((e for _, e in results.starts_error if e is not None), default=None)
         rows.append(AccuracyRow(name, setting, peak, starts, wall))
     return tuple(rows)

@@ -6,8 +6,7 @@ of them is the first row.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 from engine.case.data import CaseData
 from engine.case.effects import choice_of
@@ -15,58 +14,20 @@ from engine.case.result_words import Judgement, Outcome
 from engine.fatigue.allowable_starts import AllowableStarts
 from engine.operation.margins import SeparationMargins
 from engine.operation.steady_state import SteadyState
+from engine.results.results import Results, Verdict
 from engine.start.reversals import Reversal
 from engine.start.start import Start
 from engine.start.start_fatigue import WHOLE_STARTS
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """One check."""
-
-    check: str  #: What was checked.
-    result: float | str | None  #: What was found and what is allowed. [SI, in the dimension named]
-    limit: float | str | None  #: Likewise. [SI, in the dimension named]
-    dimension: str  #: ``fraction``, ``pressure``, ``torque``, ``count`` or ``text``.
-    verdict: Judgement  #: ``pass``, ``accepted by forced response``, ``fail`` or ``not judged``.
-    where: str  #: Mode, element or shaft that governs.
-
-
-def verdicts_of(
-    case: CaseData,
-    margins: SeparationMargins,
-    steady: SteadyState,
-    start: Start | None,
-    starts: AllowableStarts | None,
-    reversals: Sequence[Reversal] = (),
-) -> tuple[Verdict, ...]:
-    """All checks, the overall one first.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    margins : SeparationMargins
-        Judged margins. [1]
-    steady : SteadyState
-        Forced response. [SI]
-    start : Start or None
-        The start. [SI]
-    starts : AllowableStarts or None
-        Fatigue. [1]
-    reversals : sequence of Reversal
-        Torque reversals of meshes and couplings. [N m]
-
-    Returns
-    -------
-    tuple of Verdict
-        One a check. [rows]
-    """
-    checks = [_margin(margins), *_steady(steady)]
+def verdicts_of(results: Results) -> tuple[Verdict, ...]:
+    """All checks, the overall one first."""
+    case, start, starts = results.case, results.start, results.starts
+    checks = [_margin(results.margins), *_steady(results.steady)]
     if start is not None:
         checks += [_outcome(case, start), *_peak_limits(case, start)]
-    checks += [_reversal(r) for r in reversals]
-    checks += [*_yield(case, starts), *_starts(case, start, starts)]
+    checks += [_reversal(r) for r in results.reversals]
+    checks += [*_yield(case, starts), _starts(case, start, starts)]
     judgements = {c.verdict for c in checks}
     worst = next(
         (v for v in (Judgement.FAIL, Judgement.ACCEPTED, Judgement.PASS) if v in judgements),
@@ -75,6 +36,10 @@ def verdicts_of(
     failing = ", ".join(c.check for c in checks if c.verdict == Judgement.FAIL)
     where = f"see {failing}" if failing else ""
     return (Verdict("Overall", None, None, "text", worst, where), *checks)
+
+
+def _within(value: float, limit: float) -> Judgement:
+    return Judgement.PASS if value <= limit else Judgement.FAIL
 
 
 def _margin(margins: SeparationMargins) -> Verdict:
@@ -110,9 +75,7 @@ def _steady(steady: SteadyState) -> Iterator[Verdict]:
     if limited:
         row = max(limited, key=lambda r: (r.torque or 0.0) / (r.torque_limit or 1.0))
         where = f"{row.element}, {row.excitation} at {row.frequency:.4g} Hz"
-        verdict = (
-            Judgement.PASS if (row.torque or 0.0) <= (row.torque_limit or 0.0) else Judgement.FAIL
-        )
+        verdict = _within(row.torque or 0.0, row.torque_limit or 0.0)
         yield Verdict("Vibratory torque", row.torque, row.torque_limit, "torque", verdict, where)
 
 
@@ -144,7 +107,7 @@ def _peak_limits(case: CaseData, start: Start) -> Iterator[Verdict]:
     rows = [(p.size, limits[p.element], p.element) for p in start.peaks if p.element in limits]
     if rows:
         torque, limit, element = max(rows, key=lambda r: r[0] / (r[1] or 1.0))
-        verdict = Judgement.PASS if torque <= (limit or 0.0) else Judgement.FAIL
+        verdict = _within(torque, limit or 0.0)
         yield Verdict("Peak torque", torque, limit, "torque", verdict, element)
 
 
@@ -163,33 +126,28 @@ def _yield(case: CaseData, starts: AllowableStarts | None) -> Iterator[Verdict]:
             rows.append((shaft.peak_nominal_stress, 0.5 * limit, shaft.element))
     if rows:
         stress, limit, element = max(rows, key=lambda r: r[0] / r[1])
-        verdict = Judgement.PASS if stress <= limit else Judgement.FAIL
+        verdict = _within(stress, limit)
         yield Verdict("Shear yield in the start", stress, limit, "pressure", verdict, element)
 
 
-def _starts(
-    case: CaseData, start: Start | None, starts: AllowableStarts | None
-) -> Iterator[Verdict]:
+def _starts(case: CaseData, start: Start | None, starts: AllowableStarts | None) -> Verdict:
     required = case.starts_required
+    result: float | str | None = None
+    verdict, where = Judgement.NOT_JUDGED, ""
     if start is None or starts is None or not starts.shafts:
-        yield Verdict("Allowable starts", None, required, "count", Judgement.NOT_JUDGED, "")
-        return
-    if start.outcome.outcome not in WHOLE_STARTS:
+        pass
+    elif start.outcome.outcome not in WHOLE_STARTS:
         where = f"not a whole start: {start.outcome.outcome}"
-        yield Verdict("Allowable starts", None, required, "count", Judgement.NOT_JUDGED, where)
-        return
-    if starts.judged_starts is None:
-        verdict = Judgement.PASS if required is not None else Judgement.NOT_JUDGED
-        yield Verdict("Allowable starts", "unlimited", required, "count", verdict, "")
-        return
-    where = starts.governing or ""
-    verdict = Judgement.NOT_JUDGED
-    if required is not None:
-        verdict = Judgement.PASS if starts.judged_starts >= required else Judgement.FAIL
-    above = [s.element for s in starts.shafts if s.above_first_point]
-    if above and verdict == Judgement.PASS:
-        verdict, where = (
-            Judgement.NOT_JUDGED,
-            f"{where}; cycles above the first S-N point: {above[0]}",
-        )
-    yield Verdict("Allowable starts", starts.judged_starts, required, "count", verdict, where)
+    elif starts.judged_starts is None:
+        result = "unlimited"
+        if required is not None:
+            verdict = Judgement.PASS
+    else:
+        result, where = starts.judged_starts, starts.governing or ""
+        if required is not None:
+            verdict = _within(required, starts.judged_starts)
+        above = [s.element for s in starts.shafts if s.above_first_point]
+        if above and verdict == Judgement.PASS:
+            verdict = Judgement.NOT_JUDGED
+            where = f"{where}; cycles above the first S-N point: {above[0]}"
+    return Verdict("Allowable starts", result, required, "count", verdict, where)

@@ -8,14 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from engine.case.choices import ElementKind, Method
-from engine.case.data import CaseData
 from engine.case.defaults import DEFAULT_TOLERANCE_STARTS
+from engine.case.plausibility import implausible
 from engine.case.result_words import Outcome
-from engine.fatigue.allowable_starts import AllowableStarts
-from engine.model.modal_train import ModalTrain
 from engine.model.motor import motors_of
-from engine.plan.plan import Plan
-from engine.start.reversals import Reversal
+from engine.results.results import Results
 from engine.start.start import Start
 from engine.start.start_fatigue import judged_shafts
 
@@ -25,10 +22,20 @@ LOW_FREQUENCY, LONG_START = 1.0, 60.0
 MAX_PLANS = 5
 
 
-def _unstable_feedback(case: CaseData, model: ModalTrain) -> Iterator[str]:
+def warnings_of(results: Results) -> Iterator[str]:
+    """What a reader must know beside the numbers."""
+    yield from implausible(results.case)
+    yield from results.margins.warnings
+    yield from results.steady.warnings
+    yield from _start_warnings(results)
+    yield from _inaccurate_starts(results)
+    yield from _pulling_teeth(results)
+
+
+def _unstable_feedback(results: Results) -> Iterator[str]:
     """A torque that rises with speed feeds a mode faster than its damping takes energy away."""
-    train, modes, damping = model
-    for motor in motors_of(case, train):
+    train, modes, damping = results.train, results.modes, results.damping
+    for motor in motors_of(results.case, train):
         rise = float(np.max(motor.average.cubic[:, 1])) / motor.synchronous_speed
         dof, scale = train.node_dof[motor.station], train.node_scale[motor.station]
         fed = rise * (modes.shape[dof] * scale) ** 2
@@ -43,37 +50,9 @@ def _unstable_feedback(case: CaseData, model: ModalTrain) -> Iterator[str]:
             )
 
 
-def warnings_of(
-    case: CaseData,
-    model: ModalTrain,
-    start: Start | None,
-    starts: AllowableStarts | None,
-    plan: Plan,
-    settled: bool,
-) -> Iterator[str]:
-    """What a reader must know beside the numbers.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    model : ModalTrain
-        Modes that are reported. [SI]
-    start : Start or None
-        The start. [SI]
-    starts : AllowableStarts or None
-        Its fatigue. [1]
-    plan : Plan
-        The plan of that start. [mixed]
-    settled : bool
-        False if that plan, too, was found wrong by its run. [flag]
-
-    Yields
-    ------
-    str
-        A warning. [sentence]
-    """
-    modes = model.modes
+def _start_warnings(results: Results) -> Iterator[str]:
+    """About modes, the plan, the start and its fatigue."""
+    case, modes, start, starts = results.case, results.modes, results.start, results.starts
     first = modes.elastic_frequency[:1]
     if len(first) and first[0] < LOW_FREQUENCY:
         yield (
@@ -84,7 +63,7 @@ def warnings_of(
     for row in case.mode_damping:
         if row.mode is not None and row.mode > n_elastic:
             yield f"ModeDamping names mode {row.mode}, but the train has {n_elastic} elastic modes."
-    yield from plan.warnings
+    yield from results.plans[-1].warnings
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
         return
@@ -94,8 +73,8 @@ def warnings_of(
             f"The start takes {start.outcome.time:.0f} s; most take less than {LONG_START:.0f} s. "
             "Check inertias and torques."
         )
-    yield from _unstable_feedback(case, model)
-    yield from _run_warnings(start, settled)
+    yield from _unstable_feedback(results)
+    yield from _run_warnings(start, results.settled)
     counted = {e.element for _, e in judged_shafts(case)}
     for e in case.elements:
         if e.stress_diameter and e.material and e.element not in counted:
@@ -134,29 +113,12 @@ def _why_not_met(start: Start) -> str:
     )
 
 
-def starts_accuracy_warnings(
-    case: CaseData, start: Start | None, errors: tuple[tuple[str, float | None], ...]
-) -> Iterator[str]:
-    """Allowable starts that are less accurate than wanted; of a sensitive start that is said.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    start : Start or None
-        The start. [SI]
-    errors : tuple of (str, float or None)
-        Per judged shaft, relative error of its starts; None = unlimited. [1]
-
-    Yields
-    ------
-    str
-        A warning. [sentence]
-    """
-    if start is None or start.is_sensitive:
+def _inaccurate_starts(results: Results) -> Iterator[str]:
+    """Allowable starts that are less accurate than wanted; of a sensitive start that is said."""
+    if results.start is None or results.start.is_sensitive:
         return
-    wanted = case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
-    for shaft, error in errors:
+    wanted = results.case.tolerance_starts or DEFAULT_TOLERANCE_STARTS
+    for shaft, error in results.starts_error:
         if error is not None and error > wanted:
             yield (
                 f"The wanted accuracy of allowable starts of '{shaft}' was not met: estimated error "
@@ -164,29 +126,13 @@ def starts_accuracy_warnings(
             )
 
 
-def pulling_teeth_warnings(
-    case: CaseData, plan: Plan, reversals: tuple[Reversal, ...]
-) -> Iterator[str]:
-    """Teeth without a gap on bearings: a negative torque pulls them along the drive flank.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case. [SI]
-    plan : Plan
-        The plan of the start. [mixed]
-    reversals : tuple of Reversal
-        Torque reversals of meshes and couplings. [N m]
-
-    Yields
-    ------
-    str
-        A warning. [sentence]
-    """
+def _pulling_teeth(results: Results) -> Iterator[str]:
+    """Teeth without a gap on bearings: a negative torque pulls them along the drive flank."""
+    case = results.case
     meshes = {e.element for e in case.elements if e.kind == ElementKind.GEAR_MESH}
     gaps = {m.element for m in case.meshes if m.backlash}
-    for r in reversals:
-        if plan.lateral and r.reversals and r.element in meshes - gaps:
+    for r in results.reversals:
+        if results.plans[-1].lateral and r.reversals and r.element in meshes - gaps:
             yield (
                 f"'{r.element}': the torque falls to {float(f'{r.minimum_torque:.4g}'):,g} N m, but "
                 "with Backlash blank or 0 its teeth cannot separate in the calculation: they pull along "

@@ -13,7 +13,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         return Finding(False, possible, None, 0.0, None, why)
     minima = e.linear.minima
     if not minima:
-        return Finding(False, False, None, None, 0.0, "No gear mesh and no geared coupling.")
+        return Finding.impossible("No gear mesh and no geared coupling.")
     worst, limit = min(minima, key=lambda m: m.lowest), -e.tolerance / BACKLASH_GAIN
     bound: float | None
     # without any gap the linear train is the answer

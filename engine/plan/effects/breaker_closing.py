@@ -8,13 +8,13 @@ from engine.plan.evidence import Evidence
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The transient at resonance, over the motor torque at standstill."""
     if e.shock_share is None and case.shock_amplitude and not case.motor_torque:
-        why = "No motor curve: there is no breaker to close."
-        return Finding(False, False, None, None, 0.0, why)
+        return Finding.impossible("No motor curve: there is no breaker to close.")
     if case.shock_amplitude == 0.0:
-        return Finding(False, False, None, None, 0.0, "ShockAmplitude is 0.")
+        return Finding.impossible("ShockAmplitude is 0.")
     if e.shock_share is None:
-        why = "ShockAmplitude and ShockTimeConstant are not given: nothing is known of it."
-        return Finding(False, False, None, None, None, why)
+        return Finding.impossible(
+            "ShockAmplitude and ShockTimeConstant are not given: nothing is known of it.", None
+        )
     wanted = e.shock_share > e.tolerance
     several = len({p.station for p in case.motor_torque}) > 1
     compared = "least motor torque" if several else "motor torque"

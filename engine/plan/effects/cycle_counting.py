@@ -8,8 +8,7 @@ from engine.plan.evidence import Evidence
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The largest possible stress amplitude, over endurance."""
     if not e.judged:
-        why = "No shaft has stress diameter, material and S-N points."
-        return Finding(False, False, None, None, 0.0, why)
+        return Finding.impossible("No shaft has stress diameter, material and S-N points.")
     latest = e.event or e.linear
     if latest is None or latest.stress_ratio is None:
         why = "Decided by the stresses of the start."

@@ -12,7 +12,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         why = "FieldSlip and PullOutTorque are not given: the start ends without field."
         if case.field_slip is not None and case.pull_out_torque is not None:
             why = "No motor curve: there is no motor whose field could be applied."
-        return Finding(False, False, None, None, None, why)
+        return Finding.impossible(why, None)
     limit = case.field_slip
     wanted = e.field_slip <= limit + NEARLY_REACHED
     if wanted and _trips_first(case):

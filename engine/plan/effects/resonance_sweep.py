@@ -9,8 +9,7 @@ from engine.start.crossings import INITIAL_SHOCK_ZONE
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The lowest mode, over twice the line frequency."""
     if e.first_frequency is None or not e.line_frequency:
-        why = "No elastic mode, or the line frequency is unknown."
-        return Finding(False, False, None, None, 0.0, why)
+        return Finding.impossible("No elastic mode, or the line frequency is unknown.")
     number, limit = e.first_frequency / (2.0 * e.line_frequency), 1.0 + INITIAL_SHOCK_ZONE
     wanted = number <= limit and e.runup_time is not None
     why = (

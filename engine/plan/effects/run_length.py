@@ -12,8 +12,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The time of the rigid run-up, against the longest time."""
     number = e.runup_time
     if number is None:
-        why = "Prescribed torques are followed to their end."
-        return Finding(False, False, None, None, 0.0, why)
+        return Finding.impossible("Prescribed torques are followed to their end.")
     finite = number if math.isfinite(number) else None
     taken = f"needs {number:.3g} s" if finite is not None else "never reaches the end speed"
     why = f"The rigid train {taken}; the run ends when it is there or has settled"

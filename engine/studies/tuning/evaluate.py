@@ -16,8 +16,7 @@ from engine.case.result_words import Judgement
 from engine.errors import CaseError, TorsionError
 from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.excitation import transmitted_torque
-from engine.results.results import Results
-from engine.results.verdicts import Verdict
+from engine.results.results import Results, Verdict
 from engine.run import run
 from engine.start.crossings import Crossing
 from engine.start.start_fatigue import is_counted

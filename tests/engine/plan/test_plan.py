@@ -158,12 +158,12 @@ def test_bearings_that_give_are_simulated(softness, on):
 def test_bearings_left_out_say_why_there_are_no_forces(choice):
     case = with_bearings(geared(), 3, 1e-9)
     out = run(chosen(case, bearings=choice))
-    assert out.bearing_forces == ()
+    assert out.start.bearing_forces == ()
     why = out.plans[-1].decision("bearings").why
     assert "BearingForces" in why
     assert "EffectChoices" in why
     forced = run(chosen(case, bearings="on"))
-    assert {f.station for f in forced.bearing_forces} == {"Bull gear", "Pinion"}
+    assert {f.station for f in forced.start.bearing_forces} == {"Bull gear", "Pinion"}
     assert "BearingForces" not in forced.plans[-1].decision("bearings").why
     assert "BearingForces" not in run(geared()).plans[-1].decision("bearings").why
 

@@ -7,7 +7,7 @@ from itertools import pairwise, permutations
 
 import pytest
 
-from engine.results.verdicts import Verdict
+from engine.results.results import Verdict
 from engine.studies.tuning.evaluate import EvaluatedCombination, KeyAnswers
 from engine.studies.tuning.options import Combination, Option, Variable
 from engine.studies.tuning.ranking import merit, ranked, reason
