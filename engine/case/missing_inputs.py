@@ -38,13 +38,13 @@ def _operation(case: CaseData) -> Iterator[str]:
         )
     elif not _is_excited(case):
         yield (
-            "No separation margins and no forced response: nothing excites the train without a speed or "
-            "a line frequency. Two of LineFrequency, Poles and SynchronousSpeed are enough."
+            "No separation margins and no forced response: without a speed or a line frequency "
+            "nothing excites the train. Type two of LineFrequency, Poles and SynchronousSpeed."
         )
     elif not _has_torque(case):
         yield (
-            "No forced response: no torque is known. Give RatedPower or RatedTorque, a Running load in table "
-            "Stations, a Torque in table Excitations, or table LoadTorque."
+            "No forced response: the transmitted torque is unknown. Give RatedPower or RatedTorque, a Running "
+            "load in table Stations, a Torque in table Excitations, or table LoadTorque."
         )
     elif missing := _missing_for_stress(case, "UTS"):
         yield f"No stress judged in continuous operation: {missing}."

@@ -85,7 +85,7 @@ def _damping(case: CaseData) -> Iterator[str]:
     )
     if not zeta and not source and has_motor:
         yield (
-            "No damping is stated: resonances in the start are limited by the sweep alone. Geared "
+            "No damping is stated: only the sweep rate limits resonances in the start. Geared "
             "trains usually have a DampingRatio of 1 % to 3 %."
         )
     if zeta and _outside(zeta, DAMPING_RATIO):
@@ -117,7 +117,7 @@ def _switching(case: CaseData) -> Iterator[str]:
             "motor torque. Check the percent sign."
         )
     if case.voltage is not None and case.voltage != 1.0 and not case.motor_torque:
-        yield "Voltage has no effect without motor curves: prescribed torques are taken as they are."
+        yield "Voltage has no effect without motor curves: prescribed torques are not scaled."
     synchronous = case.ratings.synchronous_speed
     if case.trip_speed and synchronous and case.trip_speed < LOWEST_TRIP * synchronous:
         yield (
@@ -141,8 +141,8 @@ def _curves(case: CaseData) -> Iterator[str]:
             held.append(f"ends at {100 * max(speeds):.3g} % of synchronous speed")
         if held and len(speeds) > 1:
             yield (
-                f"{table} of '{station}' {' and '.join(held)}; beyond that it is held constant. "
-                "Check the unit of its speeds, or add points."
+                f"{table} of '{station}' {' and '.join(held)}; outside its range the torque is "
+                "held constant. Check the unit of its speeds, or add points."
             )
     yield from _weak_motors(case)
     driven = {p.station for p in case.load_torque}

@@ -36,7 +36,7 @@ PRACTICE_LIMITS = (
         "start",
         None,
         "Geared couplings for synchronous motors are built with an overload factor and special "
-        "manufacture to allow for reversals. No number: it is the maker's.",
+        "manufacture to allow for reversals. No number: the coupling maker sets the limit.",
         "Szenasi and von Nimitz (1978), section Torque reversals",
     ),
     PracticeLimit(

@@ -149,31 +149,32 @@ def _notes(
     name, peak = shaft.element, shaft.peak_nominal_stress
     if not shaft.counted:
         notes.append(
-            f"{name}: no cycle can exceed an amplitude of {in_megapascals(shaft.largest_amplitude)}, not "
-            f"above the endurance limit {in_megapascals(curve.endurance)}: no cycle damages, none is counted."
+            f"{name}: no cycle exceeds an amplitude of {in_megapascals(shaft.largest_amplitude)}, which "
+            f"is not above the endurance limit {in_megapascals(curve.endurance)}: there is no "
+            "damage, and no cycle is counted."
         )
     if shaft.above_first_point:
         notes.append(
-            f"{name}: {shaft.above_first_point:g} cycles a start lie above the first S-N point "
-            f"({in_megapascals(float(curve.stress[0]))}); their life is its slope extended upwards, not "
-            "test data. Add S-N points at higher stress."
+            f"{name}: {shaft.above_first_point:g} cycles per start lie above the first S-N point "
+            f"({in_megapascals(float(curve.stress[0]))}); their life is extrapolated, "
+            "not test data. Add S-N points at higher stress."
         )
     if shear_yield is not None and peak > shear_yield:
         notes.append(
             f"{name}: the nominal peak {in_megapascals(peak)} is above the shear yield Yield/2 = "
-            f"{in_megapascals(shear_yield)} (maximum shear theory): the shaft yields, and starts counted "
-            "from elastic stress do not hold."
+            f"{in_megapascals(shear_yield)} (maximum shear theory): the shaft yields, so the allowable "
+            "starts, counted from elastic stress, are invalid."
         )
     elif shear_yield is not None and scf * peak > shear_yield:
         notes.append(
             f"{name}: SCF times the nominal peak, {in_megapascals(scf * peak)}, is above the shear yield "
-            f"Yield/2 = {in_megapascals(shear_yield)}: local yielding at the notch (a note, not a verdict)."
+            f"Yield/2 = {in_megapascals(shear_yield)}: local yielding at the notch (not judged)."
         )
     if (shaft.damage_low == 0.0) != (shaft.damage_high == 0.0):
         notes.append(
             f"{name}: within the error of the history every cycle may lie at or below the "
-            f"endurance limit {in_megapascals(curve.endurance)}, so the interval of the starts ends at "
-            "unlimited."
+            f"endurance limit {in_megapascals(curve.endurance)}, so the upper bound of the allowable "
+            "starts is unlimited."
         )
     return tuple(notes)
 

@@ -70,7 +70,9 @@ def damage_interval(
     """
     for bound in (stress_error, relative_error):
         if not (math.isfinite(bound) and bound >= 0.0):
-            raise InternalError(f"an error bound of {bound} cannot bound a damage")
+            raise InternalError(
+                f"the error bound {bound} of a damage must be finite and not negative"
+            )
     a = cycles.amplitude
     # Half the sum of |peak| and |valley| is the larger of |mean| and amplitude.
     e = stress_error + relative_error * np.maximum(np.abs(cycles.mean), a)

@@ -54,7 +54,9 @@ class SNCurve:
         if not (np.all(np.isfinite(values)) and np.all(values > 0.0)):
             raise ModelError("Cycles, stresses and endurance of an S-N line must be positive.")
         if np.any(np.diff(cycles) <= 0.0) or np.any(np.diff(stress) >= 0.0):
-            raise ModelError("An S-N line must fall: more cycles at less stress, point by point.")
+            raise ModelError(
+                "The stress of an S-N line must fall from point to point as the cycles rise."
+            )
         if self.endurance > stress[-1] * _SAME_STRESS:
             raise ModelError(
                 f"Endurance is {in_megapascals(self.endurance)}; it must not lie above the lowest S-N stress "
@@ -67,8 +69,8 @@ class SNCurve:
             )
         if self.below_endurance == BelowEndurance.HAIBACH and self.slope[-1] <= 0.5:
             raise ModelError(
-                f"The S-N exponent k at the endurance limit is {self.slope[-1]:.4g}; the rule 2k-1 "
-                "needs more than 0.5. Choose another rule or correct the points."
+                f"The S-N exponent k at the endurance limit is {self.slope[-1]:.4g}; the rule "
+                "2k-1 needs k of more than 0.5. Choose another rule or correct the points."
             )
 
     @property

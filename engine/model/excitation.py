@@ -210,8 +210,8 @@ def transmitted_torque(case: CaseData, train: Train) -> TransmittedTorque:
     rated = case.ratings.rated_torque or 0.0
     if not rated:
         warnings.append(
-            "RatedTorque is unknown: the excitation at the motor is a share of the torque that "
-            "balances the loads."
+            "RatedTorque is unknown: the excitation at the motor is a share of the torque that balances "
+            "the loads. Type RatedTorque or RatedPower."
         )
     return TransmittedTorque(
         referred / ratio, motor / ratio, element, rated * share / ratio, tuple(warnings)
@@ -236,14 +236,14 @@ def _referred_loads(case: CaseData, train: Train, warnings: list[str]) -> Floats
     if total <= 0.0:
         warnings.append(
             "The transmitted torque is unknown: Running load is blank at every station and there "
-            "is no LoadTorque. The start runs without load, and the forced response at the motor "
-            "alone accepts no margin. Fill one of them."
+            "is no LoadTorque. The start runs without load, and the forced response, excited at the "
+            "motor only, cannot accept a margin. Type Running load or LoadTorque."
         )
         return np.zeros(n)
     if rated is None:
         warnings.append(
-            "Running load is blank at every station and RatedTorque is unknown: the loads are "
-            "those of LoadTorque at its highest speed."
+            "Running load is blank at every station and RatedTorque is unknown: LoadTorque "
+            "at its highest speed is used as running load."
         )
         return highest
     return highest * (rated / total)
@@ -261,7 +261,9 @@ def _motor_shares(case: CaseData, train: Train, warnings: list[str]) -> Floats:
     if case.motor_torque:
         first = str(case.motor_torque[0].station)
     else:
-        warnings.append(f"There is no MotorTorque: '{first}', the first station, counts as motor.")
+        warnings.append(
+            f"There is no MotorTorque: '{first}', the first station, is taken as the motor."
+        )
     share[train.stations.index(first)] = 1.0
     return share
 

@@ -167,15 +167,15 @@ def _parts(case: CaseData, train: Train, modes: Modes) -> Iterator[tuple[str, st
 def _notes(frequency: Floats, equal: list[list[int]], near: list[list[int]]) -> Iterator[str]:
     for group in equal:
         yield (
-            f"Modes {_listed(group)} are as good as equal ({frequency[group[0]]:.4g} Hz): their "
+            f"Modes {_listed(group)} are nearly equal ({frequency[group[0]]:.4g} Hz): their "
             "derivatives are one-sided, for a rise of one quantity alone, in rising order; "
             "those of several quantities must not be added."
         )
     for group in near:
         apart = float(frequency[group[-1]] / frequency[group[0]] - 1.0)
         yield (
-            f"Modes {_listed(group)} lie {100.0 * apart:.2g} % apart: they exchange their shapes "
-            "within small changes, so their derivatives hold for changes well below that only."
+            f"Modes {_listed(group)} lie {100.0 * apart:.2g} % apart and exchange their shapes "
+            "within small changes: their derivatives hold only for changes well below that."
         )
 
 

@@ -67,7 +67,7 @@ def _teeth(
         if i not in row_of or mesh is None or not mesh.pitch_radius_drive:
             raise ModelError(
                 f"A gear of mesh '{e.element}' has bearings, but the mesh has no stiffness or no "
-                "pitch radius: the teeth have no line to act along."
+                "pitch radius, which the tooth force needs. Type them in table Meshes."
             )
         from_drives = bool(orientation[i] > 0.0)
         driver, driven = (start, end) if from_drives else (end, start)

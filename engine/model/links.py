@@ -101,7 +101,10 @@ def link_of(e: ElementRow, mesh: MeshRow | None) -> Link:
     if shaft and e.density and e.od and e.length:
         inertia = shaft_inertia(e.od, e.id or 0.0, e.length, e.density)
     if shaft and stiffness is None:
-        raise ModelError(f"Element '{e.element}' has neither a stiffness nor the geometry for one.")
+        raise ModelError(
+            f"Element '{e.element}' has neither a stiffness nor the geometry for one. Type one of "
+            "them in table Elements."
+        )
     return Link(stiffness, viscous or 0.0, e.loss_factor or 0.0, inertia)
 
 

@@ -63,7 +63,10 @@ def loads_of(case: CaseData, train: Train) -> tuple[Load, ...]:
         return ()
     synchronous = case.ratings.synchronous_speed
     if synchronous is None:
-        raise ModelError("A load curve needs the synchronous speed.")
+        raise ModelError(
+            "A load curve needs the synchronous speed. Type SynchronousSpeed, or LineFrequency "
+            "and Poles."
+        )
     loads = []
     for name in names:
         points = [p for p in case.load_torque if p.station == name]

@@ -65,7 +65,10 @@ def motors_of(case: CaseData, train: Train) -> tuple[Motor, ...]:
     if not names:
         return ()
     if ratings.synchronous_speed is None or ratings.line_frequency is None:
-        raise ModelError("A motor needs line frequency and synchronous speed.")
+        raise ModelError(
+            "A motor needs line frequency and synchronous speed. Type two of LineFrequency, "
+            "SynchronousSpeed and Poles."
+        )
     scale = voltage_factor(case)
     motors = []
     for name in names:

@@ -173,7 +173,9 @@ def convergence(values: Floats, what: str, probability: float = 0.1) -> Converge
         Verdict and sentence. [flag]
     """
     if len(values) < FEWEST_SAMPLES:
-        return Convergence(False, f"Not converged: only {len(values)} samples tell the {what}.")
+        return Convergence(
+            False, f"Not converged: only {len(values)} samples determine the {what}."
+        )
     whole = percentile_interval(np.sort(values), probability)
     unbounded = math.isinf(whole.value) and whole.low is None
     if np.all(values == values[0]) and not unbounded:
@@ -187,15 +189,15 @@ def convergence(values: Floats, what: str, probability: float = 0.1) -> Converge
     width, agree = _reach(whole), _overlap(first, second)
     reached = width <= SETTLED and agree
     interval = (
-        f"its {100.0 * CONFIDENCE:.0f} % interval reaches {_percent(width)} from it"
+        f"its {100.0 * CONFIDENCE:.0f} % interval extends to {_percent(width)} from it"
         if math.isfinite(width)
-        else "its interval is not bounded by so few samples"
+        else "there are too few samples to bound its interval"
     )
     return Convergence(
         reached,
         f"{'Converged' if reached else 'Not converged'}: P{100.0 * probability:.0f} of the {what} is "
-        f"{_number(whole.value)}; {interval} (allowed {_percent(SETTLED)}), and the two halves of the "
-        f"sample give {_number(first.value)} and {_number(second.value)}, whose intervals "
+        f"{_number(whole.value)}; {interval} (allowed {_percent(SETTLED)}). The two halves of "
+        f"the sample give {_number(first.value)} and {_number(second.value)}, whose intervals "
         f"{'overlap' if agree else 'do not overlap'}."
         + ("" if reached else " Take four times as many samples to halve the interval."),
     )

@@ -169,7 +169,7 @@ def _warnings(
             "SynchronousSpeed, or LineFrequency and Poles, or MinimumSpeed and MaximumSpeed."
         )
     if not case.excitations and case.ratings.line_frequency is None:
-        warnings.append("No margin from the line frequency: it is unknown. Give LineFrequency.")
+        warnings.append("No margin from the line frequency, which is unknown. Give LineFrequency.")
     return tuple(warnings)
 
 

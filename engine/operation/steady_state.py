@@ -393,7 +393,10 @@ def steady_state(
     warnings = list(transmitted.warnings) if any(x.torque is None for x in excitations) else []
     silent = [x.name for x in excitations if not places[x.name]]
     if silent:
-        warnings.append(f"No forced response to {', '.join(silent)}: its torque is unknown.")
+        warnings.append(
+            f"No forced response to {', '.join(silent)}: its torque is unknown. "
+            "Give its Torque in table Excitations, or RatedTorque."
+        )
     poles = _pole_frequencies(modal)
     tasks: list[tuple[Excitation, int | None, Floats]] = []
     by_name = {x.name: x for x in excitations}

@@ -54,8 +54,8 @@ def check_sn_points(case: CaseData) -> Iterator[Problem]:
                     "Cycles" if n1 <= n0 else "Stress",
                     n1 if n1 <= n0 else s1,
                     "such that cycles rise and stress falls from row to row",
-                    f"The S-N line of '{material}' must fall; order its rows from few cycles to "
-                    "many.",
+                    f"The S-N line of '{material}' must fall with rising cycles; order its rows "
+                    "from few cycles to many.",
                 )
         if len(points) == 1 and sum(p.material == material for p in case.sn_points) == 1:
             yield points[0][0].problem(

@@ -110,7 +110,7 @@ def _mesh_ratio(case: CaseData, cells: Cells, m: MeshRow, e: ElementRow) -> Iter
         return  # a ratio and a sense of rotation alone, without size
     by_radii = drive / driven if drive is not None and driven is not None else by_speed
     if m.gear_type == GearType.INTERNAL and abs(by_radii - 1.0) <= RADIUS_TOLERANCE:
-        equal = f"its pitch radius is {drive or driven:.6g} m and both stations turn equally fast"
+        equal = f"its pitch radius is {drive or driven:.6g} m and both stations have the same speed"
         if drive is not None and driven is not None:
             equal = f"its pitch radii are {drive:.6g} m and {driven:.6g} m"
         radii = {"Pitch radius drive": drive, "Pitch radius driven": driven}
@@ -118,9 +118,9 @@ def _mesh_ratio(case: CaseData, cells: Cells, m: MeshRow, e: ElementRow) -> Iter
             "Gear type",
             m.gear_type,
             "external for two gears of the same size",
-            f"found internal, but {equal}: the pinion of an internal mesh turns inside its ring, "
-            "which must be larger. Choose external, or correct the pitch radii and Speed ratios; "
-            "a geared coupling is an element of kind coupling.",
+            f"found internal, but {equal}: in an internal mesh the ring gear is larger "
+            "than the pinion. Choose external, or correct the pitch radii and Speed ratios. For a "
+            "geared coupling, choose kind coupling in table Elements.",
             tuple(
                 quoted
                 for column, radius in radii.items()
@@ -135,11 +135,11 @@ def _mesh_ratio(case: CaseData, cells: Cells, m: MeshRow, e: ElementRow) -> Iter
             "Pitch radius driven",
             driven,
             f"{drive / by_speed:.6g} m",
-            f"found {driven:.6g} m: with {drive:.6g} m on the drive side the radii make a speed "
-            f"ratio of {drive / driven:.6g}, but the Speed ratios in table Stations ('{e.from_}', "
+            f"found {driven:.6g} m: with {drive:.6g} m on the drive side the pitch radii "
+            f"give a speed ratio of {drive / driven:.6g}, but the Speed ratios in table Stations ('{e.from_}', "
             f"row {stations[e.from_][0]}, and '{e.to}', row {stations[e.to][0]}) make "
             f"{by_speed:.6g}. They must agree to 0.1 %: correct a pitch radius, or the Speed "
-            f"ratio of '{e.to}' and of everything beyond it.",
+            f"ratio of '{e.to}' and of all stations beyond it.",
             quote_quantity(drive, "m", (*cells, "Pitch radius drive"))
             + quote_quantity(drive / by_speed, "m"),
         )
@@ -154,7 +154,8 @@ def _mesh_line_of_action(
             "Angular backlash",
             m.angular_backlash,
             "blank for a gear mesh",
-            "It belongs to geared couplings; type the normal Backlash of the teeth, a length.",
+            "Angular backlash is for geared couplings; type the Backlash of the teeth, a length "
+            "normal to the flanks.",
             "rad",
         )
     for column, value, unit in (
@@ -167,8 +168,8 @@ def _mesh_line_of_action(
                 "Pitch radius drive",
                 None,
                 f"positive where {column} is given",
-                f"the cell is blank, but {column} is {number_text(value, unit)}, along the line of "
-                "action: without a radius it says nothing about the torque. Type the radius.",
+                f"the cell is blank, but {column} is {number_text(value, unit)} along the line "
+                "of action and needs a radius to act on the torque. Type the radius.",
                 quote_quantity(value, unit, (*cells, column)),
             )
             break
@@ -203,7 +204,7 @@ def _mesh_line_of_action(
             m.mesh_damping,
             "used with a finite mesh stiffness",
             f"found {number_text(m.mesh_damping, 'N s/m')}, but the mesh is rigid: {blank}. "
-            "Nothing moves in a rigid mesh: type a stiffness, or clear the damping.",
+            "Damping has no effect in a rigid mesh: type a stiffness, or clear the damping.",
         )
 
 
@@ -218,8 +219,8 @@ def _angular_clearance(
                 limit.column,
                 value,
                 f"blank: '{m.element}' is a {e.kind}",
-                "A geared coupling, or a spring to ground with free play, has an Angular "
-                "backlash; everything else here is for gear meshes.",
+                "Angular backlash is for geared couplings and for springs to ground with "
+                "free play; the other columns are for gear meshes. Clear the cell.",
                 limit.unit,
             )
     if e.stiffness == 0 and m.angular_backlash:
@@ -272,7 +273,7 @@ def _one_body(case: CaseData) -> Iterator[Problem]:
                 column,
                 value,
                 f"{number_text(other, unit)} as in row {other_cells.row}, {other_column}",
-                f"Both are of the gear '{station}', which is one body; leave one of them "
+                f"Both rows describe the gear '{station}', which is one body; leave one of them "
                 "blank or make them equal.",
                 unit,
                 quote_quantity(other, unit, (*other_cells, other_column)),
@@ -310,7 +311,7 @@ def _whole_body(station: str, gear: dict[str, BodyCell]) -> Iterator[Problem]:
         ),
         (
             "Mass",
-            "A bearing without mass has no motion of its own: type the mass of the gear with its "
+            "A gear on bearings needs a mass: type the mass of the gear with its "
             "share of the shaft here or in another row of this gear",
         ),
     ):
@@ -336,7 +337,7 @@ def _pushed_body(
             "Element",
             None,
             "with a row for every mesh of a gear on bearings",
-            f"'{e.element}' ({_place(element_cells)}) has no row here, but {data}. Add "
+            f"'{e.element}' ({_place(element_cells)}) has no row in table Meshes, but {data}. Add "
             "its row with the Pitch radius drive and the Orientation, or clear the bearing data.",
         )
         return
@@ -346,8 +347,8 @@ def _pushed_body(
             "Pitch radius drive",
             None,
             "positive where a gear has bearings",
-            f"the cell is blank, but {data}: without a radius a torque says nothing about the "
-            "force. Type the radius, or clear the bearing data.",
+            f"the cell is blank, but {data}: the tooth force follows from torque "
+            "and radius. Type the radius, or clear the bearing data.",
         )
     if not e.stiffness and not m.mesh_stiffness:
         rigid = e.stiffness is None

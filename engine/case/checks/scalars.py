@@ -88,8 +88,8 @@ SHARES = (
             f"between {LEAST_TOLERANCE_PEAK:g} and 0.5 (50 %)",
         ),
         "",
-        "Correct the cell or leave it blank for 0.1 %. No peak torque is calculated to better than "
-        f"{LEAST_PEAK_ERROR:g}, so that a smaller tolerance is never met.",
+        "Correct the cell or leave it blank for 0.1 %. Peak torques are calculated to "
+        f"{LEAST_PEAK_ERROR:g} at best; a smaller tolerance cannot be met.",
     ),
     Limit("ToleranceStarts", Allowed(lambda v: 1e-9 <= v <= 0.5, "between 1e-9 and 0.5 (50 %)")),
 )
@@ -116,9 +116,9 @@ PARTNERS = (
     (
         "ShockAmplitude",
         "ShockTimeConstant",
-        "how fast the transient at breaker closing dies out",
+        "the decay time of the transient at breaker closing",
     ),
-    ("ShockTimeConstant", "ShockAmplitude", "the torque of the transient at breaker closing"),
+    ("ShockTimeConstant", "ShockAmplitude", "the amplitude of the transient at breaker closing"),
     ("FieldSlip", "PullOutTorque", "the torque that pulls the motor into step"),
     ("PullOutTorque", "FieldSlip", _SLIP),
     ("FieldTimeConstant", "FieldSlip", _SLIP),
@@ -146,7 +146,7 @@ def _trip(case: CaseData) -> Iterator[Problem]:
     if trip is None or not synchronous or not math.isfinite(trip):
         return
     if trip > synchronous * (1 + 1e-12):
-        action = "The start is aborted when the motor comes to this speed."
+        action = "The start is aborted when the motor reaches this speed."
         yield _above_synchronous("TripSpeed", trip, synchronous, action)
         return
     end = case.end_speed or DEFAULT_END_SPEED * synchronous
@@ -156,7 +156,7 @@ def _trip(case: CaseData) -> Iterator[Problem]:
             "TripSpeed",
             trip,
             f"at most {stated}, {end:.6g} rad/s",
-            "Without field the start ends there and would never trip. Lower TripSpeed, raise "
+            "Without field the start ends at EndSpeed and never reaches TripSpeed. Lower TripSpeed, raise "
             "EndSpeed, or give FieldSlip and PullOutTorque.",
             "rad/s",
             quote_quantity(end, "rad/s", (*SCALARS, "EndSpeed")),
@@ -185,7 +185,7 @@ def _ratings(case: CaseData) -> Iterator[Problem]:
                 case.synchronous_speed,
                 f"{rpm:.6g} rpm with {2 * wanted:.0f} poles at {case.line_frequency:.6g} Hz",
                 f"found {case.synchronous_speed * 30 / math.pi:.6g} rpm, but {2 * wanted:.0f} "
-                f"poles at {case.line_frequency:.6g} Hz turn at {rpm:.6g} rpm. Correct "
+                f"poles at {case.line_frequency:.6g} Hz give {rpm:.6g} rpm. Correct "
                 "SynchronousSpeed, Poles or LineFrequency, or leave one of them blank.",
             )
     if case.rated_power and case.rated_torque and speed:
@@ -196,7 +196,7 @@ def _ratings(case: CaseData) -> Iterator[Problem]:
                 case.rated_torque,
                 f"{torque:.6g} N m",
                 f"found {case.rated_torque:.6g} N m, but {case.rated_power:.6g} W at "
-                f"{speed * 30 / math.pi:.6g} rpm make {torque:.6g} N m. Correct RatedTorque or "
+                f"{speed * 30 / math.pi:.6g} rpm give {torque:.6g} N m. Correct RatedTorque or "
                 "RatedPower, or leave one of them blank.",
                 quote_quantity(torque, "N m")
                 + quote_quantity(case.rated_power, "W", (*SCALARS, "RatedPower")),
@@ -223,5 +223,7 @@ def _speed_range(case: CaseData) -> Iterator[Problem]:
             + quote_quantity(high, "rad/s", (*SCALARS, "MaximumSpeed")),
         )
     if case.end_speed and synchronous and case.end_speed > synchronous * (1 + 1e-12):
-        action = "Without field a motor settles below synchronism; blank = 97 %."
+        action = (
+            "Without field a motor settles below synchronous speed. Lower EndSpeed; blank = 97 %."
+        )
         yield _above_synchronous("EndSpeed", case.end_speed, synchronous, action)

@@ -36,7 +36,9 @@ CURVE_SPEED = Limit(
     "Write 50 % or 900 rpm; a plain number in JSON is a fraction of synchronous speed.",
 )
 PULSATING = Limit("Pulsating", NOT_NEGATIVE, "N m")
-LOAD = Limit("Torque", NOT_NEGATIVE, "N m", "A load opposes the motion: type its size.")
+LOAD = Limit(
+    "Torque", NOT_NEGATIVE, "N m", "Load torque opposes the motion: type a positive value."
+)
 EXCITATION_NUMBERS = (
     Limit("Order", POSITIVE),
     Limit("Frequency", POSITIVE, "Hz"),
@@ -61,7 +63,7 @@ def _curve(case: CaseData, table: str, abscissa: str, columns: Sequence[str]) ->
                 abscissa,
                 x,
                 f"above {previous:.6g} of row {before.row}",
-                f"The rows of '{point.station}' must be in rising order, no value twice"
+                f"The rows of '{point.station}' must be in rising order, without repeated values"
                 + (" (for a step, two rows a microsecond apart)." if abscissa == "Time" else "."),
             )
         elif point.station is not None:
@@ -110,8 +112,9 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
             "SynchronousSpeed",
             None,
             "given where MotorTorque is",
-            "torque curves are given, but neither SynchronousSpeed nor LineFrequency with Poles: "
-            "the curves have no speed. Type two of LineFrequency, SynchronousSpeed and Poles.",
+            "torque curves are given, but neither SynchronousSpeed nor LineFrequency with Poles, "
+            "so that the speed scale of the curves is unknown. Type two of LineFrequency, "
+            "SynchronousSpeed and Poles.",
         )
     elif case.motor_torque and ratings.line_frequency is None:
         yield SCALARS.problem(
@@ -119,7 +122,7 @@ def check_torques(case: CaseData) -> Iterator[Problem]:
             None,
             "given where MotorTorque is",
             "a motor is given, but no LineFrequency (or Poles): the slip frequency is unknown. "
-            "Type it.",
+            "Type LineFrequency.",
         )
 
 
@@ -133,9 +136,9 @@ def _motor_place(case: CaseData) -> Iterator[Problem]:
             "Speed ratio",
             s.speed_ratio,
             "1 (or blank) at a motor",
-            f"found {number_text(s.speed_ratio)} at '{s.station}', where the motor acts: its shaft is "
-            "the reference shaft, to which SynchronousSpeed and all speed ratios refer. Type 1 "
-            "there and the other ratios to it.",
+            f"found {number_text(s.speed_ratio)} at '{s.station}', the station of the motor. The "
+            "motor shaft is the reference of SynchronousSpeed and of all speed ratios: type 1 "
+            "there and refer the other ratios to it.",
         )
     for cells, e in each_row("Elements", case.elements):
         grounded = e.kind == ElementKind.SPRING_TO_GROUND or GROUND in (e.from_, e.to)
@@ -144,7 +147,7 @@ def _motor_place(case: CaseData) -> Iterator[Problem]:
                 "From" if e.from_ == GROUND else "To",
                 GROUND,
                 "a station, where a motor is to start the train",
-                f"found ground: '{e.element}' holds the train, so that its motor (table "
+                f"found ground: '{e.element}' holds the train to ground, so its motor (table "
                 "MotorTorque) cannot start it. Clear the element or the motor's rows; a damper "
                 "to ground has Stiffness 0.",
             )
@@ -161,8 +164,8 @@ def check_excitations(case: CaseData) -> Iterator[Problem]:
                 "Order",
                 "both" if x.order is not None else None,
                 "either an Order or a Frequency",
-                "an excitation needs either an Order (multiple of a shaft speed) or a Frequency, "
-                "not both and not neither. Fill one of the two.",
+                "an excitation needs either an Order (multiple of a shaft speed) or a "
+                "Frequency. Fill one of the two, not both.",
             )
         yield from cells.numbers(x, EXCITATION_NUMBERS)
         yield from cells.number(x.torque_share, Limit("Torque", POSITIVE))

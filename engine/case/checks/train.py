@@ -69,12 +69,12 @@ def check_stations(case: CaseData) -> Iterator[Problem]:
             yield cells.blank(
                 "Inertia",
                 "positive",
-                "Type it, or give a shaft at this station a Density so that its own inertia "
-                "counts.",
+                "Type the inertia, or give a shaft at this station a Density.",
             )
         allowed_inertia = NOT_NEGATIVE if s.station in shafted else POSITIVE
         action = (
-            "Every station needs inertia; join two shafts of a massless point into one stiffness."
+            "Every station needs inertia; combine the two shafts at a massless station into one "
+            "stiffness."
         )
         yield from cells.number(s.inertia, Limit("Inertia", allowed_inertia, "kg m²", action))
         yield from cells.numbers(s, STATION_NUMBERS)
@@ -151,8 +151,8 @@ def _stiffness(cells: Cells, e: ElementRow) -> Iterator[Problem]:
             "Density",
             e.density,
             "used with OD and Length",
-            "a density is given but OD or Length is blank: the shaft's own inertia cannot be "
-            "computed. Type the geometry or clear the density.",
+            "a density is given but OD or Length is blank, so the inertia of the shaft "
+            "cannot be computed. Type the geometry or clear the density.",
         )
 
 
@@ -177,8 +177,8 @@ def check_elements(case: CaseData) -> Iterator[Problem]:
                 e.to,
                 "a station of the same speed ratio as From",
                 f"'{e.from_}' has speed ratio {a:.9g} and '{e.to}' {b:.9g}, but a {e.kind} joins "
-                "stations of equal speed. Correct the speed ratios in table Stations, or make it "
-                "a gear mesh.",
+                "stations of equal speed. Correct the speed ratios in table Stations, or "
+                "choose kind gear mesh.",
             )
         if e.kind == ElementKind.GEAR_MESH:
             yield from _no_shaft(cells, e)
@@ -237,8 +237,8 @@ def check_connected(case: CaseData) -> Iterator[Problem]:
                 e.element,
                 "part of an open train",
                 f"'{e.element}' closes a circuit between '{e.from_}' and '{e.to}'. Closed gear "
-                "circuits (split torque, double helix as two meshes) are not calculated: how "
-                "they share torque depends on assembly. Join the parallel paths into one "
+                "circuits (split torque, double helix as two meshes) are not calculated, "
+                "because their load sharing depends on assembly. Combine the parallel paths into one "
                 "equivalent path.",
             )
     groups: dict[str, list[str]] = {}
@@ -261,7 +261,9 @@ def check_mode_damping(case: CaseData) -> Iterator[Problem]:
     seen: dict[int, int | None] = {}
     for cells, m in each_row("ModeDamping", case.mode_damping):
         if m.mode is None:
-            yield cells.blank("Mode", "the number of an elastic mode", "Count from 1.")
+            yield cells.blank(
+                "Mode", "the number of an elastic mode", "Number elastic modes from 1."
+            )
         elif m.mode < 1 or m.mode != int(m.mode):
             action = "The lowest elastic mode is 1."
             yield cells.wrong("Mode", m.mode, "a whole number, 1 or more", action)

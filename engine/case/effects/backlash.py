@@ -4,7 +4,7 @@ from engine.case.effect import Effect, EffectInputs
 
 BACKLASH = Effect(
     "backlash",
-    "teeth that part, cross their clearance and meet again",
+    "teeth that separate, cross their clearance and re-engage",
     order=70,
     inputs=EffectInputs(
         "Backlash or Angular backlash in table Meshes",

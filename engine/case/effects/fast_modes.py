@@ -4,7 +4,7 @@ from engine.case.effect import Effect
 
 FAST_MODES = Effect(
     "fast modes",
-    "modes above those that the tolerance asks for are integrated",
+    "modes above those required by the tolerance are integrated",
     order=30,
     flag="fast_modes",
 )

@@ -4,7 +4,7 @@ from engine.case.effect import Effect
 
 RUN_LENGTH = Effect(
     "run length",
-    "the run goes on to its longest time even when the train has settled",
+    "the run continues to MaximumTime even when the train has settled",
     order=100,
     flag="full_length",
 )

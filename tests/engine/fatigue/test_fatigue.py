@@ -166,7 +166,7 @@ def test_an_endurance_typed_in_another_unit_is_still_the_last_stress():
         (
             MaterialRow(material="steel"),
             TWO_POINTS[::-1],
-            "Material 'steel': An S-N line must fall",
+            "Material 'steel': The stress of an S-N line must fall",
         ),
     ],
 )
@@ -310,7 +310,7 @@ def test_below_the_endurance_limit_nothing_is_counted():
     assert (shaft.damage, shaft.allowable_starts, shaft.unlimited) == (0.0, None, True)
     assert (shaft.starts_low, shaft.starts_high, shaft.paper_starts) == (None, None, None)
     assert (shaft.counted, shaft.cycles.range.size) == (False, 0)
-    assert "none is counted" in shaft.notes[0]
+    assert "no cycle is counted" in shaft.notes[0]
     assert shaft.starts_error is None
 
 
@@ -343,7 +343,7 @@ def test_the_interval_ends_at_unlimited_near_the_endurance_limit():
     assert shaft.starts_low < shaft.allowable_starts
     assert shaft.starts_high is None
     assert shaft.starts_error is None
-    assert any("ends at unlimited" in note for note in shaft.notes)
+    assert any("upper bound of the allowable starts is unlimited" in note for note in shaft.notes)
 
 
 def test_just_below_the_limit_the_interval_begins_at_a_number():
@@ -351,13 +351,13 @@ def test_just_below_the_limit_the_interval_begins_at_a_number():
     shaft = shaft_fatigue(SHAFT, torque, curve(), STEEL, relative_torque_error=0.02)
     assert (shaft.unlimited, shaft.starts_high) == (True, None)
     assert shaft.starts_low > 1e5
-    assert any("ends at unlimited" in note for note in shaft.notes)
+    assert any("upper bound of the allowable starts is unlimited" in note for note in shaft.notes)
 
 
 def test_cycles_above_the_first_point_are_counted_and_told():
     shaft = shaft_fatigue(SHAFT, np.array([410.0, -410.0, 300.0]) * MPA, curve(), STEEL)
     assert shaft.above_first_point == 0.5
-    assert any("0.5 cycles a start lie above the first S-N point" in n for n in shaft.notes)
+    assert any("0.5 cycles per start lie above the first S-N point" in n for n in shaft.notes)
 
 
 @pytest.mark.parametrize(
