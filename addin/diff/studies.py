@@ -66,12 +66,13 @@ def compare_studies(
 
 def _why_not(sheet: str, pair: Sequence[RecordedStudy | None]) -> str:
     """Why the results of a study are not compared; empty where they are."""
-    for letter, one in zip("AB", pair, strict=True):
-        if one is None:
+    studies = dict(zip("AB", pair, strict=True))
+    for letter, study in studies.items():
+        if study is None:
             return f"Sheet {sheet} is not compared: the study has not been made in {letter}."
-    for letter, one in zip("AB", pair, strict=True):
-        if one is not None and one.outdated:
-            return f"Sheet {sheet} is not compared: in {letter} {one.outdated}."
+    for letter, study in studies.items():
+        if study is not None and study.outdated:
+            return f"Sheet {sheet} is not compared: in {letter} {study.outdated}."
     return ""
 
 
@@ -97,10 +98,8 @@ def _rows(side: ComparedFile, spec: TableSpec) -> list[dict[str, Any]]:
 
 def _plain(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Rows without sentences; a combination is called by what was chosen alone."""
-    found = []
-    for row in rows:
-        kept = {name: value for name, value in row.items() if name not in _WORDS}
-        if isinstance(kept.get("Combination"), str):
-            kept["Combination"] = _IN_NUMBERS.sub("", kept["Combination"])
-        found.append(kept)
-    return found
+    plain = [{k: v for k, v in row.items() if k not in _WORDS} for row in rows]
+    for row in plain:
+        if isinstance(row.get("Combination"), str):
+            row["Combination"] = _IN_NUMBERS.sub("", row["Combination"])
+    return plain

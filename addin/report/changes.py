@@ -66,18 +66,18 @@ def changes(subject: Subject, differences: Differences) -> Section:
 
 def _sentence(differences: Differences) -> str:
     """How much changed, in numbers."""
-    verdicts = sum(one.changed for one in differences.verdicts if one.table == "Verdicts")
-    judged = {0: "No check has another verdict", 1: "One check has another verdict"}.get(
-        verdicts, f"{verdicts} checks have another verdict"
-    )
+    verdicts = sum(v.changed for v in differences.verdicts if v.table == "Verdicts")
+    judged = f"{verdicts} checks have another verdict"
+    if verdicts < 2:
+        judged = f"{'One' if verdicts else 'No'} check has another verdict"
     if differences.inputs is None:
         return f"{judged}. The file compared with is a result JSON, which holds no inputs."
-    inputs = sum(not one.administrative for one in differences.inputs)
+    inputs = sum(not change.administrative for change in differences.inputs)
     if not inputs:
         return f"No input that can change a result differs. {judged}."
-    differ = (
-        "1 entry of the inputs differs" if inputs == 1 else f"{inputs} entries of the inputs differ"
-    )
+    differ = f"{inputs} entries of the inputs differ"
+    if inputs == 1:
+        differ = "1 entry of the inputs differs"
     return f"{differ}, {differences.same_inputs:,} are the same. {judged}."
 
 

@@ -129,17 +129,13 @@ def _study(subject: Subject) -> Section:
 def _starts_errors(subject: Subject) -> list[tuple[str, str]]:
     """Of each shaft with a number of starts; the unlimited ones together."""
     head = "Estimated error of starts, "
-    errors = {
-        item.removeprefix(head): value
-        for item, value in subject.audit.items()
-        if item.startswith(head)
-    }
-    found = [(f"{head}{clean(k)}", clean(v)) for k, v in errors.items() if v != NoNumber.UNLIMITED]
-    unlimited = sum(1 for value in errors.values() if value == NoNumber.UNLIMITED)
+    errors = {k.removeprefix(head): v for k, v in subject.audit.items() if k.startswith(head)}
+    facts = [(f"{head}{clean(k)}", clean(v)) for k, v in errors.items() if v != NoNumber.UNLIMITED]
+    unlimited = len(errors) - len(facts)
     if unlimited:
         shafts = "1 shaft" if unlimited == 1 else f"{unlimited} shafts"
-        found.append(("Unlimited starts", f"{shafts}: no cycle does damage"))
-    return found
+        facts.append(("Unlimited starts", f"{shafts}: no cycle does damage"))
+    return facts
 
 
 def equations(subject: Subject) -> Section:
@@ -158,12 +154,9 @@ def equations(subject: Subject) -> Section:
 
 def checks(subject: Subject) -> Section:
     """Arithmetic done twice, and room for the checker."""
-    columns = (
-        Column("Check", "", "sentence"),
-        Column("Values", "", "number"),
-        Column("Largest difference", "", "number"),
-        Column("Result", "", "verdict"),
-    )
+    kinds = {"Check": "sentence", "Values": "number", "Largest difference": "number",
+             "Result": "verdict"}  # fmt: skip
+    columns = tuple(Column(header, "", kind) for header, kind in kinds.items())
     rows = []
     for name, pairs in _checks(subject):
         if pairs:

@@ -172,15 +172,18 @@ def numbered(sections: Sequence[Section]) -> tuple[Section, ...]:
     """Sections with their numbers, and their tables, figures and equations counted through."""
     counts = {Table: 0, Figure: 0, Equation: 0}
 
-    def block(one: Block) -> Block:
-        if isinstance(one, (Table, Figure, Equation)):
-            counts[type(one)] += 1
-            return replace(one, number=counts[type(one)])
-        return one
+    def counted(block: Block) -> Block:
+        if isinstance(block, (Table, Figure, Equation)):
+            counts[type(block)] += 1
+            return replace(block, number=counts[type(block)])
+        return block
 
-    def section(one: Section, number: str) -> Section:
-        blocks = tuple(block(b) for b in one.blocks)
-        parts = tuple(section(part, f"{number}.{k}") for k, part in enumerate(one.parts, start=1))
-        return replace(one, blocks=blocks, parts=parts, number=number)
+    def with_numbers(sections: Sequence[Section], head: str) -> tuple[Section, ...]:
+        made = []
+        for k, section in enumerate(sections, start=1):
+            blocks = tuple(map(counted, section.blocks))
+            parts = with_numbers(section.parts, f"{head}{k}.")
+            made.append(replace(section, blocks=blocks, parts=parts, number=f"{head}{k}"))
+        return tuple(made)
 
-    return tuple(section(one, str(k)) for k, one in enumerate(sections, start=1))
+    return with_numbers(sections, "")

@@ -164,13 +164,13 @@ def held_paragraphs(section: Section) -> int:
 def fitted(sections: Sequence[Section]) -> tuple[Section, ...]:
     """Sections whose tables all fit: one that is too wide is parted, its first column repeated."""
 
-    def one(section: Section) -> Section:
+    made = []
+    for section in sections:
         blocks: list[Block] = []
         for block in section.blocks:
             blocks += _parted(block) if isinstance(block, Table) else [block]
-        return replace(section, blocks=tuple(blocks), parts=tuple(one(p) for p in section.parts))
-
-    return tuple(one(section) for section in sections)
+        made.append(replace(section, blocks=tuple(blocks), parts=fitted(section.parts)))
+    return tuple(made)
 
 
 def folded(table: Table, total: float = TEXT_WIDTH) -> list[Table]:

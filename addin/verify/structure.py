@@ -56,9 +56,8 @@ def odd_columns(workbook: Workbook) -> Iterator[Finding]:
             shown = workbook.shown_value(table.sheet, cell)
             if plain(shown) != plain(name):
                 sentence = f"the header shows '{shortened(str(shown), 60)}', the column is '{name}'"
-                yield Finding(
-                    "edited", table.sheet, cell, sentence, spec.name, "", name, str(shown), name
-                )
+                about = (spec.name, "", name, str(shown), name)
+                yield Finding("edited", table.sheet, cell, sentence, *about)
         if spec not in INPUT_TABLES:
             yield from _unknown_columns(workbook, table, spec)
 
