@@ -146,10 +146,10 @@ def with_studies(side: ComparedFile, read: CaseInput) -> ComparedFile:
     ComparedFile
         With the rows of its study tables, and of a workbook the studies that stand in it.
     """
-    asked = StudyInputs() if read.studies is None else read.studies.inputs
+    rows = StudyInputs() if read.studies is None else read.studies.inputs
     if isinstance(read, WorkbookInput) and side.units is not None:
-        return replace(side, study_inputs=asked, studies=recorded_studies(read, side.units))
-    return replace(side, study_inputs=asked)
+        return replace(side, study_inputs=rows, studies=recorded_studies(read, side.units))
+    return replace(side, study_inputs=rows)
 
 
 def _of_results(source: Path, content: Mapping[str, Any]) -> ComparedFile:

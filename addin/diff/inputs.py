@@ -110,7 +110,7 @@ def compare_table(
 
 def _translated(spec: TableSpec, row: Row, renamed: Renamed) -> dict[str, Any]:
     """A row of the first file under the names of the second."""
-    kinds = {one.name: one.kind for one in spec.columns}
+    kinds = {column.name: column.kind for column in spec.columns}
     if spec.name in NAMED:
         kinds[spec.row_name[0]] = NAMED[spec.name]
     if spec.name == "Meshes":
@@ -131,13 +131,13 @@ def _renamed(
         for i, old in enumerate(gone)
         for j, one in enumerate(new)
     ]
-    found: dict[str, str] = {}
+    matched: dict[str, str] = {}
     taken: set[int] = set()
     for score, _, i, j in sorted(scored, reverse=True):
-        if score >= _ALIKE and gone[i][key] not in found and j not in taken:
-            found[gone[i][key]] = new[j][key]
+        if score >= _ALIKE and gone[i][key] not in matched and j not in taken:
+            matched[gone[i][key]] = new[j][key]
             taken.add(j)
-    return found
+    return matched
 
 
 def _alike(spec: TableSpec, key: str, old: Row, new: Row) -> float:

@@ -146,7 +146,7 @@ def _counts(spec: TableSpec, row: Mapping[str, Any]) -> bool:
 def _translated(
     fields: Sequence[Field], row: Mapping[str, Any], renamed: Renamed
 ) -> dict[str, Any]:
-    kinds = {one.name: one.kind for one in fields} | {"Excitation": "excitation"}
+    kinds = {column.name: column.kind for column in fields} | {"Excitation": "excitation"}
     return {name: renamed.now(kinds.get(name, ""), value) for name, value in row.items()}
 
 

@@ -119,8 +119,8 @@ def _in_order(findings: Sequence[Finding], counts: Sequence[Counts]) -> list[Fin
     """What fails first; of that what engineers ask first, not what the file happens to hold first."""
     sheets: dict[str, int] = {}
     for one in counts:
-        asked = _RANKS.get(one.table, _AT_THE_END)
-        sheets[one.sheet] = min(asked, sheets.get(one.sheet, asked))
+        place = _RANKS.get(one.table, _AT_THE_END)
+        sheets[one.sheet] = min(place, sheets.get(one.sheet, place))
 
     def rank(finding: Finding) -> int:
         if finding.kind in _OF_THE_FILE:
@@ -129,8 +129,8 @@ def _in_order(findings: Sequence[Finding], counts: Sequence[Counts]) -> list[Fin
             return _AT_THE_END
         if finding.table == "StartCycles":
             return _AT_THE_END
-        known = _RANKS.get(finding.table)
-        return sheets.get(finding.sheet, _ELSEWHERE) if known is None else known
+        own = _RANKS.get(finding.table)
+        return sheets.get(finding.sheet, _ELSEWHERE) if own is None else own
 
     return sorted(findings, key=lambda finding: (not finding.fails, rank(finding)))
 
@@ -138,20 +138,20 @@ def _in_order(findings: Sequence[Finding], counts: Sequence[Counts]) -> list[Fin
 def concluded(about: Verification, counts: list[Counts], findings: list[Finding]) -> Verification:
     """The outcome of everything found, what fails first."""
     ordered = _in_order(findings, counts)
-    wrong = sum(finding.fails and finding.kind != "not judged" for finding in ordered)
+    failing = sum(finding.fails and finding.kind != "not judged" for finding in ordered)
     unjudged = any(finding.kind == "not judged" for finding in ordered)
     results = sum(sum(one.of) for one in counts)
-    if wrong == 0 and unjudged:
+    if failing == 0 and unjudged:
         outcome = "not verified"
         sentence = (
             f"All {results:,} results in tables follow from the inputs, but formulas that show verdicts "
             "or key numbers could not be judged."
         )
-    elif wrong == 0:
+    elif failing == 0:
         outcome, sentence = "follows", f"All {results:,} results follow from the inputs."
     else:
         outcome = "does not follow"
-        one = "1 thing does" if wrong == 1 else f"{wrong:,} things do"
+        one = "1 thing does" if failing == 1 else f"{failing:,} things do"
         sentence = f"{one} not follow from the inputs, of {results:,} results compared."
         if about.recorded and not about.same_inputs:
             sentence = f"The results belong to other inputs. {sentence}"
