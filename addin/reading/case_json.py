@@ -320,24 +320,16 @@ class _Reading:
 
     def _number_with_unit(self, text: str, spec: Field, place: Place) -> Typed | None:
         """A string such as ``1800 rpm``."""
+        wanted = _wanted(spec, self.unit)
         match = _QUANTITY.fullmatch(text.strip()) if len(text) < LONGEST_WORDS else None
         if match is None:
-            self._note(
-                place,
-                text,
-                _wanted(spec, self.unit),
-                f"{_wanted(spec, self.unit)} is needed.{_comma(text)}",
-            )
+            hint = " Write the decimal sign as a point." if re.search(r"\d,\d", text[:60]) else ""
+            self._note(place, text, wanted, f"{wanted} is needed.{hint}")
             return None
         number, unit = float(match.group(1)), match.group(2)
         if not spec.has_unit or not unit:
             why = "has no unit" if spec.has_unit else "is to be a plain number"
-            self._note(
-                place,
-                text,
-                _wanted(spec, self.unit),
-                f"it {why}. Write {_wanted(spec, self.unit)}.",
-            )
+            self._note(place, text, wanted, f"it {why}. Write {wanted}.")
             return None
         try:
             scale = parse_unit(unit, spec.dimension)
@@ -351,7 +343,9 @@ class _Reading:
         return None
 
     def _note(self, place: Place, found: Any, allowed: str, advice: str) -> None:
-        self.findings.add(place, _short(found), allowed, f"found {_quoted(found)}; {advice}")
+        short = _short(found)
+        shown = f"'{short}'" if isinstance(found, str) else short
+        self.findings.add(place, short, allowed, f"found {shown}; {advice}")
 
     def result(self) -> CaseInput:
         """Everything read and checked."""
@@ -402,15 +396,6 @@ def _wanted(spec: Field, unit: str | None) -> str:
     if not spec.has_unit:
         return "a number without quotes"
     return f'a number in {spec.si} without quotes, or one with its unit such as "1 {spec.units[0]}"'
-
-
-def _comma(text: str) -> str:
-    return " Write the decimal sign as a point." if re.search(r"\d,\d", text[:60]) else ""
-
-
-def _quoted(value: Any) -> str:
-    short = _short(value)
-    return f"'{short}'" if isinstance(value, str) else str(short)
 
 
 def _short(value: Any) -> Any:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 from addin.contract.problems import CellProblem, nearest, placed
@@ -206,7 +206,6 @@ class _Reading:
 
     def __init__(self, workbook: Workbook) -> None:
         self.workbook = workbook
-        self.sheets = _Sheets(workbook)
         self.typed = TypedCase()
         self.findings = Findings()
         self.locations = Locations()
@@ -262,7 +261,7 @@ class _Reading:
         name = self.names.get("templateversion")
         if name is None or name.sheet is None or name.rect is None:
             return ""
-        value = self.sheets.cell(name.sheet, name.rect.top, name.rect.left).value
+        value = self._cell(name.sheet, name.rect.top, name.rect.left).value
         version = f"{value:.15g}" if isinstance(value, float) else str(value or "").strip()
         if version != TEMPLATE_VERSION:
             self.warnings.append(
@@ -286,23 +285,17 @@ class _Reading:
         self.locations.scalars[spec.name] = (sheet, cell_name(top, left))
         unit_at = (top, name.rect.right + 1)
         self.locations.units[SCALAR_TABLE, spec.name] = (sheet, cell_name(*unit_at))
-        cell = self.sheets.cell(sheet, top, left)
-        entry: Entry | None
-        if spec.is_number:
-            unit = self.sheets.cell(sheet, *unit_at)
-            entry = self._scalar_number(cell, unit, spec, place)
-        else:
+        cell = self._cell(sheet, top, left)
+        entry: Entry | None = None
+        if not spec.is_number:
             entry = self._words(cell, spec, place)
+        else:
+            number = self._number(cell, spec, place, "in the cell to the right of it")
+            if number is not None:
+                scaled = self._scale(self._cell(sheet, *unit_at), spec, place)
+                entry = scaled and self._typed(number, *scaled, cell, place)
         if entry is not None:
             self.typed.scalars[spec.name] = entry
-
-    def _scalar_number(self, cell: Cell, unit: Cell, spec: Field, place: Place) -> Typed | None:
-        """A number and the unit to its right."""
-        number = self._number(cell, spec, place, "in the cell to the right of it")
-        if number is None:
-            return None
-        found = self._scale(unit, spec, place)
-        return None if found is None else self._typed(number, *found, cell, place)
 
     def _lost_sheet(self, name: DefinedName) -> str:
         """The sheet that a name leads to, where the workbook has none of it; else empty."""
@@ -422,9 +415,9 @@ class _Reading:
             if (spec.name, column.name) in self.locations.columns
         }
         lines: dict[int, dict[str, Cell]] = {}
-        for row, at in self.sheets.filled(table.sheet, table.data):
+        for row, at in self.workbook.sheet_part(table.sheet).filled_cells(table.data):
             if at in columns:
-                cell = self.sheets.cell(table.sheet, row, at)
+                cell = self._cell(table.sheet, row, at)
                 if not cell.is_blank:
                     lines.setdefault(row, {})[columns[at].name] = cell
         if spec.states:
@@ -453,25 +446,23 @@ class _Reading:
                 if words is not None:
                     yield i, words
             return
-        place = (spec.name, None, column.name)
+        place: Place = (spec.name, None, column.name)
         sheet, at = self.locations.units.get((spec.name, column.name), ("", ""))
-        unit = self.sheets.cell(sheet, *parse_cell(at)) if at else Cell(None)
+        unit = self._cell(sheet, *parse_cell(at)) if at else Cell(None)
         scaled = self._scale(unit, column, place)
         for i, cell in cells.items():
-            number = self._number(
-                cell, column, (spec.name, i + 1, column.name), "in the cell above the header"
-            )
+            place = (spec.name, i + 1, column.name)
+            number = self._number(cell, column, place, "in the cell above the header")
             if scaled is None:
-                self.findings.silence((spec.name, i + 1, column.name))
+                self.findings.silence(place)
             elif number is not None:
-                here = (spec.name, i + 1, column.name)
-                entry = self._typed(number, *scaled, cell, here)
+                entry = self._typed(number, *scaled, cell, place)
                 if entry is not None:
                     yield i, entry
 
     def _note_merges(self, spec: TableSpec, table: Table) -> None:
         """Merged cells inside a table: Excel keeps one value and shows it for all."""
-        for merge in self.sheets.merges(table.sheet):
+        for merge in self.workbook.sheet_part(table.sheet).merges:
             if not merge.meets(table.data):
                 continue
             name = next(
@@ -506,6 +497,18 @@ class _Reading:
                     self.findings.silence((spec.name, index, column.name))
 
     # ---- cells ---------------------------------------------------------------------------------
+
+    def _cell(self, sheet: str, row: int, column: int) -> Cell:
+        part = self.workbook.sheet_part(sheet)
+        value = part.constant(row, column)
+        style = part.style(row, column) if isinstance(value, float) else None
+        index = whole_number(style or "0", len(self._formats) - 1)
+        number_format = "General" if index is None else self._formats[index]
+        return Cell(value, (row, column) in part.formulas, number_format)
+
+    @cached_property
+    def _formats(self) -> list[str]:
+        return _number_formats(self.workbook)
 
     def _number(self, cell: Cell, spec: Field, place: Place, unit_place: str) -> float | None:
         number = read_number(cell, spec, unit_place)
@@ -564,7 +567,8 @@ class _Reading:
 
     def _warn_of_rows(self, spec: TableSpec, table: Table) -> None:
         """Hidden rows are read; rows right below the table are not."""
-        hidden = self.sheets.hidden_rows(table.sheet)
+        sheet = self.workbook.sheet_part(table.sheet)
+        hidden = set(sheet.hidden_rows(table.data.top, table.data.bottom))
         rows = [r for r in self.locations.rows[spec.name] if table.data.top + r - 1 in hidden]
         if rows:
             self.warnings.append(
@@ -574,69 +578,12 @@ class _Reading:
         if table.has_totals:
             return
         below = Rect(table.ref.bottom + 1, table.ref.left, table.ref.bottom + 1, table.ref.right)
-        if any(True for _ in self.sheets.filled(table.sheet, below)):
+        if any(True for _ in sheet.filled_cells(below)):
             self.warnings.append(
                 f"Sheet {table.sheet}, table {spec.name}: the row right below the table (row "
                 f"{below.top} of the sheet) is not part of it and is not read. Drag the corner of "
                 "the table down if it belongs to it."
             )
-
-
-# --- the sheets of a workbook ---------------------------------------------------------------------
-
-
-class _Sheets:
-    """Cells, merged ranges, formats and hidden rows of an open workbook."""
-
-    def __init__(self, workbook: Workbook) -> None:
-        self._workbook = workbook
-        self._formats: list[str] | None = None
-        self._hidden: dict[str, frozenset[int]] = {}
-
-    def cell(self, sheet: str, row: int, column: int) -> Cell:
-        """One cell."""
-        part = self._workbook.sheet_part(sheet)
-        value = part.constant(row, column)
-        style = part.style(row, column) if isinstance(value, float) else None
-        return Cell(
-            value,
-            is_formula=(row, column) in part.formulas,
-            number_format=self._format(style),
-        )
-
-    def filled(self, sheet: str, area: Rect) -> Iterator[tuple[int, int]]:
-        """Cells of an area that hold something, row by row."""
-        return self._workbook.sheet_part(sheet).filled_cells(area)
-
-    def merges(self, sheet: str) -> list[Rect]:
-        """Merged ranges of a sheet."""
-        return self._workbook.sheet_part(sheet).merges
-
-    def hidden_rows(self, sheet: str) -> frozenset[int]:
-        """Rows of a sheet that are hidden, by hand or by a filter."""
-        if sheet not in self._hidden:
-            self._hidden[sheet] = _hidden_rows(self._workbook.sheet_bytes(sheet))
-        return self._hidden[sheet]
-
-    def _format(self, style: str | None) -> str:
-        """Number format of a style index."""
-        if self._formats is None:
-            self._formats = _number_formats(self._workbook)
-        index = whole_number(style or "0", len(self._formats) - 1)
-        return "General" if index is None else self._formats[index]
-
-
-_ROW_TAG = re.compile(rb"<(?:\w+:)?row\b([^<>]*)>")
-_ROW_NUMBER = re.compile(rb'\br="(\d+)"')
-_HIDDEN = re.compile(rb'\bhidden="(?:1|true)"')
-
-
-def _hidden_rows(sheet: bytes) -> frozenset[int]:
-    if b"hidden=" not in sheet:
-        return frozenset()
-    tags = (tag.group(1) for tag in _ROW_TAG.finditer(sheet))
-    numbers = (_ROW_NUMBER.search(tag) for tag in tags if _HIDDEN.search(tag))
-    return frozenset(int(number.group(1)) for number in numbers if number)
 
 
 def _number_formats(workbook: Workbook) -> list[str]:

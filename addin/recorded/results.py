@@ -45,35 +45,52 @@ def recorded_rows(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> lis
     list of dict
         By header, without blanks; words of judged numbers as they are. [SI]
     """
+    fields = {field.name: field for field in spec.workbook_columns}
+    return [
+        {name: _si(spec, fields[name], shown, units) for name, shown in row.items()}
+        for row in shown_rows(workbook, spec)
+    ]
+
+
+def shown_rows(workbook: Workbook, spec: TableSpec) -> list[dict[str, Any]]:
+    """Rows of a result table as they are shown: by header, without blanks and blank rows; codes of errors."""
     table = workbook.tables.get(spec.name)
     if table is None:
         return []
-    fields = [f for f in spec.workbook_columns if f not in spec.extra_columns]
+    names = [field.name for field in written_columns(spec)]
+    places = {n: table.columns_at[n.casefold()] for n in names if n.casefold() in table.columns_at}
+    sheet = workbook.sheet_part(table.sheet)
     rows = []
     for number in range(table.data.top, table.data.bottom + 1):
-        row: dict[str, Any] = {}
-        for one in fields:
-            at = table.columns_at.get(one.name.casefold())
-            shown = at and workbook.shown_value(table.sheet, cell_name(number, at))
-            if shown is not None and shown != "" and at:
-                row[one.name] = _si(spec, one, shown, units)
-        if row:
-            rows.append(row)
-    return rows
+        cells = {name: sheet.constant(number, column) for name, column in places.items()}
+        rows.append(
+            {
+                name: shown.code if isinstance(shown, ErrorValue) else shown
+                for name, shown in cells.items()
+                if shown is not None and shown != ""
+            }
+        )
+    return [row for row in rows if row]
 
 
-def _si(spec: TableSpec, one: Field, shown: Any, units: ShownUnits) -> Any:
+def written_columns(spec: TableSpec) -> list[Field]:
+    """Columns of a result table that the product writes; the others are formulas."""
+    return [field for field in spec.workbook_columns if field not in spec.extra_columns]
+
+
+def factor_of(spec: TableSpec, field: Field, units: ShownUnits) -> float:
+    """What the unit above a column of numbers is worth. [SI]"""
+    repeated = spec.repeated if field not in spec.columns else None
+    column = field.name if repeated is None else repeated.name
+    return float(units.factors.get((spec.name, field.name), units.factor(spec.name, column)))
+
+
+def _si(spec: TableSpec, field: Field, shown: Any, units: ShownUnits) -> Any:
     """A shown result in SI, as it was before it was written."""
-    if isinstance(shown, ErrorValue):
-        return shown.code
-    if one.kind in ("flag", "switch"):
+    if field.kind in ("flag", "switch"):
         return {"yes": True, "on": True, "off": False}.get(str(shown), shown)
-    if isinstance(shown, float) and one.is_number:
-        column = one.name
-        if spec.repeated is not None and one not in spec.columns:
-            column = spec.repeated.name
-        factor = units.factors.get((spec.name, one.name), units.factor(spec.name, column))
-        return shown * factor
+    if isinstance(shown, float) and field.is_number:
+        return shown * factor_of(spec, field, units)
     return shown
 
 

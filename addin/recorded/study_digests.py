@@ -14,9 +14,9 @@ from typing import Any
 
 from addin.contract.digests import DIGITS
 from addin.contract.shown_units import ShownUnits
-from addin.contract.tables import Field, TableSpec
-from addin.xlsx import ErrorValue, Workbook
-from addin.xlsx.references import cell_name
+from addin.contract.tables import TableSpec
+from addin.recorded.results import factor_of, shown_rows, written_columns
+from addin.xlsx import Workbook
 
 _DIGITS = 12
 _STATED = re.compile(r"(\w+) ([0-9a-f]{12})\b")
@@ -49,32 +49,14 @@ def table_digest(workbook: Workbook, spec: TableSpec, units: ShownUnits) -> str:
     table = workbook.tables.get(spec.name)
     if table is None:
         return ""
-    columns = table.columns_at
-    ours = [f for f in spec.workbook_columns if f not in spec.extra_columns]
-    places = {f.name: columns[f.name.casefold()] for f in ours if f.name.casefold() in columns}
-    worth = {f.name: twelve_digits(_factor(spec, f, units)) for f in ours if f.name in places}
-    rows = [
-        _canonical({name: _shown(workbook, table.sheet, row, at) for name, at in places.items()})
-        for row in range(table.data.top, table.data.bottom + 1)
-    ]
-    text = "\n".join([_canonical(worth), *sorted(row for row in rows if row != "{}")])
+    worth = {
+        field.name: twelve_digits(factor_of(spec, field, units)) if field.is_number else None
+        for field in written_columns(spec)
+        if field.name.casefold() in table.columns_at
+    }
+    rows = [_canonical(row) for row in shown_rows(workbook, spec)]
+    text = "\n".join([_canonical(worth), *sorted(rows)])
     return hashlib.sha256(text.encode("utf-8")).hexdigest()[:DIGITS]
-
-
-def _factor(spec: TableSpec, field: Field, units: ShownUnits) -> float | None:
-    """What the unit of a column is worth in SI; None for words."""
-    if not field.is_number:
-        return None
-    repeated = spec.repeated is not None and field not in spec.columns
-    column = spec.repeated.name if repeated and spec.repeated else field.name
-    return float(units.factors.get((spec.name, field.name), units.factor(spec.name, column)))
-
-
-def _shown(workbook: Workbook, sheet: str, row: int, column: int) -> Any:
-    value = workbook.shown_value(sheet, cell_name(row, column))
-    if isinstance(value, ErrorValue):
-        return value.code
-    return value if isinstance(value, bool) or not isinstance(value, int) else float(value)
 
 
 def _canonical(cells: Mapping[str, Any]) -> str:

@@ -37,20 +37,11 @@ module             responsibility
 """
 
 from addin.xlsx.chart_titles import TitleLink
-from addin.xlsx.container import Limits
-from addin.xlsx.drawn_charts import Drawn, DrawnChart, DrawnSeries, drawn_charts
+from addin.xlsx.drawn_charts import Drawn, DrawnChart, drawn_charts
 from addin.xlsx.errors import (
-    CellRefused,
-    Obstacle,
     ObstaclesFound,
     PackageError,
-    SaveRefused,
-    SourceChanged,
-    WorkbookLocked,
-    WorkbookMismatch,
-    WorkbookRefused,
 )
-from addin.xlsx.formulas import CacheReport, refresh_formula_caches
 from addin.xlsx.save import SaveReport
 from addin.xlsx.table_writing import TableData
 from addin.xlsx.tables import Table
@@ -59,29 +50,18 @@ from addin.xlsx.workbook import Workbook, open_workbook
 from addin.xlsx.workbook_part import DefinedName
 
 __all__ = [
-    "CacheReport",
-    "CellRefused",
     "DefinedName",
     "Drawn",
     "DrawnChart",
-    "DrawnSeries",
     "ErrorValue",
     "Formula",
-    "Limits",
-    "Obstacle",
     "ObstaclesFound",
     "PackageError",
-    "SaveRefused",
     "SaveReport",
-    "SourceChanged",
     "Table",
     "TableData",
     "TitleLink",
     "Workbook",
-    "WorkbookLocked",
-    "WorkbookMismatch",
-    "WorkbookRefused",
     "drawn_charts",
     "open_workbook",
-    "refresh_formula_caches",
 ]

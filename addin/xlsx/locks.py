@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from addin.xlsx.errors import WorkbookLocked
@@ -22,7 +21,11 @@ def check_not_open(path: Path) -> None:
     ):
         if not lock_file.exists():
             continue
-        owner = _owner(lock_file, reader)
+        try:
+            owner = reader(lock_file.read_bytes()[:2000])
+        except OSError:
+            # Excel holds its lock file so that nobody else may read it; that it is there says enough.
+            owner = ""
         who = f" by {owner}" if owner else ""
         raise WorkbookLocked(
             f"{path.name} is open in {program}{who}. Save and close it there and run again. If nobody has it open, "
@@ -30,15 +33,6 @@ def check_not_open(path: Path) -> None:
             owner=owner,
             lock_file=lock_file.name,
         )
-
-
-def _owner(lock_file: Path, reader: Callable[[bytes], str]) -> str:
-    try:
-        data = lock_file.read_bytes()[:2000]
-    except OSError:
-        # Excel holds its lock file so that nobody else may read it; that it is there says enough.
-        return ""
-    return reader(data)
 
 
 def _excel_owner(data: bytes) -> str:

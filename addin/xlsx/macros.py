@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import posixpath
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -19,6 +19,7 @@ from xml.sax.saxutils import escape, quoteattr
 from addin.xlsx.errors import WorkbookRefused
 from addin.xlsx.formulas import CacheReport
 from addin.xlsx.save import Destination, PackageChange, SaveReport, save_package
+from addin.xlsx.state import in_any_capitals
 from addin.xlsx.values import row_xml
 from addin.xlsx.workbook import Workbook
 from addin.xlsx.workbook_part import CONTENT_TYPES_PART, XLSM_TYPE, XLSX_TYPE, relationships_part
@@ -86,7 +87,7 @@ def settings_of(workbook: Workbook, sheet: str) -> dict[str, Setting] | None:
     dict of str to (str or bool) or None
         From the first row to the first without a name; None if there is no such sheet.
     """
-    stored = _named(sheet, workbook.sheet_names)
+    stored = in_any_capitals({name: name for name in workbook.sheet_names}, sheet)
     if stored is None:
         return None
     settings: dict[str, Setting] = {}
@@ -184,7 +185,7 @@ class _Writer:
 
     def put_sheet(self, name: str, settings: Mapping[str, Setting]) -> None:
         structure = self._book.structure
-        known = _named(name, structure.sheet_names)
+        known = in_any_capitals({one: one for one in structure.sheet_names}, name)
         if known is not None:
             there = structure.worksheet_part(known)
             assert there is not None, f"{name} is a chart sheet"
@@ -222,35 +223,26 @@ class _Writer:
 
     def _relate(self, part: str, kind: str) -> str:
         used = re.findall(rb"\bId\s*=\s*[\"']([^\"']*)", self._read(self._relations))
-        number = len(used) + 1
-        while f"rId{number}".encode() in used:
-            number += 1
+        numbered = (f"rId{number}" for number in count(len(used) + 1))
+        relation = next(one for one in numbered if one.encode() not in used)
         entry = (
-            f'Relationship Id="rId{number}" Type="{kind}" '
+            f'Relationship Id="{relation}" Type="{kind}" '
             f'Target="{posixpath.relpath(part, self._folder)}"/>'
         )
         self._edit(self._relations, lambda d: _before_end(d, rb"Relationships", entry))
-        return f"rId{number}"
+        return relation
 
     def _free_part(self) -> str:
         taken = {name.lower() for name in self._book.parts}
-        number = len(self._book.sheet_names) + 1
-        while True:
-            part = posixpath.join(self._folder, "worksheets", f"sheet{number}.xml")
-            if part.lower() not in taken:
-                return part
-            number += 1
+        folder = posixpath.join(self._folder, "worksheets")
+        parts = (f"{folder}/sheet{number}.xml" for number in count(len(self._book.sheet_names) + 1))
+        return next(part for part in parts if part.lower() not in taken)
 
     def _read(self, part: str) -> bytes:
         return self.replaced.get(part) or self._book.container.read(part)
 
     def _edit(self, part: str, change: Callable[[bytes], bytes]) -> None:
         self.replaced[part] = change(self._read(part))
-
-
-def _named(sheet: str, names: Sequence[str]) -> str | None:
-    """The sheet of a name in any capitals, which are the same to Excel."""
-    return next((one for one in names if one.casefold() == sheet.casefold()), None)
 
 
 def _project_part(workbook: Workbook) -> str | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 from typing import NamedTuple, cast
 
 from lxml import etree
@@ -92,10 +93,7 @@ class SheetPart:
         self._row_numbers: list[int] = []
         self._indexed: dict[int, Row] = {}
         self._index_rows()
-        self._formulas: dict[tuple[int, int], Element] | None = None
-        self._arrays: dict[tuple[int, int], Rect] | None = None
         self._formula_before: dict[tuple[int, int], bool] = {}
-        self._merges: list[Rect] | None = None
         self._extent: Rect | None = None
         # Long blocks that still stand as they were written; they do not overlap.
         self._blocks: list[_Block] = []
@@ -169,41 +167,34 @@ class SheetPart:
                     break
                 yield number, column
 
-    @property
+    @cached_property
     def formulas(self) -> dict[tuple[int, int], Element]:
         """Cells with a formula, by row and column."""
-        if self._formulas is None:
-            self._formulas = {}
-            for formula in self._data.iter(_F):
-                cell = formula.getparent()
-                self._formulas[self._place(cell)] = cell
-        return self._formulas
+        cells = [formula.getparent() for formula in self._data.iter(_F)]
+        return {self._place(cell): cell for cell in cells}
 
     @property
     def rich_values(self) -> list[tuple[int, int]]:
         """Cells that show a rich value: a picture, a linked data type, an error without a code of its own."""
         return [self._place(cell) for cell in self._data.iter(_C) if cell.get("vm")]
 
-    @property
+    @cached_property
     def merges(self) -> list[Rect]:
         """Merged ranges."""
-        if self._merges is None:
-            entries = self._root.iterfind(f"{main('mergeCells')}/{main('mergeCell')}")
-            what = f"A merged range of sheet {self.name}"
-            self._merges = [read_range(entry.get("ref", ""), what) for entry in entries]
-        return self._merges
+        entries = self._root.iterfind(f"{main('mergeCells')}/{main('mergeCell')}")
+        what = f"A merged range of sheet {self.name}"
+        return [read_range(entry.get("ref", ""), what) for entry in entries]
 
-    @property
+    @cached_property
     def arrays(self) -> dict[tuple[int, int], Rect]:
         """Ranges of array formulas, spilled results and data tables, by their master cell."""
-        if self._arrays is None:
-            self._arrays = {}
-            for place, cell in self.formulas.items():
-                formula = cell.find(_F)
-                if formula.get("t") in ("array", "dataTable") and formula.get("ref"):
-                    what = f"An array formula of sheet {self.name}"
-                    self._arrays[place] = read_range(formula.get("ref"), what)
-        return self._arrays
+        formulas = {place: cell.find(_F) for place, cell in self.formulas.items()}
+        what = f"An array formula of sheet {self.name}"
+        return {
+            place: read_range(formula.get("ref"), what)
+            for place, formula in formulas.items()
+            if formula.get("t") in ("array", "dataTable") and formula.get("ref")
+        }
 
     def formula_set_changed(self) -> bool:
         """Whether other cells hold formulas now than in the file."""
@@ -448,9 +439,9 @@ class SheetPart:
         return self._indexed[number]
 
     def _cell(self, row: int, column: int) -> Element | None:
-        if self._formulas is not None and (row, column) in self._formulas:
+        if (row, column) in self.formulas:
             # Formulas are asked for most often, and their index spares that of the row.
-            return self._formulas[row, column]
+            return self.formulas[row, column]
         return self._row(row).cells.get(column) if row in self._rows else None
 
     def _place(self, cell: Element) -> tuple[int, int]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from typing import TypeVar
 
 from lxml import etree
 
@@ -28,6 +29,15 @@ from addin.xlsx.values import CellValue, rich_text
 from addin.xlsx.workbook_part import DefinedName, WorkbookPart
 from addin.xlsx.written import Written
 from addin.xlsx.xml_part import Element, main, serialise
+
+_T = TypeVar("_T")
+
+
+def in_any_capitals(named: Mapping[str, _T], name: str) -> _T | None:
+    """What bears a name in any capitals, which are the same to spreadsheet programs."""
+    if name in named:
+        return named[name]
+    return next((one for known, one in named.items() if known.casefold() == name.casefold()), None)
 
 
 class WorkbookState:
@@ -127,11 +137,9 @@ class WorkbookState:
         WorkbookMismatch
             When there is none of that name.
         """
-        if name in self.tables:
-            return self.tables[name]
-        for known, table in self.tables.items():
-            if known.casefold() == name.casefold():
-                return table
+        table = in_any_capitals(self.tables, name)
+        if table is not None:
+            return table
         raise WorkbookMismatch(
             f"{self.path.name} has no table {name!r}; it has {', '.join(sorted(self.tables)) or 'none'}. "
             "Start from a new template or give the table its name back."
@@ -145,37 +153,34 @@ class WorkbookState:
         WorkbookMismatch
             When there is none, or when it stands for no cells.
         """
-        by_folded = {known.casefold(): one for known, one in self.defined_names.items()}
-        found = by_folded.get(name.casefold())
-        if found is None or found.rect is None:
-            what = "has no defined name" if found is None else "has no cells behind the name"
+        defined = in_any_capitals(self.defined_names, name)
+        if defined is None or defined.rect is None:
+            what = "has no defined name" if defined is None else "has no cells behind the name"
             raise WorkbookMismatch(
                 f"{self.path.name} {what} {name!r}. Start from a new template or define it again."
             )
-        return found
+        return defined
 
     # ---- parts -------------------------------------------------------------------------------------------------
 
     def sheet_part(self, name: str) -> SheetPart:
         """Cells of a sheet; capitals or small letters of its name do not matter."""
-        if name not in self._sheets:
-            known = {sheet.casefold(): sheet for sheet in self.sheet_names}
-            sheet = known.get(name.casefold())
-            if sheet is None:
-                raise WorkbookMismatch(
-                    f"{self.path.name} has no sheet {name!r}; it has {', '.join(self.sheet_names)}."
-                )
-            part = self.structure.worksheet_part(sheet)
-            if part is None:
-                raise WorkbookMismatch(
-                    f"Sheet {sheet!r} of {self.path.name} is a chart sheet and has no cells."
-                )
-            if sheet not in self._sheets:
-                self._sheets[sheet] = SheetPart(
-                    sheet, part, self.container.charged(part), self._shared_string
-                )
-            return self._sheets[sheet]
-        return self._sheets[name]
+        if name in self._sheets:
+            return self._sheets[name]
+        sheet = in_any_capitals({sheet: sheet for sheet in self.sheet_names}, name)
+        if sheet is None:
+            raise WorkbookMismatch(
+                f"{self.path.name} has no sheet {name!r}; it has {', '.join(self.sheet_names)}."
+            )
+        part = self.structure.worksheet_part(sheet)
+        if part is None:
+            raise WorkbookMismatch(
+                f"Sheet {sheet!r} of {self.path.name} is a chart sheet and has no cells."
+            )
+        if sheet not in self._sheets:
+            data = self.container.charged(part)
+            self._sheets[sheet] = SheetPart(sheet, part, data, self._shared_string)
+        return self._sheets[sheet]
 
     def is_loaded(self, sheet: str) -> bool:
         """Whether the cells of a sheet are parsed already."""

@@ -17,7 +17,8 @@ from addin.excel.errors import VbaProjectError
 from addin.excel.vba_project import VbaProject, standard_module
 from addin.excel.workbook import SETTINGS_SHEET, install, installed_in, portable
 from addin.writing.recalculate import recalculate
-from addin.xlsx import SaveRefused, WorkbookRefused, open_workbook
+from addin.xlsx import open_workbook
+from addin.xlsx.errors import SaveRefused, WorkbookRefused
 from addin.xlsx.macros import MacroEdit, save_with_macros
 
 #: The parts that list others; all the rest must be the same bytes.

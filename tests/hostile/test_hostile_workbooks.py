@@ -30,7 +30,7 @@ from spoiled import (
     sheet,
 )
 
-from addin.xlsx import Limits
+from addin.xlsx.container import Limits
 from benchmarks.workbook_fuzz import seeds, sentence_fault
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")

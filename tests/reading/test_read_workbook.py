@@ -15,7 +15,7 @@ from small_workbook import TABLE_ROWS, Calculated, Formatted, SmallWorkbook
 
 from addin.contract.tables import INPUT_TABLES, SCALARS
 from addin.reading.workbook import read_workbook
-from addin.xlsx import WorkbookRefused
+from addin.xlsx.errors import WorkbookRefused
 from engine.case.case import Case
 from engine.case.data import case_digest
 from engine.case.effects import EFFECTS

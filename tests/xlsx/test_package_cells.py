@@ -11,12 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich_workbooks import parts_of, with_parts
 
-from addin.xlsx import (
-    CellRefused,
-    Formula,
-    WorkbookMismatch,
-    open_workbook,
-)
+from addin.xlsx import Formula, open_workbook
+from addin.xlsx.errors import CellRefused, WorkbookMismatch
 from addin.xlsx.values import MAX_TEXT
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")

@@ -19,10 +19,11 @@ from whatif_workbooks import (
     whatif_workbook,
 )
 
-from addin.xlsx import CacheReport, Formula, dependents, open_workbook
+from addin.xlsx import Formula, dependents, open_workbook
 from addin.xlsx.calculator_copy import calculator_copy
 from addin.xlsx.dependents import DependencyGraph, FormulaCell, ReferenceResolver
 from addin.xlsx.formula_text import Reference, parse_formula, shifted_formula
+from addin.xlsx.formulas import CacheReport
 from addin.xlsx.references import Rect, parse_range
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")

@@ -13,7 +13,9 @@ from typer.testing import CliRunner
 
 from addin.cli.app import app
 from addin.contract.shipped import template_path
-from addin.xlsx import Limits, WorkbookLocked, WorkbookRefused, open_workbook
+from addin.xlsx import open_workbook
+from addin.xlsx.container import Limits
+from addin.xlsx.errors import WorkbookLocked, WorkbookRefused
 
 OLE = bytes.fromhex("D0CF11E0A1B11AE1")
 BILLION = (

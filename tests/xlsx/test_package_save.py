@@ -14,15 +14,9 @@ from typing import Any
 import pytest
 from rich_workbooks import changed_parts, parts_of
 
-from addin.xlsx import (
-    Formula,
-    SaveRefused,
-    SourceChanged,
-    Workbook,
-    WorkbookLocked,
-    open_workbook,
-)
+from addin.xlsx import Formula, Workbook, open_workbook
 from addin.xlsx import save as save_module
+from addin.xlsx.errors import SaveRefused, SourceChanged, WorkbookLocked
 from addin.xlsx.references import Rect
 from addin.xlsx.values import row_xml
 from addin.xlsx.written import Written

@@ -11,13 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich_workbooks import parts_of, rich_workbook, with_parts
 
-from addin.xlsx import (
-    Formula,
-    ObstaclesFound,
-    TableData,
-    WorkbookMismatch,
-    open_workbook,
-)
+from addin.xlsx import Formula, ObstaclesFound, TableData, open_workbook
+from addin.xlsx.errors import WorkbookMismatch
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:openpyxl")
 
