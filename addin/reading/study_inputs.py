@@ -223,28 +223,22 @@ def _tuning(entries: dict[str, Entry], number: int, findings: Findings) -> Tunin
         return entry if isinstance(entry, str) else None
 
     quantity, steps = words("Quantity"), plain("Steps")
-    row = TuningRow(
+    values, start, end = _listed(words("Values"), number, findings), plain("From"), plain("To")
+    if steps is not None and steps != round(steps):
+        findings.add(
+            ("Tuning", number, "Steps"), steps, "a whole number",
+            f"found {steps:g}; it must be a whole number. Correct it.",
+        )  # fmt: skip
+        steps = None
+    scale, relative = _scale(words("Unit"), quantity, number, findings)
+    return TuningRow(
         element=words("Element"),
         quantity=quantity,
-        values=_listed(words("Values"), number, findings),
-        from_=plain("From"),
-        to=plain("To"),
-    )
-    if steps is not None:
-        if steps != round(steps):
-            findings.add(
-                ("Tuning", number, "Steps"), steps, "a whole number",
-                f"found {steps:g}; it must be a whole number. Correct it.",
-            )  # fmt: skip
-        else:
-            row = replace(row, steps=int(steps))
-    scale, relative = _scale(words("Unit"), quantity, number, findings)
-    return replace(
-        row,
         relative=relative,
-        values=tuple(scale.to_si(value) for value in row.values),
-        from_=None if row.from_ is None else scale.to_si(row.from_),
-        to=None if row.to is None else scale.to_si(row.to),
+        values=tuple(scale.to_si(value) for value in values),
+        from_=None if start is None else scale.to_si(start),
+        to=None if end is None else scale.to_si(end),
+        steps=None if steps is None else int(steps),
     )
 
 

@@ -226,7 +226,7 @@ class _Reading:
         problems = all_problems(data, self.findings)
         return WorkbookInput(
             path=self.workbook.path,
-            sha256=self.workbook.sha256,
+            sha256=self.workbook.container.sha256,
             data=data,
             problems=tuple(_located(p, self.typed, self.locations) for p in problems),
             warnings=tuple(self.warnings),
@@ -465,36 +465,27 @@ class _Reading:
         for merge in self.workbook.sheet_part(table.sheet).merges:
             if not merge.meets(table.data):
                 continue
-            name = next(
-                (
-                    column.name
-                    for column in spec.columns
-                    if merge.left
-                    <= self.locations.columns.get((spec.name, column.name), 0)
-                    <= merge.right
-                ),
-                "",
-            )
-            rows = self.locations.rows[spec.name]
+            across = range(merge.left, merge.right + 1)
+            columns = [
+                column.name
+                for column in spec.columns
+                if self.locations.columns.get((spec.name, column.name)) in across
+            ]
             inside = range(merge.top - table.data.top + 1, merge.bottom - table.data.top + 2)
-            index = next((i for i, row in enumerate(rows, start=1) if row in inside), None)
-            if index is None:
+            rows = enumerate(self.locations.rows[spec.name], start=1)
+            indices = [index for index, row in rows if row in inside]
+            if not indices:
                 continue  # nothing is typed there
             self.findings.add(
-                (spec.name, index, name),
+                (spec.name, indices[0], columns[0] if columns else ""),
                 f"merged cells {merge}",
                 "one cell a value",
                 f"the cells {merge} are merged and hold one value between them. Unmerge them and "
                 "fill each.",
             )
-            self._silence_area(spec, table, merge)
-
-    def _silence_area(self, spec: TableSpec, table: Table, area: Rect) -> None:
-        for index, row in enumerate(self.locations.rows[spec.name], start=1):
-            for column in spec.columns:
-                at = self.locations.columns.get((spec.name, column.name), 0)
-                if area.has(table.data.top + row - 1, at):
-                    self.findings.silence((spec.name, index, column.name))
+            for index in indices:
+                for column in columns:
+                    self.findings.silence((spec.name, index, column))
 
     # ---- cells ---------------------------------------------------------------------------------
 

@@ -199,8 +199,9 @@ def _cache_xml(kind: str, areas: list[Area], shown: Shown, prefix: str) -> str:
     if kind != _NUMBERS:
         points = [_text_point(value) for value in values]
         return f'<{prefix}ptCount val="{len(points)}"/>{_points_xml(points, prefix)}'
+    # Text and errors have none, as a spreadsheet program leaves them out too.
     numbers = [
-        value if type(value) is float and isfinite(value) else _other_number(value)
+        float(value) if isinstance(value, bool | float) and isfinite(value) else None
         for value in values
     ]
     xml = f'<{prefix}ptCount val="{len(numbers)}"/>{_points_xml(numbers, prefix)}'
@@ -237,11 +238,6 @@ def _points_xml(points: Sequence[str | float | None], prefix: str) -> str:
             if point is not None
         ]
     )
-
-
-def _other_number(value: Constant) -> float | None:
-    """Number of a point that is no number; text and errors have none, as a spreadsheet program leaves them out too."""
-    return float(value) if isinstance(value, bool) else None
 
 
 def _text_point(value: Constant) -> str | None:

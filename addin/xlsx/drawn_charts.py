@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from addin.xlsx.references import Rect, cell_name, whole_number
+from addin.xlsx.charts import Area
+from addin.xlsx.references import MAX_COLUMN, MAX_ROW, cell_name, whole_number
 from addin.xlsx.state import WorkbookState
 from addin.xlsx.xml_part import RELATIONSHIP_IDS, Element, chart_tag, drawing_tag, parse_part
 
 _ANCHORS = "http://schemas.openxmlformats.org/drawingml/2006/spreadsheetDrawing"
-#: Rows and columns of a sheet, of which a drawing may state any number.
-_MOST_ROWS, _MOST_COLUMNS = 1_048_575, 16_383
-
-Area = tuple[str, Rect]
 
 
 @dataclass(frozen=True)
@@ -113,10 +110,10 @@ def _drawn(workbook: WorkbookState, holder: Element) -> Drawn:
         if cache is None or kind == "multiLvlStr":
             return Drawn(text, areas)
         stated = cache.find(chart_tag("ptCount"))
-        count = whole_number("" if stated is None else stated.get("val", ""), _MOST_ROWS + 1)
+        count = whole_number("" if stated is None else stated.get("val", ""), MAX_ROW)
         points = {}
         for point in cache.iter(chart_tag("pt")):
-            at = whole_number(point.get("idx", ""), _MOST_ROWS)
+            at = whole_number(point.get("idx", ""), MAX_ROW - 1)
             if at is not None:
                 points[at] = point.findtext(chart_tag("v")) or ""
         return Drawn(text, areas, kind == "num", -1 if count is None else count, points)
@@ -128,6 +125,6 @@ def _cell_of(anchor: Element) -> str:
     corner = anchor.find(f"{{{_ANCHORS}}}from")
     if corner is None:
         return ""
-    row = whole_number(corner.findtext(f"{{{_ANCHORS}}}row") or "", _MOST_ROWS)
-    column = whole_number(corner.findtext(f"{{{_ANCHORS}}}col") or "", _MOST_COLUMNS)
+    row = whole_number(corner.findtext(f"{{{_ANCHORS}}}row") or "", MAX_ROW - 1)
+    column = whole_number(corner.findtext(f"{{{_ANCHORS}}}col") or "", MAX_COLUMN - 1)
     return "" if row is None or column is None else cell_name(row + 1, column + 1)

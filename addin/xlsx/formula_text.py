@@ -152,34 +152,34 @@ def _tokens(text: str) -> Iterator[tuple[str, str, str]]:
     """Tokens as (kind, first, second); what is between them comes as kind ``rest``."""
     position = 0
     while True:
-        found = _TOKEN.search(text, position)
-        if found is None:
+        match = _TOKEN.search(text, position)
+        if match is None:
             yield "rest", text[position:], ""
             return
-        if found.start() > position:
-            yield "rest", text[position : found.start()], ""
-        position = found.end()
-        kind = found.lastgroup
+        if match.start() > position:
+            yield "rest", text[position : match.start()], ""
+        position = match.end()
+        kind = match.lastgroup
         if kind == "ref":
-            yield from _cell_token(found)
+            yield from _cell_token(match)
         elif kind == "function":
-            yield "function", _bare_function(found["function"]), ""
+            yield "function", _bare_function(match["function"]), ""
         elif kind in ("bracket", "lone"):
             inside, position = _bracketed(text, position)
             if inside is None:
                 # Never closed: the rest is not to be understood, nor to be gone through again from each bracket.
-                yield "rest", text[found.start() :], ""
+                yield "rest", text[match.start() :], ""
                 return
-            if found["nsheet"]:
+            if match["nsheet"]:
                 yield "rest", "!", ""
             else:
-                yield "table", found["name"] or "", inside
+                yield "table", match["name"] or "", inside
         elif kind == "name":
-            yield "name", found["nsheet"] or "", found["name"]
+            yield "name", match["nsheet"] or "", match["name"]
 
 
-def _cell_token(found: re.Match[str]) -> Iterator[tuple[str, str, str]]:
-    sheet, text = found["sheet"] or "", found["ref"]
+def _cell_token(match: re.Match[str]) -> Iterator[tuple[str, str, str]]:
+    sheet, text = match["sheet"] or "", match["ref"]
     for part in _CELL_PARTS.finditer(text):
         if column_number(part[2]) > MAX_COLUMN:
             # XFE1 and beyond are not cells: names may look like that.
@@ -219,17 +219,17 @@ def shifted_formula(text: str, rows: int, columns: int) -> str:
     """
     pieces: list[str] = []
     position = 0
-    while (found := _TOKEN.search(text, position)) is not None:
-        pieces.append(text[position : found.start()])
-        position = found.end()
-        kind = found.lastgroup
+    while (match := _TOKEN.search(text, position)) is not None:
+        pieces.append(text[position : match.start()])
+        position = match.end()
+        kind = match.lastgroup
         if kind == "ref":
-            pieces.append((found["sheet"] or "") + shifted_range(found["ref"], rows, columns))
+            pieces.append((match["sheet"] or "") + shifted_range(match["ref"], rows, columns))
             continue
         if kind in ("bracket", "lone"):
             inside, position = _bracketed(text, position)
             position = len(text) if inside is None else position
-        pieces.append(text[found.start() : position])
+        pieces.append(text[match.start() : position])
     pieces.append(text[position:])
     return "".join(pieces)
 
@@ -241,10 +241,10 @@ def shifted_range(text: str, rows: int, columns: int) -> str:
 
 
 def _shifted_end(end: str, rows: int, columns: int) -> str | None:
-    found = re.fullmatch(r"(\$?)([A-Za-z]*)(\$?)([0-9]*)", end)
-    if found is None:
+    match = re.fullmatch(r"(\$?)([A-Za-z]*)(\$?)([0-9]*)", end)
+    if match is None:
         return None
-    mark_column, letters, mark_row, digits = found.groups()
+    mark_column, letters, mark_row, digits = match.groups()
     if not letters:
         # A whole row such as $4: its only dollar sign stands in the first group.
         mark_row, mark_column = mark_column or mark_row, ""

@@ -450,7 +450,7 @@ class _Refresh:
     def _renew(self, cell: FormulaCell, recalculated: _Recalculated) -> None:
         sheet = self.workbook.sheet_part(cell.sheet)
         for row, column in self._places(cell):
-            new = recalculated.value(cell.sheet, row, column)
+            new = recalculated.sheet(cell.sheet).constant(row, column)
             if not _alike(sheet.constant(row, column), new, _SAME_VALUE):
                 sheet.set_cached(row, column, new)
                 self.workbook.note_changed(cell.sheet, Rect(row, column, row, column))
@@ -490,19 +490,13 @@ class _Recalculated:
         bare_names = {name.rpartition(".")[2] for name in names}
         self.doubtful_functions = names | bare_names | CHANGES_BY_ITSELF
 
-    def value(self, sheet: str, row: int, column: int) -> Constant:
-        """Recalculated value of a cell."""
-        return self.sheet(sheet).constant(row, column)
-
     def sheet(self, name: str) -> SheetPart:
         """Recalculated sheet; the workbook's own when nothing came back differently."""
         if name not in self._sheets:
-            mine = self._workbook.sheet_part(name)
-            data = self._zip.read(mine.part)
-            before = self._fed.get(mine.part) or self._workbook.container.read(mine.part)
-            again = (
-                SheetPart(name, mine.part, data, mine.shared_strings) if data != before else mine
-            )
+            own = self._workbook.sheet_part(name)
+            data = self._zip.read(own.part)
+            before = self._fed.get(own.part) or self._workbook.container.read(own.part)
+            again = SheetPart(name, own.part, data, own.shared_strings) if data != before else own
             self._sheets[name] = again
         return self._sheets[name]
 

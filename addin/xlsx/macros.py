@@ -130,7 +130,7 @@ def save_with_macros(
     SaveRefused
         With the reason; nothing was written.
     """
-    if any("vbaprojectsignature" in part.lower() for part in workbook.parts):
+    if any("vbaprojectsignature" in part.lower() for part in workbook.container.names):
         raise WorkbookRefused(
             "signed macros",
             f"The macros of {workbook.path.name} carry a digital signature, which any change would "
@@ -233,7 +233,7 @@ class _Writer:
         return relation
 
     def _free_part(self) -> str:
-        taken = {name.lower() for name in self._book.parts}
+        taken = {name.lower() for name in self._book.container.names}
         folder = posixpath.join(self._folder, "worksheets")
         parts = (f"{folder}/sheet{number}.xml" for number in count(len(self._book.sheet_names) + 1))
         return next(part for part in parts if part.lower() not in taken)

@@ -213,7 +213,7 @@ def split_areas(reference: str) -> list[str]:
 
 
 def retargeted(area: str, sheet: str, old: Rect, new: Rect) -> str:
-    """A written range, moved if it reached exactly over the rows of a resized block."""
+    """A written range, moved if it reached exactly over the rows of a resized block; of no sheet, it is not named."""
     area_sheet, text = split_sheet(area)
     if area_sheet != sheet:
         return area
@@ -224,4 +224,5 @@ def retargeted(area: str, sheet: str, old: Rect, new: Rect) -> str:
     if (rect.top, rect.bottom) != (old.top, old.bottom) or not old.covers(rect):
         return area
     grown = rect.with_bottom(new.bottom)
-    return f"{quoted_sheet(sheet)}!{absolute_range(grown) if '$' in text else grown}"
+    prefix = f"{quoted_sheet(sheet)}!" if sheet else ""
+    return f"{prefix}{absolute_range(grown) if '$' in text else grown}"

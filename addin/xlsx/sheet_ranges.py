@@ -57,14 +57,5 @@ def read_range(text: str, what: str) -> Rect:
 
 def _resized_ranges(sqref: str, old: Rect, new: Rect) -> str | None:
     """A list of ranges with those that follow the block changed; None when there is none."""
-    resized = [_follow(area, old, new) for area in sqref.split()]
+    resized = [retargeted(area, "", old, new) for area in sqref.split()]
     return " ".join(resized) if resized != sqref.split() else None
-
-
-def _follow(area: str, old: Rect, new: Rect) -> str:
-    try:
-        rect = parse_range(area)
-    except ValueError:
-        return area
-    spans = (rect.top, rect.bottom) == (old.top, old.bottom) and old.covers(rect)
-    return str(rect.with_bottom(new.bottom)) if spans else area

@@ -84,21 +84,6 @@ class WorkbookState:
         """Names of all sheets in order, chart sheets included."""
         return self.structure.sheet_names
 
-    @property
-    def sha256(self) -> str:
-        """SHA-256 of the file as it was opened."""
-        return self.container.sha256
-
-    @property
-    def has_macros(self) -> bool:
-        """Whether it is of the macro-enabled kind (.xlsm)."""
-        return self.structure.has_macros
-
-    @property
-    def parts(self) -> list[str]:
-        """Names of all parts of the package."""
-        return self.container.names
-
     @cached_property
     def defined_names(self) -> dict[str, DefinedName]:
         """Defined names that hold for the whole workbook."""

@@ -311,9 +311,9 @@ class Workbook(WorkbookState):
         """Notes on copies of cell values that are not renewed here."""
         if not self.changed:
             return
-        if any(part.startswith("xl/pivotCache/") for part in self.parts):
+        if any(part.startswith("xl/pivotCache/") for part in self.container.names):
             yield "Pivot tables show the values of the last time they were refreshed; refresh them in Excel."
-        for part in self.parts:
+        for part in self.container.names:
             if part.startswith("xl/drawings/drawing") and self._has_stale_text(part):
                 yield "Text boxes linked to cells show the new values only after the workbook was opened in Excel."
                 return

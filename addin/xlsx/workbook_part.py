@@ -101,11 +101,6 @@ class WorkbookPart:
         """Names of all sheets in order, chart sheets included."""
         return list(self._sheet_parts)
 
-    @property
-    def has_macros(self) -> bool:
-        """Whether the workbook is of the macro-enabled kind."""
-        return self.content_type == XLSM_TYPE
-
     def worksheet_part(self, sheet: str) -> str | None:
         """Part of a worksheet; None for chart sheets and others without cells."""
         relationship = self._sheet_parts[sheet]
