@@ -128,7 +128,7 @@ FUNCTION = Patch(
     edits=(
         Edit(
             "addin/worksheet/functions/modes.py",
-            '@registered(\n    "TV_FREQUENCIES",\n',
+            '@registered(\n    "TV_MODE",\n',
             '@registered("TV_STATIONS", MODEL, scalar=True, example="=TV_STATIONS(A1)")\n'
             "def tv_stations(model: str) -> int:\n"
             '    """How many stations the train has."""\n'

@@ -7,6 +7,7 @@ module            responsibility
 `options`         arguments and options that several commands take
 `overrides`       settings of a calculation that are given on the command line
 `status`          how a command ends: the exit statuses, and the refusal of an input or a file
+`terminal`        what commands print: tables, written files, progress, problems, refusals
 `batch`           ``torsionbook batch``: folders of workbooks, overnight
 `diff`            ``torsionbook diff``: what changed between two revisions, and what it did
 `excel`           ``torsionbook excel``: the worksheet functions into a workbook, and help where
@@ -15,7 +16,6 @@ module            responsibility
 `serve`           `torsionbook serve`
 `study_commands`  commands of the studies and their lines of help; written by `make generated`
 `app`             the command line: the same path on files as in Excel, without Excel
-`terminal`        what commands tell in the terminal: progress, problems, refusals
 `check`           `torsionbook check`: errors of inputs with their cells, and answers that cannot
                   be given yet
 `export`          `torsionbook export`: the inputs of a workbook as a case JSON

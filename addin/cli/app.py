@@ -15,7 +15,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command, get_group
 
-from addin.cli.status import INTERNAL, INTERRUPTED, WRONG_INPUT, Refused
+from addin.cli.status import INTERNAL, INTERRUPTED
 from addin.cli.study_commands import STUDY_COMMANDS
 from addin.contract.version import product_version
 
@@ -42,21 +42,20 @@ COMMANDS = {
     ),
     "verify": Command(
         "addin.cli.verify",
-        "Calculate again from the inputs in a file and compare every result that stands there.",
+        "Recalculate from the inputs in a file and compare every result recorded in it.",
     ),
     "diff": Command(
         "addin.cli.diff",
-        "Inputs and results of two files side by side: what changed, and what it did.",
+        "Compare inputs and results of two files: changed inputs and their effect on results.",
     ),
     "batch": Command(
         "addin.cli.batch",
-        "Calculate folders of workbooks on all cores; one bad file never stops the rest.",
+        "Calculate folders of workbooks on all cores; a file with errors does not stop the others.",
     ),
     **{name: Command(STUDY_MODULE, line) for name, line in STUDY_COMMANDS.items()},
     "new": Command(
         "addin.cli.new",
-        "Make a workbook to fill in, one of the filled examples, or one with the inputs "
-        "of another.",
+        "Make a workbook: blank, a filled example, or with the inputs of an existing file.",
     ),
     "check": Command(
         "addin.cli.check",
@@ -124,8 +123,8 @@ app = typer.Typer(
         "    torsionbook recalc train.xlsx\n\n"
         "Fill in your own train with `torsionbook new mine.xlsx --units us`, check it with "
         "`torsionbook check mine.xlsx`, and calculate it with `torsionbook recalc mine.xlsx`. "
-        "Results go to a new file beside it; the workbook you typed is not touched.\n\n"
-        "Exit status: 0 done, 1 some input is wrong (every error is listed, nothing is written for "
+        "Results go to a new file beside it; your workbook is not changed.\n\n"
+        "Exit status: 0 done, 1 input error (every error is listed, nothing is written for "
         "that file), 2 wrong usage, 3 an error inside torsionbook, 130 interrupted by Ctrl-C."
     ),
 )
@@ -159,7 +158,8 @@ def _by_ctrl_c(ended: BaseException) -> bool:
 
 def _tell_interrupted() -> None:
     typer.echo(
-        "Interrupted. Files written before are whole; nothing was written for what was being done.",
+        "Interrupted. Files written earlier are complete; nothing was written for the current "
+        "file.",
         err=True,
     )
 
@@ -172,9 +172,6 @@ def main() -> None:
         os.environ.setdefault(name, "1")
     try:
         app(standalone_mode=True)
-    except Refused as wrong:
-        typer.echo(str(wrong), err=True)
-        sys.exit(WRONG_INPUT)
     except SystemExit as ended:
         if ended.code == INTERRUPTED and _by_ctrl_c(ended):
             _tell_interrupted()
@@ -185,8 +182,8 @@ def main() -> None:
     except Exception:  # the last resort: anything else is ours, and must not look like input
         traceback.print_exc()
         typer.echo(
-            "This is an error inside torsionbook. Nothing was written for the file being "
-            "calculated. Please report it with the lines above.",
+            "This is an error inside torsionbook. Nothing was written for the current file. "
+            "Please report it with the messages above.",
             err=True,
         )
         sys.exit(INTERNAL)

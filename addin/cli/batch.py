@@ -24,15 +24,24 @@ from addin.batch.vary import ProgrammeSettings, run_programme
 from addin.batch.vary_columns import TableRefused
 from addin.batch.watch import Watch
 from addin.cli import status
+from addin.cli.options import (
+    IgnoreLockOption,
+    JobsOption,
+    MethodOption,
+    SchedulerOption,
+    StrictOption,
+    ToleranceOption,
+)
 from addin.cli.overrides import case_overrides
 from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed
+from addin.cli.terminal import print_written
 from addin.contract.version import product_version
 from addin.reading.one_file import file_problem
 from addin.workers.cluster import ClusterRefused
 from addin.workers.pool import Pool, Workers
 from addin.workers.stop import Abandoned, Stop, Stopped, cores
 
-_AGAIN = "Run again with --resume to go on."
+_AGAIN = "Run again with --resume to continue."
 _SEND = ("auto", "files", "bytes")
 #: Errors that are listed in the terminal; the summary has all. [count]
 _LISTED = 20
@@ -52,11 +61,9 @@ def batch(
         ),
     ],
     out: Annotated[Path, typer.Option(help="Folder for the results.", show_default=False)],
-    jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes; default one a core.", show_default=False)
-    ] = None,
+    jobs: JobsOption = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with an ended batch of the same folder.")
+        bool, typer.Option("--resume", help="Continue an earlier batch in the same folder.")
     ] = False,
     summary: Annotated[
         Path | None,
@@ -67,49 +74,38 @@ def batch(
     watch: Annotated[
         bool,
         typer.Option(
-            "--watch", help="Then calculate each file again when it is saved; Ctrl-C ends it."
+            "--watch",
+            help="After the batch, recalculate each file when it is saved; stop with Ctrl-C.",
         ),
     ] = False,
     json: Annotated[
         Path | None, typer.Option(help="Also write each file's results as JSON into this folder.")
     ] = None,
-    method: Annotated[
-        str | None, typer.Option(help="exponential (default) or newmark, the paper's method.")
-    ] = None,
-    tolerance: Annotated[
-        str | None, typer.Option(help="Wanted error of peak torques, such as 0.001 or 0.1%.")
-    ] = None,
+    method: MethodOption = None,
+    tolerance: ToleranceOption = None,
     vary: Annotated[
         Path | None,
         typer.Option(
-            help="Calculate one base case with the values of each row of this CSV or Parquet table; "
+            help="Calculate one base case with the values of each row of this CSV or Parquet "
+            "table; "
             "results go to results.parquet in --out."
         ),
     ] = None,
     csv: Annotated[
         bool, typer.Option("--csv", help="With --vary: write results.csv too, for Excel.")
     ] = False,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Give the work to the Dask cluster with this scheduler, such as tcp://host:8786.",
-        ),
-    ] = None,
+    scheduler: SchedulerOption = None,
     send: Annotated[
         str,
         typer.Option(
-            help="How files reach the cluster: files (a shared folder), bytes, or auto, which tries."
+            help="How files reach the cluster: files (shared folder), bytes (sent), or auto "
+            "(shared folder if possible)."
         ),
     ] = "auto",
-    strict: Annotated[
-        bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
-    ] = False,
-    ignore_lock: Annotated[
-        bool, typer.Option("--ignore-lock", help="Go on although lock files are there.")
-    ] = False,
+    strict: StrictOption = False,
+    ignore_lock: IgnoreLockOption = False,
 ) -> None:
-    """Calculate folders of workbooks on all cores; one bad file never stops the rest.
+    """Calculate folders of workbooks on all cores; a file with errors does not stop the others.
 
     Each input is calculated into a file of the same name below --out; files that state the same case
     are calculated once. Ctrl-C ends it cleanly, and --resume goes on after that, or after a crash,
@@ -122,7 +118,6 @@ def batch(
     """
     if send not in _SEND:
         raise typer.BadParameter(f"--send is '{send}'; it must be {', '.join(_SEND)}.")
-
     overrides = case_overrides(method, tolerance)
     book = _summary_file(summary, out, written=vary is None)
 
@@ -159,7 +154,7 @@ def batch(
     if vary is not None:
         if watch or len(inputs) != 1:
             raise typer.BadParameter(
-                f"--vary needs one base case and no --watch; {_named(inputs)}."
+                f"--vary needs exactly one base case and cannot run with --watch; {_named(inputs)}."
             )
         raise typer.Exit(
             _varied(
@@ -167,7 +162,7 @@ def batch(
             )
         )
     if csv:
-        raise typer.BadParameter("--csv is of --vary; a batch of files has its summary.csv.")
+        raise typer.BadParameter("--csv needs --vary; a batch of files writes summary.csv.")
     settings = {
         "resume": resume,
         "ignore_lock": ignore_lock,
@@ -199,7 +194,9 @@ def _workers(jobs: int | None, scheduler: str | None) -> Workers:
     if scheduler is None:
         return Pool(jobs or cores())
     if jobs is not None:
-        raise typer.BadParameter("--jobs is of this machine; a cluster has the workers it has.")
+        raise typer.BadParameter(
+            "--jobs applies to this machine only; a cluster uses its own workers."
+        )
 
     try:
         return FileCluster(scheduler)
@@ -241,12 +238,11 @@ def _varied(
         raise failed("Results of --vary are Parquet: pip install 'torsionbook[parquet]'") from None
     if table.resolve() == (out / "results.parquet").resolve():
         raise typer.BadParameter(
-            f"Results would be written to {table}, which is the table itself. Name another folder with "
-            "--out."
+            f"Results would overwrite the table {table}. Name another folder with --out."
         )
     if (place := next(in_the_way(out, as_csv), None)) is not None:
         raise typer.BadParameter(
-            f"{place} is there already, and torsionbook did not write it: results of --vary would replace "
+            f"{place} exists and was not written by torsionbook: results of --vary would replace "
             "it. Rename it, or name another folder with --out."
         )
     began = time.monotonic()
@@ -280,13 +276,12 @@ def _varied(
     for reason in done.reasons:
         typer.echo(reason, err=True)
     counts = ", ".join(f"{count:,} {outcome}" for outcome, count in done.outcomes.items())
-    kept = f" ({done.kept:,} of them by an earlier run)" if done.kept else ""
+    kept = f" ({done.kept:,} of them in an earlier run)" if done.kept else ""
     left = f", {done.rows - reached:,} not begun" if reached < done.rows else ""
     typer.echo(
         f"{done.rows:,} row{'' if done.rows == 1 else 's'} in {_duration(time.monotonic() - began)}: {counts}{left}{kept}."
     )
-    for file in filter(None, (done.result, done.csv)):
-        typer.echo(f"written: {file}")
+    print_written(filter(None, (done.result, done.csv)))
     if stop.asked and reached < done.rows:
         typer.echo(f"Interrupted. {_AGAIN}", err=True)
         return INTERRUPTED
@@ -296,7 +291,7 @@ def _varied(
 def _named(inputs: Sequence[Input]) -> str:
     """How many files were named, and the first of them."""
     if len(inputs) == 1:
-        return "--watch is asked for"
+        return "--watch is given"
     some = ", ".join(one.name for one in inputs[:3])
     return f"{len(inputs)} files are named ({some}{', ...' if len(inputs) > 3 else ''})"
 
@@ -304,9 +299,9 @@ def _named(inputs: Sequence[Input]) -> str:
 def _check_json_folder(json: Path, vary: Path | None) -> None:
     """What would keep JSON from being written, said before anything is calculated."""
     if vary is not None:
-        raise typer.BadParameter("--json is of a batch of files; results of --vary are Parquet.")
+        raise typer.BadParameter("--json needs a batch of files; results of --vary are Parquet.")
     if json.suffix.lower() == ".json" and not json.is_dir():
-        raise typer.BadParameter(f"--json is '{json}'; in a batch it names a folder.")
+        raise typer.BadParameter(f"--json is '{json}'; in a batch it must name a folder.")
     try:
         json.mkdir(parents=True, exist_ok=True)
     except OSError as wrong:
@@ -315,7 +310,7 @@ def _check_json_folder(json: Path, vary: Path | None) -> None:
             f"The folder {json} cannot be made ({why}). Name another with --json."
         ) from wrong
     if not os.access(json, os.W_OK):
-        raise failed(f"{json} may not be written. Name another folder with --json.")
+        raise failed(f"{json} is not writable. Name another folder with --json.")
 
 
 def _summary_file(summary: Path | None, out: Path, *, written: bool) -> Path:
@@ -327,8 +322,7 @@ def _summary_file(summary: Path | None, out: Path, *, written: bool) -> Path:
     for place, is_ours in ((book, is_summary), (book.with_suffix(".csv"), is_summary_csv)):
         if written and place.exists() and not is_ours(place):
             raise typer.BadParameter(
-                f"{place} is there already, and it is no summary of a batch. Choose another name for "
-                "--summary."
+                f"{place} exists and is not a batch summary. Choose another name for --summary."
             )
     return book
 
@@ -352,7 +346,7 @@ def _processed(work: Batch, inputs: Sequence[Input], stop: Stop) -> str:
     try:
         work.process(inputs)
     except Abandoned:
-        return f"Interrupted; files that were being calculated were stopped. {_AGAIN}"
+        return f"Interrupted; unfinished calculations were stopped. {_AGAIN}"
     except Stopped as wrong:
         stop.reason = stop.reason or str(wrong)
     if stop.reason:
@@ -382,7 +376,7 @@ def _watched(
             )
         _summarised(book, _rows(work, list(everything.values())), work.overrides)
 
-    typer.echo("Watching; Ctrl-C ends it.")
+    typer.echo("Watching for saved files; stop with Ctrl-C.")
     try:
         Watch(work, find, after).run(inputs)
     except Abandoned:
@@ -438,9 +432,9 @@ def _say(
         typer.echo(f"... and {len(failed) - _LISTED} more; the summary lists all.", err=True)
     seconds = time.monotonic() - began
     counts = _counts(records)
-    kept = f" ({work.kept} of them by an earlier batch)" if work.kept else ""
+    kept = f" ({work.kept} of them in an earlier batch)" if work.kept else ""
     same = sum(bool(one.same_as) for one in records)
-    shared = f" {same} had a case that another file states too, calculated once." if same else ""
+    shared = f" {same} had the same case as another file, calculated once." if same else ""
     files = "1 file" if len(records) == 1 else f"{len(records)} files"
     typer.echo(f"{files} in {_duration(seconds)}: {counts}{kept}.{shared}")
     verdicts = Counter(one.verdict for one in records if one.done)
@@ -449,8 +443,7 @@ def _say(
         typer.echo(f"Verdicts: {told}.")
     if ended:
         typer.echo(ended, err=True)
-    for path in written:
-        typer.echo(f"written: {path}")
+    print_written(written)
 
 
 def _duration(seconds: float) -> str:
@@ -471,11 +464,38 @@ def _status(
     return status.DONE
 
 
+class _Lines(Listener):
+    """How far a batch is, as lines for a log."""
+
+    def begin(self, stage: str, total: int) -> None:
+        self.stage, self.total, self.count = stage, total, 0
+        self.began = self.last_line = time.monotonic()
+        self.wait = _FIRST
+
+    def note(self, sentence: str) -> None:
+        typer.echo(sentence, err=True)
+
+    def advance(self, record: Record | None) -> None:
+        self.count += 1
+        now = time.monotonic()
+        # The last file has a line where others had one, so that the count comes to its end.
+        last = self.count == self.total and self.wait > _FIRST
+        if now - self.last_line < self.wait and not last:
+            return
+        self.last_line, self.wait = now, min(2.0 * self.wait, _SAYS)
+        rate = self.count / (now - self.began)
+        left = _duration((self.total - self.count) / rate)
+        typer.echo(
+            f"{time.strftime('%H:%M:%S')} {self.stage}: {self.count:,} of {self.total:,}, {rate:.1f}/s, {left} left",
+            err=True,
+        )
+
+
 @contextmanager
 def _progress() -> Iterator[Listener]:
     """A bar with rate and time left where somebody watches, else a line now and then."""
     if not sys.stderr.isatty():
-        yield _lines()
+        yield _Lines()
         return
     from rich.console import Console
     from rich.progress import (
@@ -513,33 +533,3 @@ def _progress() -> Iterator[Listener]:
                 shown.update(self.task, rate=rate, bad=f"{self.bad} not done" if self.bad else "")
 
         yield Bar()
-
-
-def _lines() -> Listener:
-    """How far a batch is, as lines for a log."""
-
-    class Lines(Listener):
-        def begin(self, stage: str, total: int) -> None:
-            self.stage, self.total, self.count = stage, total, 0
-            self.began = self.said = time.monotonic()
-            self.wait = _FIRST
-
-        def note(self, sentence: str) -> None:
-            typer.echo(sentence, err=True)
-
-        def advance(self, record: Record | None) -> None:
-            self.count += 1
-            now = time.monotonic()
-            # The last file is told where others were, so that the count does not stand still.
-            last = self.count == self.total and self.wait > _FIRST
-            if now - self.said < self.wait and not last:
-                return
-            self.said, self.wait = now, min(2.0 * self.wait, _SAYS)
-            rate = self.count / (now - self.began)
-            left = _duration((self.total - self.count) / rate)
-            typer.echo(
-                f"{time.strftime('%H:%M:%S')} {self.stage}: {self.count:,} of {self.total:,}, {rate:.1f}/s, {left} left",
-                err=True,
-            )
-
-    return Lines()

@@ -34,6 +34,6 @@ def check(files: Files) -> None:
         else:
             typer.echo(f"{file}: no errors.")
             if open_answers := missing_inputs(read.case()):  # type: ignore[union-attr]
-                typer.echo(f"  Not answered yet. {' '.join(open_answers)}")
+                typer.echo(f"  Not yet available: {' '.join(open_answers)}")
     if wrong:
         raise typer.Exit(WRONG_INPUT)

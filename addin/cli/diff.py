@@ -9,12 +9,11 @@ import typer
 
 from addin.cli.diff_view import show
 from addin.cli.status import WRONG_INPUT
-from addin.diff.changes import Differences
+from addin.cli.terminal import print_written, writing
 from addin.diff.compare import compare_files
 from addin.diff.files import CannotBeCompared
 from addin.diff.wording import as_json
 from addin.diff.workbook import write_book
-from addin.reading.one_file import file_problem
 from addin.xlsx.whole_files import write_json
 
 
@@ -22,19 +21,23 @@ def diff(
     a: Annotated[
         Path, typer.Argument(help="Workbook, case JSON or result JSON.", show_default=False)
     ],
-    b: Annotated[Path, typer.Argument(help="The same, newer.", show_default=False)],
+    b: Annotated[
+        Path, typer.Argument(help="Newer workbook, case JSON or result JSON.", show_default=False)
+    ],
     xlsx: Annotated[Path | None, typer.Option(help="Also write it as a workbook.")] = None,
     json: Annotated[Path | None, typer.Option(help="Also write it as JSON, in SI.")] = None,
     recalculate: Annotated[
         bool,
-        typer.Option("--recalculate", help="Calculate both, whatever results the files hold."),
+        typer.Option(
+            "--recalculate", help="Recalculate both files and ignore their stored results."
+        ),
     ] = False,
     everything: Annotated[bool, typer.Option("--all", help="Show every changed result.")] = False,
     strict: Annotated[
         bool, typer.Option("--strict", help="Exit with 1 if an input or a result differs.")
     ] = False,
 ) -> None:
-    """Inputs and results of two files side by side: what changed, and what it did.
+    """Compare inputs and results of two files: changed inputs and their effect on results.
 
     Rows are matched by station, element, mode and excitation; the same quantity in another unit is
     no change. Results are those in the files where they belong to the inputs, else calculated.
@@ -46,29 +49,21 @@ def diff(
     sources = {a.resolve(), b.resolve()}
     for target in (xlsx, json):
         if target is not None and target.resolve() in sources:
-            raise typer.BadParameter(f"{target} is an input itself. Choose another name.")
+            raise typer.BadParameter(f"{target} is one of the inputs. Choose another name.")
     try:
-        found = compare_files(a, b, recalculate=recalculate)
+        differences = compare_files(a, b, recalculate=recalculate)
     except CannotBeCompared as wrong:
         typer.echo(f"{wrong.source}: cannot be compared:", err=True)
         for problem in wrong.problems:
             typer.echo(f"  {problem.message}", err=True)
         raise typer.Exit(WRONG_INPUT) from wrong
-    written: list[Path] = []
-    try:
-        for target, write in ((xlsx, write_book), (json, _write_json)):
-            if target is not None:
-                written.append(target)
-                write(found, target)
-    except OSError as wrong:
-        typer.echo(file_problem(written[-1], wrong).message, err=True)
-        raise typer.Exit(WRONG_INPUT) from wrong
-    show(found, everything)
-    for path in written:
-        typer.echo(f"written: {path}")
-    if strict and found.anything:
+    if xlsx is not None:
+        with writing(xlsx):
+            write_book(differences, xlsx)
+    if json is not None:
+        with writing(json):
+            write_json(json, as_json(differences))
+    show(differences, everything)
+    print_written(target for target in (xlsx, json) if target is not None)
+    if strict and differences.anything:
         raise typer.Exit(WRONG_INPUT)
-
-
-def _write_json(found: Differences, target: Path) -> None:
-    write_json(target, as_json(found))

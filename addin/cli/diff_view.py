@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Sequence
 
 from rich.console import Console
 from rich.table import Table
@@ -19,9 +19,7 @@ _WIDTH = 120
 
 def show(found: Differences, everything: bool = False) -> None:
     """Print the differences: verdicts first, then inputs, then results."""
-    console = Console()
-    if console.width < _WIDTH:
-        console = Console(width=_WIDTH)
+    console = Console(width=max(Console().width, _WIDTH))
     for letter, side in (("A", found.first), ("B", found.second)):
         console.print(_about(letter, side))
     console.print()
@@ -34,7 +32,7 @@ def show(found: Differences, everything: bool = False) -> None:
 def _about(letter: str, side: ComparedFile) -> Text:
     text = Text(f"{letter}  {side.source}", style="bold")
     if side.revision:
-        text.append(f"   {side.revision}", style="")
+        text.append(f"   {side.revision}")
     text.append(f"\n   results {side.results_from}; {side.software}", style="dim")
     if side.settings:
         words = ", ".join(f"{name} = {value}" for name, value in side.settings.items())
@@ -42,13 +40,12 @@ def _about(letter: str, side: ComparedFile) -> Text:
     return text
 
 
-def _table(title: str, *headers: str, right: Iterable[int] = ()) -> Table:
+def _table(title: str, *headers: str, right: Collection[int] = ()) -> Table:
     table = Table(
         title=title, title_justify="left", title_style="bold", show_edge=False, pad_edge=False
     )
-    aligned = set(right)
     for k, header in enumerate(headers):
-        table.add_column(header, justify="right" if k in aligned else "left", overflow="fold")
+        table.add_column(header, justify="right" if k in right else "left", overflow="fold")
     return table
 
 
@@ -65,18 +62,13 @@ def _verdicts(console: Console, found: Differences) -> None:
     for one in sorted(checks, key=lambda check: not check.changed):
         table.add_row(*_check(one))
     if checks:
-        console.print(table)
-        console.print()
-    if not others:
-        return
+        console.print(table, "")
     table = _table("Other verdicts that changed", "Table", "Row", "Verdict A", "Verdict B")
     for one in others:
-        table.add_row(
-            one.table, one.row, Text(one.before, _colour(one.before)),
-            Text(one.after, _colour(one.after)),
-        )  # fmt: skip
-    console.print(table)
-    console.print()
+        verdicts = (Text(verdict, _colour(verdict)) for verdict in (one.before, one.after))
+        table.add_row(one.table, one.row, *verdicts)
+    if others:
+        console.print(table, "")
 
 
 def _check(one: VerdictChange) -> list[str | Text]:
@@ -93,7 +85,7 @@ def _check(one: VerdictChange) -> list[str | Text]:
 
 def _inputs(console: Console, found: Differences) -> None:
     if found.inputs is None:
-        console.print("Inputs: a result JSON holds none, so that only results are compared.\n")
+        console.print("Inputs: not compared, because a result JSON contains none.\n")
         return
     if not found.inputs:
         console.print(f"Inputs: no difference in {found.same_inputs} quantities.\n")
@@ -140,7 +132,7 @@ def _by_table(console: Console, results: Sequence[Change], everything: bool) -> 
 def _further(left: int) -> str:
     if not left:
         return ""
-    return f" {left} further differences: --all shows them, --xlsx and --json hold them."
+    return f" {left} further differences: --all shows them; --xlsx and --json write them."
 
 
 def _studies(console: Console, found: Differences, everything: bool) -> None:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from addin.cli.options import ForceOption, IgnoreLockOption
 from addin.cli.status import WRONG_INPUT, failed
 from addin.excel.doctor import WRONG, examine
 from addin.excel.errors import ExcelError
@@ -20,8 +21,8 @@ excel = typer.Typer(
     help=(
         "Worksheet functions in desktop Excel on Windows, through xlwings.\n\n"
         "`torsionbook excel install train.xlsx` makes train.xlsm with the functions; "
-        "`torsionbook excel doctor train.xlsm` says what is amiss; "
-        "`torsionbook excel upgrade train.xlsm` brings an older one to this version."
+        "`torsionbook excel doctor train.xlsm` finds what is wrong with the installation; "
+        "`torsionbook excel upgrade train.xlsm` updates an older one to this version."
     ),
 )
 
@@ -29,13 +30,10 @@ File = Annotated[Path, typer.Argument(help="The workbook.", show_default=False)]
 Interpreter = Annotated[
     str,
     typer.Option(
-        help="Full path of pythonw.exe for the workbook; default the one it names, else this one "
-        "(elsewhere than on Windows the place the documentation installs it to).",
+        help="Full path of pythonw.exe for the workbook; default: the path in the workbook, else "
+        "this Python (on other systems than Windows, the path given in the documentation).",
         show_default=False,
     ),
-]
-IgnoreLock = Annotated[
-    bool, typer.Option("--ignore-lock", help="Go on although a lock file is there.")
 ]
 
 
@@ -46,8 +44,8 @@ def install(
         Path | None, typer.Option(help="The .xlsm to write; default beside the workbook.")
     ] = None,
     interpreter: Interpreter = "",
-    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
-    ignore_lock: IgnoreLock = False,
+    force: ForceOption = False,
+    ignore_lock: IgnoreLockOption = False,
 ) -> None:
     """Give a workbook the functions: FILE.xlsx becomes FILE.xlsm; FILE itself stays.
 
@@ -58,18 +56,20 @@ def install(
     target = out or file.with_suffix(".xlsm")
     if target.exists() and target.resolve() == file.resolve():
         raise typer.BadParameter(
-            f"{target} is the workbook itself. Name another with --out, or use: "
+            f"{target} is the input workbook. Name another with --out, or use: "
             f"torsionbook excel upgrade {file}"
         )
     if target.exists() and not force:
-        raise failed(f"{target} is there already. Name another with --out, or say --force.")
+        raise failed(f"{target} exists. Name another with --out, or use --force.")
     report = _written(file, target, interpreter, ignore_lock)
     typer.echo(f"written: {report.path}")
     typer.echo("On the computer with Excel: torsionbook excel doctor " + str(report.path))
 
 
 @excel.command()
-def upgrade(file: File, interpreter: Interpreter = "", ignore_lock: IgnoreLock = False) -> None:
+def upgrade(
+    file: File, interpreter: Interpreter = "", ignore_lock: IgnoreLockOption = False
+) -> None:
     """Bring the functions of an .xlsm to this version; it stays as FILE.bak, then .bak2 and so on.
 
     Its own macros, its sheets and the Python it names stay as they are.
@@ -77,10 +77,12 @@ def upgrade(file: File, interpreter: Interpreter = "", ignore_lock: IgnoreLock =
     Example: `torsionbook excel upgrade train.xlsm`
     """
     if file.suffix.lower() != ".xlsm":
-        raise typer.BadParameter(f"{file} is no .xlsm. First: torsionbook excel install {file}")
+        raise typer.BadParameter(
+            f"{file} is not an .xlsm file. Run first: torsionbook excel install {file}"
+        )
     report = _written(file, None, interpreter, ignore_lock)
     typer.echo(f"written: {report.path}")
-    typer.echo(f"as it was: {report.backup}")
+    typer.echo(f"backup: {report.backup}")
 
 
 @excel.command()
@@ -89,12 +91,12 @@ def doctor(file: File) -> None:
 
     Example: `torsionbook excel doctor train.xlsm`
     """
-    found = examine(file)
-    for check in found:
+    checks = examine(file)
+    for check in checks:
         typer.echo(f"[{check.state}] {check.what}: {check.found}")
         if check.advice:
             typer.echo(f"    {check.advice}")
-    if any(check.state == WRONG for check in found):
+    if any(check.state == WRONG for check in checks):
         raise typer.Exit(WRONG_INPUT)
 
 

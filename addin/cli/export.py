@@ -7,10 +7,8 @@ from typing import Annotated
 
 import typer
 
-from addin.cli.status import WRONG_INPUT, Refused
-from addin.cli.terminal import list_problems
+from addin.cli.terminal import read_or_stop, writing
 from addin.reading.case_json import case_to_json
-from addin.reading.one_file import Unreadable, file_problem, read_checked
 from addin.xlsx.whole_files import write_json
 
 
@@ -22,12 +20,7 @@ def export(
 
     Example: `torsionbook export train.xlsx case.json`
     """
-    read = read_checked(file)
-    if isinstance(read, Unreadable) or read.problems:
-        list_problems(file, read.problems)
-        raise typer.Exit(WRONG_INPUT)
-    try:
+    read = read_or_stop(file)
+    with writing(case):
         write_json(case, case_to_json(read.data))
-    except OSError as wrong:
-        raise Refused(file_problem(case, wrong).message) from wrong
     typer.echo(f"{case} is written.")

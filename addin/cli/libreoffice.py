@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from addin.cli.options import ForceOption
 from addin.cli.status import failed
 from addin.libreoffice.oxt import extension, worker_command
 
@@ -16,7 +17,8 @@ calc = typer.Typer(
     rich_markup_mode="markdown",
     help=(
         "Worksheet functions in LibreOffice Calc.\n\n"
-        "`torsionbook calc install` writes torsionbook.oxt, an extension to be added to LibreOffice."
+        "`torsionbook calc install` writes torsionbook.oxt, an extension to be added to "
+        "LibreOffice."
     ),
 )
 
@@ -28,8 +30,10 @@ def _group() -> None:
 
 @calc.command()
 def install(
-    to: Annotated[Path, typer.Option("--to", help="The .oxt to write.")] = Path("torsionbook.oxt"),
-    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+    to: Annotated[Path, typer.Option("--to", help="The .oxt file to write.")] = Path(
+        "torsionbook.oxt"
+    ),
+    force: ForceOption = False,
 ) -> None:
     """Write the extension for LibreOffice and say how to add it.
 
@@ -40,7 +44,7 @@ def install(
     if to.suffix.lower() != ".oxt":
         raise typer.BadParameter(f"'{to}' must end in .oxt.")
     if to.exists() and not force:
-        raise failed(f"{to} is there already. Name another with --to, or say --force.")
+        raise failed(f"{to} exists. Name another with --to, or use --force.")
 
     try:
         to.write_bytes(extension(worker_command()))
@@ -48,6 +52,7 @@ def install(
         raise failed(f"{to}: {wrong.strerror or wrong}. Nothing was written.") from wrong
     typer.echo(f"written: {to}")
     typer.echo(
-        "In LibreOffice: Tools, Extensions (Extension Manager), Add, choose this file; restart."
+        "In LibreOffice choose Tools, Extensions (Extension Manager), Add; select this file; "
+        "restart LibreOffice."
     )
-    typer.echo(f"Or, with LibreOffice closed: unopkg add --force {to}")
+    typer.echo(f"Alternatively, with LibreOffice closed: unopkg add --force {to}")

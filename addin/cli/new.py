@@ -10,13 +10,12 @@ from typing import Annotated
 
 import typer
 
-from addin.cli.options import check_choice
-from addin.cli.status import WRONG_INPUT, Refused
-from addin.cli.terminal import list_problems
+from addin.cli.options import ForceOption, check_choice
+from addin.cli.status import failed
+from addin.cli.terminal import read_or_stop, writing
 from addin.contract.shipped import template_path
 from addin.excel.errors import ExcelError
 from addin.excel.workbook import install
-from addin.reading.one_file import Unreadable, file_problem, read_checked
 from addin.template.build import build_template
 from addin.template.examples import Example
 from addin.template.filled import MixedUnits, example_of
@@ -29,18 +28,20 @@ def new(
     example: Annotated[
         str | None,
         typer.Option(
-            help="Instead of a blank template a filled one: the paper's case proposed or modified, "
-            "or backlash, the proposed one with gear clearance, bearings and pull-in."
+            help="A filled example instead of a blank template: proposed or modified (the two "
+            "designs of the paper, Szenasi & von Nimitz 1978), or backlash (proposed, with gear "
+            "clearance, bearings and pull-in)."
         ),
     ] = None,
     variant: Annotated[
         str | None,
         typer.Option(
             "--for",
-            help="Which program it is for: files (the usual, without functions), excel (an .xlsm: "
-            "desktop Excel on Windows, functions through xlwings), server (Excel anywhere, functions "
-            "from torsionbook serve) or calc (LibreOffice). All but the first have a sheet Live that "
-            "shows modes and margins of what is typed. An .xlsm is for excel.",
+            help="Program that will use the workbook: files (default, without functions), excel "
+            "(.xlsm for desktop Excel on Windows, functions through xlwings), server (Excel "
+            "anywhere, functions from torsionbook serve) or calc (LibreOffice). All except files "
+            "have a sheet Live with modes and margins of the typed inputs. A file name with .xlsm "
+            "implies excel.",
             show_default=False,
         ),
     ] = None,
@@ -48,7 +49,8 @@ def new(
         bool,
         typer.Option(
             "--studies",
-            help="With the sheets of the studies: tuning, tolerances, start matrix, calibration.",
+            help="Include the sheets of the studies: tuning, tolerances, start matrix, "
+            "calibration.",
         ),
     ] = False,
     source: Annotated[
@@ -56,12 +58,12 @@ def new(
         typer.Option(
             "--from",
             metavar="FILE",
-            help="Fill in the inputs of this workbook or case JSON, as they are typed there.",
+            help="Copy the inputs of this workbook or case JSON as typed.",
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+    force: ForceOption = False,
 ) -> None:
-    """Make a workbook to fill in, one of the filled examples, or one with the inputs of another.
+    """Make a workbook: blank, a filled example, or with the inputs of an existing file.
 
     Examples: `torsionbook new train.xlsx --units si`; `torsionbook new train.xlsm --example proposed`;
     `torsionbook new more.xlsx --from train.xlsx --studies`
@@ -74,37 +76,31 @@ def new(
     check_choice("--for", variant, tuple(VARIANTS))
     chosen = VARIANTS[variant]
     if file.suffix.lower() != chosen.suffix:
-        more = " (or say --for excel)" if chosen.suffix == ".xlsx" else ""
+        more = " (or use --for excel)" if chosen.suffix == ".xlsx" else ""
         raise typer.BadParameter(f"'{file}' must end in {chosen.suffix}{more}.")
     if file.exists() and not force:
-        raise Refused(
-            f"{file} is there already. Choose another name, or say --force to replace it."
-        )
+        raise failed(f"{file} exists. Choose another name, or use --force to replace it.")
     if not file.parent.is_dir():
-        raise Refused(f"The folder {file.parent} does not exist. Make it first.")
+        raise failed(f"The folder {file.parent} does not exist. Create it first.")
     filled = example if source is None else _filled(source, units, example)
 
     try:
-        make_workbook(file, "us" if example else units, filled, chosen, studies=studies)
-    except OSError as wrong:
-        raise Refused(file_problem(file, wrong).message) from wrong
+        with writing(file):
+            make_workbook(file, "us" if example else units, filled, chosen, studies=studies)
     except ExcelError as wrong:
-        raise Refused(f"{file}: {wrong}") from wrong
+        raise failed(f"{file}: {wrong}") from wrong
     typer.echo(f"{file} is ready. Fill in the yellow cells, then: torsionbook recalc {file}")
 
 
 def _filled(source: Path, units: str, example: str | None) -> Example:
     """The inputs of another file, as they are typed there."""
     if example is not None:
-        raise typer.BadParameter("--from and --example exclude each other.")
-    read = read_checked(source)
-    if isinstance(read, Unreadable) or read.problems:
-        list_problems(source, read.problems)
-        raise typer.Exit(WRONG_INPUT)
+        raise typer.BadParameter("Use either --from or --example, not both.")
+    read = read_or_stop(source)
     try:
         return example_of(read, units)
     except MixedUnits as wrong:
-        raise Refused(f"{source}: {wrong}") from wrong
+        raise failed(f"{source}: {wrong}") from wrong
 
 
 def make_workbook(

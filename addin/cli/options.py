@@ -26,18 +26,30 @@ JsonOption = Annotated[
 ]
 JobsOption = Annotated[
     int | None,
-    typer.Option("--jobs", min=1, help="Processes; default one a core.", show_default=False),
+    typer.Option(
+        "--jobs", min=1, help="Number of processes; default: one per core.", show_default=False
+    ),
 ]
 SchedulerOption = Annotated[
     str | None,
     typer.Option(
         "--scheduler",
         metavar="ADDRESS",
-        help="Give the work to the Dask cluster with this scheduler, such as tcp://host:8786.",
+        help="Calculate on the Dask cluster with this scheduler, such as tcp://host:8786.",
     ),
 ]
-IgnoreLockOption = Annotated[
-    bool, typer.Option("--ignore-lock", help="Go on although a lock file is there.")
+IgnoreLockOption = Annotated[bool, typer.Option("--ignore-lock", help="Ignore lock files.")]
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
+StrictOption = Annotated[bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")]
+MethodOption = Annotated[
+    str | None,
+    typer.Option("--method", help="exponential (default) or newmark (average acceleration)."),
+]
+ToleranceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--tolerance", help="Wanted relative error of peak torques, such as 0.001 or 0.1%."
+    ),
 ]
 
 

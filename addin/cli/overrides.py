@@ -26,7 +26,7 @@ def case_overrides(method: str | None, tolerance: str | None) -> dict[str, Any]:
             ) from None
         if not LEAST_TOLERANCE_PEAK <= value <= 0.5:
             raise typer.BadParameter(
-                f"--tolerance is {value:g}; it must lie between {LEAST_TOLERANCE_PEAK:g} and 0.5 "
+                f"--tolerance is {value:g}; it must be between {LEAST_TOLERANCE_PEAK:g} and 0.5 "
                 f"(50 %). Peak torques are calculated to {LEAST_PEAK_ERROR:g} at best."
             )
         settings["tolerance_peak"] = value

@@ -4,17 +4,32 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from addin.calculation.key_figures import key_figures
-from addin.cli.options import Files
+from addin.cli.options import (
+    Files,
+    IgnoreLockOption,
+    InPlaceOption,
+    MethodOption,
+    StrictOption,
+    ToleranceOption,
+)
 from addin.cli.overrides import case_overrides
 from addin.cli.status import WRONG_INPUT
-from addin.cli.terminal import list_problems, progress, refuse_clashes
+from addin.cli.terminal import (
+    TABLE_WIDTH,
+    list_problems,
+    print_table,
+    print_written,
+    progress,
+    refuse_clashes,
+    stages_of,
+)
 from addin.contract.problems import printable
 from addin.writing.history_file import history_stems
 from addin.writing.recalculate import PreparedInput, RecalculationOutcome, beside, recalculate
@@ -26,25 +41,15 @@ def recalc(
     out: Annotated[
         Path | None, typer.Option(help="Folder for the results; default beside each input.")
     ] = None,
-    in_place: Annotated[
-        bool, typer.Option("--in-place", help="Write into the workbook itself; keeps a .bak copy.")
-    ] = False,
+    in_place: InPlaceOption = False,
     json: Annotated[
         Path | None,
         typer.Option(help="Also write results as JSON: a file, or a folder for several inputs."),
     ] = None,
-    method: Annotated[
-        str | None, typer.Option(help="exponential (default) or newmark, the paper's method.")
-    ] = None,
-    tolerance: Annotated[
-        str | None, typer.Option(help="Wanted error of peak torques, such as 0.001 or 0.1%.")
-    ] = None,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="Exit with 1 if a verdict fails.")
-    ] = False,
-    ignore_lock: Annotated[
-        bool, typer.Option("--ignore-lock", help="Go on although a lock file is there.")
-    ] = False,
+    method: MethodOption = None,
+    tolerance: ToleranceOption = None,
+    strict: StrictOption = False,
+    ignore_lock: IgnoreLockOption = False,
 ) -> None:
     """Calculate workbooks or case JSON files and write their results.
 
@@ -52,19 +57,25 @@ def recalc(
     `torsionbook recalc *.xlsx --out results --json results` calculates a folder.
     """
     if out is not None and in_place:
-        raise typer.BadParameter("--out and --in-place exclude each other.")
+        raise typer.BadParameter("Use either --out or --in-place, not both.")
     overrides = case_overrides(method, tolerance)
     targets = [_targets(file, out, json, len(files) > 1) for file in files]
     refuse_clashes(files, targets, in_place)
     histories = _histories(files, targets, in_place)
-    done: list[RecalculationOutcome] = []
     with progress() as tell:
-        for file, (target, json_file), history in zip(files, targets, histories, strict=True):
-            done.append(
-                _recalculate(
-                    file, target, json_file, in_place, overrides, ignore_lock, tell, history
-                )
+        done = [
+            recalculate(
+                file,
+                destination=target,
+                in_place=in_place,
+                json_file=json_file,
+                overrides=overrides,
+                ignore_lock=ignore_lock,
+                on_stage=stages_of(file, tell),
+                prepared=PreparedInput(history=history),
             )
+            for file, (target, json_file), history in zip(files, targets, histories, strict=True)
+        ]
     for one in done:
         list_problems(one.source, one.problems, bool(one.written))
         for sentence in one.warnings:
@@ -89,29 +100,6 @@ def _targets(
     return destination, json_file
 
 
-def _recalculate(
-    file: Path,
-    destination: Path | None,
-    json_file: Path | None,
-    in_place: bool,
-    overrides: dict[str, Any],
-    ignore_lock: bool,
-    tell: Callable[[str], None],
-    history: str,
-) -> RecalculationOutcome:
-
-    return recalculate(
-        file,
-        destination=destination,
-        in_place=in_place,
-        json_file=json_file,
-        overrides=overrides,
-        ignore_lock=ignore_lock,
-        on_stage=lambda stage: tell(f"{file.name}: {stage}"),
-        prepared=PreparedInput(history=history),
-    )
-
-
 def _histories(
     files: Sequence[Path], targets: Sequence[tuple[Path | None, Path | None]], in_place: bool
 ) -> list[str]:
@@ -130,57 +118,44 @@ def _overall(one: RecalculationOutcome) -> str:
     return next(v.verdict for v in one.calculation.results.verdicts)
 
 
-#: A terminal narrower than this gets the summary as lines instead of a table.
-TABLE_WIDTH = 110
-
-
 def _summary(done: Sequence[RecalculationOutcome]) -> None:
     """The end of a run: file, first modes, worst margin, peak, start, starts, verdict."""
-    shown = [one for one in done if one.calculation is not None]
-    if not shown:
+    calculated = [one for one in done if one.calculation is not None]
+    if not calculated:
         return
-
     headers = ("First modes [Hz]", "Worst margin", "Largest peak", "Start", "Starts", "Verdict")
     rows = [
-        (one.source.name, [printable(cell) for cell in (*_summary_cells(one), _overall(one))])
-        for one in shown
+        [one.source.name, *(printable(cell) for cell in (*_summary_cells(one), _overall(one)))]
+        for one in calculated
     ]
     if shutil.get_terminal_size().columns >= TABLE_WIDTH:
-        from rich.console import Console
-        from rich.table import Table
-
-        table = Table("File", *headers, show_edge=False, pad_edge=False)
-        for name, cells in rows:
-            table.add_row(name, *cells)
-        Console(width=max(Console().width, TABLE_WIDTH)).print(table)
+        print_table([(header, "text") for header in ("File", *headers)], rows)
     else:
-        for name, cells in rows:
+        for name, *cells in rows:
             typer.echo(name)
             for header, cell in zip(headers, cells, strict=True):
                 typer.echo(f"  {header:<17} {cell}")
-    for one in shown:
-        for path in one.written:
-            typer.echo(f"written: {path}")
+    print_written(path for one in calculated for path in one.written)
 
 
 def _summary_cells(one: RecalculationOutcome) -> list[str]:
     assert one.calculation is not None
 
     calculation = one.calculation
-    shown = key_figures(calculation.results, calculation.tables.get("StartupPeaks", ()))
-    modes = ", ".join(f"{f:.4g}" for f in shown.frequencies)
+    figures = key_figures(calculation.results, calculation.tables.get("StartupPeaks", ()))
+    modes = ", ".join(f"{f:.4g}" for f in figures.frequencies)
     margin, peak, starts = "–", "–", "–"
-    if shown.margin is not None:
-        margin = f"{100 * shown.margin:.1f} % (mode {shown.margin_mode})"
-    if shown.peak_over_rated is not None:
-        peak = f"{shown.peak_over_rated:.2f} × rated, {shown.peak_where}"
-    elif shown.peak_torque is not None:
-        peak = f"{shown.peak_torque:.4g} N m {shown.peak_where}"
-    if shown.starts_not_judged:
+    if figures.margin is not None:
+        margin = f"{100 * figures.margin:.1f} % (mode {figures.margin_mode})"
+    if figures.peak_over_rated is not None:
+        peak = f"{figures.peak_over_rated:.2f} × rated, {figures.peak_where}"
+    elif figures.peak_torque is not None:
+        peak = f"{figures.peak_torque:.4g} N m {figures.peak_where}"
+    if figures.starts_not_judged:
         starts = NoNumber.NOT_JUDGED
-    elif shown.starts_unlimited:
+    elif figures.starts_unlimited:
         starts = NoNumber.UNLIMITED
-    elif shown.starts is not None:
-        starts = f"{math.floor(shown.starts):,}"
-    outcome = "–" if one.calculation.results.start is None else shown.outcome
+    elif figures.starts is not None:
+        starts = f"{math.floor(figures.starts):,}"
+    outcome = "–" if one.calculation.results.start is None else figures.outcome
     return [modes, margin, peak, outcome, starts]

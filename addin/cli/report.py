@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
+from addin.cli.options import ForceOption
 from addin.cli.status import WRONG_INPUT, failed
-from addin.cli.terminal import list_problems, progress
-from addin.reading.one_file import file_problem
+from addin.cli.terminal import list_problems, print_written, progress, stages_of, writing
 from addin.report.make import report as make
 
 #: What each form of the report is made with; matplotlib draws the figures of both.
@@ -26,12 +26,12 @@ def report(
     against: Annotated[
         Path | None,
         typer.Option(
-            help="An earlier revision (workbook, case or result JSON): a section says what changed "
-            "since, and what that did.",
+            help="Earlier revision (workbook, case or result JSON); adds a section with the "
+            "changes and their effect on results.",
             show_default=False,
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+    force: ForceOption = False,
 ) -> None:
     """Write the calc sheet as a document: PDF, Word, or both.
 
@@ -43,35 +43,25 @@ def report(
     """
     wanted = {name: path for name, path in (("pdf", pdf), ("docx", docx)) if path is not None}
     if not wanted:
-        raise typer.BadParameter("say where to: --pdf OUT.pdf, --docx OUT.docx, or both.")
+        raise typer.BadParameter("Name an output: --pdf OUT.pdf, --docx OUT.docx, or both.")
     for name, path in wanted.items():
         if path.suffix.lower() != f".{name}":
             raise typer.BadParameter(f"'{path}' must end in .{name}.")
     if against is not None and against.resolve() == file.resolve():
         raise typer.BadParameter(
-            f"--against is {against}, the file itself. Name an earlier revision of it."
+            f"--against is {against}, the same file. Name an earlier revision of it."
         )
     for name, path in wanted.items():
         _refuse(name, path, force)
 
-    try:
-        with progress() as tell:
-            done = make(
-                file,
-                pdf=pdf,
-                docx=docx,
-                against=against,
-                on_stage=lambda stage: tell(f"{file.name}: {stage}"),
-            )
-    except OSError as wrong:
-        raise failed(file_problem(next(iter(wanted.values())), wrong).message) from wrong
+    with writing(next(iter(wanted.values()))), progress() as tell:
+        done = make(file, pdf=pdf, docx=docx, against=against, on_stage=stages_of(file, tell))
     for sentence in done.notes:
         typer.echo(f"{file}: note: {sentence}", err=True)
     if done.problems:
         list_problems(done.wrong or file, done.problems)
         raise typer.Exit(WRONG_INPUT)
-    for path in done.written:
-        typer.echo(f"written: {path}")
+    print_written(done.written)
 
 
 def _refuse(name: str, path: Path, force: bool) -> None:
@@ -79,12 +69,12 @@ def _refuse(name: str, path: Path, force: bool) -> None:
     missing = [one for one in PACKAGES[name] if importlib.util.find_spec(one) is None]
     if missing:
         raise failed(
-            "The packages that make a report are not installed. Install them: "
+            "The packages for reports are not installed. Install them: "
             "pip install torsionbook[report]"
         )
     if path.is_dir():
-        raise failed(f"{path} is a folder; name the file to write.")
+        raise failed(f"{path} is a folder; name a file.")
     if not path.parent.is_dir():
-        raise failed(f"The folder {path.parent} does not exist. Make it first.")
+        raise failed(f"The folder {path.parent} does not exist. Create it first.")
     if path.exists() and not force:
-        raise failed(f"{path} is there already. Choose another name, or say --force to replace it.")
+        raise failed(f"{path} exists. Choose another name, or use --force to replace it.")

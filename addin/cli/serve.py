@@ -25,7 +25,7 @@ GRACE = 3
 
 def serve(
     host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="Port; 0 takes any that is free.")] = 8765,
+    port: Annotated[int, typer.Option(help="Port; 0 = any free port.")] = 8765,
     cert: Annotated[Path | None, typer.Option(help="Certificate chain in PEM, for HTTPS.")] = None,
     key: Annotated[Path | None, typer.Option(help="Its private key in PEM.")] = None,
     api_key_file: Annotated[
@@ -35,7 +35,7 @@ def serve(
         str, typer.Option(help="The address users have, where a proxy stands in front.")
     ] = "",
     workers: Annotated[
-        int | None, typer.Option(help="Processes for starts; default one less than the cores.")
+        int | None, typer.Option(help="Processes for starts; default: number of cores minus one.")
     ] = None,
 ) -> None:
     """Serve the worksheet functions, the Office add-in and recalculation over HTTP.

@@ -9,10 +9,6 @@ DONE, WRONG_INPUT, USAGE, INTERNAL = 0, 1, 2, 3
 INTERRUPTED = 130
 
 
-class Refused(Exception):
-    """An input or a file that cannot be used; the sentence is all there is to say."""
-
-
 def failed(sentence: str) -> typer.Exit:
     """Print why a command fails, for the error stream; the exit is to be raised."""
     typer.echo(sentence, err=True)

@@ -20,10 +20,11 @@ from addin.cli.options import (
     SchedulerOption,
     check_choice,
 )
-from addin.cli.status import INTERRUPTED, WRONG_INPUT, Refused
+from addin.cli.status import INTERRUPTED, WRONG_INPUT, failed
 from addin.cli.terminal import (
     list_problems,
     print_table,
+    print_written,
     progress,
     refuse_no_folder,
     refuse_no_place,
@@ -120,24 +121,22 @@ def _run(study: Study, file: Path, given: Mapping[str, Any]) -> None:
             outcome = study_one(study, file, parallel_map, settings, files, on_stage)
     except (Abandoned, Cancelled, KeyboardInterrupt) as ended:
         why = f" {ended.why}" if isinstance(ended, Cancelled) and ended.why else ""
-        typer.echo(f"{file}: ended by Ctrl-C.{why} Nothing was written.", err=True)
+        typer.echo(f"{file}: stopped by Ctrl-C.{why} Nothing was written.", err=True)
         raise typer.Exit(INTERRUPTED) from None
     except (ClusterRefused, Stopped, UnitLost) as wrong:
-        raise Refused(f"{file}: {wrong}") from wrong
+        raise failed(f"{file}: {wrong}") from wrong
     for sentence in outcome.warnings:
         typer.echo(f"{file}: note: {printable(sentence)}", err=True)
     if outcome.result is None:
         list_problems(file, outcome.problems, bool(outcome.written))
         raise typer.Exit(WRONG_INPUT)
     _show(study, outcome.result, options)
-    for path in outcome.written:
-        typer.echo(f"written: {path}")
+    print_written(outcome.written)
     try:
-        for path in study.save(outcome.result, options, file):
-            typer.echo(f"written: {path}")
+        print_written(study.save(outcome.result, options, file))
     except OSError as wrong:
         place = Path(wrong.filename) if isinstance(wrong.filename, str) else file
-        raise Refused(file_problem(place, wrong).message) from wrong
+        raise failed(file_problem(place, wrong).message) from wrong
     if outcome.result.cut_short is not None:
         raise typer.Exit(INTERRUPTED)
 
@@ -150,7 +149,7 @@ def _check_options(study: Study, file: Path, options: Mapping[str, Any]) -> None
             check_choice(f"--{option.name}", value, option.words)
         elif option.kind is Path and value is not None:
             if value.resolve() == file.resolve():
-                raise typer.BadParameter(f"--{option.name} would write over the input.")
+                raise typer.BadParameter(f"--{option.name} would overwrite the input.")
             (refuse_no_folder if option.metavar == "FOLDER" else refuse_no_place)(value)
 
 

@@ -1,22 +1,19 @@
-"""What commands tell in the terminal: progress, problems, refusals."""
+"""What commands print: tables, written files, progress, problems, refusals."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import typer
 
 from addin.calculation.stages import is_compiling
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from addin.contract.problems import CellProblem
-
+from addin.cli.status import WRONG_INPUT, failed
+from addin.contract.problems import CellProblem
+from addin.reading.one_file import Unreadable, file_problem, read_checked
+from addin.reading.typed_case import CaseInput
 
 #: A table on the terminal is at least so wide. [characters]
 TABLE_WIDTH = 110
@@ -41,7 +38,7 @@ def refuse_clashes(
             place = target.resolve()
             if place in sources and not in_place:
                 raise typer.BadParameter(
-                    f"{target} is an input itself. Choose another folder, or say --in-place."
+                    f"{target} is one of the inputs. Choose another folder, or use --in-place."
                 )
             if seen.setdefault(place, file) != file:
                 raise typer.BadParameter(
@@ -86,7 +83,7 @@ def refuse_no_folder(folder: Path | None) -> None:
         return
     for place in (folder, *folder.parents):
         if place.exists() and not place.is_dir():
-            raise typer.BadParameter(f"{place} is a file; a folder is needed there.")
+            raise typer.BadParameter(f"{place} is a file; name a folder.")
 
 
 def study_targets(
@@ -105,7 +102,7 @@ def study_targets(
         If options exclude each other or a result would lie on the input.
     """
     if out is not None and in_place:
-        raise typer.BadParameter("--out and --in-place exclude each other.")
+        raise typer.BadParameter("Use either --out or --in-place, not both.")
     destination = None if out is None else out / file.name
     if json is not None and (json.is_dir() or json == out):
         json = json / f"{file.stem}.{command}.json"
@@ -113,6 +110,41 @@ def study_targets(
     for target in (destination, json):
         refuse_no_place(target)
     return destination, json
+
+
+def read_or_stop(file: Path) -> CaseInput:
+    """The inputs of a file; the command ends if they have errors.
+
+    Raises
+    ------
+    typer.Exit
+        Every error has been printed.
+    """
+    read = read_checked(file)
+    if isinstance(read, Unreadable) or read.problems:
+        list_problems(file, read.problems)
+        raise typer.Exit(WRONG_INPUT)
+    return read
+
+
+@contextmanager
+def writing(place: Path) -> Iterator[None]:
+    """End the command with a sentence if a file cannot be written."""
+    try:
+        yield
+    except OSError as wrong:
+        raise failed(file_problem(place, wrong).message) from wrong
+
+
+def print_written(paths: Iterable[Path | str]) -> None:
+    """The files that a command has written."""
+    for path in paths:
+        typer.echo(f"written: {path}")
+
+
+def stages_of(file: Path, tell: Callable[[str], None]) -> Callable[[str], None]:
+    """What takes the stages of the calculation of a file, and shows them with its name."""
+    return lambda stage: tell(f"{file.name}: {stage}")
 
 
 @contextmanager

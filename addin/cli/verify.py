@@ -25,31 +25,29 @@ def verify(
     ],
     case: Annotated[
         Path | None,
-        typer.Option(help="The inputs of a result JSON: its case JSON or workbook."),
+        typer.Option(help="Case JSON or workbook with the inputs of a result JSON."),
     ] = None,
     within: Annotated[
         str,
         typer.Option(
-            help="What is accepted: bits (equal to the bit), digits (equal in the digits shown) or "
-            "error (within the error that is reported for the result)."
+            help="Accepted deviation: bits (identical), digits (equal in the digits shown) or "
+            "error (within the reported error of the result)."
         ),
     ] = "error",
     json: Annotated[
         Path | None,
         typer.Option(help="Also write it as JSON: a file, or a folder for several inputs."),
     ] = None,
-    everything: Annotated[
-        bool, typer.Option("--all", help="List every finding, however many.")
-    ] = False,
+    everything: Annotated[bool, typer.Option("--all", help="List all findings.")] = False,
     trace: Annotated[
         str | None,
         typer.Option(
-            help="Do not verify: say what a result is, by which equation, from which inputs. A "
-            "table (SteadyState), a column (SteadyState.Torque) or a cell ('Steady state!H9')."
+            help="Instead of verifying, explain a result: its meaning, equation and inputs. Name "
+            "a table (SteadyState), a column (SteadyState.Torque) or a cell ('Steady state!H9')."
         ),
     ] = None,
 ) -> None:
-    """Calculate again from the inputs in a file and compare every result that stands there.
+    """Recalculate from the inputs in a file and compare every result recorded in it.
 
     Exit status 0 if everything follows from the inputs, 1 if something does not, was edited, or
     was never calculated. Nothing is written into the file.
@@ -87,18 +85,18 @@ def _refuse_clashes(files: list[Path], case: Path | None, json: Path, folder: bo
     """Two files with one JSON, or a JSON on top of a file verified, are refused before any work."""
     sources = {file.resolve() for file in (*files, *([case] if case else []))}
     if not folder and json.resolve() in sources:
-        raise typer.BadParameter(f"{json} is an input itself. Choose another name.")
+        raise typer.BadParameter(f"{json} is one of the inputs. Choose another name.")
     seen: dict[str, Path] = {}
     for file in files if folder else ():
         target = json / f"{file.stem}.verify.json"
         other = seen.setdefault(target.name.casefold(), file)
         if other.resolve() != file.resolve():
             raise typer.BadParameter(
-                f"{other} and {file} would both be written to {target}. Verify them one by one, or "
-                "into two folders."
+                f"{other} and {file} would both be written to {target}. Verify them separately, "
+                "or into two folders."
             )
         if target.resolve() in sources:
-            raise typer.BadParameter(f"{target} is an input itself. Choose another folder.")
+            raise typer.BadParameter(f"{target} is one of the inputs. Choose another folder.")
 
 
 def _trace(files: list[Path], wanted: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -106,6 +106,12 @@ def nearest(word: str, words: Iterable[str], cutoff: float = 0.6) -> str | None:
     folded = {candidate.casefold(): candidate for candidate in words}
     close = get_close_matches(word.casefold(), folded, n=1, cutoff=cutoff)
     return folded[close[0]] if close else None
+
+
+def first_of(sentences: Sequence[str], most: int) -> list[str]:
+    """The first sentences, so many at the most, and how many more there are."""
+    more = [f"And {len(sentences) - most} more."] if len(sentences) > most else []
+    return [*sentences[:most], *more]
 
 
 def shortened(text: str, longest: int = 60) -> str:

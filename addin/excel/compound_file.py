@@ -48,7 +48,7 @@ class Storage:
                 raise CompoundFileError(f"The VBA project has no stream {'/'.join(path)}.")
             found = folded[name.casefold()]
         if isinstance(found, Storage):
-            raise CompoundFileError(f"{'/'.join(path)} of the VBA project is no stream.")
+            raise CompoundFileError(f"{'/'.join(path)} of the VBA project is not a stream.")
         return found
 
 
@@ -108,7 +108,7 @@ class _Reader:
         seen = set()
         while more <= _LARGEST_SECTOR:
             if more in seen:
-                raise CompoundFileError("The VBA project is damaged (a table runs in a circle).")
+                raise CompoundFileError("The VBA project is damaged (circular table).")
             seen.add(more)
             *some, more = self._numbers(self._sector(more))
             sectors += some
@@ -121,7 +121,7 @@ class _Reader:
                 return
             yield first
             first = table[first]
-        raise CompoundFileError("The VBA project is damaged (a stream runs in a circle).")
+        raise CompoundFileError("The VBA project is damaged (circular stream).")
 
     def _chain(self, first: int) -> bytes:
         if first == _FREE:
@@ -147,7 +147,7 @@ class _Reader:
 
     def _storage(self, entry: int, depth: int) -> Storage:
         if depth > _MOST_DEPTH:
-            raise CompoundFileError("The VBA project is damaged (storages too deep).")
+            raise CompoundFileError("The VBA project is damaged (storages nested too deeply).")
         at = entry * _ENTRY
         class_id = self._directory[at + 80 : at + 96]
         (child,) = struct.unpack_from("<I", self._directory, at + 76)
@@ -171,7 +171,7 @@ class _Reader:
             if entry == _NO_STREAM:
                 continue
             if entry in seen:
-                raise CompoundFileError("The VBA project is damaged (entries run in a circle).")
+                raise CompoundFileError("The VBA project is damaged (circular directory).")
             seen.add(entry)
             waiting += struct.unpack_from("<II", self._directory, entry * _ENTRY + 68)
             yield entry
@@ -199,7 +199,9 @@ class _Entry:
     def packed(self) -> bytes:
         name = self.name.encode("utf-16-le") + b"\0\0"
         if len(name) > 64:
-            raise CompoundFileError(f"{self.name} is too long a name for a part of a VBA project.")
+            raise CompoundFileError(
+                f"The name {self.name} is too long for a part of a VBA project."
+            )
         return (
             name.ljust(64, b"\0")
             + struct.pack("<HBB", len(name), self.kind, self.colour)

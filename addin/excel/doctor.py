@@ -1,4 +1,4 @@
-"""What is amiss on this machine and in this workbook, and what to do about it.
+"""What is wrong on this machine and in this workbook, and what to do about it.
 
 Each check is a function of plain facts (`Machine`, `Installed`), so that every finding is tested on a
 machine without Windows. What cannot be known here is said to be so, never guessed.
@@ -25,7 +25,7 @@ from addin.xlsx import PackageError, open_workbook
 #: States of a check.
 GOOD, WRONG, NOTE, UNKNOWN = "ok", "wrong", "note", "cannot be checked here"
 
-_INSTALL = "Install it as docs/excel-windows.md says."
+_INSTALL = "Install it as described in docs/excel-windows.md."
 _ASK = (
     "import json, importlib.metadata as m\n"
     "print(json.dumps({n: m.version(n) for n in ('xlwings', 'torsionbook')}))"
@@ -67,116 +67,97 @@ class Machine:
 
 def examine(file: Path, machine: Machine | None = None) -> tuple[Check, ...]:
     """Check a workbook on a machine."""
-    here = machine or this_machine()
     try:
-        found = installed_in(open_workbook(file, read_only=True))
+        installed = installed_in(open_workbook(file, read_only=True))
     except (PackageError, ExcelError) as wrong:
         return (Check("Workbook", WRONG, str(wrong)),)
-    return tuple(checks(file.absolute(), found, here))
+    return tuple(checks(file.absolute(), installed, machine or this_machine()))
 
 
-def checks(file: Path, found: Installed, machine: Machine) -> Iterator[Check]:
+def checks(file: Path, installed: Installed, machine: Machine) -> Iterator[Check]:
     """All checks, given the facts."""
-    yield _modules(file, found)
-    if not found.xlwings:
+    yield Check("Functions in the workbook", *_modules(file, installed))
+    if not installed.xlwings:
         return
-    yield from _settings(file, found)
-    yield _office(machine)
-    python = PureWindowsPath(machine.expanded(found.interpreter))
-    yield _interpreter(file, found, python, machine)
+    yield Check(f"Sheet {SETTINGS_SHEET} (very hidden)", *_settings(file, installed))
+    yield Check("Excel", *_office(machine))
+    python = PureWindowsPath(machine.expanded(installed.interpreter))
+    yield Check(f"Python ({INTERPRETER})", *_interpreter(file, installed, python, machine))
     if _is_full(python):
-        yield from _versions(file, found, python, machine)
-        yield _library(found, python, machine)
-    yield _place(file, machine)
-    yield _mark(file, machine)
+        yield Check("Packages in that Python", *_versions(file, installed, python, machine))
+        yield Check("Library that VBA loads", *_library(installed, python, machine))
+    yield Check("Folder of the workbook", *_place(file, machine))
+    yield Check("Mark of the web", *_mark(file, machine))
 
 
-def _modules(file: Path, found: Installed) -> Check:
-    what = "Functions in the workbook"
-    if not found.xlwings:
-        return Check(
-            what,
-            WRONG,
-            f"{file.name} has no functions in its VBA.",
-            f"torsionbook excel install {file.name}",
+#: State of a check, what there is, and what to do if anything.
+Finding = tuple[str, ...]
+
+
+def _upgrade(file: Path) -> str:
+    return f"torsionbook excel upgrade {file.name}"
+
+
+def _modules(file: Path, installed: Installed) -> Finding:
+    if not installed.xlwings:
+        sentence = f"{file.name} contains no torsionbook functions in its VBA."
+        return WRONG, sentence, f"torsionbook excel install {file.name}"
+    if (installed.xlwings, installed.product) != (XLWINGS_VERSION, product_version()):
+        sentence = (
+            f"They are from torsionbook {installed.product or '(unknown)'} and xlwings "
+            f"{installed.xlwings}; this computer has {product_version()} and {XLWINGS_VERSION}."
         )
-    upgrade = f"torsionbook excel upgrade {file.name}"
-    if (found.xlwings, found.product) != (XLWINGS_VERSION, product_version()):
-        return Check(
-            what,
-            WRONG,
-            f"They are of torsionbook {found.product or '(unknown)'} and xlwings {found.xlwings}; "
-            f"here are {product_version()} and {XLWINGS_VERSION}.",
-            upgrade,
-        )
-    return Check(what, GOOD, f"torsionbook {found.product}, xlwings {found.xlwings}.")
+        return WRONG, sentence, _upgrade(file)
+    return GOOD, f"torsionbook {installed.product}, xlwings {installed.xlwings}."
 
 
-def _settings(file: Path, found: Installed) -> Iterator[Check]:
-    what = f"Sheet {SETTINGS_SHEET} (very hidden)"
-    if found.settings is None:
-        yield Check(
-            what, WRONG, "It is missing.", f"torsionbook excel upgrade {file.name}"
-        )  # fmt: skip
-        return
-    folded = {name.casefold(): value for name, value in found.settings.items()}
+def _settings(file: Path, installed: Installed) -> Finding:
+    if installed.settings is None:
+        return WRONG, "The sheet is missing.", _upgrade(file)
+    folded = {name.casefold(): value for name, value in installed.settings.items()}
     modules = str(folded.get("udf modules", "")).split(";")
     beside = str(folded.get("add_workbook_to_pythonpath", "true")).casefold()
     if UDF_MODULE not in modules or beside == "true":
-        yield Check(
-            what,
-            WRONG,
+        sentence = (
             f"UDF Modules is '{';'.join(modules)}' and ADD_WORKBOOK_TO_PYTHONPATH is '{beside}'; "
-            f"they must be {UDF_MODULE} and False.",
-            f"torsionbook excel upgrade {file.name}",
+            f"set them to {UDF_MODULE} and False."
         )
-    else:
-        yield Check(what, GOOD, f"Functions come from {UDF_MODULE}.")
+        return WRONG, sentence, _upgrade(file)
+    return GOOD, f"Functions come from {UDF_MODULE}."
 
 
-def _office(machine: Machine) -> Check:
-    what = "Excel"
+def _office(machine: Machine) -> Finding:
     if not machine.windows:
-        return Check(
-            what,
+        return (
             UNKNOWN,
             "This is not Windows.",
-            "Excel must be the desktop program, not the one of the Microsoft Store: there Python "
-            "cannot be started (File, Account, About Excel shows 'Microsoft Store').",
+            "Use desktop Excel, not the Microsoft Store version, which cannot start Python (File, "
+            "Account, About Excel shows 'Microsoft Store').",
         )
     if machine.excel is None:
-        return Check(what, WRONG, "No desktop Excel is registered.", "Install desktop Excel.")
+        return WRONG, "No desktop Excel found.", "Install desktop Excel."
     if "windowsapps" in machine.excel.casefold():
-        return Check(
-            what,
+        return (
             WRONG,
-            f"It comes from the Microsoft Store ({machine.excel}), from where Python cannot be "
-            "started.",
+            f"Excel comes from the Microsoft Store ({machine.excel}) and cannot start Python.",
             "Uninstall it (Settings, Apps) and install Office from office.com with the same account.",
         )
-    return Check(what, GOOD, machine.excel)
+    return GOOD, machine.excel
 
 
-def _interpreter(file: Path, found: Installed, python: PureWindowsPath, machine: Machine) -> Check:
-    what = f"Python ({INTERPRETER})"
-    name = rf'torsionbook excel upgrade {file.name} --interpreter "C:\...\Scripts\pythonw.exe"'
+def _interpreter(
+    file: Path, installed: Installed, python: PureWindowsPath, machine: Machine
+) -> Finding:
+    named = installed.interpreter
+    command = rf'{_upgrade(file)} --interpreter "C:\...\Scripts\pythonw.exe"'
     if not _is_full(python):
-        return Check(
-            what,
-            WRONG,
-            f"The workbook names '{found.interpreter}', which is no full path.",
-            name,
-        )
+        return WRONG, f"The workbook names '{named}', which is not a full path.", command
     if not machine.windows:
-        return Check(what, UNKNOWN, f"The workbook names {found.interpreter}.")
+        return UNKNOWN, f"The workbook names {named}."
     if not machine.is_file(str(python)):
-        return Check(
-            what,
-            WRONG,
-            f"The workbook names {found.interpreter}; there is no {python}.",
-            f"{_INSTALL} If Python is elsewhere: {name}",
-        )
-    return Check(what, GOOD, str(python))
+        sentence = f"The workbook names {named}, but {python} does not exist."
+        return WRONG, sentence, f"{_INSTALL} If Python is in another folder: {command}"
+    return GOOD, str(python)
 
 
 def _is_full(python: PureWindowsPath) -> bool:
@@ -185,67 +166,51 @@ def _is_full(python: PureWindowsPath) -> bool:
 
 
 def _versions(
-    file: Path, found: Installed, python: PureWindowsPath, machine: Machine
-) -> Iterator[Check]:
-    what = "Packages in that Python"
+    file: Path, installed: Installed, python: PureWindowsPath, machine: Machine
+) -> Finding:
     console = str(python.with_name("python.exe"))
     if not machine.windows or not machine.is_file(str(python)):
-        yield Check(
-            what,
-            UNKNOWN,
-            "There is no such Python here.",
-            f"It must hold xlwings {found.xlwings} and torsionbook {found.product}.",
-        )
-        return
-    there = machine.versions(console)
-    if there is None:
-        yield Check(
-            what, WRONG, "It has not both xlwings and torsionbook, or does not start.", _INSTALL
-        )
-        return
-    if there["xlwings"] != found.xlwings:
-        yield Check(
-            what,
+        needed = f"It needs xlwings {installed.xlwings} and torsionbook {installed.product}."
+        return UNKNOWN, "This Python does not exist here.", needed
+    versions = machine.versions(console)
+    if versions is None:
+        sentence = "This Python lacks xlwings or torsionbook, or does not start."
+        return WRONG, sentence, _INSTALL
+    xlwings, product = versions["xlwings"], versions["torsionbook"]
+    if xlwings != installed.xlwings:
+        return (
             WRONG,
-            f"It has xlwings {there['xlwings']}; the workbook's VBA loads the library of "
-            f"{found.xlwings}, and the two must be equal.",
-            f'"{console}" -m pip install xlwings=={XLWINGS_VERSION}, then '
-            f"torsionbook excel upgrade {file.name}",
+            f"It has xlwings {xlwings}, but the VBA of the workbook needs {installed.xlwings}. Both "
+            "versions must be equal.",
+            f'"{console}" -m pip install xlwings=={XLWINGS_VERSION}, then {_upgrade(file)}',
         )
-    elif there["torsionbook"] != found.product:
-        yield Check(
-            what,
+    if product != installed.product:
+        return (
             WRONG,
-            f"It has torsionbook {there['torsionbook']}, the workbook is of {found.product}.",
-            f"torsionbook excel upgrade {file.name} with the torsionbook of that Python",
+            f"It has torsionbook {product}, but the workbook was made with {installed.product}.",
+            f"Run {_upgrade(file)} with the torsionbook of that Python.",
         )
-    else:
-        yield Check(what, GOOD, f"xlwings {there['xlwings']}, torsionbook {there['torsionbook']}.")
+    return GOOD, f"xlwings {xlwings}, torsionbook {product}."
 
 
-def _library(found: Installed, python: PureWindowsPath, machine: Machine) -> Check:
-    what = "Library that VBA loads"
-    names = [f"xlwings{bits}-{found.xlwings}.dll" for bits in (64, 32)]
+def _library(installed: Installed, python: PureWindowsPath, machine: Machine) -> Finding:
+    names = [f"xlwings{bits}-{installed.xlwings}.dll" for bits in (64, 32)]
     if not machine.windows:
-        return Check(
-            what, UNKNOWN, f"{names[0]} must lie in the folder above {python.parent.name}."
-        )
+        return UNKNOWN, f"{names[0]} must be in the folder above {python.parent.name}."
     # VBA looks beside Python, then one folder up, where pip puts it.
     folders = (python.parent, python.parent.parent)
     missing = [n for n in names if not any(machine.is_file(str(f / n)) for f in folders)]
     if missing:
-        return Check(
-            what,
+        return (
             WRONG,
             f"{' and '.join(missing)} is neither in {folders[0]} nor in {folders[1]}.",
             f'"{python.with_name("python.exe")}" -m pip install --force-reinstall --no-deps '
-            f"xlwings=={found.xlwings}. If a virus scanner took it away, ask for an exception.",
+            f"xlwings=={installed.xlwings}. If a virus scanner removed the file, add an exception.",
         )
-    return Check(what, GOOD, f"{names[0]} and the one for 32-bit Excel are there.")
+    return GOOD, f"{names[0]} and the one for 32-bit Excel are there."
 
 
-def _place(file: Path, machine: Machine) -> Check:
-    what = "Folder of the workbook"
+def _place(file: Path, machine: Machine) -> Finding:
     full = str(file)
     roots = [
         value
@@ -253,29 +218,27 @@ def _place(file: Path, machine: Machine) -> Check:
         if name.upper() in ("ONEDRIVE", "ONEDRIVECOMMERCIAL", "ONEDRIVECONSUMER") and value
     ]
     below = any(PureWindowsPath(full).is_relative_to(PureWindowsPath(root)) for root in roots)
-    words = re.search(r"onedrive|sharepoint", full, re.I)
-    if below or words or "://" in full:
-        return Check(
-            what,
+    if below or re.search(r"onedrive|sharepoint|://", full, re.I):
+        return (
             NOTE,
             f"{full} is synchronised with OneDrive or SharePoint.",
-            "The functions work there. Histories are kept only on local disks, and a workbook that "
-            "another computer has open may refuse to be saved: a local folder is safer.",
+            "Use a local folder: the functions work there too, histories are saved only on local "
+            "disks, and saving may fail while another computer has the workbook open.",
         )
-    return Check(what, GOOD, full)
+    return GOOD, full
 
 
-def _mark(file: Path, machine: Machine) -> Check:
-    what = "Mark of the web"
+def _mark(file: Path, machine: Machine) -> Finding:
     advice = (
-        "Close it, right-click it in the Explorer, Properties, Unblock; or keep it in a trusted "
-        "location (File, Options, Trust Center). Then enable macros once when it is opened."
+        "Close the workbook; in Explorer right-click it, choose Properties, Unblock. Or move it to a "
+        "trusted location (File, Options, Trust Center). Then open it and enable macros once."
     )
     if not machine.windows:
-        return Check(what, UNKNOWN, "Windows marks files that came by mail or download.", advice)
+        return UNKNOWN, "Windows marks files that came by mail or download.", advice
     if machine.zone(file) in ("3", "4"):
-        return Check(what, WRONG, "It came from the internet, so Excel blocks its macros.", advice)
-    return Check(what, GOOD, "It has none; enable macros once when it is opened.")
+        sentence = "The workbook came from the internet, so Excel blocks its macros."
+        return WRONG, sentence, advice
+    return GOOD, "The workbook has none; enable macros once when you open it."
 
 
 # --- this machine ---------------------------------------------------------------------------------

@@ -96,7 +96,7 @@ def decompress(container: bytes) -> bytes:
         If it is damaged.
     """
     if not container or container[0] != _SIGNATURE:
-        raise VbaCompressionError("A VBA source does not begin as it should.")
+        raise VbaCompressionError("A VBA source has a wrong header.")
     out = bytearray()
     at = 1
     while at < len(container):
@@ -136,11 +136,11 @@ def _unpacked(body: bytes) -> bytes:
             offset = (token >> low) + 1
             length = (token & (1 << low) - 1) + _LEAST_COPY
             if offset > len(out) or len(out) + length > _CHUNK:
-                raise VbaCompressionError("A VBA source copies from where there is nothing.")
+                raise VbaCompressionError("A VBA source is damaged (invalid copy).")
             for _ in range(length):  # a copy may reach into itself
                 out.append(out[-offset])
     return bytes(out)
 
 
 def _cut_off() -> VbaCompressionError:
-    return VbaCompressionError("A VBA source is cut off.")
+    return VbaCompressionError("A VBA source is truncated.")

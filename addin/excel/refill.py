@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from addin.contract.problems import CellProblem
+from addin.contract.problems import CellProblem, first_of
 from addin.reading.one_file import read_checked
 from addin.reading.workbook import WorkbookInput
 from addin.writing.recalculate import PreparedInput, recalculate
@@ -105,7 +105,7 @@ def refill(book: Any) -> None:
     with _quiet(app):
         _fill(book, results, lambda text: _tell(app, text))
     took = time.perf_counter() - started
-    _tell(app, f"results written in {took:.1f} s. A macro cannot be undone in Excel.")
+    _tell(app, f"results written in {took:.1f} s. Excel cannot undo a macro.")
     if notes:
         app.alert("\n\n".join(notes[:MOST_TOLD]), TITLE, mode="info")
 
@@ -148,7 +148,9 @@ def _resize(book: Any, table: Table, results: Results) -> None:
     if (first, last) == ((new.top, new.left), (new.bottom, new.right)):
         return
     if first != (new.top, new.left):
-        raise RuntimeError(f"table {table.name} stands elsewhere in Excel than in its copy")
+        raise RuntimeError(
+            f"table {table.name} has another position in Excel than in the saved copy"
+        )
     old_bottom = last[0] - table.has_totals
     if old_bottom > table.data.bottom:
         for left, right in _written_columns(table, results):
@@ -242,8 +244,8 @@ def _kept(files: Sequence[Path], book: Any) -> list[str]:
             shutil.copyfile(path, folder / path.name)
         else:
             told.append(
-                f"The histories {path.name} are not kept: {book.name} is not in a folder of this "
-                "computer. Save it on a local disk, or run torsionbook recalc."
+                f"The histories {path.name} were not saved: {book.name} is not on a local disk. "
+                "Save it on one, or run torsionbook recalc."
             )
     return told
 
@@ -254,7 +256,5 @@ def _tell(app: Any, text: str) -> None:
 
 def _told(problems: Sequence[CellProblem]) -> str:
     """The message box: what is wrong, and that nothing was written."""
-    lines = [problem.message for problem in problems[:MOST_TOLD]]
-    if len(problems) > MOST_TOLD:
-        lines.append(f"And {len(problems) - MOST_TOLD} more.")
-    return "Nothing was calculated or written.\n\n" + "\n\n".join(lines)
+    sentences = first_of([problem.message for problem in problems], MOST_TOLD)
+    return "\n\n".join(["Nothing was calculated or written.", *sentences])

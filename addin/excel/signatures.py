@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import inspect
 import keyword
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from addin.contract.tables import json_key
 from addin.worksheet.registry import FUNCTIONS
@@ -64,6 +66,34 @@ class ExcelFunction:
         )
 
 
+def exported(function: Callable[..., Any], one: ExcelFunction, argument: Any) -> Callable[..., Any]:
+    """A function with the signature and help of one of the registry.
+
+    Parameters
+    ----------
+    function : callable
+        Takes the cells, with its own name. [as typed]
+    one : ExcelFunction
+        Whose signature and help it gets.
+    argument : callable
+        xlwings' decorator of an argument.
+
+    Returns
+    -------
+    callable
+        The function, each argument a block of cells.
+    """
+    function.__qualname__ = function.__name__
+    function.__doc__ = one.help
+    function.__annotations__ = {}  # xlwings would choose its converters by them
+    function.__signature__ = one.signature  # type: ignore[attr-defined]
+    for a in one.arguments:
+        # The shape is always asked for: xlwings' default depends on the size of the range, and
+        # its version 1 shall change it.
+        function = argument(a.name, ndim=2, err_to_str=True, doc=a.help)(function)
+    return function
+
+
 def excel_functions() -> tuple[ExcelFunction, ...]:
     """All functions of the registry."""
     return tuple(
@@ -81,7 +111,7 @@ def _name(argument: str) -> str:
     name = json_key(argument)
     name = RENAMED.get(name, name)
     usable = name.isidentifier() and not keyword.iskeyword(name) and name not in RESERVED
-    assert usable, f"argument {argument}: enter a name for it in RENAMED"
+    assert usable, f"argument {argument}: add a name for it in RENAMED"
     return name
 
 

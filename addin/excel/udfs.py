@@ -24,7 +24,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 import xlwings as xw  # noqa: E402
 
 from addin.excel.refill import refill  # noqa: E402
-from addin.excel.signatures import ExcelFunction, excel_functions  # noqa: E402
+from addin.excel.signatures import ExcelFunction, excel_functions, exported  # noqa: E402
 from addin.worksheet.registry import CATEGORY, FunctionError, call  # noqa: E402
 
 __all__ = ["recalculate"]
@@ -55,16 +55,8 @@ def _exported(one: ExcelFunction) -> Callable[..., Any]:
     def function(*cells: Any) -> list[list[Any]]:
         return _answer(one.name, cells)
 
-    function.__name__ = function.__qualname__ = one.name
-    function.__doc__ = one.help
-    function.__annotations__ = {}  # xlwings would choose its converters by them
-    function.__signature__ = one.signature  # type: ignore[attr-defined]
-    for argument in one.arguments:
-        # The shape is always asked for: xlwings' default depends on the size of the range, and
-        # its version 1 shall change it.
-        decorate = xw.arg(argument.name, ndim=2, err_to_str=True, doc=argument.help)
-        function = decorate(function)
-    return xw.func(category=CATEGORY)(function)
+    function.__name__ = one.name
+    return xw.func(category=CATEGORY)(exported(function, one, xw.arg))
 
 
 for _one in excel_functions():

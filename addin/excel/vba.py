@@ -68,7 +68,7 @@ def _wheel_project() -> bytes:
         raise XlwingsMissing(f"xlwings is not installed. {wanted}") from None
     if version != XLWINGS_VERSION:
         raise XlwingsMissing(
-            f"xlwings is installed in version {version}; this version of torsionbook is made for "
+            f"xlwings {version} is installed; this version of torsionbook needs "
             f"{XLWINGS_VERSION}. {wanted}"
         )
     found = importlib.util.find_spec("xlwings")
@@ -79,7 +79,7 @@ def _wheel_project() -> bytes:
         return zipfile.ZipFile(io.BytesIO(example.read_bytes())).read("xl/vbaProject.bin")
     except (OSError, KeyError, zipfile.BadZipFile) as problem:
         raise XlwingsMissing(
-            f"The VBA of xlwings is not where it was ({problem}). {wanted}"
+            f"The VBA file of xlwings was not found ({problem}). {wanted}"
         ) from problem
 
 
@@ -137,11 +137,11 @@ Public Const TORSIONBOOK_VERSION As String = "{{version}}"
 
 Public Sub Recalculate()
     'Calculates the workbook and fills its result cells; run it with its button or Alt+F8.
-    Static Told As Boolean
-    If Not Told Then
+    Static Confirmed As Boolean
+    If Not Confirmed Then
         If MsgBox("The results will be written into this workbook. Excel cannot undo what a macro " & _
-            "writes, and forgets the steps before it.", vbOKCancel, "torsionbook") <> vbOK Then Exit Sub
-        Told = True
+            "writes, and clears its undo list.", vbOKCancel, "torsionbook") <> vbOK Then Exit Sub
+        Confirmed = True
     End If
     Application.StatusBar = "torsionbook: starting Python"
     RunPython "import {UDF_MODULE};{UDF_MODULE}.recalculate()"

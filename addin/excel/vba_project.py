@@ -87,13 +87,15 @@ class VbaProject:
         records = _records(decompress(root.stream("VBA", "dir")))
         kinds = [kind for kind, _ in records]
         if _CODE_PAGE not in kinds or _COUNT not in kinds:
-            raise VbaProjectError("The VBA project lacks its code page or its list of modules.")
+            raise VbaProjectError("The VBA project has no code page or no list of modules.")
         (number,) = struct.unpack("<H", dict(records)[_CODE_PAGE][:2])
         code_page = "mac_roman" if number == 10000 else f"cp{number}"
         try:
             text = root.stream("PROJECT").decode(code_page)
         except (LookupError, UnicodeDecodeError) as problem:
-            raise VbaProjectError(f"The VBA project is not in its code page ({problem}).") from None
+            raise VbaProjectError(
+                f"The VBA project does not match its code page ({problem})."
+            ) from None
         lines = tuple(text.rstrip().splitlines())
         start = next((i for i, kind in enumerate(kinds) if kind == _NAME), len(records) - 1)
         modules = tuple(_modules(records[start:-1], root, code_page, lines))

@@ -162,8 +162,8 @@ def _with_our_modules(there: bytes | None) -> bytes:
             source = project.source(name)
             if source is not None and mark not in source:
                 raise VbaProjectError(
-                    f"The workbook has a VBA module {name} of its own, and the functions need one "
-                    "of that name. Rename it in the VBA editor (Alt+F11)."
+                    f"The workbook already has a VBA module {name}, which the functions also "
+                    "need. Rename yours in the VBA editor (Alt+F11)."
                 )
         others = set(_CALLED.findall(project.source(WRAPPERS) or "")) - {UDF_MODULE}
         if others:

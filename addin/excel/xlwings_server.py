@@ -21,7 +21,7 @@ from typing import Any
 import xlwings
 from xlwings import server as xlwings_server
 
-from addin.excel.signatures import ExcelFunction, excel_functions
+from addin.excel.signatures import ExcelFunction, excel_functions, exported
 from addin.server.office import NAMESPACE
 from addin.worksheet.registry import FunctionError, call
 
@@ -43,15 +43,9 @@ def _exported(one: ExcelFunction) -> Callable[..., Any]:
     async def function(*cells: Any) -> list[list[Any]]:
         return await asyncio.to_thread(_answer, one.name, cells)
 
-    function.__name__ = function.__qualname__ = one.name.lower()
-    function.__doc__ = one.help
-    function.__annotations__ = {}
-    function.__signature__ = one.signature  # type: ignore[attr-defined]
-    for argument in one.arguments:
-        decorate = xlwings_server.arg(argument.name, ndim=2, err_to_str=True, doc=argument.help)
-        function = decorate(function)
-    name = one.name.removeprefix(f"{NAMESPACE}_")
-    return xlwings_server.func(name=name, namespace=NAMESPACE)(function)
+    function.__name__ = one.name.lower()
+    named = xlwings_server.func(name=one.name.removeprefix(f"{NAMESPACE}_"), namespace=NAMESPACE)
+    return named(exported(function, one, xlwings_server.arg))
 
 
 for _one in excel_functions():

@@ -27,8 +27,8 @@ SERVICES = (COMPONENT, "com.sun.star.sheet.AddIn")
 BROKEN = (OSError, EOFError, ValueError)
 #: What a cell cannot do without an answer is said in words, like every other error.
 NOT_STARTED = (
-    "torsionbook does not answer. Its Python was {python}; if it has moved or was removed, "
-    "run there: torsionbook calc install, and add the new .oxt. {wrong}"
+    "torsionbook does not answer. Its Python was {python}. If that Python was moved or removed, "
+    "run torsionbook calc install in the new one and add the new .oxt. {wrong}"
 )
 
 
@@ -85,7 +85,7 @@ class Worker:
     def _read(self, count):
         found = self.process.stdout.read(count)
         if len(found) < count:
-            raise EOFError("Its process has ended.")
+            raise EOFError("Its process stopped.")
         return found
 
     def _end(self):

@@ -85,7 +85,7 @@ def _answer_to(message: bytes) -> dict[str, Any]:
         if not isinstance(function, str) or not isinstance(arguments, list):
             raise TypeError
     except (ValueError, KeyError, TypeError, RecursionError):
-        return {"error": "The request is none: see addin/libreoffice/worker.py.", "code": "#VALUE!"}
+        return {"error": "Invalid request: see addin/libreoffice/worker.py.", "code": "#VALUE!"}
     return answer(function, arguments)
 
 

@@ -18,40 +18,41 @@ KINDS = {
 
 #: What follows an example.
 MORE = {
-    "TV_MODEL": """The shortest call for the same workbook leaves the start out, which modes and margins do not need:
-`=TV_MODEL(Train!B6:G22, Train!B26:U42, Case!B5:J43, , , , , , Fatigue!B6:G12)`. Materials are in it
-because a shaft names one.""",
+    "TV_MODEL": """Without the start, which modes and margins do not need, the call for the same workbook is shorter:
+`=TV_MODEL(Train!B6:G22, Train!B26:U42, Case!B5:J43, , , , , , Fatigue!B6:G12)`. It includes Materials
+because a shaft refers to one.""",
 }
 
 HEAD = """# Worksheet functions
 
 Made from the registry by `make generated`; do not edit.
 
-The same functions answer in every front (desktop Excel, the calculation server, LibreOffice Calc,
-Python), with the same doubles. `TV_MODEL` checks the tables and gives a *handle*, a short
+The same functions work in desktop Excel, through the calculation server, in LibreOffice Calc and in
+Python, with identical results. `TV_MODEL` checks the tables and returns a *handle*, a short
 text made of the digest of the inputs; every other function of a train takes the cell with it. A start
-is calculated once and serves every cell that asks for it. What is wrong with the tables is said in
-the cell of `TV_MODEL`, with table, row and column; a blank is never taken for zero.
+is calculated once, for all cells that use it. The cell of `TV_MODEL` shows the errors of the tables,
+with table, row and column; a blank is never read as zero.
 
 A range for `TV_MODEL` is the table with its headers **and the row of units above them**, such as
 `Train!B6:G22`: units are not guessed. The ranges of the examples are those of the shipped examples
 (`torsionbook new train.xlsx --example proposed`) and of the blank template; a table that has grown has
-more rows. Workbooks for a front (`torsionbook new train.xlsm`, `--for server`, `--for calc`) have a
+more rows. Workbooks for one of these programs (`torsionbook new train.xlsm`, `--for server`, `--for calc`) have a
 sheet `Live` with the formula ready, its ranges growing with the tables: the name `LiveModel` is its
-cell, so that `=TV_PEAKS(LiveModel)` works anywhere in the book. Answers are tables with one row of headers; they spill in Excel
+cell, so that `=TV_PEAKS(LiveModel)` works anywhere in the book. Results are tables with one row of headers; they spill in Excel
 365 and 2021, and are entered as array formulas (Ctrl+Shift+Enter) in older Excel and in Calc. *Units*
-is `SI` or `US`, blank as the tables are typed; *Headers* `FALSE` leaves the row of headers out.
+is `SI` or `US`, blank as the tables are typed; *Headers* `FALSE` omits the header row.
 
 **Do not type the per cent sign where the unit is `%` already.** A cell that shows `1.5%` holds 0.015, and a
 spreadsheet program hands a function that number without its format. With the unit `%` it is read as
-0.015 %, a hundred times too small, in every front: the functions cannot notice, and no error is
-shown. It concerns all that is typed in per cent: damping ratios, margins, tolerances, voltage,
-and speeds and torques as shares of the rated ones. Type 1.5 in a cell formatted as Number; or keep the
+0.015 %, a hundred times too small, in all these programs: the functions cannot detect it, and no error
+is shown. This applies to all inputs in per cent: damping ratios, margins, tolerances, voltage,
+and speeds and torques relative to the rated ones. Type 1.5 in a cell formatted as Number; or keep the
 per cent format and write 1 as the unit. `torsionbook check train.xlsx` and `recalc` read the saved file
-with its formats and refuse such a cell by its name: run `check` once where numbers were pasted or come
-from another workbook. (Where the format was changed afterwards and the cell shows 0.015, nobody can tell.)
+with its formats and report such a cell as an error: run `check` once where numbers were pasted or come
+from another workbook. (If the format was changed afterwards and the cell shows 0.015, the error cannot
+be detected.)
 
-| function | what it answers | calculates a start |
+| function | result | calculates a start |
 |---|---|---|
 """
 

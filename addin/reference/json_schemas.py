@@ -52,7 +52,7 @@ def case_schema() -> Shape:
     properties: Shape = {"format": {"const": CASE_FORMAT}}
     properties |= {spec.key: _input(spec) for spec in SCALARS}
     properties |= {table.key: _input_table(table) for table in INPUT_TABLES}
-    words = "Numbers in SI; a string carries its unit; absent means blank."
+    words = "Numbers in SI; a string is a number with its unit; absent means blank."
     return _schema("case", words, closed_object(properties, required=["format"]))
 
 
@@ -78,35 +78,35 @@ def verify_schema() -> Shape:
     table = {"table": TEXT, "sheet": TEXT} | dict.fromkeys(agreements, _SOME)
     finding = {
         "kind": {"enum": list(_FINDINGS)},
-        "fails": described("Whether the file fails by it; else it is a note.", FLAG),
-        "sheet": described("Sheet; of a result JSON the key of the table.", TEXT),
-        "cell": described("Cell; of a result JSON the path in it.", TEXT),
+        "fails": described("true: verification fails; false: a note only.", FLAG),
+        "sheet": described("Sheet, or key of the table in a result JSON.", TEXT),
+        "cell": described("Cell, or path in a result JSON.", TEXT),
         "table": TEXT,
-        "row": described("What the row is called: element, mode, excitation.", TEXT),
+        "row": described("Name of the row: element, mode, excitation.", TEXT),
         "column": TEXT,
-        "found": described("What stands there, in the unit shown.", _ANYTHING),
-        "expected": described("What follows from the inputs.", _ANYTHING),
-        "message": described("The whole sentence.", TEXT),
+        "found": described("Recorded value, in the unit shown.", _ANYTHING),
+        "expected": described("Recalculated value, in the unit shown.", _ANYTHING),
+        "message": described("The finding as a sentence.", TEXT),
     }
     digest = {**TEXT, "pattern": "^([0-9a-f]{64})?$"}
-    settings = "Settings of the command line that the file records, used again. [SI]"
+    settings = "Recorded settings of the command line, applied in the verification. [SI]"
     properties = {
         "format": {"const": AUDIT_FORMAT},
         "file": TEXT,
         "outcome": {"enum": ["follows", "does not follow", "never calculated", "not verified"]},
         "sentence": described("The outcome in words.", TEXT),
-        "follows": described("Whether every result follows from the inputs.", FLAG),
+        "follows": described("Whether every result agrees with the inputs.", FLAG),
         "made_by": described("Version that made the results; empty = not recorded.", TEXT),
         "verified_by": described("Version that verified them.", TEXT),
-        "recorded_sha256": described("Digest that the file records; empty = none.", TEXT),
+        "recorded_sha256": described("Digest recorded in the file; empty = none.", TEXT),
         "case_sha256": described("Digest of the inputs; empty = not readable.", digest),
         "settings": described(settings, _SETTINGS),
-        "within": described("What is accepted.", TEXT),
+        "within": described("Accepted deviation.", TEXT),
         "tables": list_of(whole_object(table)),
-        "findings": list_of(whole_object(finding), "What fails first, notes last."),
-        "errors": list_of(_PROBLEM, "What is wrong with the inputs."),
+        "findings": list_of(whole_object(finding), "Findings: failures first, notes last."),
+        "errors": list_of(_PROBLEM, "Errors of the inputs."),
     }
-    words = "Which results of a file follow from its inputs."
+    words = "Verification of the results of a file against its inputs."
     return _schema("verify", words, whole_object(properties))
 
 
@@ -118,7 +118,7 @@ def diff_schema() -> Shape:
             "revision": described("Tag, document, revision of the title block.", TEXT),
             "case_sha256": TEXT,
             "software": TEXT,
-            "results": described("Where its results come from, in words.", TEXT),
+            "results": described("Origin of its results.", TEXT),
             "settings": described("Settings of the command line. [SI]", _SETTINGS),
         }
     )
@@ -127,7 +127,7 @@ def diff_schema() -> Shape:
         "row": described("What is judged.", TEXT),
         "a": described("Verdict; empty where the check is not made.", TEXT),
         "b": TEXT,
-        "result_a": described("The number judged, with its unit.", TEXT),
+        "result_a": described("Result that is judged, with its unit.", TEXT),
         "result_b": TEXT,
         "limit": TEXT,
         "changed": FLAG,
@@ -137,19 +137,19 @@ def diff_schema() -> Shape:
         "table": described("Input or result table; Case for a scalar.", TEXT),
         "row": TEXT,
         "column": described("Empty for a whole row.", TEXT),
-        "a": described("In the first file; a number in SI.", _ANYTHING),
-        "b": described("In the second file; a number in SI.", _ANYTHING),
-        "difference": described("Second minus first. [SI]", BLANK),
-        "relative": described("Difference over the first. [1]", BLANK),
-        "shown_unit": described("The unit people are shown; a and b are in SI.", TEXT),
-        "administrative": described("Whether it can change no result.", FLAG),
+        "a": described("Value in the first file; numbers in SI.", _ANYTHING),
+        "b": described("Value in the second file; numbers in SI.", _ANYTHING),
+        "difference": described("Second value minus first value. [SI]", BLANK),
+        "relative": described("Difference divided by the first value. [1]", BLANK),
+        "shown_unit": described("Display unit; a and b are in SI.", TEXT),
+        "administrative": described("true: cannot affect results.", FLAG),
     }
     changes = list_of(whole_object(change))
     counts = {"same_inputs": _SOME, "same_results": _SOME}
     notes = list_of(TEXT, "Studies that are not compared, and why.")
     of_studies = {"notes": notes, **counts, "inputs": changes, "results": changes}
     of_inputs = described(
-        "null where a side is a result JSON, which holds no inputs.",
+        "null where one of the files is a result JSON, which contains no inputs.",
         {"anyOf": [changes, {"type": "null"}]},
     )
     properties = {
@@ -171,9 +171,11 @@ def study_schema(study: StudySpec) -> Shape:
         "format": {"const": RESULTS_FORMAT},
         "study": {"const": study.key},
         "case_sha256": _DIGEST,
-        "study_sha256": described("Of the rows it was made from.", _DIGEST),
+        "study_sha256": described(
+            "SHA-256 of the study rows that it was calculated from.", _DIGEST
+        ),
         "version": TEXT,
-        "sentence": described("What was found, in words.", TEXT),
+        "sentence": described("Summary of the result.", TEXT),
         "warnings": list_of(TEXT),
         "errors": list_of(_PROBLEM),
     }
@@ -273,23 +275,25 @@ def result_table_schema(table: TableSpec) -> Shape:
 def _startup() -> Shape:
     pull_in = {
         "field_time": described("When the field was applied. [s]", NUMBER),
-        "field_slip": described("The slip then. [1]", NUMBER),
+        "field_slip": described("Slip at field application. [1]", NUMBER),
         "synchronised": described("In step at the end of the run.", FLAG),
         "pole_slips": described("Full turns of the load angle.", COUNT),
-        "pull_in_time": described("When it came into step for good. [s]", NUMBER),
+        "pull_in_time": described("Time from which the motor stays synchronised. [s]", NUMBER),
         "load_angle": described("Mean load angle at the end. [rad]", NUMBER),
-        "swing_frequency": described("Frequency of the swing after it. [Hz]", NUMBER),
+        "swing_frequency": described(
+            "Frequency of the load-angle swing after pull-in. [Hz]", NUMBER
+        ),
     }
     force = {
         "station": described("The gear.", TEXT),
-        "force": described("Largest radial force of its bearings. [N]", NUMBER),
+        "force": described("Largest radial bearing force. [N]", NUMBER),
         "time": described("When. [s]", NUMBER),
     }
     outcomes = {"enum": [str(outcome) for outcome in Outcome]}
     return closed_object(
         {
             "outcome": described("How the start ended.", outcomes),
-            "time": described("When it ended. [s]", NUMBER),
+            "time": described("Time at the end of the start. [s]", NUMBER),
             "end_speed": described("Speed at the end. [rad/s]", NUMBER),
             "pull_in": closed_object(pull_in),
             "bearing_forces": list_of(closed_object(force)),
@@ -300,16 +304,16 @@ def _startup() -> Shape:
 def _details() -> Shape:
     """Energy shares, nodes and damped eigenvalues."""
     node = closed_object({"element": TEXT, "position": NUMBER})
-    of_bearings = "Share of the bearings of each gear that moves on them. [1]"
-    of_nodes = "Where the mode stands still; position from the From end. [1]"
+    of_bearings = "Share of the bearings of each gear in the strain energy. [1]"
+    of_nodes = "Nodes of the mode: element, and position from its From end. [1]"
     mode = {
         "mode": described("Elastic mode, counted from 1.", COUNT),
         "frequency": described("Natural frequency. [Hz]", NUMBER),
-        "strain_energy": described("Share of each element. [1]", _SHARES),
-        "kinetic_energy": described("Share of each station. [1]", _SHARES),
+        "strain_energy": described("Share of each element in the strain energy. [1]", _SHARES),
+        "kinetic_energy": described("Share of each station in the kinetic energy. [1]", _SHARES),
         "bearing_strain_energy": described(of_bearings, _SHARES),
         "sideways_kinetic_energy": described(
-            "Share of the lateral motion of each such gear. [1]", _SHARES
+            "Share of the lateral motion of each gear in the kinetic energy. [1]", _SHARES
         ),
         "nodes": list_of(node, of_nodes),
     }
@@ -317,12 +321,14 @@ def _details() -> Shape:
     plan = closed_object({"number": COUNT, "reason": TEXT})
     sensitivity = {
         "spread": described("Largest change of a peak under 1e-9 of the input. [1]", NUMBER),
-        "sensitive": described("Whether it exceeds the tolerance.", FLAG),
+        "sensitive": described("Whether this change exceeds the tolerance.", FLAG),
     }
     return {
         "plans": list_of(plan, "The plans in order; the last one is reported."),
         "sensitivity": closed_object(sensitivity),
         "accuracy": closed_object({"sentence": TEXT, "reference": TEXT}),
         "modes": list_of(closed_object(mode), "Elastic modes in detail."),
-        "damped_eigenvalues": list_of(value, "Where dampers couple the modes. [1/s]"),
+        "damped_eigenvalues": list_of(
+            value, "Eigenvalues of the damped train, where dampers couple the modes. [1/s]"
+        ),
     }

@@ -6,22 +6,22 @@ from addin.contract.field import TableSpec
 from addin.contract.tables import RESULT_TABLES, STUDY_RESULT_TABLES, WORKBOOK_TABLES
 from addin.contract.trace_table import grouped, shortly, trace_groups
 
-_HEAD = """# Results: what each number is, and where it comes from
+_HEAD = """# Results: meaning, equation and inputs of each number
 
 Made from the records of the tables by `make generated`; do not edit.
 
-For every column of every result sheet: what it is, by which equation or rule, after which source, and
-from which inputs and results. The same stands on sheet Trace of each workbook and behind each header
-cell, and is asked for a single cell, with the places and values of its inputs, by
+For every column of every result sheet: its meaning, its equation or rule, the source, and the inputs and
+results that it uses. Sheet Trace of each workbook and the help of each header cell give the same. For a
+single cell, with the places and values of its inputs:
 
     torsionbook verify train.out.xlsx --trace 'Steady state!H9'
 
-*From the row* are inputs and results of the very element, station, mode, excitation or material that the row
-is about; *from the case* those of all of them. Symbols are those of the
-[nomenclature](nomenclature.md); how it is done numerically is on the page on the [method](method.md).
+*From the row* are inputs and results of the element, station, mode, excitation or material of that row;
+*from the case* those of all of them. Symbols: see the [nomenclature](nomenclature.md); numerical methods:
+see the [method](method.md).
 A unit in brackets is that of the SI template; a workbook shows its own above the column.
 
-Inputs that go together are named once:
+Inputs that belong together are named once:
 """
 
 

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, wraps
 from typing import Any
 
-from addin.calculation.calculation import calculate as whole
+from addin.calculation.calculation import calculate
 from addin.contract import tables as fields
 from addin.contract.problems import nearest, shortened
 from addin.contract.shown_cell import shown_cell
 from addin.contract.shown_units import ShownUnits, shown_units, template_units
-from addin.contract.tables import Field, TableSpec, result_table
+from addin.contract.tables import Field, TableSpec
 from addin.contract.units import parse_unit
 from addin.worksheet.models import AT_SPEED, MODELS, RUN, Model
-from addin.worksheet.registry import Argument, FunctionError
+from addin.worksheet.registry import Argument, FunctionError, registered
 from engine.case.case import Case
 from engine.operation.margins import forbidden_bands, rows_of_bands
 from engine.results.details import modal_details
@@ -25,25 +25,12 @@ Rows = list[list[Any]]
 
 
 MODEL = Argument("Model", "model", "The cell with =TV_MODEL(...).")
-
-
 UNITS = Argument("Units", "text", "SI or US; blank = as the model's tables are typed.", True)
-
-
-HEADERS = Argument("Headers", "flag", "FALSE leaves the row of headers out.", True)
+HEADERS = Argument("Headers", "flag", "FALSE omits the header row.", True)
 
 
 #: Names of a case that one sentence lists. [count]
 MOST_NAMED = 20
-
-
-def width_of(name: str) -> int:
-    """Columns of a table of results."""
-    return len(result_spec(name).columns)
-
-
-def result_spec(name: str) -> TableSpec:
-    return next(t for t in (*fields.RESULT_TABLES, *fields.WORKBOOK_TABLES) if t.name == name)
 
 
 def system_for(units: str | None, model: Model | None) -> str:
@@ -149,27 +136,70 @@ def speed_results(case: Case) -> Mapping[str, Any]:
 def run_of(handle: str) -> tuple[Model, Any]:
     """The whole calculation of a model."""
     model = MODELS.of(handle)
-
-    def calculate(case: Any) -> Any:
-        return whole(case)
-
     return model, MODELS.result(model, RUN, calculate)
 
 
-def run_table(
-    name: str, handle: str, units: str | None, headers: bool | None, missing: str = ""
-) -> Rows:
-    model, run = run_of(handle)
-    rows = run.tables.get(name) or ()
-    if not rows:
-        raise no_rows(run, missing)
-    return table_cells(result_table(name), rows, system_for(units, model), headers)
+def shows_table(
+    function: str,
+    table: str,
+    results: Callable[[str], tuple[Model, Any]],
+    missing: str = "",
+    columns: Sequence[str] = (),
+    example: str = "=%s(A1)",
+) -> Callable[[Callable[[Any], Any]], Callable[..., Rows]]:
+    """Enter a function of the worksheet that shows a table of a model.
+
+    Parameters
+    ----------
+    function : str
+        Its name in the worksheet. [name]
+    table : str
+        The table. [name]
+    results : callable
+        Takes a handle and gives the model and its results: `at_speed_tables` or `run_of`.
+    missing : str, optional
+        Why a table without rows has none. [sentence]
+    columns : sequence of str, optional
+        Names of the columns shown; default all. [names]
+    example : str, optional
+        A formula; ``%s`` stands for the name.
+
+    Returns
+    -------
+    callable
+        Decorates what takes the results and gives the rows of the table.
+    """
+    spec = fields.table(table)
+    shown = [spec.column(name) for name in columns] or list(spec.columns)
+    long = results is run_of
+
+    def enter(rows_of: Callable[[Any], Any]) -> Callable[..., Rows]:
+        @registered(
+            function,
+            MODEL,
+            UNITS,
+            HEADERS,
+            long=long,
+            columns=len(shown),
+            example=example.replace("%s", function),
+        )
+        @wraps(rows_of)
+        def answer(handle: str, units: str | None, headers: bool | None) -> Rows:
+            model, found = results(handle)
+            rows = rows_of(found)
+            if not rows and long:
+                raise no_rows(found, missing)
+            if not rows and missing:
+                raise FunctionError(missing, "#N/A")
+            return table_cells(spec, rows, system_for(units, model), headers, shown)
+
+        return answer
+
+    return enter
 
 
 NO_START = "The case has no start: fill MotorTorque (and LoadTorque) or TorqueTime."
-
-
-NO_SHAFT = "No shaft is judged for fatigue: give Material, Stress diameter and S-N points."
+NO_SHAFT = "No shaft is judged for fatigue: type Material, Stress diameter and S-N points."
 
 
 def no_rows(run: Any, missing: str) -> FunctionError:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from addin.contract.problems import CellProblem, nearest
+from addin.contract.problems import CellProblem, first_of, nearest
 from addin.contract.tables import (
     EVERY_INPUT,
     INPUT_TABLES,
@@ -124,12 +124,7 @@ def problems_in_words(found: CaseInput) -> str:
     str
         Sentences, the first `MOST_TOLD` of them; empty if nothing is wrong.
     """
-    told = []
-    for problem in found.problems[:MOST_TOLD]:
-        told.append(problem.message)
-    if len(found.problems) > MOST_TOLD:
-        told.append(f"And {len(found.problems) - MOST_TOLD} more.")
-    return " ".join(told)
+    return " ".join(first_of([problem.message for problem in found.problems], MOST_TOLD))
 
 
 class _Reading:
@@ -147,13 +142,14 @@ class _Reading:
         names = {_folded(spec.name): spec for spec in SCALARS}
         if not any(isinstance(c, str) and _folded(c) in names for row in block for c in row):
             raise FunctionError(
-                f"Case: the range {_other(SCALAR_TABLE, block) or 'has no name of sheet Case.'} "
-                "Select names, values and units of that sheet, side by side."
+                "Case: the range "
+                f"{_other(SCALAR_TABLE, block) or 'contains no input name of sheet Case.'} "
+                "Select the names, values and units of sheet Case, side by side."
             )
         if any(isinstance(row[0], float) for row in block):
             raise FunctionError(
-                "Case: the first column of the range holds numbers. Begin it with the column of "
-                "the names."
+                "Case: the first column of the range contains numbers. Start the range with the "
+                "column of names."
             )
         there: set[str] = set()
         seen: set[str] = set()
@@ -176,7 +172,7 @@ class _Reading:
                     continue  # blank, or a heading of the same name
                 if spec.name in seen:
                     self.findings.add(
-                        place, cell, "each name once", f"the name '{cell}' stands twice."
+                        place, cell, "unique names", f"the name '{cell}' occurs twice. Delete one."
                     )
                     continue
                 seen.add(spec.name)
@@ -200,7 +196,7 @@ class _Reading:
                         (SCALAR_TABLE, None, cell),
                         cell,
                         "a name of sheet Case",
-                        f"the name '{cell}' is not known. Did you mean '{folded[meant]}'?",
+                        f"the name '{cell}' is unknown. Did you mean '{folded[meant]}'?",
                     )
 
     # ---- tables --------------------------------------------------------------------------------
@@ -262,7 +258,7 @@ class _Reading:
                 (spec.name, None, f"column {j + 1}"),
                 _text(header) or None,
                 "a header of the table",
-                f"the column has {shown}. Select the table only, or name the column.",
+                f"the column has {shown}. Select only the table, or give the column a header.",
             )
 
     def _misspelt(self, spec: TableSpec, header: list[Cell], columns: dict[int, Field]) -> set[str]:
@@ -288,14 +284,14 @@ class _Reading:
                     (spec.name, None, cell),
                     cell,
                     "a header of the table",
-                    f"the header '{cell}' is not known.{hint}",
+                    f"the header '{cell}' is unknown.{hint}",
                 )
             elif column in columns.values():
                 self.findings.add(
                     (spec.name, None, column.name),
                     cell,
-                    "each header once",
-                    f"the header '{column.name}' stands twice. Select one table only.",
+                    "unique headers",
+                    f"the header '{column.name}' occurs twice. Select only one table.",
                 )
             else:
                 columns[j] = column
@@ -324,7 +320,8 @@ class _Reading:
             if unit is None:
                 units = ", ".join(spec.units)
                 message = (
-                    f"there is no unit {unit_place}. Select the units too; usual ones are {units}."
+                    f"the unit {unit_place} is missing. Include the units in the range; usual "
+                    f"units are {units}."
                 )
             self.findings.add(place, _text(unit) or None, error.allowed, message)
             return None
@@ -401,7 +398,7 @@ def _other(name: str, block: Block) -> str:
     if likeness[best] < 2 or likeness[best] <= likeness[name]:
         return ""
     what = "names of sheet Case" if best == SCALAR_TABLE else f"table {best}"
-    return f"holds {what}: mind the order of the arguments."
+    return f"contains {what}: check the order of the arguments."
 
 
 def _folded(text: str) -> str:

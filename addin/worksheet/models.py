@@ -40,20 +40,13 @@ MOST_CASES, MOST_CASE_MEMORY, MOST_MEMORY = 2000, 300_000_000, 400_000_000
 OWNER: ContextVar[str] = ContextVar("owner", default="")
 
 
-class _Handed(threading.local):
-    """A result that the call of this thread brings along, whether it is still kept or not."""
-
-    results: str = ""
-    what: str = ""
-    value: Any = None
-
-
-_HANDED = _Handed()
+#: A result that a call brings along, whether it is still kept or not: digest, name and value.
+_HANDED: ContextVar[tuple[str, str, Any]] = ContextVar("handed", default=("", "", None))
 
 
 @contextmanager
 def handed(model: Model, what: str, value: Any) -> Iterator[None]:
-    """Give a result to the functions called in this thread.
+    """Give a result to the functions that are called meanwhile.
 
     Parameters
     ----------
@@ -64,11 +57,11 @@ def handed(model: Model, what: str, value: Any) -> Iterator[None]:
     value : object
         The result, or the `FunctionError` that says why there is none. [SI]
     """
-    _HANDED.results, _HANDED.what, _HANDED.value = model.results, what, value
+    token = _HANDED.set((model.results, what, value))
     try:
         yield
     finally:
-        _HANDED.results, _HANDED.what, _HANDED.value = "", "", None
+        _HANDED.reset(token)
 
 
 @dataclass(eq=False)
@@ -88,20 +81,6 @@ class Model:
     def memory(self) -> int:
         """Memory of the results, measured once when each was kept. [B]"""
         return sum(list(self.sizes.values()))
-
-    def keep(self, what: str, value: Any) -> None:
-        """Put a result where the functions look for it.
-
-        Parameters
-        ----------
-        what : str
-            Name of the result. [name]
-        value : object
-            The result, or the `FunctionError` that says why there is none. [SI]
-        """
-        with self.lock:
-            self.kept[what] = value
-            self.sizes[what] = _size(value)
 
 
 class Models:
@@ -209,16 +188,18 @@ class Models:
         """
         if not handle.startswith(PREFIX):
             raise FunctionError(
-                f"'{handle[:60]}' is no model. Give the cell with =TV_MODEL(...); it shows {PREFIX}… "
-                "or says what is wrong with the tables."
+                f"'{handle[:60]}' is not a model. Give the cell with =TV_MODEL(...); it shows "
+                f"{PREFIX}… "
+                "or reports what is wrong with the tables."
             )
         with self._lock:
             model = self._models.get(handle)
             if model is None:
                 raise FunctionError(
-                    f"The model {handle[:40]} is not at hand in this session. Recalculate everything "
-                    "(Ctrl+Alt+F9; in Calc Ctrl+Shift+F9). A program asks for the model again, with "
-                    "TV_MODEL or the workbook.",
+                    f"The model {handle[:40]} is not in the memory of this session. Recalculate "
+                    "everything "
+                    "(Ctrl+Alt+F9; in Calc Ctrl+Shift+F9). A program must call TV_MODEL or send "
+                    "the workbook again.",
                     "#N/A",
                 )
             self._use(model)
@@ -246,24 +227,23 @@ class Models:
         FunctionError
             If the train cannot be calculated; kept as well, so that it is not tried again.
         """
-        if model.results and (_HANDED.results, _HANDED.what) == (model.results, what):
-            found = _HANDED.value
-        else:
-            found = self._found(model, what, calculate)
-        if isinstance(found, FunctionError):
-            raise FunctionError(found.message, found.code)
-        return found
+        *name, value = _HANDED.get()
+        if not model.results or name != [model.results, what]:
+            value = self._kept(model, what, calculate)
+        if isinstance(value, FunctionError):
+            raise FunctionError(value.message, value.code)
+        return value
 
-    def _found(self, model: Model, what: str, calculate: Callable[[Case], Any]) -> Any:
+    def _kept(self, model: Model, what: str, calculate: Callable[[Case], Any]) -> Any:
         with model.lock:
-            found = model.kept.get(what)
-            if found is None:
+            value = model.kept.get(what)
+            if value is None:
                 try:
-                    found = calculate(model.case)
+                    value = calculate(model.case)
                 except (ModelError, InternalError) as wrong:
-                    found = FunctionError(str(wrong), "#NUM!")
-                self.keep(model, what, found)
-        return found
+                    value = FunctionError(str(wrong), "#NUM!")
+                self.keep(model, what, value)
+        return value
 
     def keep(self, model: Model, what: str, value: Any) -> None:
         """Keep a result, whoever calculated it, and what there is of others within bounds.
@@ -277,7 +257,9 @@ class Models:
         value : object
             The result, or the `FunctionError` that says why there is none. [SI]
         """
-        model.keep(what, value)
+        with model.lock:
+            model.kept[what] = value
+            model.sizes[what] = _size(value)
         self._drop(model)
 
     @property
@@ -288,11 +270,11 @@ class Models:
 
     def _with_results(self) -> dict[str, Model]:
         """One model for each set of results, the least used first."""
-        found: dict[str, Model] = {}
+        models: dict[str, Model] = {}
         for model in self._models.values():
-            found.pop(model.results, None)
-            found[model.results] = model
-        return found
+            models.pop(model.results, None)
+            models[model.results] = model
+        return models
 
     def _drop(self, used: Model) -> None:
         """Forget results of the least used models until the rest is within bounds."""
@@ -310,14 +292,10 @@ class Models:
 
 def _digests(case: Case) -> tuple[str, str, int]:
     """Digests of all that was typed, and of what can change a result, to the last digit; memory."""
-    whole = json.dumps(case, default=vars)
-    bare = json.dumps(case, default=_without_titles)
+    texts = [json.dumps(case, default=row) for row in (vars, _without_titles)]
+    whole, bare = (hashlib.sha256(text.encode("ascii")).hexdigest() for text in texts)
     # a case takes some five times the memory of its text
-    return _sha256(whole), _sha256(bare), 5 * len(whole)
-
-
-def _sha256(text: str) -> str:
-    return hashlib.sha256(text.encode("ascii")).hexdigest()
+    return whole, bare, 5 * len(texts[0])
 
 
 def _without_titles(row: Any) -> dict[str, Any]:

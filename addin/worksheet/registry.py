@@ -92,8 +92,8 @@ class Function:
 ROW_COUNT = Argument(
     "Row count",
     "count",
-    "Rows of the answer, header included: blank below it, and what does not fit is counted in the "
-    "last row. For array formulas of fixed size.",
+    "Number of rows of the result, including header: unused rows are blank, and the last row "
+    "counts rows that do not fit. For array formulas of fixed size.",
     True,
 )
 
@@ -153,7 +153,7 @@ def rows_of(raw: Any) -> Block:
     width = max((len(row) if isinstance(row, (list, tuple)) else 1 for row in rows), default=0)
     if len(rows) * width > MOST_CELLS:
         raise FunctionError(
-            f"found more than {MOST_CELLS:,} cells. Give the table, not whole columns."
+            f"found more than {MOST_CELLS:,} cells. Select the table, not whole columns."
         )
     found = [
         [_cell(value) for value in (row if isinstance(row, (list, tuple)) else [row])]
@@ -191,8 +191,8 @@ def _cell(value: Any) -> Cell:
         text = value.strip()
         if _HALF.search(text):
             raise FunctionError(
-                f"found the text {shortened(ascii(text))}, which holds half a character (a lone "
-                "surrogate). Type it again."
+                f"found the text {shortened(ascii(text))}, which contains an invalid character (a "
+                "lone surrogate). Type it again."
             )
         if text in ERROR_CODES:
             return ErrorValue(text)
@@ -245,7 +245,7 @@ def _bound(argument: Argument, raw: Any) -> Any:
     number = _number(argument, cell, 0, 0)
     if argument.kind == "count":
         if number is None or number < argument.least or number != math.floor(number):
-            raise _unfit(argument, cell, f"a whole number from {argument.least} on")
+            raise _unfit(argument, cell, f"a whole number, {argument.least} or more")
         return int(number)
     return number
 
@@ -323,7 +323,7 @@ def call(name: str, raw: Sequence[Any]) -> list[list[Value]]:
     """
     function = FUNCTIONS.get(name.upper())
     if function is None:
-        raise FunctionError(f"There is no function {name[:60]}.", "#NAME?")
+        raise FunctionError(f"Unknown function {name[:60]}.", "#NAME?")
     if len(raw) > len(function.arguments):
         raise FunctionError(
             f"{function.name} takes at most {len(function.arguments)} arguments, not {len(raw)}."
@@ -340,8 +340,9 @@ def call(name: str, raw: Sequence[Any]) -> list[list[Value]]:
 
 def _fixed(function: Function, values: Sequence[Any], count: int) -> list[list[Value]]:
     """The table in as many rows as asked for; that it has none is told in its first cell."""
-    if count > MOST_CELLS // max(function.columns or 1, 1):
-        raise FunctionError(f"{ROW_COUNT.name}: found {count}; that is too many.", "#NUM!")
+    most = MOST_CELLS // max(function.columns or 1, 1)
+    if count > most:
+        raise FunctionError(f"{ROW_COUNT.name}: found {count}; give at most {most}.", "#NUM!")
     try:
         rows = _shown(function.answer(*values))
     except FunctionError as none:
@@ -370,5 +371,5 @@ def _plain(value: Any) -> Value:
         return value
     number = float(value)
     if not math.isfinite(number):
-        raise FunctionError("The answer is too large for a number.", "#NUM!")
+        raise FunctionError("The result is too large for a number. Check the units.", "#NUM!")
     return number

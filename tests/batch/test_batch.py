@@ -200,7 +200,7 @@ def test_resuming_does_nothing_twice_but_what_may_succeed_now(whole):
     finally:
         (folder / "in" / "~$open.xlsx").write_bytes(b"\x03Ada")
     assert "6 done" in said.stdout
-    assert "(8 of them by an earlier batch)" in said.stdout
+    assert "(8 of them in an earlier batch)" in said.stdout
     assert {p: p.stat().st_mtime_ns for p in before} == before
     assert (copy / "out" / "open.xlsx").is_file()
 
@@ -518,7 +518,7 @@ def test_ctrl_c_ends_it_cleanly_and_resume_completes(tmp_path, times):
     assert 3 <= len(done) < 10
     again = torsionbook("batch", "in", "--out", "out", "--resume", cwd=tmp_path)
     assert again.returncode == 0, again.stderr
-    assert f"10 done ({len(done)} of them by an earlier batch)" in again.stdout
+    assert f"10 done ({len(done)} of them in an earlier batch)" in again.stdout
 
 
 # --- text that looks like a formula ---------------------------------------------------------------

@@ -129,7 +129,7 @@ def test_a_summary_replaces_a_summary_and_nothing_else(tmp_path):
     words = ("batch", book, "--out", tmp_path / "out", "--jobs", 1)
     status, said = told(*words, "--summary", mine)
     assert status == 2
-    assert "no summary of a batch" in said
+    assert "is not a batch summary" in said
     assert mine.read_bytes() == before
     for _ in range(2):
         done = torsionbook(*words, "--summary", "all.xlsx", cwd=tmp_path)
@@ -266,7 +266,7 @@ def test_a_csv_of_somebody_else_is_not_replaced_by_that_of_the_summary(tmp_path)
     mine = tmp_path / "mine.csv"
     mine.write_text("Name;DampingRatio\na;0,01\n", encoding="utf-8")
     words = (book, "--out", tmp_path / "o", "--jobs", 1, "--summary", tmp_path / "mine.xlsx")
-    assert f"{mine} is there already, and it is no summary of a batch." in refused(*words)
+    assert f"{mine} exists and is not a batch summary." in refused(*words)
     assert mine.read_text(encoding="utf-8") == "Name;DampingRatio\na;0,01\n"
     assert not (tmp_path / "mine.xlsx").exists()
     mine.unlink()
@@ -282,5 +282,5 @@ def test_a_programme_onto_its_own_table_is_refused(tmp_path):
     table.parent.mkdir()
     table.write_bytes(b"mine")
     said = refused(book, "--vary", table, "--out", tmp_path / "o")
-    assert "which is the table itself" in said
+    assert "Results would overwrite the table" in said
     assert table.read_bytes() == b"mine"

@@ -117,9 +117,9 @@ def test_json_is_that_of_recalc(few, tmp_path):
     # nothing is left to do, until a JSON is lost
     assert audit(tmp_path / "out" / "twin.xlsx")["Setting of the command line: method"] == "newmark"
     again = ("batch", few, "--out", "out", "--json", "j", "--resume", *words)
-    assert "(3 of them by an earlier batch)" in torsionbook(*again, cwd=tmp_path).stdout
+    assert "(3 of them in an earlier batch)" in torsionbook(*again, cwd=tmp_path).stdout
     (tmp_path / "j" / "train 9.results.json").unlink()
-    assert "(2 of them by an earlier batch)" in torsionbook(*again, cwd=tmp_path).stdout
+    assert "(2 of them in an earlier batch)" in torsionbook(*again, cwd=tmp_path).stdout
     assert (tmp_path / "j" / "train 9.results.json").is_file()
 
 
@@ -266,7 +266,7 @@ def test_a_programme_of_cases_respects_settings(few, tmp_path):
         (("--tolerance", "much"), "write a number"),
         (("--tolerance", "0.9"), "must lie between"),
         (("--tolerance", "1e-8"), "must lie between 2e-07 and 0.5"),
-        (("--json", "a.json"), "it names a folder"),
+        (("--json", "a.json"), "it must name a folder"),
         (("--json", "j", "--vary", "t.csv"), "are Parquet"),
     ],
 )

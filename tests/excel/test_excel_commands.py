@@ -30,7 +30,7 @@ def test_install_doctor_upgrade(run, book):
     assert "[ok] Functions in the workbook" in looked.output
     again = run("upgrade", made, "--interpreter", r"D:\py\pythonw.exe")
     assert again.exit_code == 0
-    assert f"as it was: {made}.bak" in again.output
+    assert f"backup: {made}.bak" in again.output
     assert r"D:\py\pythonw.exe" in run("doctor", made).output
 
 
@@ -40,7 +40,7 @@ def test_the_workbook_as_it_was_outlives_a_second_upgrade(run, book):
     first = made.read_bytes()
     for name in ("bak", "bak2", "bak3"):
         done = run("upgrade", made, "--interpreter", rf"D:\{name}\pythonw.exe")
-        assert f"as it was: {made}.{name}" in done.output
+        assert f"backup: {made}.{name}" in done.output
     assert made.with_name(f"{made.name}.bak").read_bytes() == first
     assert made.with_name(f"{made.name}.bak2").read_bytes() not in (first, made.read_bytes())
 
@@ -49,7 +49,7 @@ def test_a_file_that_is_there_is_not_replaced_unasked(run, book):
     book.with_suffix(".xlsm").write_bytes(b"mine")
     done = run("install", book)
     assert done.exit_code == 1
-    assert "is there already" in done.output
+    assert "exists. Name another" in done.output
     assert book.with_suffix(".xlsm").read_bytes() == b"mine"
     assert run("install", book, "--force").exit_code == 0
     assert book.with_suffix(".xlsm").read_bytes() != b"mine"

@@ -339,7 +339,7 @@ def test_a_module_of_the_user_under_one_of_our_names_is_not_replaced(tmp_path, m
             own_module(name, f'Attribute VB_Name = "{name}"\n\' of torsionbook\nSub A()\nEnd Sub\n')
         ),
     )
-    with pytest.raises(VbaProjectError, match="of its own"):
+    with pytest.raises(VbaProjectError, match="already has a VBA module"):
         install(own, None)
 
 

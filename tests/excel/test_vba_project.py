@@ -104,5 +104,5 @@ def test_a_project_without_modules_list_is_named():
     from addin.excel.ovba import compress
 
     root.entries["VBA"].entries["dir"] = compress(b"\x10\0\0\0\0\0")
-    with pytest.raises(VbaProjectError, match="lacks its code page"):
+    with pytest.raises(VbaProjectError, match="has no code page"):
         VbaProject.read(write_compound_file(root))

@@ -73,7 +73,7 @@ def test_errors_are_texts(load):
     functions = load(worker_command()).Functions(None)
     assert functions.tv_stiffness(200.0, 250.0, 1.0, 1.0).startswith("ID: found 250")
     ((told,),) = functions.tv_peaks("tv:0")
-    assert "not at hand in this session" in told
+    assert "not in the memory of this session" in told
 
 
 def test_a_process_that_died_is_started_anew(load):

@@ -334,7 +334,7 @@ def test_a_file_that_is_there_is_kept_unless_forced(tmp_path):
     (tmp_path / "c.pdf").write_bytes(b"mine")
     done = torsionbook("report", "case.json", "--pdf", "c.pdf", "--docx", "c.docx", cwd=tmp_path)
     assert (done.returncode, (tmp_path / "c.pdf").read_bytes()) == (1, b"mine")
-    assert "c.pdf is there already" in done.stderr
+    assert "c.pdf exists" in done.stderr
     assert not (tmp_path / "c.docx").exists()
     done = torsionbook("report", "case.json", "--pdf", "c.pdf", "--force", cwd=tmp_path)
     assert done.returncode == 0

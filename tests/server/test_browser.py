@@ -140,8 +140,8 @@ def test_errors_are_excel_errors_with_their_sentence(excel):
             "#DIV/0!",
             "shows",
         ),
-        ("TV_FREQUENCIES", ["tv:0000000000000000"], "#N/A", "not at hand"),
-        ("TV_PEAKS", ["tv:0000000000000000"], "#N/A", "not at hand"),
+        ("TV_FREQUENCIES", ["tv:0000000000000000"], "#N/A", "not in the memory"),
+        ("TV_PEAKS", ["tv:0000000000000000"], "#N/A", "not in the memory"),
         ("TV_PEAKS", [None], "#VALUE!", "blank"),
     ):
         shown = cell(excel, name, given)

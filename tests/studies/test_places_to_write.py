@@ -36,9 +36,9 @@ def refused(*words: object) -> str:
 def test_cases_that_would_lie_in_a_file_are_refused_before_tuning(case: Path) -> None:
     taken = case.with_name("taken")
     taken.write_text("mine", encoding="utf-8")
-    assert "is a file; a folder is needed there" in refused("tune", case, "--cases", taken)
-    assert "is a file; a folder is needed there" in refused("tune", case, "--out", taken)
-    assert "is a file; a folder" in refused("tune", case, "--json", taken / "deep" / "a.json")
+    assert "is a file; name a folder" in refused("tune", case, "--cases", taken)
+    assert "is a file; name a folder" in refused("tune", case, "--out", taken)
+    assert "is a file; name a folder" in refused("tune", case, "--json", taken / "deep" / "a.json")
     assert taken.read_text(encoding="utf-8") == "mine"
     assert sorted(p.name for p in case.parent.iterdir()) == ["case.json", "taken"]
 

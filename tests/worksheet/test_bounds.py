@@ -61,7 +61,7 @@ def test_each_client_has_its_share_of_the_cases():
     kept = [add("quiet", 1), add("quiet", 2)]
     flood = [add("loud", k) for k in range(50)]
     assert [models.of(h).handle for h in kept] == kept
-    with pytest.raises(FunctionError, match="not at hand"):
+    with pytest.raises(FunctionError, match="not in the memory"):
         models.of(flood[0])
     assert models.of(flood[-1]).case.title == "loud 49"
 
@@ -106,6 +106,6 @@ def test_nothing_nested_deeply_makes_an_error_of_ours():
 def test_half_a_character_is_told():
     arguments = copy.deepcopy(model_arguments())
     arguments[0][2][0] = "Mo\ud800"
-    with pytest.raises(FunctionError, match="half a character") as told:
+    with pytest.raises(FunctionError, match="an invalid character") as told:
         call("TV_MODEL", arguments)
     told.value.message.encode()

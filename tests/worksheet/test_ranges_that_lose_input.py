@@ -40,14 +40,14 @@ def test_a_case_range_without_its_values():
 
 def test_a_case_range_that_begins_with_values():
     """The names of the left half are cut off; those of the right are all there."""
-    assert "Begin it with the column of the names" in told(
+    assert "Start the range with the column of names" in told(
         CASE, lambda block: [row[1:] for row in block]
     )
 
 
 def test_a_misspelt_name():
     message = told(CASE, renamed("Damping ratio", "Dampng ratio"))
-    assert "'Dampng ratio' is not known. Did you mean 'DampingRatio'?" in message
+    assert "'Dampng ratio' is unknown. Did you mean 'DampingRatio'?" in message
 
 
 def test_what_is_typed_with_the_sign_and_under_the_unit_of_per_cent_is_a_hundredth():
@@ -78,7 +78,7 @@ def test_a_name_twice():
         row = next(row for row in block if "Damping ratio" in row)
         return [*block, list(row)]
 
-    assert "'Damping ratio' stands twice" in told(CASE, change)
+    assert "'Damping ratio' occurs twice" in told(CASE, change)
 
 
 @pytest.mark.parametrize(("header", "said"), [(None, "no header"), (5.0, "the header 5")])

@@ -172,7 +172,7 @@ function showMargins(rows, all = false) {
   const nearest = [...body].sort((a, b) => a[margin] - b[margin]);
   const few = nearest.filter((row, i) => i < FEW || row[verdict] !== "pass");
   const shown = all ? body : few;
-  putTable("margins", "SeparationMargins", [head, ...shown], "Nothing is judged: the case states no speed and no line.");
+  putTable("margins", "SeparationMargins", [head, ...shown], "Nothing is judged: the case has no speed and no line frequency. Type two of LineFrequency, Poles and SynchronousSpeed.");
   at("all-margins").hidden = all || shown.length === body.length;
   at("all-margins").textContent = `Show all ${body.length}, not the ${few.length} nearest only`;
   at("all-margins").onclick = () => showMargins(rows, true);

@@ -3,14 +3,7 @@
 from __future__ import annotations
 
 from addin.contract.tables import result_table
-from addin.worksheet.answers import (
-    HEADERS,
-    MODEL,
-    UNITS,
-    Rows,
-    system_for,
-    table_cells,
-)
+from addin.worksheet.answers import HEADERS, MODEL, UNITS, Rows, system_for, table_cells
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import Argument, FunctionError, registered
 from engine.case.study_inputs import STIFFNESS, MeasuredFrequencyRow, ScatterRow, StudyInputs
@@ -32,8 +25,13 @@ CALIBRATED = (
     "TV_CALIBRATE",
     MODEL,
     Argument("Frequencies", "numbers", "The measured natural frequencies [Hz], in any order."),
-    Argument("Uncertainty", "number", "Their standard deviation, 0.01 or 1 %; blank = 1 %.", True),
-    Argument("Spread", "number", "How sure every stiffness is; blank = 10 %.", True),
+    Argument(
+        "Uncertainty",
+        "number",
+        "Standard deviation of the measured frequencies, 0.01 or 1 %; blank = 1 %.",
+        True,
+    ),
+    Argument("Spread", "number", "Standard deviation of every stiffness; blank = 10 %.", True),
     UNITS,
     HEADERS,
     columns=len(CALIBRATED),

@@ -7,20 +7,16 @@ from typing import Any
 
 from addin.charts.start_cycles import start_cycle_rows
 from addin.worksheet.answers import (
-    HEADERS,
     MODEL,
     NO_SHAFT,
     UNITS,
     Rows,
     name_in_case,
     no_rows,
-    result_spec,
     run_of,
-    run_table,
+    shows_table,
     si_unit,
     system_for,
-    table_cells,
-    width_of,
 )
 from addin.worksheet.models import MODELS
 from addin.worksheet.registry import Argument, FunctionError, registered
@@ -36,37 +32,20 @@ ORDER = 60
 _SAME_STRESS = 1.0 + 1e-9
 
 
-@registered(
-    "TV_CYCLES",
-    MODEL,
-    UNITS,
-    HEADERS,
-    long=True,
-    columns=width_of("StartCycles"),
-    example="=TV_CYCLES(A1)",
-)
-def tv_cycles(model: str, units: str | None, headers: bool | None) -> Rows:
+@shows_table("TV_CYCLES", "StartCycles", run_of)
+def tv_cycles(run: Any) -> Any:
     """The most damaging cycles of one start of the governing shaft: n, N and n/N."""
-    found, run = run_of(model)
     rows = start_cycle_rows(run.view)
     if not rows:
         judged = run.tables.get("AllowableStarts")
-        raise no_rows(run, "The start makes no stress cycle." if judged else NO_SHAFT)
-    return table_cells(result_spec("StartCycles"), rows, system_for(units, found), headers)
+        raise no_rows(run, "The start has no stress cycle." if judged else NO_SHAFT)
+    return rows
 
 
-@registered(
-    "TV_STARTS",
-    MODEL,
-    UNITS,
-    HEADERS,
-    long=True,
-    columns=width_of("AllowableStarts"),
-    example="=TV_STARTS(A1)",
-)
-def tv_starts(model: str, units: str | None, headers: bool | None) -> Rows:
+@shows_table("TV_STARTS", "AllowableStarts", run_of, NO_SHAFT)
+def tv_starts(run: Any) -> Any:
     """Damage of one start and allowable starts of every judged shaft."""
-    return run_table("AllowableStarts", model, units, headers, NO_SHAFT)
+    return run.tables.get("AllowableStarts")
 
 
 @registered(
@@ -78,7 +57,7 @@ def tv_starts(model: str, units: str | None, headers: bool | None) -> Rows:
     Argument(
         "Remarks",
         "flag",
-        "TRUE adds beside each life where the S-N line is extended beyond its points.",
+        "TRUE adds beside each life a remark where the S-N line is extrapolated.",
         True,
     ),
     example='=TV_SN_LIFE(A1, "Alloy steel", 200, "SI")',
@@ -124,8 +103,8 @@ def _check_stress(
     strength = material.uts
     if strength is not None and stress > strength * _SAME_STRESS:
         raise FunctionError(
-            f"{place}: found {value:.10g} {unit}; it lies above UTS of '{material.material}', "
-            f"{strength / pascal:.6g} {unit}, where no S-N line holds.",
+            f"{place}: found {value:.10g} {unit}, above UTS of '{material.material}', "
+            f"{strength / pascal:.6g} {unit}, where S-N lines are not valid. Give a lower stress.",
             "#NUM!",
         )
 
@@ -133,20 +112,22 @@ def _check_stress(
 def _extended(curve: Any, stress: float) -> str | None:
     """Where the S-N line is not between its points; nothing is said where it is."""
     if curve.above_first_point(stress / _SAME_STRESS):
-        return "above the first S-N point: its slope extended"
+        return "above the first S-N point: extrapolated"
     if stress <= curve.endurance:
         rule = curve.below_endurance
         return None if rule == "none" else f"below endurance: {rule}"
     if stress * _SAME_STRESS < curve.stress[-1]:
-        return "below the last S-N point: its slope extended to endurance"
+        return "below the last S-N point: extrapolated to endurance"
     return None
 
 
 @registered(
     "TV_LIFE",
-    Argument("Damage", "numbers", "The damage of one start of each kind, as TV_STARTS gives it."),
-    Argument("Per year", "numbers", "How many of each kind a year; 0 = none."),
-    Argument("So far", "numbers", "How many of each kind so far.", True),
+    Argument(
+        "Damage", "numbers", "The damage of one start of each start condition, from TV_STARTS."
+    ),
+    Argument("Per year", "numbers", "Starts per year of each condition; 0 = none."),
+    Argument("So far", "numbers", "Starts so far of each condition.", True),
     Argument("Starts factor", "number", "StartsFactor; blank = 1.", True),
     example="=TV_LIFE(0.002, 24, 60, 2)",
 )
@@ -162,7 +143,8 @@ def tv_life(damage: Rows, per_year: Rows, so_far: Rows | None, factor: float | N
     for name, column in (("Per year", yearly), ("So far", seen)):
         if len(column) != len(one):
             raise FunctionError(
-                f"{name}: found {len(column)} cells beside {len(one)} of Damage; give as many."
+                f"{name}: found {len(column)} cells, but Damage has {len(one)}; give the same "
+                "number."
             )
     if factor is not None and not factor > 0.0:
         raise FunctionError(f"Starts factor: found {factor:.10g}; give more than 0.", "#NUM!")

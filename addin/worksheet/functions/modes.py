@@ -2,39 +2,23 @@
 
 from __future__ import annotations
 
-from addin.contract.tables import result_table
-from addin.worksheet.answers import (
-    HEADERS,
-    MODEL,
-    UNITS,
-    Rows,
-    at_speed_tables,
-    system_for,
-    table_cells,
-    width_of,
-)
+from collections.abc import Mapping
+from typing import Any
+
+from addin.worksheet.answers import HEADERS, MODEL, Rows, at_speed_tables, shows_table
 from addin.worksheet.registry import Argument, FunctionError, registered
 
 #: Place of these functions among all, in lists and in the documentation.
 ORDER = 20
 
 
-@registered(
-    "TV_FREQUENCIES",
-    MODEL,
-    UNITS,
-    HEADERS,
-    columns=width_of("NaturalFrequencies"),
-    example='=TV_FREQUENCIES(A1, "SI")',
-)
-def tv_frequencies(model: str, units: str | None, headers: bool | None) -> Rows:
+@shows_table("TV_FREQUENCIES", "NaturalFrequencies", at_speed_tables, example='=%s(A1, "SI")')
+def tv_frequencies(tables: Mapping[str, Any]) -> Any:
     """Natural frequencies with damping, start-up crossing and the element that strains most.
 
     Rigid-body modes come first with frequency 0.
     """
-    found, tables = at_speed_tables(model)
-    rows = tables["NaturalFrequencies"]
-    return table_cells(result_table("NaturalFrequencies"), rows, system_for(units, found), headers)
+    return tables["NaturalFrequencies"]
 
 
 @registered(
@@ -48,11 +32,9 @@ def tv_frequencies(model: str, units: str | None, headers: bool | None) -> Rows:
 def tv_mode(model: str, mode: int, headers: bool | None) -> Rows:
     """Shape of one mode: relative twist of each station, the largest = 1."""
     _, tables = at_speed_tables(model)
-    key = f"mode_{mode}"
-    rows = tables["ModeShapes"]
-    _existing(mode, len(tables["modes"]))
-    found: Rows = [[row["station"], row[key]] for row in rows]
-    return found if headers is False else [["Station", f"Mode {mode}"], *found]
+    _check_mode(mode, len(tables["modes"]))
+    rows: Rows = [[row["station"], row[f"mode_{mode}"]] for row in tables["ModeShapes"]]
+    return rows if headers is False else [["Station", f"Mode {mode}"], *rows]
 
 
 @registered(
@@ -68,18 +50,21 @@ def tv_energy(model: str, mode: int | None, headers: bool | None) -> Rows:
     _, tables = at_speed_tables(model)
     modes = tables["modes"]
     if mode is not None:
-        _existing(mode, len(modes))
+        _check_mode(mode, len(modes))
         modes = [modes[mode - 1]]
     if not modes:
-        raise FunctionError("The train has no elastic mode: it has one station only.", "#N/A")
-    found: Rows = []
-    for kind, words in (("strain_energy", "strain"), ("kinetic_energy", "kinetic")):
-        for name in modes[0][kind]:
-            found.append([name, words, *(m[kind][name] for m in modes)])
+        raise FunctionError(
+            "The train has no elastic mode, because it has only one station.", "#N/A"
+        )
+    rows: Rows = [
+        [name, words, *(mode[kind][name] for mode in modes)]
+        for kind, words in (("strain_energy", "strain"), ("kinetic_energy", "kinetic"))
+        for name in modes[0][kind]
+    ]
     head = ["Name", "Energy", *(f"Mode {m['mode']} [1]" for m in modes)]
-    return found if headers is False else [head, *found]
+    return rows if headers is False else [head, *rows]
 
 
-def _existing(mode: int, count: int) -> None:
+def _check_mode(mode: int, count: int) -> None:
     if mode > count:
         raise FunctionError(f"Mode: found {mode}; the train has {count} elastic modes.", "#N/A")

@@ -2,72 +2,47 @@
 
 from __future__ import annotations
 
-from addin.contract.tables import result_table
-from addin.worksheet.answers import (
-    HEADERS,
-    MODEL,
-    UNITS,
-    Rows,
-    at_speed_tables,
-    system_for,
-    table_cells,
-    width_of,
-)
-from addin.worksheet.registry import FunctionError, registered
+from collections.abc import Mapping
+from typing import Any
+
+from addin.worksheet.answers import at_speed_tables, shows_table
 
 #: Place of these functions among all, in lists and in the documentation.
 ORDER = 40
 
-
-@registered(
-    "TV_MARGINS",
-    MODEL,
-    UNITS,
-    HEADERS,
-    columns=width_of("SeparationMargins"),
-    example="=TV_MARGINS(A1)",
+_NO_SPEED = (
+    "the case has no speed and no line frequency. Type two of LineFrequency, Poles and "
+    "SynchronousSpeed."
 )
-def tv_margins(model: str, units: str | None, headers: bool | None) -> Rows:
+
+
+@shows_table("TV_MARGINS", "SeparationMargins", at_speed_tables, f"Nothing is judged: {_NO_SPEED}")
+def tv_margins(tables: Mapping[str, Any]) -> Any:
     """Separation margin of every mode from every excitation, with its verdict."""
-    found, tables = at_speed_tables(model)
-    rows = tables["SeparationMargins"]
-    if not rows:
-        raise FunctionError("Nothing is judged: the case states no speed and no line.", "#N/A")
-    return table_cells(result_table("SeparationMargins"), rows, system_for(units, found), headers)
+    return tables["SeparationMargins"]
 
 
-#: Columns of `ForbiddenBands` that one case has.
-BAND_COLUMNS = ("Excitation", "From", "To", "Lowest", "Highest", "Modes inside")
-
-
-@registered(
+@shows_table(
     "TV_BANDS",
-    MODEL,
-    UNITS,
-    HEADERS,
-    columns=len(BAND_COLUMNS),
-    example="=TV_BANDS(A1)",
+    "ForbiddenBands",
+    at_speed_tables,
+    f"No forbidden bands: {_NO_SPEED}",
+    columns=("Excitation", "From", "To", "Lowest", "Highest", "Modes inside"),
 )
-def tv_bands(model: str, units: str | None, headers: bool | None) -> Rows:
+def tv_bands(tables: Mapping[str, Any]) -> Any:
     """Where no mode may lie: the band of frequencies round every excitation, and the modes inside.
 
     From and To are the required margin solved for the frequency: f_min (1 - m) and f_max (1 + m).
     """
-    found, tables = at_speed_tables(model)
-    rows, spec = tables["ForbiddenBands"], result_table("ForbiddenBands")
-    if not rows:
-        raise FunctionError("No bands: the case states no speed and no line.", "#N/A")
-    columns = [spec.column(name) for name in BAND_COLUMNS]
-    return table_cells(spec, rows, system_for(units, found), headers, columns)
+    return tables["ForbiddenBands"]
 
 
-@registered(
-    "TV_STEADY", MODEL, UNITS, HEADERS, columns=width_of("SteadyState"), example="=TV_STEADY(A1)"
+@shows_table(
+    "TV_STEADY",
+    "SteadyState",
+    at_speed_tables,
+    "Every margin is kept, so no forced response is needed.",
 )
-def tv_steady(model: str, units: str | None, headers: bool | None) -> Rows:
+def tv_steady(tables: Mapping[str, Any]) -> Any:
     """Forced response where a margin is not kept: torque, stress and UTS/25."""
-    found, tables = at_speed_tables(model)
-    rows = tables["SteadyState"]
-    if not rows:
-        raise FunctionError("Every margin is kept, so no forced response is needed.", "#N/A")
-    return table_cells(result_table("SteadyState"), rows, system_for(units, found), headers)
+    return tables["SteadyState"]

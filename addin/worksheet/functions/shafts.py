@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import math
 
-from addin.worksheet.answers import (
-    si_unit,
-    system_for,
-)
+from addin.worksheet.answers import si_unit, system_for
 from addin.worksheet.registry import Argument, FunctionError, registered
 from engine.model.links import shaft_stiffness
 
@@ -47,5 +44,8 @@ def tv_stiffness(
     except (OverflowError, ZeroDivisionError):
         stiffness = math.inf
     if not 0.0 < stiffness < math.inf:
-        raise FunctionError("These sizes give a stiffness that no number can hold.", "#NUM!")
+        raise FunctionError(
+            "These dimensions give a stiffness outside the number range. Check their units.",
+            "#NUM!",
+        )
     return stiffness

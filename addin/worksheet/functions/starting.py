@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from addin.charts.rows import decimate, thinned
 from addin.worksheet.answers import (
@@ -13,10 +14,9 @@ from addin.worksheet.answers import (
     Rows,
     name_in_case,
     run_of,
-    run_table,
+    shows_table,
     system_for,
     units_of,
-    width_of,
 )
 from addin.worksheet.registry import Argument, FunctionError, registered
 
@@ -26,6 +26,9 @@ ORDER = 50
 
 #: Points of a decimated curve, unless asked otherwise; and the most. [count]
 USUAL_POINTS, MOST_POINTS = 501, 20_001
+POINTS = Argument(
+    "Points", "count", f"Maximum number of rows without header; default {USUAL_POINTS}.", True
+)
 
 
 def _points(points: int | None) -> int:
@@ -37,9 +40,7 @@ def _points(points: int | None) -> int:
 @registered(
     "TV_SPEED_TIME",
     MODEL,
-    Argument(
-        "Points", "count", f"Rows at the most without the header, {USUAL_POINTS} unless said.", True
-    ),
+    POINTS,
     HEADERS,
     long=True,
     columns=3,
@@ -60,27 +61,17 @@ def tv_speed_time(model: str, points: int | None, headers: bool | None) -> Rows:
     return found if headers is False else [["Time [s]", "Speed [rpm]", "Speed [%]"], *found]
 
 
-@registered(
-    "TV_PEAKS",
-    MODEL,
-    UNITS,
-    HEADERS,
-    long=True,
-    columns=width_of("StartupPeaks"),
-    example="=TV_PEAKS(A1)",
-)
-def tv_peaks(model: str, units: str | None, headers: bool | None) -> Rows:
+@shows_table("TV_PEAKS", "StartupPeaks", run_of)
+def tv_peaks(run: Any) -> Any:
     """Largest and least torque of every element in the start, with the estimated error."""
-    return run_table("StartupPeaks", model, units, headers)
+    return run.tables.get("StartupPeaks")
 
 
 @registered(
     "TV_HISTORY",
     MODEL,
     Argument("Element", "text", "The name of the element."),
-    Argument(
-        "Points", "count", f"Rows at the most without the header, {USUAL_POINTS} unless said.", True
-    ),
+    POINTS,
     UNITS,
     HEADERS,
     long=True,
@@ -105,16 +96,12 @@ def tv_history(
     return rows if headers is False else [["Time [s]", f"Torque [{unit}]"], *rows]
 
 
-@registered(
+@shows_table(
     "TV_REVERSALS",
-    MODEL,
-    UNITS,
-    HEADERS,
-    long=True,
-    columns=width_of("TorqueReversals"),
-    example="=TV_REVERSALS(A1)",
+    "TorqueReversals",
+    run_of,
+    "The train has no gear mesh and no geared coupling.",
 )
-def tv_reversals(model: str, units: str | None, headers: bool | None) -> Rows:
+def tv_reversals(run: Any) -> Any:
     """Torque reversals, impacts and tooth force of meshes and geared couplings."""
-    missing = "The train has no gear mesh and no geared coupling."
-    return run_table("TorqueReversals", model, units, headers, missing)
+    return run.tables.get("TorqueReversals")

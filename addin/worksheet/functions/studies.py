@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+from addin.contract.problems import first_of
 from addin.contract.tables import Field, TableSpec, result_table
 from addin.worksheet.answers import (
     HEADERS,
@@ -93,8 +94,9 @@ class _Clock:
         for piece in pieces:
             if time.monotonic() - self._began > TIME_LIMIT:
                 raise FunctionError(
-                    f"{100 * len(found) // len(pieces)} % was calculated in {TIME_LIMIT:g} s, and a "
-                    f"cell waits no longer. Ask for less, or run: torsionbook {self._command} FILE",
+                    f"{100 * len(found) // len(pieces)} % was calculated in {TIME_LIMIT:g} s, the "
+                    f"time limit of a cell. Reduce the task, or run: torsionbook {self._command} "
+                    "FILE",
                     "#N/A",
                 )
             found.append(do(piece))
@@ -117,14 +119,12 @@ def _refuse(problems: Sequence[Problem]) -> None:
     """Say what is wrong with the rows of a study, three sentences at the most."""
     if not problems:
         return
-    told = []
-    for one in problems[:3]:
-        where = [one.table, *([f"row {one.row}"] if one.row else []), *filter(None, [one.column])]
-        message = one.message
-        told.append(f"{', '.join(where)}: {message}")
-    if len(problems) > len(told):
-        told.append(f"And {len(problems) - len(told)} more.")
-    raise FunctionError(" ".join(told))
+    sentences = []
+    for problem in problems:
+        row = f"row {problem.row}" if problem.row else None
+        place = ", ".join(filter(None, (problem.table, row, problem.column)))
+        sentences.append(f"{place}: {problem.message}")
+    raise FunctionError(" ".join(first_of(sentences, 3)))
 
 
 def _read(model: Model, blocks: Mapping[str, Block | None]) -> StudyInputs:
@@ -177,7 +177,7 @@ def tv_tune(
     count = len(plan.combinations)
     if count > MOST_COMBINATIONS:
         raise FunctionError(
-            f"Tuning: {count:,} combinations; a cell calculates {MOST_COMBINATIONS} at the most. Try "
+            f"Tuning: {count:,} combinations; a cell calculates at most {MOST_COMBINATIONS}. Give "
             "fewer values, or run: torsionbook tune FILE",
             "#NUM!",
         )
@@ -203,14 +203,15 @@ def tv_tune(
     Argument(
         "Quantity",
         "text",
-        "starts (default), frequencies, margins, peaks, or drivers of the starts.",
+        "starts (default), frequencies, margins, peaks, or drivers (inputs that affect the "
+        "allowable starts most).",
         True,
     ),
     Argument("Samples", "count", f"30 to {MOST_SAMPLES}; blank = {USUAL_SAMPLES}.", True),
     Argument(
         "Seed",
         "count",
-        f"The same seed draws the same trains; blank = {USUAL_SEED}.",
+        f"The same seed gives the same samples; blank = {USUAL_SEED}.",
         True,
         least=0,
     ),
@@ -238,7 +239,7 @@ def tv_tolerances(
     found, plain = run_of(model)
     if samples is not None and samples > MOST_SAMPLES:
         raise FunctionError(
-            f"Samples: found {samples:,}; a cell calculates {MOST_SAMPLES} at the most. For more run: "
+            f"Samples: found {samples:,}; a cell calculates at most {MOST_SAMPLES}. For more, run: "
             f"torsionbook tolerances FILE --samples {samples}",
             "#NUM!",
         )
@@ -255,7 +256,7 @@ def tv_tolerances(
     tables = _kept(found, f"tolerances {plan.digest}", calculate)
     rows = tables[ANSWERS[asked]]
     if not rows:
-        raise FunctionError(f"The case has no {asked}: nothing of it scatters.", "#N/A")
+        raise FunctionError(f"The case has no {asked} to vary.", "#N/A")
     spec = result_table(ANSWERS[asked])
     return table_cells(spec, rows, system_for(units, found), headers)
 
@@ -263,7 +264,9 @@ def tv_tolerances(
 @registered(
     "TV_SENSITIVITIES",
     MODEL,
-    Argument("Of", "text", "frequencies (default), or start: its peak stress and starts.", True),
+    Argument(
+        "Of", "text", "frequencies (default), or start (peak stress and allowable starts).", True
+    ),
     UNITS,
     HEADERS,
     long=True,
@@ -290,7 +293,7 @@ def tv_sensitivities(model: str, of: str | None, units: str | None, headers: boo
     rows = _kept(found, f"sensitivities {asked}", calculate)
     spec = result_table(FOLLOWING[asked])
     if not rows:
-        raise FunctionError("Nothing can be told: the case has no start with a peak.", "#N/A")
+        raise FunctionError("No sensitivities: the case has no start with a peak.", "#N/A")
     return table_cells(spec, rows, system_for(units, found), headers, _columns_of(spec, rows))
 
 

@@ -9,9 +9,7 @@ from functools import cache
 from addin.contract import tables as fields
 from addin.contract.problems import nearest
 from addin.contract.units import UnitError, UnitScale, parse_unit
-from addin.worksheet.answers import (
-    Rows,
-)
+from addin.worksheet.answers import Rows
 from addin.worksheet.registry import Argument, FunctionError, registered
 
 #: Place of these functions among all, in lists and in the documentation.
@@ -22,7 +20,7 @@ ORDER = 90
     "TV_CONVERT",
     Argument("Value", "numbers", "A number, or a range of them."),
     Argument("From", "text", "The unit of the value, such as lb*ft^2."),
-    Argument("To", "text", "The unit wanted, such as kg*m^2."),
+    Argument("To", "text", "The target unit, such as kg*m^2."),
     example='=TV_CONVERT(10900, "lb*ft^2", "kg*m^2")',
 )
 def tv_convert(value: Rows, given: str, wanted: str) -> Rows:
@@ -42,8 +40,10 @@ def _factor(given: str, wanted: str) -> float:
         if sizes[name].base == others[name].base:
             return sizes[name].factor / others[name].factor
     if common:
-        raise FunctionError(f"'{given[:40]}' and '{wanted[:40]}' are shares of different things.")
-    raise FunctionError(f"'{given[:40]}' is {_named(next(iter(sizes)))}, '{wanted[:40]}' is not.")
+        raise FunctionError(f"'{given[:40]}' and '{wanted[:40]}' refer to different quantities.")
+    raise FunctionError(
+        f"'{given[:40]}' is {_named(next(iter(sizes)))}, but '{wanted[:40]}' is not."
+    )
 
 
 def _sizes(unit: str) -> dict[str, UnitScale]:
