@@ -59,7 +59,7 @@ def test_the_command_line_refuses_it(tmp_path: Path, command: str, value: str) -
     done = CliRunner().invoke(app, words)
     assert done.exit_code == 2
     said = " ".join(done.output.replace("│", " ").split())
-    assert "--tolerance is 1e-08; it must lie between 2e-07 and 0.5 (50 %)." in said
+    assert "--tolerance is 1e-08; it must be between 2e-07 and 0.5 (50 %)." in said
     assert not (tmp_path / "out").exists()
 
 

@@ -117,7 +117,7 @@ def test_a_json_on_top_of_what_is_verified_is_refused(tmp_path):
     before = book.read_bytes()
     status, said = told("verify", book, "--json", book)
     assert status == 2
-    assert "is an input itself" in said
+    assert "is one of the inputs" in said
     assert book.read_bytes() == before
 
 

@@ -264,8 +264,8 @@ def test_a_programme_of_cases_respects_settings(few, tmp_path):
     [
         (("--method", "euler"), "newmark"),
         (("--tolerance", "much"), "write a number"),
-        (("--tolerance", "0.9"), "must lie between"),
-        (("--tolerance", "1e-8"), "must lie between 2e-07 and 0.5"),
+        (("--tolerance", "0.9"), "must be between"),
+        (("--tolerance", "1e-8"), "must be between 2e-07 and 0.5"),
         (("--json", "a.json"), "it must name a folder"),
         (("--json", "j", "--vary", "t.csv"), "are Parquet"),
     ],
