@@ -36,22 +36,22 @@ ROUNDS, QUICK_ROUNDS = 5, 1
 def _calculate(task: StudyTask) -> StudyResult:
     if not is_compiled(advance_start):
         task.tell(COMPILING)
-    found = accuracy_study(
+    study = accuracy_study(
         task.case,
         rounds=QUICK_ROUNDS if task.settings.get("quick") else ROUNDS,
         on_progress=task.tell,
     )
-    tables = {"AccuracyCost": list(accuracy_cost(found.rows))}
+    tables = {"AccuracyCost": list(accuracy_cost(study.rows))}
     return StudyResult(
-        found,
+        study,
         tables,
-        found.sentence,
+        study.sentence,
         study_digest(),
-        remarks=(f"Reference: {found.reference}",),
+        remarks=(f"Reference: {study.reference}",),
     )
 
 
-def _to_json(found: StudyResult, read: CaseInput, warnings: tuple[str, ...]) -> dict[str, Any]:
+def _to_json(study: StudyResult, read: CaseInput, warnings: tuple[str, ...]) -> dict[str, Any]:
     """A study as results JSON of the contract, with the key `accuracy`."""
     return {
         "format": RESULTS_FORMAT,
@@ -59,13 +59,13 @@ def _to_json(found: StudyResult, read: CaseInput, warnings: tuple[str, ...]) -> 
         "version": product_version(),
         "warnings": list(warnings),
         "errors": [],
-        "accuracy_cost": table_rows("AccuracyCost", found.tables["AccuracyCost"]),
-        "accuracy": {"sentence": found.sentence, "reference": found.result.reference},
+        "accuracy_cost": table_rows("AccuracyCost", study.tables["AccuracyCost"]),
+        "accuracy": {"sentence": study.sentence, "reference": study.result.reference},
     }
 
 
 def _write(
-    read: CaseInput, destination: Path | None, found: StudyResult, ignore_lock: bool
+    read: CaseInput, destination: Path | None, study: StudyResult, ignore_lock: bool
 ) -> tuple[str, ...]:
     """Write a study into the workbook it was read from; sentences the user should read."""
     assert isinstance(read, WorkbookInput)
@@ -73,8 +73,8 @@ def _write(
     report = write_study(
         read.workbook,
         destination,
-        found.tables["AccuracyCost"],
-        {"sentence": found.sentence, "reference": found.result.reference},
+        study.tables["AccuracyCost"],
+        {"sentence": study.sentence, "reference": study.result.reference},
         RunStamp(made.software, made.date, case_digest(read.data)),
         read.data.ratings.rated_torque,
         ignore_lock=ignore_lock,

@@ -30,27 +30,27 @@ def _calculate(task: StudyTask) -> StudyResult:
         )
 
     task.tell("measured frequencies")
-    found = calibrate(task.case, task.inputs, each_start=each)
+    calibration = calibrate(task.case, task.inputs, each_start=each)
     return StudyResult(
-        result=found,
+        result=calibration,
         tables={
-            "FrequencyFit": measurement_rows(found, "frequency"),
-            "PeakFit": measurement_rows(found, "peak torque"),
-            "CalibratedFrequencies": frequency_rows(found),
-            "CalibratedMargins": margin_rows(found),
-            "CalibratedParameters": parameter_rows(found),
+            "FrequencyFit": measurement_rows(calibration, "frequency"),
+            "PeakFit": measurement_rows(calibration, "peak torque"),
+            "CalibratedFrequencies": frequency_rows(calibration),
+            "CalibratedMargins": margin_rows(calibration),
+            "CalibratedParameters": parameter_rows(calibration),
         },
-        sentence=" ".join((found.sentence, found.basis_reason, *found.notes)),
-        digest=found.study_sha256,
+        sentence=" ".join((calibration.sentence, calibration.basis_reason, *calibration.notes)),
+        digest=calibration.study_sha256,
         details={
-            "chi_square": found.chi_square,
-            "degrees": found.degrees,
-            "probability": found.probability,
-            "explained": found.explained,
-            "margin_basis": found.basis,
-            "margin_basis_justified": found.basis_justified,
-            "margin_basis_reason": found.basis_reason,
-            "starts": found.starts,
+            "chi_square": calibration.chi_square,
+            "degrees": calibration.degrees,
+            "probability": calibration.probability,
+            "explained": calibration.explained,
+            "margin_basis": calibration.basis,
+            "margin_basis_justified": calibration.basis_justified,
+            "margin_basis_reason": calibration.basis_reason,
+            "starts": calibration.starts,
         },
         units=task.inputs.units,
     )

@@ -212,7 +212,7 @@ def to_json(
         result table, the details of the study, and cut_short where it was.
     """
     cut = result.cut_short
-    part = {} if cut is None else {"calculated": cut.calculated, "planned": cut.planned}
+    part = {"cut_short": {"calculated": cut.calculated, "planned": cut.planned}} if cut else {}
     return {
         "format": RESULTS_FORMAT,
         "study": study.key,
@@ -222,14 +222,10 @@ def to_json(
         "sentence": result.sentence,
         "warnings": list(warnings),
         "errors": [],
-        **({"cut_short": part} if part else {}),
-        **{_key(name): table_rows(name, rows) for name, rows in result.tables.items()},
+        **part,
+        **{json_key(name): table_rows(name, rows) for name, rows in result.tables.items()},
         **result.details,
     }
-
-
-def _key(table: str) -> str:
-    return json_key(table)
 
 
 def _told(read: CaseInput, study: Study, wrong: Sequence[Problem]) -> tuple[CellProblem, ...]:

@@ -18,35 +18,38 @@ def _calculate(task: StudyTask) -> StudyResult:
     units = derivative_units(plan)
     parts = task.map(differences, units, lambda done: f"{done} of {len(units)} quantities")
     task.tell("tangent of the start")
-    found = gather_derivatives(plan, parts, tangent_of(plan))
+    derivatives = gather_derivatives(plan, parts, tangent_of(plan))
     return StudyResult(
-        found,
-        {"Sensitivities": derivative_rows(found), "FrequencySensitivities": frequency_rows(found)},
-        _sentence(found),
-        study_digest(),
-        found.sentences,
+        derivatives,
         {
-            "sensitivities_of_elements": element_rows(found),
-            "largest_difference_of_two_ways": found.largest_difference,
+            "Sensitivities": derivative_rows(derivatives),
+            "FrequencySensitivities": frequency_rows(derivatives),
+        },
+        _sentence(derivatives),
+        study_digest(),
+        derivatives.sentences,
+        {
+            "sensitivities_of_elements": element_rows(derivatives),
+            "largest_difference_of_two_ways": derivatives.largest_difference,
         },
     )
 
 
-def _sentence(found: Derivatives) -> str:
+def _sentence(derivatives: Derivatives) -> str:
     """What matters most, in words."""
-    told = [r for r in found.rows if r.peak_ends is not None][:3]
-    if not told or found.governing is None:
-        return found.sentences[0]
+    rows = [r for r in derivatives.rows if r.peak_ends is not None][:3]
+    if not rows or derivatives.governing is None:
+        return derivatives.sentences[0]
     parts = []
-    for r in told:
+    for r in rows:
         whose = f"{r.quantity} of {r.of}" if r.of else r.quantity
         ends = r.starts_ends or r.peak_ends
         assert ends is not None
         parts.append(f"{whose} {100.0 * ends[1]:+.2g} %")
-    answer = "allowable starts" if told[0].starts_ends else "peak stress"
+    answer = "allowable starts" if rows[0].starts_ends else "peak stress"
     return (
-        f"What + 1 % does to the {answer} of {found.governing}: {'; '.join(parts)}. "
-        + found.sentences[1]
+        f"What + 1 % does to the {answer} of {derivatives.governing}: {'; '.join(parts)}. "
+        + derivatives.sentences[1]
     )
 
 

@@ -37,11 +37,11 @@ def _calculate(task: StudyTask) -> StudyResult:
     matrix = gather_matrix(case, inputs, plan, rows)
     ledger = damage_ledger(matrix)
     has_duty = any(row.condition.has_duty for row in matrix.rows)
-    said = [matrix.sentence]
+    sentences = [matrix.sentence]
     if has_duty or not matrix.judged_shafts:
-        said.append(ledger.sentence)
+        sentences.append(ledger.sentence)
     else:
-        said.append("No duty is stated on sheet Duty: the ledger is empty.")
+        sentences.append("No duty is stated on sheet Duty: the ledger is empty.")
     return StudyResult(
         result=(matrix, ledger),
         tables={
@@ -50,7 +50,7 @@ def _calculate(task: StudyTask) -> StudyResult:
             "DamageLedger": ledger_rows(ledger),
             "RemainingStarts": remaining_rows(ledger),
         },
-        sentence=" ".join(said),
+        sentence=" ".join(sentences),
         digest=matrix.study_sha256,
         warnings=matrix.notes,
         details={

@@ -41,14 +41,14 @@ def _calculate(task: StudyTask) -> StudyResult:
                 f"{FEWEST_SAMPLES} bound no P10."
             )
         cut = CutShort(drawn, plan.n_samples, _cut_short(drawn, plan.n_samples))
-    found = summarise_sample(plan, parts)
+    tolerances = summarise_sample(plan, parts)
     return StudyResult(
-        found,
-        tolerance_tables(found),
-        _sentence(found),
+        tolerances,
+        tolerance_tables(tolerances),
+        _sentence(tolerances),
         plan.digest,
-        found.sentences[1:],
-        tolerance_details(found),
+        tolerances.sentences[1:],
+        tolerance_details(tolerances),
         cut_short=cut,
     )
 
@@ -60,38 +60,40 @@ def _cut_short(drawn: int, planned: int) -> str:
     )
 
 
-def _sentence(found: Tolerances) -> str:
+def _sentence(tolerances: Tolerances) -> str:
     """The answer in words: the starts, what drives them, and whether the sample was large enough."""
-    said = []
-    rows = [r for r in found.percentiles if r.quantity == "allowable starts" and r.percentiles]
+    sentences = []
+    rows = [r for r in tolerances.percentiles if r.quantity == "allowable starts" and r.percentiles]
     if rows:
         least = rows[-1]  # of the train, where there are several shafts
         p10, p50, p90 = (_number(p.value) for p in least.percentiles)
-        said.append(
+        sentences.append(
             f"Allowable starts of {least.of}: P10 {p10}, P50 {p50}, P90 {p90} of {least.samples} "
             "samples."
         )
-    if found.unfinished:
-        said.append(
-            f"{found.unfinished:,} of {found.samples:,} starts did not come to their end: they are in no "
+    if tolerances.unfinished:
+        sentences.append(
+            f"{tolerances.unfinished:,} of {tolerances.samples:,} starts did not come to their end: they are in no "
             "percentile, and meet no demand for starts."
         )
-    if found.lost:
-        said.append(f"{found.lost:,} samples could not be calculated: they are in no number.")
-    margins = [r for r in found.probabilities if r.check == "all margins"]
-    said += [
+    if tolerances.lost:
+        sentences.append(
+            f"{tolerances.lost:,} samples could not be calculated: they are in no number."
+        )
+    margins = [r for r in tolerances.probabilities if r.check == "all margins"]
+    sentences += [
         f"All margins are kept in {100.0 * r.probability:.3g} % of {r.samples:,} samples "
         f"({100.0 * r.low:.3g} to {100.0 * r.high:.3g} %)."
         for r in margins
     ]
-    if found.explained is not None and found.drivers:
-        strongest = " and ".join(d.factor for d in found.drivers[:2])
-        said.append(
-            f"What drives the {found.driven} most: {strongest} (ranks explain "
-            f"{100.0 * found.explained:.0f} %)."
+    if tolerances.explained is not None and tolerances.drivers:
+        strongest = " and ".join(d.factor for d in tolerances.drivers[:2])
+        sentences.append(
+            f"What drives the {tolerances.driven} most: {strongest} (ranks explain "
+            f"{100.0 * tolerances.explained:.0f} %)."
         )
-    said.append(found.sentences[0])
-    return " ".join(said)
+    sentences.append(tolerances.sentences[0])
+    return " ".join(sentences)
 
 
 def _number(value: float) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 from addin.contract.studies.tuning import LINES, MAP_MODES, MAP_ROWS
 from engine.operation.margins import Band
 from engine.studies.tuning.evaluate import EvaluatedCombination
-from engine.studies.tuning.options import Option, Variable
+from engine.studies.tuning.options import Variable
 from engine.studies.tuning.tuning import TuningResult
 
 Row = dict[str, Any]
@@ -39,7 +39,10 @@ def map_tables(result: TuningResult) -> Mapping[str, Sequence[Row]]:
     lines = spread_out(1 if up is None else len(up.options), LINES)
     cells = [[result.map.cells[j][i] for j in lines] for i in shown]
     base = across.present or max((o.value for o in across.options), default=0.0) or 1.0
-    options = [_option(across.options[i], base) for i in shown]
+    options: list[Row] = [
+        {"option": across.options[i].label, "of_as_is": across.options[i].value / base}
+        for i in shown
+    ]
     best = [_best(result, i) for i in shown]
     margins = [
         option
@@ -64,10 +67,6 @@ def spread_out(count: int, room: int) -> list[int]:
     if count <= room:
         return list(range(count))
     return [round(k * (count - 1) / (room - 1)) for k in range(room)]
-
-
-def _option(option: Option, base: float) -> Row:
-    return {"option": option.label, "of_as_is": option.value / base}
 
 
 def _axes(

@@ -27,12 +27,11 @@ from engine.fatigue.stress import stress_of_unit_torque
 from engine.model.build_train import build_train
 from engine.model.excitation import excitations_of, operating_range
 from engine.model.links import has_clearance
-from engine.model.modal_analysis import analyse
 from engine.model.modal_train import ModalTrain
 from engine.model.modes import modes_of
 from engine.operation.margins import nearest_frequency
 from engine.results.results import Results
-from engine.run import calculate_start, planned_start
+from engine.run import calculate_start
 from engine.start.outcome import StartOutcome
 from engine.start.peaks import worst_outputs
 from engine.start.settings import has_start
@@ -263,14 +262,14 @@ def near_start(
             prepared = _held(prepared, recipe.held)
         step = refined * min(recipe.step, prepared.model.largest_step)
         prepared, run = prepared.to_its_end(step)
-        return _read(case, recipe, model, prepared.outcome(run), run)
+        return read_start(case, recipe, model, prepared.outcome(run), run)
     if recipe.start != PLANNED:
         raise InternalError("a start was asked for where the plain run has none")
     effects = recipe.effects
     start = calculate_start(case, model, replace(effects, clearances=()), None)
     if effects.clearances or effects.pull_in or effects.aborted_start or recipe.start_lateral:
         start = calculate_start(case, model, effects, start)
-    return _read(case, recipe, model, start.outcome, start)
+    return read_start(case, recipe, model, start.outcome, start)
 
 
 def _held(prepared: PreparedStart, held: FixedDiscretisation) -> PreparedStart:
@@ -288,29 +287,14 @@ def _held(prepared: PreparedStart, held: FixedDiscretisation) -> PreparedStart:
     )
 
 
-def replanned_start(case: CaseData) -> tuple[Start, ModalTrain]:
-    """The start of a changed train with a plan of its own.
-
-    Parameters
-    ----------
-    case : CaseData
-        The case, changed. [SI]
-
-    Returns
-    -------
-    start : Start
-        As `run` would report it. [SI]
-    model : ModalTrain
-        The train it was calculated with. [SI]
-    """
-    planned = planned_start(case, analyse(case))
-    return planned.start, planned.model
-
-
 def read_start(
-    case: CaseData, recipe: NearbyStartPlan, start: Start, model: ModalTrain
+    case: CaseData,
+    recipe: NearbyStartPlan,
+    model: ModalTrain,
+    outcome: StartOutcome,
+    run: SingleRun | Start,
 ) -> NearStart:
-    """What is asked of a start that was calculated in full.
+    """Peaks, reversals and damage of a start.
 
     Parameters
     ----------
@@ -318,27 +302,18 @@ def read_start(
         Its case. [SI]
     recipe : NearbyStartPlan
         What the plain run decided. [mixed]
-    start : Start
-        The start. [SI]
     model : ModalTrain
         The train it was calculated with. [SI]
+    outcome : StartOutcome
+        How it ended. [mixed]
+    run : SingleRun or Start
+        The start. [SI]
 
     Returns
     -------
     NearStart
         Peaks, damage and turning points. [SI]
     """
-    return _read(case, recipe, model, start.outcome, start)
-
-
-def _read(
-    case: CaseData,
-    recipe: NearbyStartPlan,
-    model: ModalTrain,
-    outcome: StartOutcome,
-    run: SingleRun | Start,
-) -> NearStart:
-    """Peaks, reversals and damage of a start."""
     if isinstance(run, Start):
         turning = run.turning_of_element()
     else:
@@ -354,16 +329,9 @@ def _read(
         for name, high, low in zip(names, maximum, minimum, strict=True)
         if name in recipe.gaps and low < -NOTABLE_REVERSAL * max(high, -low)
     )
-    judged = judged_shafts(case)
-    return NearStart(
-        outcome,
-        maximum,
-        minimum,
-        np.array([_damage(case, recipe, i, turning[i][1]) for i, _ in judged]),
-        turning,
-        reversed_,
-        isinstance(run, Start) and run.is_sensitive,
-    )
+    damage = [_damage(case, recipe, i, turning[i][1]) for i, _ in judged_shafts(case)]
+    sensitive = isinstance(run, Start) and run.is_sensitive
+    return NearStart(outcome, maximum, minimum, np.array(damage), turning, reversed_, sensitive)
 
 
 def _damage(case: CaseData, recipe: NearbyStartPlan, index: int, torque: Floats) -> float:

@@ -47,6 +47,26 @@ _COLUMNS = {
 }
 
 
+#: What to say of a name that lacks the quantity.
+_MISSING = {
+    STIFFNESS: "'{name}' is a rigid mesh, or has no stiffness. Give it a stiffness on sheet Train first.",
+    DAMPING: "'{name}' has no Damping on sheet Train that could be multiplied. Give it one first.",
+    INERTIA: "station '{name}' has no Inertia on sheet Train. Give it one first.",
+    DIAMETER: (
+        "the stiffness of '{name}' does not follow from its diameter. Clear its Stiffness on "
+        "sheet Train and give OD, ID, Length and Shear modulus."
+    ),
+    BACKLASH: "'{name}' has no Backlash or Angular backlash in table Meshes. Give it one first.",
+    DAMPING_RATIO: "DampingRatio is blank or zero on sheet Case. Give it a value first.",
+    **dict.fromkeys(
+        (AVERAGE_TORQUE, PULSATING_TORQUE),
+        "station '{name}' has no rows in table MotorTorque. Name a motor.",
+    ),
+    LOAD_TORQUE: "station '{name}' has no rows in table LoadTorque. Name a driven machine.",
+    SN_LINE: "material '{name}' has no rows in table SNPoints. Give it an S-N line first.",
+}
+
+
 @dataclass(frozen=True)
 class Change:
     """One quantity of a case, changed."""
@@ -171,34 +191,19 @@ def refusal(case: CaseData, name: str, quantity: str, *, relative: bool = True) 
     """
     if quantity in _OWNERS and name not in _names(case, quantity):
         return f"the case has no {_OWNERS[quantity][1]} '{name}'. Correct the name."
-    if relative and quantity == STIFFNESS and not nominal_value(case, name, quantity):
-        return f"'{name}' is a rigid mesh, or has no stiffness. Give it a stiffness on sheet Train first."
-    if relative and quantity == DAMPING and not nominal_value(case, name, quantity):
-        return (
-            f"'{name}' has no Damping on sheet Train that could be multiplied. Give it one first."
-        )
-    if quantity == INERTIA and not nominal_value(case, name, quantity):
-        return f"station '{name}' has no Inertia on sheet Train. Give it one first."
+    if quantity in (STIFFNESS, DAMPING) and not relative:
+        return None
     if quantity == DIAMETER:
         element = _element(case, name)
-        if element is None or element.od is None or element.stiffness is not None:
-            return (
-                f"the stiffness of '{name}' does not follow from its diameter. Clear its Stiffness on "
-                "sheet Train and give OD, ID, Length and Shear modulus."
-            )
-    if quantity == BACKLASH and not nominal_value(case, name, quantity):
-        return f"'{name}' has no Backlash or Angular backlash in table Meshes. Give it one first."
-    if quantity == DAMPING_RATIO and not (case.damping_ratio or case.mode_damping):
-        return "DampingRatio is blank or zero on sheet Case. Give it a value first."
-    if quantity in (AVERAGE_TORQUE, PULSATING_TORQUE) and name not in {
-        p.station for p in case.motor_torque
-    }:
-        return f"station '{name}' has no rows in table MotorTorque. Name a motor."
-    if quantity == LOAD_TORQUE and name not in {p.station for p in case.load_torque}:
-        return f"station '{name}' has no rows in table LoadTorque. Name a driven machine."
-    if quantity == SN_LINE and name not in {p.material for p in case.sn_points}:
-        return f"material '{name}' has no rows in table SNPoints. Give it an S-N line first."
-    return None
+        there = element is not None and element.od is not None and element.stiffness is None
+    elif quantity == DAMPING_RATIO:
+        there = bool(case.damping_ratio or case.mode_damping)
+    elif quantity in TUNED:
+        there = bool(nominal_value(case, name, quantity))
+    else:
+        table, key, _ = _COLUMNS[quantity][0]
+        there = any(getattr(row, key) == name for row in getattr(case, table))
+    return None if there else _MISSING[quantity].format(name=name)
 
 
 def _names(case: CaseData, quantity: str) -> list[str]:

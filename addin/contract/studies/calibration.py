@@ -415,19 +415,17 @@ _CHARTS: tuple[ChartSpec, ...] = (
 )  # fmt: skip
 
 
-def _details() -> Shape:
-    """What its JSON has beside its tables."""
-    return {
-        "chi_square": described("Least sum of squares.", NUMBER),
-        "degrees": described("Measurements used.", COUNT),
-        "probability": described("That chance makes it as large.", NUMBER),
-        "explained": described("Everything measured is explained.", FLAG),
-        "margin_basis": TEXT,
-        "margin_basis_justified": FLAG,
-        "margin_basis_reason": TEXT,
-        "starts": described("Calculated for the peak torques.", COUNT),
-    }
-
+#: What its JSON has beside its tables.
+_DETAILS: Shape = {
+    "chi_square": described("Least sum of squares.", NUMBER),
+    "degrees": described("Measurements used.", COUNT),
+    "probability": described("That chance makes it as large.", NUMBER),
+    "explained": described("Everything measured is explained.", FLAG),
+    "margin_basis": TEXT,
+    "margin_basis_justified": FLAG,
+    "margin_basis_reason": TEXT,
+    "starts": described("Calculated for the peak torques.", COUNT),
+}
 
 CALIBRATION = StudySpec(
     key="calibration",
@@ -439,7 +437,7 @@ CALIBRATION = StudySpec(
     reads=("Scatter",),
     results=_RESULTS,
     sheets=_SHEETS,
-    details=_details(),
+    details=_DETAILS,
     charts=_CHARTS,
     height=84.0,
 )

@@ -109,25 +109,23 @@ _SHEETS: tuple[Sheet, ...] = (
 )  # fmt: skip
 
 
-def _details() -> Shape:
-    """What its JSON has beside its tables."""
-    row = {
-        "quantity": TEXT,
-        "of": TEXT,
-        "element": TEXT,
-        "peak_torque": described("Change of its peak torque for + 1 %.", NUMBER),
-        "peak_error": NUMBER,
-        "allowable_starts": described("Change of its starts for + 1 %.", NUMBER),
-        "starts_error": NUMBER,
-    }
-    return {
-        "sensitivities_of_elements": list_of(closed_object(row)),
-        "largest_difference_of_two_ways": {
-            "description": "Between differences and the tangent of the start; null without one.",
-            **BLANK,
-        },
-    }
-
+_ROW = {
+    "quantity": TEXT,
+    "of": TEXT,
+    "element": TEXT,
+    "peak_torque": described("Change of its peak torque for + 1 %.", NUMBER),
+    "peak_error": NUMBER,
+    "allowable_starts": described("Change of its starts for + 1 %.", NUMBER),
+    "starts_error": NUMBER,
+}
+#: What its JSON has beside its tables.
+_DETAILS: Shape = {
+    "sensitivities_of_elements": list_of(closed_object(_ROW)),
+    "largest_difference_of_two_ways": {
+        "description": "Between differences and the tangent of the start; null without one.",
+        **BLANK,
+    },
+}
 
 SENSITIVITIES = StudySpec(
     key="sensitivities",
@@ -138,5 +136,5 @@ SENSITIVITIES = StudySpec(
     inputs=(),
     results=_RESULTS,
     sheets=_SHEETS,
-    details=_details(),
+    details=_DETAILS,
 )

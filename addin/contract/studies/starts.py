@@ -377,16 +377,14 @@ _CHARTS: tuple[ChartSpec, ...] = (
 )  # fmt: skip
 
 
-def _details() -> Shape:
-    """What its JSON has beside its tables."""
-    return {
-        **cut_short("Starts; one that is aborted in the standard matrix is eight."),
-        "standard": described("The standard matrix is in it.", FLAG),
-        "starts_factor": NUMBER,
-        "assumption": described("The rule behind the ledger.", TEXT),
-        "verdict": described("The worst of the ledger.", TEXT),
-    }
-
+#: What its JSON has beside its tables.
+_DETAILS: Shape = {
+    **cut_short("Starts; one that is aborted in the standard matrix is eight."),
+    "standard": described("The standard matrix is in it.", FLAG),
+    "starts_factor": NUMBER,
+    "assumption": described("The rule behind the ledger.", TEXT),
+    "verdict": described("The worst of the ledger.", TEXT),
+}
 
 STARTS = StudySpec(
     key="starts",
@@ -397,7 +395,7 @@ STARTS = StudySpec(
     inputs=_INPUTS,
     results=_RESULTS,
     sheets=_SHEETS,
-    details=_details(),
+    details=_DETAILS,
     charts=_CHARTS,
     height=70.0,
     also=(("Damage ledger", "L"),),

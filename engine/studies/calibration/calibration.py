@@ -45,6 +45,7 @@ from engine.studies.calibration.least_squares import (
     FrequencyModel,
     PeakModel,
     Reading,
+    Rivals,
     Solution,
     Unknowns,
     best_assignment,
@@ -109,13 +110,12 @@ def calibrate(
     plan = plan_calibration(case, studies)
     unknowns = unknowns_of(plan.factors)
     model = FrequencyModel(case, unknowns)
-    assigned = best_assignment(model, plan.frequencies)
-    solution, peaks = assigned.solution, None
+    (solution, rivals), peaks = best_assignment(model, plan.frequencies), None
     if plan.peaks:
         peaks = PeakModel(case, unknowns, plan.peaks, each_start)
         solution = solve(model, plan.frequencies, solution.modes, peaks, solution.z)
     estimate = _Estimate(case, plan, unknowns, model, solution, peaks)
-    return estimate.told(studies, assigned.rivals)
+    return estimate.told(studies, rivals)
 
 
 class _Estimate:
@@ -134,17 +134,15 @@ class _Estimate:
         self.model, self.solution, self.peaks = model, solution, peaks
         self.covariance = solution.covariance
         self.prior = model.at(np.zeros(unknowns.number))
-        order, _ = match_modes_by_mac(model.base.vectors, self.prior.vectors)
+        order = match_modes_by_mac(model.base.vectors, self.prior.vectors)
         self.prior_spread = np.linalg.norm(model.gradient(self.prior), axis=1)[order]
         slope = model.gradient(solution.state)[solution.order]
         self.posterior = np.sqrt(np.einsum("ij,jk,ik->i", slope, self.covariance, slope))
         mac = (model.base.vectors.T @ solution.state.vectors) ** 2
         self.mac = mac[np.arange(len(solution.order)), solution.order]
-        self.used = sorted(solution.modes)
+        self.used, self.left_out = sorted(solution.modes), solution.left_out_residual
 
-    def told(
-        self, studies: StudyInputs, rivals: dict[int, tuple[int | None, float]]
-    ) -> Calibration:
+    def told(self, studies: StudyInputs, rivals: Rivals) -> Calibration:
         """The complete result."""
         solution, case = self.solution, self.case
         measurements = (*self._frequencies_measured(rivals), *self._peaks_measured())
@@ -270,7 +268,7 @@ class _Estimate:
             why=why,
         )
 
-    def _doubt(self, rivals: dict[int, tuple[int | None, float]]) -> str:
+    def _doubt(self, rivals: Rivals) -> str:
         """Which measurement could be of another mode as well; empty where none could."""
         said = [
             f"the {self.plan.frequencies[i].frequency:.4g} Hz of row {self.plan.frequencies[i].row} "
@@ -283,50 +281,47 @@ class _Estimate:
 
     # --- measurements -----------------------------------------------------------------------------
 
-    def _frequencies_measured(
-        self, rivals: dict[int, tuple[int | None, float]]
-    ) -> Iterator[Measurement]:
+    def _frequencies_measured(self, rivals: Rivals) -> Iterator[Measurement]:
         by_row = sorted(
             range(len(self.plan.frequencies)), key=lambda i: self.plan.frequencies[i].row
         )
-        left_out = self.solution.left_out_residual
         for i in by_row:
             reading = self.plan.frequencies[i]
-            if i not in self.solution.modes:
-                yield self._unused(reading)
-                continue
-            mode, place = self.solution.modes[i], self.used.index(i)
-            before = float(self.model.base.frequency[mode])
-            residual, own = float(self.solution.residual[place]), float(left_out[place])
-            explained = abs(own) <= UNEXPLAINED
-            yield Measurement(
-                kind="frequency",
-                row=reading.row,
-                of=f"mode {mode + 1}",
-                measured=reading.frequency,
-                uncertainty=reading.uncertainty,
-                before=before,
-                after=float(self.solution.state.frequency[self.solution.order[mode]]),
-                residual_before=(before / reading.frequency - 1.0) / reading.uncertainty,
-                residual=residual,
-                left_out_residual=own,
-                used=True,
-                explained=explained,
-                note=" ".join(self._of_a_mode(i, mode, own, explained, rivals)),
+            plain = Measurement(
+                "frequency", reading.row, "", reading.frequency, reading.uncertainty
             )
+            if i not in self.solution.modes:
+                yield replace(plain, note=self._why_unused(reading))
+                continue
+            mode = self.solution.modes[i]
+            row = self._compared(
+                replace(plain, of=f"mode {mode + 1}"),
+                float(self.model.base.frequency[mode]),
+                float(self.solution.state.frequency[self.solution.order[mode]]),
+                self.used.index(i),
+            )
+            yield replace(row, note=" ".join(self._of_a_mode(i, mode, row, rivals)))
 
-    def _of_a_mode(
-        self,
-        i: int,
-        mode: int,
-        own: float,
-        explained: bool,
-        rivals: dict[int, tuple[int | None, float]],
-    ) -> Iterator[str]:
-        if not explained:
+    def _compared(self, plain: Measurement, before: float, after: float, place: int) -> Measurement:
+        """A measurement beside what is calculated."""
+        own = float(self.left_out[place])
+        return replace(
+            plain,
+            before=before,
+            after=after,
+            residual_before=(before / plain.measured - 1.0) / plain.uncertainty,
+            residual=float(self.solution.residual[place]),
+            left_out_residual=own,
+            used=True,
+            explained=abs(own) <= UNEXPLAINED,
+        )
+
+    def _of_a_mode(self, i: int, mode: int, row: Measurement, rivals: Rivals) -> Iterator[str]:
+        if not row.explained and row.left_out_residual is not None:
             yield (
-                f"Not explained: by the other measurements and the spread it is {abs(own):.1f} "
-                "standard deviations off. Check its mode and its value, or widen Scatter."
+                "Not explained: by the other measurements and the spread it is "
+                f"{abs(row.left_out_residual):.1f} standard deviations off. Check its mode and its value, "
+                "or widen Scatter."
             )
         at = int(self.solution.order[mode])
         if at != mode:
@@ -340,21 +335,10 @@ class _Estimate:
                 "only. State its mode, from measured phases or the place of the sensor."
             )
 
-    def _unused(self, reading: Reading) -> Measurement:
-        """A frequency that was taken for no mode, with the reason."""
-        return Measurement(
-            kind="frequency",
-            row=reading.row,
-            of="",
-            measured=reading.frequency,
-            uncertainty=reading.uncertainty,
-            note=self._why_unused(reading),
-        )
-
     def _why_unused(self, reading: Reading) -> str:
         """The nearest mode it could have been, and what is against it."""
         base = self.model.base
-        order, _ = match_modes_by_mac(base.vectors, self.prior.vectors)
+        order = match_modes_by_mac(base.vectors, self.prior.vectors)
         near = distances([reading], self.prior.frequency[order], self.prior_spread)[0]
         candidates = np.flatnonzero(base.modes.twists[base.modes.n_rigid :]).tolist()
         if reading.mode is not None:
@@ -397,33 +381,22 @@ class _Estimate:
     def _peaks_measured(self) -> Iterator[Measurement]:
         if self.peaks is None:
             return
-        left_out, first = self.solution.left_out_residual, len(self.used)
+        base = self.peaks.at([-self.unknowns.centre / self.unknowns.deviation])[0]
         for place in sorted(range(len(self.plan.peaks)), key=lambda i: self.plan.peaks[i].row):
             reading = self.plan.peaks[place]
-            base = self.peaks.at([-self.unknowns.centre / self.unknowns.deviation])[0]
-            before, own = float(base[place]), float(left_out[first + place])
-            explained = abs(own) <= UNEXPLAINED
-            yield Measurement(
-                kind="peak torque",
-                row=reading.row,
-                of=reading.element,
-                measured=reading.torque,
-                uncertainty=reading.uncertainty,
-                before=before,
-                after=float(self.solution.torque[place]),
-                residual_before=(before / reading.torque - 1.0) / reading.uncertainty,
-                residual=float(self.solution.residual[first + place]),
-                left_out_residual=own,
-                used=True,
-                explained=explained,
-                note=""
-                if explained
-                else (
-                    f"Not explained: {abs(own):.1f} standard deviations off what the other "
-                    "measurements and the spread allow. Torque curves, voltage or damping may differ "
-                    "from the case: they are not calibrated unless Scatter names damping."
-                ),
+            plain = Measurement(
+                "peak torque", reading.row, reading.element, reading.torque, reading.uncertainty
             )
+            before, after = float(base[place]), float(self.solution.torque[place])
+            row = self._compared(plain, before, after, len(self.used) + place)
+            if not row.explained and row.left_out_residual is not None:
+                note = (
+                    f"Not explained: {abs(row.left_out_residual):.1f} standard deviations off what the "
+                    "other measurements and the spread allow. Torque curves, voltage or damping may "
+                    "differ from the case: they are not calibrated unless Scatter names damping."
+                )
+                row = replace(row, note=note)
+            yield row
 
 
 def _ends(factor: Factor) -> tuple[float, float]:

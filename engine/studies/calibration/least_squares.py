@@ -217,7 +217,7 @@ class FrequencyModel:
         return derivative * self.unknowns.deviation
 
 
-def match_modes_by_mac(reference: Floats, vectors: Floats) -> tuple[Ints, Floats]:
+def match_modes_by_mac(reference: Floats, vectors: Floats) -> Ints:
     """Which mode of one train is which of another, by shape.
 
     Parameters
@@ -229,14 +229,11 @@ def match_modes_by_mac(reference: Floats, vectors: Floats) -> tuple[Ints, Floats
     -------
     ndarray of int, shape (n_elastic,)
         Number of the mode that each one of the reference has become. [index]
-    ndarray, shape (n_elastic,)
-        MAC of each pair. [1]
     """
     from scipy.optimize import linear_sum_assignment
 
-    mac = (reference.T @ vectors) ** 2
-    _, order = linear_sum_assignment(-mac)
-    return order, mac[np.arange(len(order)), order]
+    _, order = linear_sum_assignment(-((reference.T @ vectors) ** 2))
+    return np.asarray(order)
 
 
 # --- what was measured ----------------------------------------------------------------------------
@@ -507,7 +504,7 @@ def solve(
 
     problem = _Problem(model, readings, modes, peaks)
     z = np.zeros(model.unknowns.number) if begin is None else begin
-    if problem.number and len(z):
+    if (modes or peaks) and len(z):
         limit = EXACT if peaks is None else NOISY
         steps = None if peaks is None else NOISY_STEPS
         z = least_squares(
@@ -545,12 +542,8 @@ class _Problem:
         self.torque_scale = self.torque * [r.uncertainty for r in (peaks.readings if peaks else ())]
         self._last: tuple[bytes, State] = (b"", model.base)
         self._shapes = model.base.vectors
-        self._reached = np.arange(model.base.vectors.shape[1])
-
-    @property
-    def number(self) -> int:
-        """How many measurements are used."""
-        return len(self.mode) + len(self.torque)
+        #: Where each mode of the case was at the last accepted point.
+        self.order = np.arange(model.base.vectors.shape[1])
 
     def state(self, z: Floats) -> State:
         if self._last[0] != z.tobytes():
@@ -559,17 +552,11 @@ class _Problem:
 
     def accept(self, z: Floats) -> None:
         """Follow the modes from the last accepted point to this one."""
-        order = self._order(self.state(z))
-        self._reached, self._shapes = order, self.state(z).vectors
-
-    @property
-    def order(self) -> Ints:
-        """Where each mode of the case was at the last accepted point."""
-        return self._reached
+        self.order = self._order(self.state(z))
+        self._shapes = self.state(z).vectors
 
     def _order(self, state: State) -> Ints:
-        step, _ = match_modes_by_mac(self._shapes, state.vectors)
-        return np.asarray(step[self._reached])
+        return np.asarray(match_modes_by_mac(self._shapes, state.vectors)[self.order])
 
     def residual(self, z: Floats) -> Floats:
         state = self.state(z)
@@ -599,17 +586,12 @@ class _Problem:
 # --- which reading is which mode ------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class Assigned:
-    """The best assignment that was found."""
-
-    solution: Solution  #: Its least change. [1]
-    #: Per reading the next best mode for it (None = none at all), and by how much S would be
-    #: larger. [index, 1]
-    rivals: dict[int, tuple[int | None, float]]
+#: Per reading the next best mode for it (None = none at all), and by how much S would be
+#: larger. [index, 1]
+Rivals = dict[int, tuple[int | None, float]]
 
 
-def best_assignment(model: FrequencyModel, readings: Sequence[Reading]) -> Assigned:
+def best_assignment(model: FrequencyModel, readings: Sequence[Reading]) -> tuple[Solution, Rivals]:
     """The assignment with the least S after calibration, not before.
 
     Begins with the likeliest before; then each reading in turn is barred from its mode, all are
@@ -624,12 +606,14 @@ def best_assignment(model: FrequencyModel, readings: Sequence[Reading]) -> Assig
 
     Returns
     -------
-    Assigned
-        The best. [1]
+    solution : Solution
+        The least change of the best one. [1]
+    rivals : dict of int to (int or None, float)
+        What else its readings could be. [index, 1]
     """
     at = model.at(np.zeros(model.unknowns.number))
     spread = np.linalg.norm(model.gradient(at), axis=1)
-    order, _ = match_modes_by_mac(model.base.vectors, at.vectors)
+    order = match_modes_by_mac(model.base.vectors, at.vectors)
     frequency, spread = at.frequency[order], spread[order]
     twists = model.base.modes.twists[model.base.modes.n_rigid :]
     free = [int(m) for m in np.flatnonzero(twists)]
@@ -637,11 +621,11 @@ def best_assignment(model: FrequencyModel, readings: Sequence[Reading]) -> Assig
     def solved(forbidden: frozenset[tuple[int, int]]) -> Solution:
         return solve(model, readings, assign(readings, frequency, spread, free, forbidden))
 
-    def misfit(one: Solution) -> float:
-        return one.least + GATE**2 * (len(readings) - len(one.modes))
+    def misfit(solution: Solution) -> float:
+        return solution.least + GATE**2 * (len(readings) - len(solution.modes))
 
     best = solved(frozenset())
-    rivals: dict[int, tuple[int | None, float]] = {}
+    rivals: Rivals = {}
     for _ in range(len(readings) + 1):
         barred = {i: m for i, m in best.modes.items() if readings[i].mode is None}
         others = {i: solved(frozenset({(i, m)})) for i, m in barred.items()}
@@ -652,4 +636,4 @@ def best_assignment(model: FrequencyModel, readings: Sequence[Reading]) -> Assig
         if misfit(better) >= misfit(best) - 1e-9:
             break
         best = better
-    return Assigned(best, rivals)
+    return best, rivals

@@ -10,12 +10,12 @@ from engine.operation.margins import MarginRow
 from engine.studies.calibration.records import Calibration
 
 
-def parameter_rows(found: Calibration) -> list[dict[str, Any]]:
+def parameter_rows(calibration: Calibration) -> list[dict[str, Any]]:
     """Rows of `CalibratedParameters`.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
         The calibration. [SI]
 
     Returns
@@ -29,16 +29,16 @@ def parameter_rows(found: Calibration) -> list[dict[str, Any]]:
     }
     return [
         asdict(p) | dict(zip(keys.get(p.quantity, ()), (p.before, p.after), strict=False))
-        for p in found.parameters
+        for p in calibration.parameters
     ]
 
 
-def frequency_rows(found: Calibration) -> list[dict[str, Any]]:
+def frequency_rows(calibration: Calibration) -> list[dict[str, Any]]:
     """Rows of `CalibratedFrequencies`.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
         The calibration. [SI]
 
     Returns
@@ -46,15 +46,15 @@ def frequency_rows(found: Calibration) -> list[dict[str, Any]]:
     list of dict
         Under their JSON keys. [Hz, 1]
     """
-    return [asdict(f) | {"change": f.after / f.before - 1.0} for f in found.frequencies]
+    return [asdict(f) | {"change": f.after / f.before - 1.0} for f in calibration.frequencies]
 
 
-def measurement_rows(found: Calibration, kind: str) -> list[dict[str, Any]]:
+def measurement_rows(calibration: Calibration, kind: str) -> list[dict[str, Any]]:
     """Rows of `FrequencyFit` or `PeakFit`.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
         The calibration. [SI]
     kind : str
         ``frequency`` or ``peak torque``. [word]
@@ -64,17 +64,17 @@ def measurement_rows(found: Calibration, kind: str) -> list[dict[str, Any]]:
     list of dict
         Under their JSON keys. [Hz or N m, 1]
     """
-    rows = [asdict(m) for m in found.measurements if m.kind == kind]
+    rows = [asdict(m) for m in calibration.measurements if m.kind == kind]
     name = "mode" if kind == "frequency" else "element"
     return [{name: row.pop("of")} | {k: v for k, v in row.items() if k != "kind"} for row in rows]
 
 
-def margin_rows(found: Calibration) -> list[dict[str, Any]]:
+def margin_rows(calibration: Calibration) -> list[dict[str, Any]]:
     """Rows of `CalibratedMargins`: least margin of each mode before and after.
 
     Parameters
     ----------
-    found : Calibration
+    calibration : Calibration
         The calibration. [1]
 
     Returns
@@ -82,12 +82,12 @@ def margin_rows(found: Calibration) -> list[dict[str, Any]]:
     list of dict
         Under their JSON keys. [Hz, 1]
     """
-    number = {f.calibrated_mode: f.mode for f in found.frequencies}
+    number = {f.calibrated_mode: f.mode for f in calibration.frequencies}
     before: dict[int, MarginRow] = {}
     after: dict[int, MarginRow] = {}
-    for row in found.margins_before:
+    for row in calibration.margins_before:
         before[row.mode] = min(before.get(row.mode, row), row, key=lambda r: r.margin)
-    for row in found.margins_after:
+    for row in calibration.margins_after:
         mode = number.get(row.mode)
         if mode is not None:
             after[mode] = min(after.get(mode, row), row, key=lambda r: r.margin)
@@ -105,6 +105,6 @@ def margin_rows(found: Calibration) -> list[dict[str, Any]]:
             "required": after[f.mode].required,
             "verdict": str(after[f.mode].verdict),
         }
-        for f in found.frequencies
+        for f in calibration.frequencies
         if f.mode in before and f.mode in after
     ]

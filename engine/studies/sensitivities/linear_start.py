@@ -25,12 +25,11 @@ from numpy.typing import NDArray
 from engine.model.modes import Modes
 from engine.model.train import Train
 from engine.start.start_model import StartModel
-from engine.start.torque_outputs import TorqueOutputs
 from engine.stepping.exponential import polynomial_step
 
 Floats = NDArray[np.float64]
 
-#: Phase of the pulsation per step. [rad]
+#: Largest phase of the pulsation per step. [rad]
 PHASE = 0.5
 #: Rounds of the collocation in a step that follows none of its length; others take one.
 FIRST_ROUNDS = 3
@@ -113,7 +112,7 @@ def _aligned(
     if np.any(np.abs(alike) < 0.9):
         return None  # near-equal modes have changed places or mixed
     sign = np.sign(alike)
-    y: TorqueOutputs = other.outputs
+    y = other.outputs
     return {
         "stiffness": other.stiffness,
         "rate": other.rate,
@@ -316,7 +315,7 @@ def _moved(
 
 
 def tangent_torques(
-    tangent: TangentModel, watched: Sequence[tuple[int, Floats]], phase: float = PHASE
+    tangent: TangentModel, watched: Sequence[tuple[int, Floats]]
 ) -> tuple[OutputSensitivity, ...]:
     """Torques of some outputs at some times, with their derivatives.
 
@@ -326,8 +325,6 @@ def tangent_torques(
         The start and its derivatives. [SI]
     watched : sequence of (int, ndarray)
         Output, and the times at which it is wanted. [index, s]
-    phase : float, optional
-        Largest phase of the pulsation per step. [rad]
 
     Returns
     -------
@@ -341,7 +338,7 @@ def tangent_torques(
         (float(time), k, i) for k, (_, times) in enumerate(watched) for i, time in enumerate(times)
     )
     motion, place = _Motion(tangent), 0
-    for step in _steps(model, phase, wanted[-1][0] if wanted else 0.0):
+    for step in _steps(model, wanted[-1][0] if wanted else 0.0):
         began = motion.time
         drive, force, before = motion.advance(step)
         while place < len(wanted) and wanted[place][0] <= motion.time * (1.0 + 1e-12):
@@ -356,9 +353,9 @@ def tangent_torques(
     return tuple(out)
 
 
-def _steps(model: StartModel, phase: float, until: float) -> list[_Step]:
+def _steps(model: StartModel, until: float) -> list[_Step]:
     """Steps from rest: as short as the modes that still ring need, like the start itself."""
-    usual = phase / model.pulsation_omega
+    usual = PHASE / model.pulsation_omega
     made: dict[float, _Step] = {}
     plan: list[_Step] = []
     at = 0.0

@@ -85,9 +85,9 @@ class Derivatives:
     energies: FrequencyDerivatives  #: Derivatives of all frequencies. [1]
     rows: tuple[DerivativeRow, ...]  #: The quantity that matters most first. [1]
     governing: str | None  #: Element whose peak, and shaft whose starts, the rows tell.
-    parameters: tuple[Parameter, ...]  #: In the order of the arrays below.
-    elements: tuple[str, ...]  #: Likewise.
-    shafts: tuple[str, ...]  #: Likewise.
+    parameters: tuple[Parameter, ...]  #: In the order of the arrays below, as are the next two.
+    elements: tuple[str, ...]  #: Elements of the case.
+    shafts: tuple[str, ...]  #: Its judged shafts.
     #: ∂ln(largest torque)/∂ln p of every element, and errors. [1] Shape (n_parameters,
     #: n_elements).
     peaks: Floats

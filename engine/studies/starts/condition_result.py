@@ -108,7 +108,8 @@ def _row(case: CaseData, condition: StartCondition, results: Results) -> Conditi
     assert start is not None
     outcome, synchronous = start.outcome, case.ratings.synchronous_speed
     share = outcome.end_speed / synchronous if synchronous else None
-    peak, where = _largest_torque(results)
+    largest, torque = start.largest_peak(case.element_speed_ratios)
+    peak = None if largest is None else torque
     rated = case.ratings.rated_torque
     meshes = {e.element for e in case.elements if e.kind == ElementKind.GEAR_MESH}
     lowest = min(((p.minimum, p.element) for p in start.peaks if p.element in meshes), default=None)
@@ -125,7 +126,7 @@ def _row(case: CaseData, condition: StartCondition, results: Results) -> Conditi
         percent_speed=share,
         peak_torque=peak,
         peak_over_rated=peak / rated if rated and peak is not None else None,
-        peak_element=where,
+        peak_element=None if largest is None else largest.element,
         peak_to_peak_stress=None if governing is None else governing.peak_to_peak_stress,
         mesh_minimum_torque=None if lowest is None else lowest[0],
         mesh=None if lowest is None else lowest[1],
@@ -150,13 +151,6 @@ def _outcome_words(
     if share is None or word in (Outcome.NO_BREAKAWAY, Outcome.SYNCHRONISED):
         return word
     return f"{word} at {100.0 * share:.1f} % speed"
-
-
-def _largest_torque(results: Results) -> tuple[float | None, str | None]:
-    """Largest torque of any element, referred to the reference shaft, and where. [N m]"""
-    assert results.start is not None
-    peak, torque = results.start.largest_peak(results.case.element_speed_ratios)
-    return (None, None) if peak is None else (torque, peak.element)
 
 
 def _shafts(case: CaseData, results: Results) -> tuple[ConditionShaft, ...]:

@@ -85,6 +85,13 @@ ASSUMPTION = (
 )
 
 
+#: What of a shaft makes a pass doubtful, by its attribute.
+_DOUBTS = {
+    "extended": ("Cycles above the first S-N point in '{}': its slope is extended, not test data."),
+    "yields": (
+        "Nominal peak above shear yield in '{}': its damage is not that of an elastic count."
+    ),
+}
 #: Verdicts, the worse the later.
 _WORSE = (Judgement.PASS, Judgement.NOT_JUDGED, Judgement.FAIL)
 
@@ -221,20 +228,11 @@ def _verdict(
             f"Within the error of the calculation it may be {low:.4g} or {high:.4g}: the verdict "
             "depends on it. Tighten ToleranceStarts."
         )
-    extended = [r.condition.name for r in duty if (s := _shaft(r, name)) and s.extended]
-    if extended:
-        sentences.append(
-            f"Cycles above the first S-N point in '{extended[0]}': its slope is extended, not test "
-            "data."
-        )
-        verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
-    yielding = [r.condition.name for r in duty if (s := _shaft(r, name)) and s.yields]
-    if yielding:
-        sentences.append(
-            f"Nominal peak above shear yield in '{yielding[0]}': its damage is not that of an elastic "
-            "count."
-        )
-        verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
+    for attribute, words in _DOUBTS.items():
+        names = [r.condition.name for r in duty if (s := _shaft(r, name)) and getattr(s, attribute)]
+        if names:
+            sentences.append(words.format(names[0]))
+            verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
     if not starts_yearly:
         sentences.append("No starts a year are stated: no time is calculated.")
     return verdict, " ".join(sentences)

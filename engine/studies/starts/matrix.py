@@ -145,7 +145,7 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
             "shown, starts are not counted."
         )
     judged = [r for r in rows if r.judged]
-    unfinished = [r for r in rows if r.outcome not in (NOT_CALCULATED,) and not r.judged]
+    unfinished = [r for r in rows if r.outcome != NOT_CALCULATED and not r.judged]
     sentences = []
     limited = [r for r in judged if r.allowable_starts is not None]
     if limited:
@@ -163,16 +163,11 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
         )
     free = [r.condition.name for r in judged if r.unlimited]
     if free:
-        sentences.append(f"Unlimited: {_names(free)}.")
+        sentences.append(f"Unlimited: {'; '.join(free)}.")
     if unfinished:
-        sentences.append(
-            f"Not judged: {_names([f'{r.condition.name} ({r.words})' for r in unfinished])}."
-        )
+        names = "; ".join(f"{r.condition.name} ({r.words})" for r in unfinished)
+        sentences.append(f"Not judged: {names}.")
     return " ".join(sentences)
-
-
-def _names(names: Sequence[str]) -> str:
-    return "; ".join(names)
 
 
 # --- tables ---------------------------------------------------------------------------------------
@@ -191,22 +186,17 @@ def start_rows(matrix: StartMatrix) -> list[dict[str, object]]:
     list of dict
         Under their JSON keys; percentages as fractions. [SI]
     """
+    of_condition = ("voltage", "damping_ratio", "load", "trip_speed")
+    of_start = (
+        "time", "percent_speed", "peak_over_rated", "peak_element", "governing",
+        "peak_to_peak_stress", "mesh_minimum_torque", "impacts",
+    )  # fmt: skip
     return [
-        {
-            "condition": r.condition.name,
-            "voltage": r.condition.voltage,
-            "damping_ratio": r.condition.damping_ratio,
-            "load": r.condition.load,
-            "trip_speed": r.condition.trip_speed,
-            "outcome": r.words,
-            "time": r.time,
-            "percent_speed": r.percent_speed,
-            "peak_over_rated": r.peak_over_rated,
-            "peak_element": r.peak_element,
-            "governing": r.governing,
-            "peak_to_peak_stress": r.peak_to_peak_stress,
-            "mesh_minimum_torque": r.mesh_minimum_torque,
-            "impacts": r.impacts,
+        {"condition": r.condition.name}
+        | {key: getattr(r.condition, key) for key in of_condition}
+        | {"outcome": r.words}
+        | {key: getattr(r, key) for key in of_start}
+        | {
             "damage": next((s.damage for s in r.shafts if s.element == r.governing), None),
             "allowable_starts": r.allowable_starts,
             "judged": r.judged,

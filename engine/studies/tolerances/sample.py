@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from engine.case.data import CaseData
 from engine.case.study_inputs import ScatterRow, study_digest
 from engine.errors import CaseError, ModelError, Problem
+from engine.model.modal_analysis import analyse
 from engine.numerics.sample_statistics import FEWEST_SAMPLES
 from engine.results.results import Results
-from engine.run import run
+from engine.run import planned_start, run
 from engine.start.start_fatigue import judged_shafts
 from engine.studies.nearby_start import (
     LINEAR,
@@ -31,7 +32,6 @@ from engine.studies.nearby_start import (
     near_train,
     read_start,
     recipe_of,
-    replanned_start,
 )
 from engine.studies.scatter import (
     METHODS,
@@ -301,8 +301,13 @@ def evaluate(unit: Unit) -> Evaluated:
                     evaluated.by_step[i] = _change(near_start(case, recipe, near, 0.5), start)
                     evaluated.checked[i] = start.counted
                 if start.reversed and unit.replan:
-                    start = read_start(case, recipe, *replanned_start(case))
-                _enter(evaluated, i, start)
+                    own = planned_start(case, analyse(case))
+                    start = read_start(case, recipe, own.model, own.start.outcome, own.start)
+                evaluated.counted[i] = start.counted
+                evaluated.reversed[i] = bool(start.reversed)
+                evaluated.sensitive[i] = start.sensitive
+                evaluated.torque[i] = start.largest
+                evaluated.starts[i] = start.starts
                 word = start.outcome.outcome
                 outcomes[word] = outcomes.get(word, 0) + 1
             evaluated.known[i] = True
@@ -321,12 +326,3 @@ def _change(fine: NearStart, coarse: NearStart) -> tuple[float, float]:
     if math.isinf(a) and math.isinf(b):
         return torque, 0.0
     return torque, abs(a - b) / min(a, b)
-
-
-def _enter(found: Evaluated, i: int, start: NearStart) -> None:
-    """Answers of one start, into the arrays that `evaluate` has just made."""
-    found.counted[i] = start.counted
-    found.reversed[i] = bool(start.reversed)
-    found.sensitive[i] = start.sensitive
-    found.torque[i] = start.largest
-    found.starts[i] = start.starts

@@ -35,12 +35,12 @@ POINTS = tuple(0.01 * k for k in range(1, 100))
 UNLIMITED = "unlimited"
 
 
-def tolerance_tables(found: Tolerances) -> Mapping[str, list[Row]]:
+def tolerance_tables(tolerances: Tolerances) -> Mapping[str, list[Row]]:
     """Every result table of the study.
 
     Parameters
     ----------
-    found : Tolerances
+    tolerances : Tolerances
         The study. [SI]
 
     Returns
@@ -49,23 +49,23 @@ def tolerance_tables(found: Tolerances) -> Mapping[str, list[Row]]:
         Table name → rows with JSON keys. [SI]
     """
     return {
-        "ToleranceStarts": list(_starts(found)),
-        "ToleranceDrivers": list(_drivers(found)),
-        "ToleranceTornado": _tornado(found),
-        "ToleranceHistogram": list(_histogram(found)),
-        "ToleranceDistribution": list(_distribution(found)),
-        "ToleranceFrequencies": list(_frequencies(found)),
-        "ToleranceMargins": list(_margins(found)),
-        "TolerancePeaks": list(_peaks(found)),
+        "ToleranceStarts": list(_starts(tolerances)),
+        "ToleranceDrivers": list(_drivers(tolerances)),
+        "ToleranceTornado": _tornado(tolerances),
+        "ToleranceHistogram": list(_histogram(tolerances)),
+        "ToleranceDistribution": list(_distribution(tolerances)),
+        "ToleranceFrequencies": list(_frequencies(tolerances)),
+        "ToleranceMargins": list(_margins(tolerances)),
+        "TolerancePeaks": list(_peaks(tolerances)),
     }
 
 
-def tolerance_details(found: Tolerances) -> Mapping[str, Any]:
+def tolerance_details(tolerances: Tolerances) -> Mapping[str, Any]:
     """What only the JSON tells: settings, sentences, every interval.
 
     Parameters
     ----------
-    found : Tolerances
+    tolerances : Tolerances
         The study. [SI]
 
     Returns
@@ -82,20 +82,20 @@ def tolerance_details(found: Tolerances) -> Mapping[str, Any]:
             "samples": r.samples,
             "percentiles": [{k: _plain(v) for k, v in asdict(p).items()} for p in r.percentiles],
         }
-        for r in found.percentiles
+        for r in tolerances.percentiles
     ]
     return {
         "tolerances": {
-            **asdict(found.settings),
-            "samples_planned": found.wanted,
-            "samples_calculated": found.samples,
-            "converged": found.converged,
-            "driven": found.driven,
-            "explained": found.explained,
-            "sentences": list(found.sentences),
+            **asdict(tolerances.settings),
+            "samples_planned": tolerances.wanted,
+            "samples_calculated": tolerances.samples,
+            "converged": tolerances.converged,
+            "driven": tolerances.driven,
+            "explained": tolerances.explained,
+            "sentences": list(tolerances.sentences),
             "percentiles": percentiles,
             "probabilities": [
-                {k: _plain(v) for k, v in asdict(r).items()} for r in found.probabilities
+                {k: _plain(v) for k, v in asdict(r).items()} for r in tolerances.probabilities
             ],
         }
     }
@@ -118,8 +118,8 @@ def _percentiles(percentiles: tuple[Percentile, ...], head: str = "") -> Row:
     return row
 
 
-def _probability(found: Tolerances, check: str, of: str) -> ProbabilityRow | None:
-    return next((r for r in found.probabilities if (r.check, r.of) == (check, of)), None)
+def _probability(tolerances: Tolerances, check: str, of: str) -> ProbabilityRow | None:
+    return next((r for r in tolerances.probabilities if (r.check, r.of) == (check, of)), None)
 
 
 def _met(row: ProbabilityRow | None) -> Row:
@@ -133,27 +133,29 @@ def _met(row: ProbabilityRow | None) -> Row:
     }
 
 
-def _of(found: Tolerances, quantity: str) -> Iterator[PercentileRow]:
-    return (r for r in found.percentiles if r.quantity == quantity)
+def _of(tolerances: Tolerances, quantity: str) -> Iterator[PercentileRow]:
+    return (r for r in tolerances.percentiles if r.quantity == quantity)
 
 
-def _starts(found: Tolerances) -> Iterator[Row]:
-    for r in _of(found, STARTS):
+def _starts(tolerances: Tolerances) -> Iterator[Row]:
+    for r in _of(tolerances, STARTS):
         nominal = "not judged" if r.nominal is None else _plain(r.nominal)
         yield {
             "element": r.of,
             "nominal": nominal,
             **_percentiles(r.percentiles),
             "unlimited": r.unlimited,
-            **_met(_probability(found, "starts", r.of)),
+            **_met(_probability(tolerances, "starts", r.of)),
             "samples": r.samples,
         }
 
 
-def _drivers(found: Tolerances) -> Iterator[Row]:
-    nominal = _nominal(found)
-    for d in found.drivers:
-        row: Row = {"dimension": _DIMENSION[found.driven]} if found.driven != STARTS else {}
+def _drivers(tolerances: Tolerances) -> Iterator[Row]:
+    nominal = _nominal(tolerances)
+    for d in tolerances.drivers:
+        row: Row = (
+            {"dimension": _DIMENSION[tolerances.driven]} if tolerances.driven != STARTS else {}
+        )
         row |= {
             "factor": d.factor,
             "deviation": d.deviation,
@@ -168,24 +170,24 @@ def _drivers(found: Tolerances) -> Iterator[Row]:
         yield row
 
 
-def _tornado(found: Tolerances) -> list[Row]:
+def _tornado(tolerances: Tolerances) -> list[Row]:
     """The factors whose own runs move the answer most."""
     rows = [
         {"factor": r["factor"], "at_p_10": r["change_at_p_10"], "at_p_90": r["change_at_p_90"]}
-        for r in _drivers(found)
+        for r in _drivers(tolerances)
         if r["change_at_p_10"] is not None and r["change_at_p_90"] is not None
     ]
     rows.sort(key=lambda r: -abs(r["at_p_90"] - r["at_p_10"]))
     return rows[:TORNADO]
 
 
-def _nominal(found: Tolerances) -> float | None:
+def _nominal(tolerances: Tolerances) -> float | None:
     """The answer that is driven, as it is without scatter in the sample's own step."""
-    rows = list(_of(found, "margin" if found.driven == MARGIN else found.driven))
+    rows = list(_of(tolerances, "margin" if tolerances.driven == MARGIN else tolerances.driven))
     nominals = [r.nominal for r in rows if r.nominal is not None]
     if not nominals:
         return None
-    return max(nominals) if found.driven == STRESS else min(nominals)
+    return max(nominals) if tolerances.driven == STRESS else min(nominals)
 
 
 def _change(value: float | None, nominal: float | None) -> float | None:
@@ -195,10 +197,10 @@ def _change(value: float | None, nominal: float | None) -> float | None:
     return value / nominal - 1.0
 
 
-def _histogram(found: Tolerances) -> Iterator[Row]:
+def _histogram(tolerances: Tolerances) -> Iterator[Row]:
     """Share of the samples in bars of equal width in the logarithm, and of the unlimited ones."""
-    n = len(found.starts)
-    limited = found.starts[np.isfinite(found.starts)]
+    n = len(tolerances.starts)
+    limited = tolerances.starts[np.isfinite(tolerances.starts)]
     if not n:
         return
     if len(limited):
@@ -215,8 +217,8 @@ def _rounded(value: float) -> str:
     return f"{float(f'{value:.2g}'):,g}"
 
 
-def _distribution(found: Tolerances) -> Iterator[Row]:
-    starts, frequency = np.sort(found.starts), np.sort(found.first_frequency)
+def _distribution(tolerances: Tolerances) -> Iterator[Row]:
+    starts, frequency = np.sort(tolerances.starts), np.sort(tolerances.first_frequency)
     for p in POINTS:
         row: Row = {"probability": p}
         if len(starts):
@@ -228,8 +230,8 @@ def _distribution(found: Tolerances) -> Iterator[Row]:
         yield row
 
 
-def _frequencies(found: Tolerances) -> Iterator[Row]:
-    for mode, r in enumerate(_of(found, "frequency"), start=1):
+def _frequencies(tolerances: Tolerances) -> Iterator[Row]:
+    for mode, r in enumerate(_of(tolerances, "frequency"), start=1):
         yield {
             "mode": mode,
             "nominal": r.nominal,
@@ -238,24 +240,24 @@ def _frequencies(found: Tolerances) -> Iterator[Row]:
         }
 
 
-def _margins(found: Tolerances) -> Iterator[Row]:
-    for r in _of(found, "margin"):
+def _margins(tolerances: Tolerances) -> Iterator[Row]:
+    for r in _of(tolerances, "margin"):
         mode, _, excitation = r.of.partition(", ")
         yield {
             "mode": int(mode.removeprefix("mode ")),
             "excitation": excitation,
             "nominal": r.nominal,
             **_percentiles(r.percentiles),
-            **_met(_probability(found, "margin", r.of)),
+            **_met(_probability(tolerances, "margin", r.of)),
         }
-    every = _probability(found, "all margins", "train")
+    every = _probability(tolerances, "all margins", "train")
     if every is not None:
         yield {"excitation": "all of them", "nominal": every.nominal, **_met(every)}
 
 
-def _peaks(found: Tolerances) -> Iterator[Row]:
-    stress = {r.of: r for r in _of(found, STRESS)}
-    for r in _of(found, "peak torque"):
+def _peaks(tolerances: Tolerances) -> Iterator[Row]:
+    stress = {r.of: r for r in _of(tolerances, STRESS)}
+    for r in _of(tolerances, "peak torque"):
         row: Row = {"element": r.of, "nominal_torque": r.nominal}
         row |= _percentiles(r.percentiles, "torque_")
         if r.of in stress:

@@ -152,6 +152,7 @@ def answers_of(results: Results) -> KeyAnswers:
     starts = results.starts if results.starts is not None and results.starts.shafts else None
     whole = is_counted(results.start)
     number = starts.starts if starts is not None and whole else None
+    error_of = dict(results.starts_error)
     checks = (*results.verdicts[1:], *_rated(results))
     return KeyAnswers(
         modes=tuple(float(f) for f in results.modes.elastic_frequency[:MODES]),
@@ -174,7 +175,9 @@ def answers_of(results: Results) -> KeyAnswers:
         impacts=sum(counted) if counted else None,
         starts=number,
         unlimited=starts is not None and whole and starts.unlimited,
-        starts_error=_starts_error(results, number),
+        starts_error=error_of.get(starts.governing or "")
+        if starts and number is not None
+        else None,
         starts_where="" if starts is None or not whole else starts.governing or "",
         checks=checks,
         warnings=results.warnings,
@@ -215,12 +218,6 @@ def _peak(results: Results, ratio: Mapping[str | None, float]) -> tuple[float | 
         return None, ""
     peak, torque = results.start.largest_peak(ratio)
     return (None, "") if peak is None else (torque, peak.element)
-
-
-def _starts_error(results: Results, starts: float | None) -> float | None:
-    if starts is None or results.starts is None:
-        return None
-    return dict(results.starts_error).get(results.starts.governing or "")
 
 
 def _rated(results: Results) -> tuple[Verdict, ...]:
