@@ -92,10 +92,10 @@ def study_one(
     json_file = files.json_file
     if missing and json_file is None:
         return StudyOutcome(source, None, (*_unread(study, read), *missing), _warned(read))
-    result, problems, told = calculate_study(study, read, parallel_map, settings, on_stage)
+    result, problems, notes = calculate_study(study, read, parallel_map, settings, on_stage)
     if result is None:
-        return StudyOutcome(source, None, problems, told)
-    warnings = list(told)
+        return StudyOutcome(source, None, problems, notes)
+    warnings = list(notes)
     on_stage("writing")
     written: list[Path] = []
     try:
@@ -158,10 +158,12 @@ def calculate_study(
         return None, unread, warnings
     try:
         case = read.case()
-        wrong = study.check(case, inputs)
-        if unread or wrong:
-            return None, _told(read, study, wrong), warnings
-        result = _said(study.calculate(StudyTask(case, inputs, settings, parallel_map, on_stage)))
+        problems = study.check(case, inputs)
+        if unread or problems:
+            return None, _in_cells(read, study, problems), warnings
+        result = _with_cut(
+            study.calculate(StudyTask(case, inputs, settings, parallel_map, on_stage))
+        )
     except (CaseError, ModelError) as refused:
         return None, (*unread, *case_problems(refused)), warnings
     return result, (), (*warnings, *result.warnings)
@@ -177,7 +179,7 @@ def _warned(read: CaseInput) -> tuple[str, ...]:
     return (*read.warnings, *(() if read.studies is None else read.studies.warnings))
 
 
-def _said(result: StudyResult) -> StudyResult:
+def _with_cut(result: StudyResult) -> StudyResult:
     """That a study was cut short stands before anything else it says."""
     if result.cut_short is None:
         return result
@@ -228,12 +230,14 @@ def to_json(
     }
 
 
-def _told(read: CaseInput, study: Study, wrong: Sequence[Problem]) -> tuple[CellProblem, ...]:
+def _in_cells(
+    read: CaseInput, study: Study, problems: Sequence[Problem]
+) -> tuple[CellProblem, ...]:
     """Problems of the study's rows with their cells; of a case without such tables as they are."""
     if read.studies is not None:
-        return read.studies.problems_of(study.inputs, wrong)
+        return read.studies.problems_of(study.inputs, problems)
 
-    return tuple(placed(one, input_table(one.table).sheet, "", "cell") for one in wrong)
+    return tuple(placed(p, input_table(p.table).sheet, "", "cell") for p in problems)
 
 
 def _missing_sheets(read: CaseInput, study: Study) -> list[CellProblem]:

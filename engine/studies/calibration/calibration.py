@@ -115,7 +115,7 @@ def calibrate(
         peaks = PeakModel(case, unknowns, plan.peaks, each_start)
         solution = solve(model, plan.frequencies, solution.modes, peaks, solution.z)
     estimate = _Estimate(case, plan, unknowns, model, solution, peaks)
-    return estimate.told(studies, rivals)
+    return estimate.result(studies, rivals)
 
 
 class _Estimate:
@@ -142,7 +142,7 @@ class _Estimate:
         self.mac = mac[np.arange(len(solution.order)), solution.order]
         self.used, self.left_out = sorted(solution.modes), solution.left_out_residual
 
-    def told(self, studies: StudyInputs, rivals: Rivals) -> Calibration:
+    def result(self, studies: StudyInputs, rivals: Rivals) -> Calibration:
         """The complete result."""
         solution, case = self.solution, self.case
         measurements = (*self._frequencies_measured(rivals), *self._peaks_measured())
@@ -208,10 +208,10 @@ class _Estimate:
             reduction=reduction,
             pull=z,
             determined=_determined(reduction),
-            note=" ".join(self._said(j, factor, times, reduction)),
+            note=" ".join(self._notes(j, factor, times, reduction)),
         )
 
-    def _said(self, j: int, factor: Factor, times: float, reduction: float) -> Iterator[str]:
+    def _notes(self, j: int, factor: Factor, times: float, reduction: float) -> Iterator[str]:
         low, high = _ends(factor)
         if not low <= times <= high:
             yield (
@@ -270,14 +270,14 @@ class _Estimate:
 
     def _doubt(self, rivals: Rivals) -> str:
         """Which measurement could be of another mode as well; empty where none could."""
-        said = [
+        doubts = [
             f"the {self.plan.frequencies[i].frequency:.4g} Hz of row {self.plan.frequencies[i].row} "
             f"could be mode {rival + 1} as well as mode {mode + 1}"
             for i, mode in sorted(self.solution.modes.items())
             if (rival := rivals.get(i, (None, math.inf))[0]) is not None
             and rivals[i][1] < AMBIGUOUS
         ]
-        return "; ".join(said)
+        return "; ".join(doubts)
 
     # --- measurements -----------------------------------------------------------------------------
 

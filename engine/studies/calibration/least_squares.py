@@ -356,12 +356,12 @@ def maximum_torques(case: CaseData) -> dict[str, float]:
 EachStart = Callable[[Callable[[CaseData], dict[str, float]], Iterable[CaseData]], Iterable[Any]]
 
 
-def _torque(found: Mapping[str, float], element: str) -> float:
-    if element not in found:
+def _torque(torques: Mapping[str, float], element: str) -> float:
+    if element not in torques:
         raise ModelError(
             f"MeasuredPeaks names '{element}', which has no torque in the start. Name another element."
         )
-    return found[element]
+    return torques[element]
 
 
 class PeakModel:
@@ -410,8 +410,8 @@ class PeakModel:
         """
         wanted = {z.tobytes(): z for z in points if z.tobytes() not in self._known}
         cases = [self.unknowns.varied_case(self.case, z) for z in wanted.values()]
-        for key, found in zip(wanted, self._each(maximum_torques, cases), strict=True):
-            self._known[key] = np.array([_torque(found, r.element) for r in self.readings])
+        for key, torques in zip(wanted, self._each(maximum_torques, cases), strict=True):
+            self._known[key] = np.array([_torque(torques, r.element) for r in self.readings])
         return [self._known[z.tobytes()] for z in points]
 
     def gradient(self, z: Floats) -> Floats:

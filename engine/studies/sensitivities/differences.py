@@ -58,9 +58,9 @@ def differences(unit: DerivativeUnit) -> Differences:
         for share in (-WHOLE, -WIDE, -NARROW, 0.0, NARROW, WIDE, WHOLE):
             case = varied_case(unit.case, [Change(quantity, name, 1.0 + share)])
             answers.append(near_start(case, unit.recipe, near_train(case, unit.recipe)))
-    except ModelError as wrong:
+    except ModelError as error:
         e, j = np.zeros((2, n)), np.zeros((2, judged))
-        return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, str(wrong))
+        return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, str(error))
     trouble = ""
     if not all(s.counted for s in answers):
         trouble = "A start with this quantity changed by 1 % does not come to its end."
@@ -83,9 +83,9 @@ def _log(values: Floats, power: float = 1.0) -> Floats:
     return power * np.log(np.where(values > 0.0, values, 1.0))
 
 
-def _extrapolated(found: Floats) -> tuple[Floats, Floats]:
+def _extrapolated(logs: Floats) -> tuple[Floats, Floats]:
     """Richardson's derivative from two central differences, and their difference."""
-    _, low_wide, low, _, high, high_wide, _ = found
+    _, low_wide, low, _, high, high_wide, _ = logs
     wide = (high_wide - low_wide) / (math.log1p(WIDE) - math.log1p(-WIDE))
     narrow = (high - low) / (math.log1p(NARROW) - math.log1p(-NARROW))
     return narrow + (narrow - wide) / 3.0, np.abs(narrow - wide)

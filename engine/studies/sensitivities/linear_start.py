@@ -65,7 +65,7 @@ class OutputSensitivity:
 
 
 def tangent_model(
-    here: tuple[Train, Modes, StartModel],
+    plain: tuple[Train, Modes, StartModel],
     apart: Sequence[tuple[tuple[Modes, StartModel], tuple[Modes, StartModel]]],
     distance: float,
 ) -> TangentModel | None:
@@ -73,7 +73,7 @@ def tangent_model(
 
     Parameters
     ----------
-    here : tuple
+    plain : tuple
         Train, modes and start of the case as stated. [SI]
     apart : sequence of pairs
         Of each parameter, modes and start with it below and above. [SI]
@@ -85,15 +85,15 @@ def tangent_model(
     TangentModel or None
         None where a mode or force appears in one of them only. [SI]
     """
-    train, modes, model = here
-    found: dict[str, list[Floats]] = {}
+    train, modes, model = plain
+    slopes: dict[str, list[Floats]] = {}
     for low, high in apart:
         ends = [_aligned(train, modes, model, *end) for end in (low, high)]
         if ends[0] is None or ends[1] is None:
             return None
         for name, (a, b) in {k: (ends[0][k], ends[1][k]) for k in ends[0]}.items():
-            found.setdefault(name, []).append((b - a) / (2.0 * distance))
-    return TangentModel(model, **{name: np.array(rows) for name, rows in found.items()})
+            slopes.setdefault(name, []).append((b - a) / (2.0 * distance))
+    return TangentModel(model, **{name: np.array(rows) for name, rows in slopes.items()})
 
 
 def _aligned(

@@ -71,7 +71,7 @@ def tangent_of(plan: DerivativePlan) -> TangentDerivatives | None:
     if plan.reason or recipe.start != LINEAR or case.torque_time:
         return None
     moving = [p for p in plan.parameters if p[0] != SN_LINE]
-    here = near_train(case, recipe)
+    nearby = near_train(case, recipe)
     prepared = prepared_nearby_start(case, recipe)
     apart = []
     for quantity, name in moving:
@@ -81,10 +81,10 @@ def tangent_of(plan: DerivativePlan) -> TangentDerivatives | None:
             near = near_train(other, recipe)
             ends.append((near.model.modes, prepared_nearby_start(other, recipe).model))
         apart.append((ends[0], ends[1]))
-    tangent = tangent_model((here.model.train, here.model.modes, prepared.model), apart, APART)
+    tangent = tangent_model((nearby.model.train, nearby.model.modes, prepared.model), apart, APART)
     if tangent is None:
         return None
-    plain = near_start(case, recipe, here)
+    plain = near_start(case, recipe, nearby)
     outputs = _outputs_of(plan, prepared, plain)
     judged = {i for i, _ in judged_shafts(case)}
     wanted = [(e, None if e in judged else _top(plain, e)) for e in outputs]

@@ -220,14 +220,14 @@ def voltage_rows(matrix: StartMatrix) -> list[dict[str, object]]:
     list of dict
         One a voltage, rising; blank where there is no such start, or no number of them. [SI]
     """
-    found: dict[float, dict[str, object]] = {}
+    by_voltage: dict[float, dict[str, object]] = {}
     for r in matrix.rows:
         c = r.condition
         word = {1.0: "loaded", 0.0: "unloaded"}.get(c.load)
         alike = c.trip_speed is None and c.damping_ratio is None
         if word is None or not alike or r.outcome not in WHOLE_STARTS:
             continue
-        row = found.setdefault(c.voltage, {"voltage": c.voltage})
+        row = by_voltage.setdefault(c.voltage, {"voltage": c.voltage})
         row.setdefault(f"{word}_stress", r.peak_to_peak_stress)
         row.setdefault(f"{word}_starts", r.allowable_starts)
-    return [found[voltage] for voltage in sorted(found)]
+    return [by_voltage[voltage] for voltage in sorted(by_voltage)]

@@ -60,7 +60,7 @@ class MatrixPlan:
     @property
     def units(self) -> tuple[StartCondition, ...]:
         """Every run: one a condition, of a standard trip one an instant. [rows]"""
-        return tuple(one for c in self.conditions for one in c.instants)
+        return tuple(instant for c in self.conditions for instant in c.instants)
 
 
 # --- the plan -------------------------------------------------------------------------------------

@@ -311,8 +311,8 @@ def evaluate(unit: Unit) -> Evaluated:
                 word = start.outcome.outcome
                 outcomes[word] = outcomes.get(word, 0) + 1
             evaluated.known[i] = True
-        except ModelError as wrong:
-            troubles.append(str(wrong))
+        except ModelError as error:
+            troubles.append(str(error))
     return replace(evaluated, outcomes=tuple(outcomes.items()), troubles=tuple(troubles))
 
 

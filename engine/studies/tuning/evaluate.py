@@ -112,13 +112,13 @@ def calculate_combination(case: CaseData, combination: Combination) -> Evaluated
         return EvaluatedCombination(
             combination, answers_of(run(Case(**vars(with_options(case, combination.options)))))
         )
-    except CaseError as wrong:
-        return EvaluatedCombination(combination, None, " ".join(_told(p.table, p.row, p.column, p.message) for p in wrong.problems))  # fmt: skip
-    except TorsionError as wrong:
-        return EvaluatedCombination(combination, None, str(wrong))
+    except CaseError as error:
+        return EvaluatedCombination(combination, None, " ".join(_placed(p.table, p.row, p.column, p.message) for p in error.problems))  # fmt: skip
+    except TorsionError as error:
+        return EvaluatedCombination(combination, None, str(error))
 
 
-def _told(table: str, row: int | None, column: str, message: str) -> str:
+def _placed(table: str, row: int | None, column: str, message: str) -> str:
     place = column if row is None else f"{table}, row {row}, {column}"
     return f"{place or table}: {message}"
 
@@ -200,15 +200,15 @@ def _stress(results: Results) -> tuple[float | None, float | None, str]:
     if results.start is None:
         return None, None, ""
     rows = {e.element: e for e in results.case.elements}
-    found: list[tuple[float, float, str]] = []
+    ranges: list[tuple[float, float, str]] = []
     for p in results.start.peaks:
         e = rows[p.element]
         if e.stress_diameter:
             nominal = p.peak_to_peak * stress_of_unit_torque(e)
-            found.append((nominal * (e.scf or 1.0), nominal, p.element))
-    if not found:
+            ranges.append((nominal * (e.scf or 1.0), nominal, p.element))
+    if not ranges:
         return None, None, ""
-    local, nominal, where = max(found, key=lambda f: f[0])
+    local, nominal, where = max(ranges, key=lambda f: f[0])
     return nominal, local, where
 
 

@@ -90,13 +90,13 @@ def ranked(
     """
 
     def key(
-        one: EvaluatedCombination,
+        t: EvaluatedCombination,
     ) -> tuple[Merit, bool, tuple[tuple[str, str, float, str], ...]]:
-        options = one.combination.options
+        options = t.combination.options
         picks = (
             (v.name, v.quantity, o.value, o.label) for v, o in zip(variables, options, strict=False)
         )
-        return merit(one), not one.combination.as_is, tuple(sorted(picks))
+        return merit(t), not t.combination.as_is, tuple(sorted(picks))
 
     return tuple(sorted(tried, key=key))
 

@@ -213,22 +213,22 @@ def uncalculated_rows(plan: TuningPlan, result: TuningResult) -> list[Row]:
 
     return [
         {
-            "combination": chosen(EvaluatedCombination(one, None), plan.variables),
-            "as_is": one.as_is,
+            "combination": chosen(EvaluatedCombination(c, None), plan.variables),
+            "as_is": c.as_is,
             "better": False,
             "verdict": NOT_CALCULATED,
             "outcome": NOT_CALCULATED,
             "reason": "Not calculated: the study was cut short.",
         }
-        for one in plan.combinations
-        if one.picked not in done
+        for c in plan.combinations
+        if c.picked not in done
     ]
 
 
 def _ranked_row(row: Ranked, usual: frozenset[str]) -> Row:
     """One row; warnings that hold of the case as it stands as well are left out."""
     a = row.tried.answers
-    told: Row = {
+    values: Row = {
         "rank": row.rank,
         "combination": row.combination,
         "as_is": row.tried.combination.as_is,
@@ -236,9 +236,9 @@ def _ranked_row(row: Ranked, usual: frozenset[str]) -> Row:
         "reason": row.reason,
     }
     if a is None:
-        return told | {"verdict": "impossible", "outcome": "impossible"}
+        return values | {"verdict": "impossible", "outcome": "impossible"}
     c = a.governing
-    told |= {
+    values |= {
         "verdict": a.verdict,
         "limits_broken": len(a.broken),
         "broken": ", ".join(dict.fromkeys(a.broken)),
@@ -261,14 +261,14 @@ def _ranked_row(row: Ranked, usual: frozenset[str]) -> Row:
         "note": " ".join(w for w in a.warnings if w not in usual) or None,
     }
     if c is not None:
-        told |= {
+        values |= {
             "mode_crossed": c.mode,
             "percent_speed": None if c.percent_speed is None else c.percent_speed / 100.0,
             "sweep_rate": c.sweep_rate,
             "average_torque": c.average_torque,
             "pulsating_torque": c.pulsating_torque,
         }
-    return told | _judged(a)
+    return values | _judged(a)
 
 
 def _judged(a: KeyAnswers) -> Row:
