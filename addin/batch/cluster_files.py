@@ -30,7 +30,10 @@ class FileCluster(Cluster):
 
     def __init__(self, address: str, patience: float = PATIENCE) -> None:
         super().__init__(
-            address, product_version, patience, "What was done is kept; run again with --resume."
+            address,
+            product_version,
+            patience,
+            "Finished results are kept; run again with --resume.",
         )
         #: Whether files go to the workers as bytes.
         self.sends_bytes = False

@@ -66,7 +66,7 @@ class OutFolder:
 
     def __init__(self, path: Path, json: Path | None = None) -> None:
         if path.is_file():
-            raise FolderRefused(f"{path} is a file; --out names a folder.")
+            raise FolderRefused(f"{path} is a file; --out must name a folder.")
         self.path = path.absolute()  # as processes with another working folder see it too
         #: Recorded results in other folders than those of this batch, by the file's name in its batch.
         self.elsewhere: dict[str, tuple[Output, ...]] = {}
@@ -79,8 +79,8 @@ class OutFolder:
             self.staging.mkdir(mode=0o700)
         except OSError as wrong:
             raise FolderRefused(
-                f"Results cannot be written to {path} ({wrong.strerror or wrong}). Name another folder "
-                "with --out, or free it."
+                f"Results cannot be written to {path} ({wrong.strerror or wrong}). Name another "
+                "folder with --out, or remove the obstacle."
             ) from wrong
 
     @property
@@ -117,9 +117,9 @@ class OutFolder:
                 believed[name] = replace(record, outputs=kept)
             else:
                 refused.append(
-                    f"The record of {name} in {self.journal} names files outside the folders of the batch; "
-                    "it is not used, and its results are made again. Such a record is not written by "
-                    "torsionbook: find out who changed it."
+                    f"The record of {name} in {self.journal} names files outside the folders of the "
+                    "batch; it is ignored and the results are recalculated. torsionbook does not write "
+                    "such a record: check who changed it."
                 )
         return believed, tuple(refused)
 
@@ -245,7 +245,8 @@ class _Lock:
             )
         with contextlib.suppress(OSError):
             path.with_suffix(".txt").write_text(
-                f"process {os.getpid()} on {platform.node()}, begun {dt.datetime.now():%Y-%m-%d %H:%M}",
+                f"process {os.getpid()} on {platform.node()}, started "
+                f"{dt.datetime.now():%Y-%m-%d %H:%M}",
                 encoding="utf-8",
             )
 

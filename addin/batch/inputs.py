@@ -71,20 +71,20 @@ def find_inputs(
 
 def _in_results(pattern: str, out: Path) -> str:
     return (
-        f"Everything under {pattern} lies in {out}, the folder of results, in which nothing is taken for "
-        "an input. Name another folder with --out."
+        f"Everything under {pattern} is in {out}, the results folder, where no inputs are "
+        "read. Name another folder with --out."
     )
 
 
 def _nothing(pattern: str) -> str:
     if not glob.has_magic(pattern) and not Path(pattern).exists():
-        return f"There is no file or folder {pattern}. Check the path."
+        return f"No file or folder {pattern}. Check the path."
     if Path(pattern).is_dir():
         return (
-            f"The folder {pattern} holds no workbook (.xlsx, .xlsm) and no case JSON besides results. "
-            "Name another."
+            f"The folder {pattern} contains only results, no workbook (.xlsx, .xlsm) or case JSON "
+            "to calculate. Name another."
         )
-    return f"Nothing is found under {pattern}. Check the path; put a pattern in quotes."
+    return f"No file matches {pattern}. Check the path; put a pattern in quotes."
 
 
 def _expanded(pattern: str) -> Iterator[tuple[Path, Path]]:
@@ -215,8 +215,8 @@ def check_places(
             key = _key(place)
             if any(_is_same(place, source) for source in sources.get(key, ())):
                 raise InputsRefused(
-                    f"Results of {one.path} would be written to {place}, which is an input itself. "
-                    f"Name another folder with {option}."
+                    f"Results of {one.path} would overwrite the input {place}. Name another folder with "
+                    f"{option}."
                 )
             if key in ours:
                 raise InputsRefused(
@@ -225,8 +225,8 @@ def check_places(
                 )
             if place.suffix == ".json" and place.is_file() and not is_result_json(place):
                 raise InputsRefused(
-                    f"{place} is there already, and torsionbook did not write it: results of {one.path} "
-                    f"would replace it. Rename it, or name another folder with {option}."
+                    f"{place} exists and was not written by torsionbook: results of {one.path} would "
+                    f"replace it. Rename it, or name another folder with {option}."
                 )
 
 

@@ -29,10 +29,10 @@ SETTLED = frozenset({DONE, WRONG_INPUT, UNREADABLE})
 OUTDATED = frozenset({WRONG_INPUT, UNREADABLE, CRASHED, FAULT})
 
 #: What became of a result that is not true any more: its name, its new one; its name, why.
-AN_EARLIER = "{} was the result of an earlier calculation; it is now called {}."
+AN_EARLIER = "{} is the result of an earlier calculation; it was renamed to {}."
 NOT_RENAMED = (
-    "{} is the result of an earlier calculation and not of this input; it could not be renamed ({}). "
-    "Do not use it."
+    "{} is the result of an earlier calculation, not of this input; it could not be "
+    "renamed ({}). Do not use it."
 )
 
 _FULL = (errno.ENOSPC, errno.EDQUOT) if hasattr(errno, "EDQUOT") else (errno.ENOSPC,)
@@ -114,7 +114,7 @@ class Record:
 
 def failed(name: str, source: str, outcome: str, sentence: str, **more: Any) -> Record:
     """The record of a file without results, its sentence among its errors."""
-    problem = CellProblem("", "", None, "", outcome, "a file that can be used", sentence)
+    problem = CellProblem("", "", None, "", outcome, "a readable file", sentence)
     return Record(name, source, outcome, sentence, errors=as_errors([problem]), **more)
 
 

@@ -248,8 +248,8 @@ class Batch:
                     record.name,
                     record.source,
                     CHANGED,
-                    f"{work.name} was changed while it was calculated; nothing was written for it. "
-                    "Run again with --resume.",
+                    f"{work.name} changed during the calculation; nothing was written for it. Run again "
+                    "with --resume.",
                 )
             folder.mkdir()
             outputs = []
@@ -338,7 +338,9 @@ class Batch:
         said = []
         for name in self._old_results(record.name):
             if record.outcome not in OUTDATED:
-                said.append(f"{name} is still the result of an earlier calculation.")
+                said.append(
+                    f"{name} still contains the result of an earlier calculation. Do not use it."
+                )
                 continue
             try:
                 aside = self.folder.set_aside(name)
@@ -381,8 +383,8 @@ class Batch:
 
     def _crashed(self, one: Input, answer: Crashed) -> Record:
         sentence = (
-            f"{one.name} was stopped: {answer.sentence}, twice. Perhaps memory ran out: calculate it "
-            "by itself with torsionbook recalc; if that fails too, please report it."
+            f"{one.name} was stopped twice: {answer.sentence}. Perhaps memory ran out: calculate "
+            "it alone with torsionbook recalc; if that fails too, please report it."
         )
         return failed(one.name, str(one.path), CRASHED, sentence)
 
@@ -400,6 +402,7 @@ def _unchanged(path: Path, stamp: Stamp) -> bool:
 
 def _no_journal(wrong: OSError) -> str:
     return (
-        f"The journal of the batch cannot be written ({wrong.strerror or wrong}). What was recorded so "
-        "far is kept; free some space or the folder, then run again with --resume."
+        f"The journal of the batch cannot be written ({wrong.strerror or wrong}). Recorded "
+        "results are kept; free disk space or close other users of the folder, then run "
+        "again with --resume."
     )

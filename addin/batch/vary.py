@@ -164,8 +164,8 @@ def run_programme(
                 workers.add(one)
     except OSError as wrong:
         raise Stopped(
-            f"Results cannot be written ({wrong.strerror or wrong}). What was written so far is kept; "
-            "free some space, then run again with --resume."
+            f"Results cannot be written ({wrong.strerror or wrong}). Results written so far are "
+            "kept; free disk space, then run again with --resume."
         ) from wrong
     finally:
         with contextlib.suppress(OSError):  # the chunks are there, and --resume joins them
@@ -292,8 +292,8 @@ class _Parts:
                 return
             raise TableRefused(
                 [
-                    "the table, the base case, --method or --tolerance, or torsionbook has changed "
-                    "since. Run without --resume."
+                    "the table, the base case, --method, --tolerance or torsionbook has changed. Run "
+                    "without --resume."
                 ]
             )
         shutil.rmtree(self._place, ignore_errors=True)

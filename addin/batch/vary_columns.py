@@ -87,7 +87,7 @@ def read_columns(headers: Sequence[str], base: TypedCase) -> tuple[list[Varied |
         seen[column.place] = text
         columns.append(column)
     if not wrong and not any(columns):
-        wrong.append("the table names no input. Give it a column such as DampingRatio.")
+        wrong.append("no column of the table names an input. Add a column such as DampingRatio.")
     if wrong:
         raise TableRefused(wrong)
     return columns, names
@@ -133,7 +133,7 @@ def _named(word: str, known: Sequence[_T], what: str) -> _T:
             return one
     meant = nearest(word, [one.name for one in known])
     advice = f" Did you mean '{meant}'?" if meant else ""
-    raise _WrongColumn(f"there is no {what} '{shortened(word)}'.{advice}")
+    raise _WrongColumn(f"{what} '{shortened(word)}' does not exist.{advice}")
 
 
 def _row(table: TableSpec, word: str, base: TypedCase) -> int:

@@ -105,7 +105,7 @@ def _calculated(
     except ModelError as wrong:
         return inputs | {"outcome": WRONG_INPUT, "reason": str(wrong)}
     except Exception as wrong:  # one row's fault never ends a programme; the row says what happened
-        reason = f"this is an error inside torsionbook; please report it: {wrong!r}"
+        reason = f"an error inside torsionbook; please report it: {wrong!r}"
         return inputs | {"outcome": FAULT, "reason": reason}
 
 
@@ -155,9 +155,9 @@ def _with_point(column: Varied, value: str, findings: Findings) -> str:
         findings.add(
             column.place,
             shortened(value),
-            "a number with a decimal comma and no points",
-            f"found '{shortened(value)}'; the decimal sign of this table is the comma. Write the "
-            "number without points between thousands.",
+            "a number with a decimal comma and no thousands separators",
+            f"found '{shortened(value)}'; this table uses decimal commas. Write the number "
+            "without thousands separators.",
         )
         return ""
     return number.group().replace(",", ".") + value[number.end() :]

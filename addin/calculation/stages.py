@@ -1,7 +1,7 @@
 """Words on what is being done that several rooms need."""
 
 #: The stage told when the compiled loops are not on this machine yet.
-COMPILING = "compiling the numerical routines, once on this machine (some ten seconds)"
+COMPILING = "compiling the numerical routines, only once on this machine (about ten seconds)"
 
 
 def is_compiling(stage: str) -> bool:

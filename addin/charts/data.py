@@ -44,7 +44,7 @@ _SN_POINTS = 200
 #: Crossings nearer to each other than this share of synchronous speed have one name. [1]
 _SAME_LABEL = 0.06
 #: Title of a history chart without an element.
-_UNUSED = "unused: the train has no further element"
+_UNUSED = "not used: the train has no further element"
 #: A series whose name is a blank cell is called Series1 by Excel; a space is not.
 _BLANK_LABEL = " "
 #: Amplitudes below this share of the largest are not drawn. [1]
@@ -344,8 +344,8 @@ def accuracy_title(drawn: bool, studied: bool = False) -> str:
     if drawn:
         return "Error against wall time, as measured in this study"
     if studied:
-        return "Error against wall time: nothing to study, see the sentence above"
-    return "Error against wall time: no study yet, run torsionbook accuracy FILE"
+        return "Error against wall time: nothing to study, see the note above"
+    return "Error against wall time: no study yet. Run torsionbook accuracy FILE"
 
 
 def _drawn_elements(

@@ -35,7 +35,7 @@ def waiting_labels() -> dict[str, Cell]:
     return {
         "Reversal title": f"Torque around the deepest reversal {waiting}",
         "Reversal axis": "Torque",
-        "Blow title": f"Torque at its deepest moment {waiting}",
+        "Blow title": f"Torque around its minimum, enlarged {waiting}",
         "Blow axis": "Torque",
         "Force title": f"Tooth and bearing forces {waiting}",
         "Force axis": _FORCE_AXIS,
@@ -82,12 +82,12 @@ def reversal_blocks(
     if not judged:
         why = _NO_TEETH if histories else _NO_START
         labels["Reversal title"] = f"Torque around the deepest reversal: {why}"
-        labels["Blow title"] = f"Torque at its deepest moment: {why}"
+        labels["Blow title"] = f"Torque around its minimum, enlarged: {why}"
         labels["Force title"] = f"Tooth and bearing forces: {why}"
         return empty
     worst = min(judged, key=_depth)
     name, (time, torque) = worst["element"], histories[worst["element"]]
-    labels["Reversal title"] = f"{name}: torque around its least value in the start"
+    labels["Reversal title"] = f"{name}: torque around its minimum in the start"
     labels["Blow title"] = _blow_words(worst)
     deepest, slip = float(time[np.argmin(torque)]), worst.get("slip_frequency") or 0.0
     size = units.factor("TorqueReversals", "Minimum torque")
@@ -107,9 +107,9 @@ def _blow_words(worst: Mapping[str, Any]) -> str:
     """Title of the close view: what is to be seen there."""
     name = worst["element"]
     if worst.get("model") != "clearance":
-        return f"{name}: torque at its least value, teeth taken to stay in contact"
+        return f"{name}: torque at its minimum, teeth assumed in contact"
     if not worst.get("impacts"):
-        return f"{name}: torque at its least value, the teeth do not part"
+        return f"{name}: torque at its minimum, teeth stay in contact"
     if worst["minimum_torque"] < 0.0:
         return f"{name}: teeth separate (torque zero), cross the gap and strike the back flank (below zero)"
     return f"{name}: teeth separate (torque zero) and re-engage on the drive flank"
@@ -176,7 +176,7 @@ def force_rows(
         sampled = run.speed_time[0]
         for gear in _gears_of(run, element, forces.bearings):
             row = forces.bearing_force[forces.bearings.index(gear)]
-            drawn.append((f"{gear}: radial force of its bearings", sampled, row))
+            drawn.append((f"{gear}: radial bearing force", sampled, row))
     for k in range(len(drawn), FORCES):
         labels[f"Force {k + 1}"] = "(no further force)"
     for k, (name, time, force) in enumerate(drawn[:FORCES]):
@@ -189,8 +189,8 @@ def force_rows(
 
 def _force_words(drawn: bool) -> str:
     if drawn:
-        return "forces at its deepest moment (tooth force below zero: back flank)"
-    return "no forces drawn, they belong to a mesh with clearance or gears on bearings"
+        return "forces at minimum torque (tooth force below zero: back flank)"
+    return "no forces shown: no mesh with clearance and no gear on bearings"
 
 
 def _tooth_force(run: RunView, element: str, torque: Floats) -> Floats | None:
@@ -246,7 +246,7 @@ def pull_in_rows(run: RunView | None, labels: dict[str, Cell]) -> Rows:
     words = (
         "the motor pulls into step"
         if field["synchronised"]
-        else "not in step, a pole slips every 360 degrees"
+        else "not synchronised: one pole slip per 360 degrees of load angle"
     )
     labels["Pull-in title"] = f"Load angle and slip, field applied: {words}"
     columns: list[Sequence[Cell]] = []

@@ -64,7 +64,7 @@ LABELS: tuple[str, ...] = (
 )
 
 CHART_TABLES: tuple[ChartTable, ...] = (
-    ChartTable("ChartLabels", ("Key", "Text"), "Words shown by charts."),
+    ChartTable("ChartLabels", ("Key", "Text"), "Titles and labels of the charts."),
     ChartTable(
         "ChartTrain",
         (
@@ -78,7 +78,7 @@ CHART_TABLES: tuple[ChartTable, ...] = (
     ChartTable(
         "ChartTorque",
         ("Speed", "Average", "Pulsating", "Load", "Accelerating"),
-        "Torques against speed, % of synchronous and pu of RatedTorque, referred to the motor.",
+        "Torques [pu of RatedTorque] against speed [% of synchronous], referred to the motor.",
     ),
     ChartTable("ChartSpeedTime", ("Time", "Speed"), "Motor speed against time."),
     ChartTable("ChartCrossings", ("Time", "Speed"), "Where 2 x slip crosses a mode."),
@@ -97,24 +97,28 @@ CHART_TABLES: tuple[ChartTable, ...] = (
         ),
         "Interference diagram: motor speed in rpm, frequencies in Hz.",
     ),
-    ChartTable("ChartNames", ("Speed", "Frequency"), "Where the name of each line stands."),
+    ChartTable("ChartNames", ("Speed", "Frequency"), "Positions of the line labels."),
     ChartTable(
         "ChartSN",
         ("Line cycles", "Line", "Start cycles", "One start", "Starts cycles", "Starts required"),
-        "S-N line and the cycles of one and of the required starts that exceed a stress.",
+        "S-N line and cumulative stress cycles of one start and of the required starts.",
     ),
     ChartTable(
         "ChartHistory",
         _numbered(("Time", "Value"), HISTORIES),
-        "Histories of the start: least and largest value of equal intervals of time.",
+        "Torque histories of the start: minimum and maximum of equal time intervals.",
     ),
     ChartTable("ChartReversal", ("Time", "Torque"), "Torque around the deepest reversal."),
-    ChartTable("ChartBlow", ("Time", "Torque"), "Torque at its deepest moment, closely."),
-    ChartTable("ChartForces", _numbered(("Time", "Force"), FORCES), "Forces at that moment."),
+    ChartTable("ChartBlow", ("Time", "Torque"), "Torque around its minimum, enlarged."),
+    ChartTable(
+        "ChartForces",
+        _numbered(("Time", "Force"), FORCES),
+        "Tooth and bearing forces around the minimum torque.",
+    ),
     ChartTable(
         "ChartPullIn",
         ("Angle time", "Load angle", "Slip time", "Slip"),
-        "Load angle in degrees and slip in % from field application on.",
+        "Load angle [degrees] and slip [%] after field application.",
     ),
     ChartTable("ChartEvents", ("Time", "Speed"), "Field application and trip: motor speed in rpm."),
     ChartTable(

@@ -124,8 +124,8 @@ def _train() -> ChartSpec:
         tuple(Series("ChartTrain", "Item", column, column, colour, edge="white")
               for column, colour in columns),
         gap=0, overlap=100,
-        caption="discs with heights as the fourth root of inertia, shafts as that of stiffness; "
-        "a colour for each shaft speed, gear meshes in gold",
+        caption="disc height: fourth root of inertia; shaft height: fourth root of stiffness; one "
+                "colour per shaft speed, gear meshes in gold",
     )  # fmt: skip
 
 
@@ -213,7 +213,7 @@ def _accuracy() -> ChartSpec:
             for error, dash, marker in (("peak", "solid", "circle"), ("starts", "dash", "diamond"))
         ),
         legend=True,
-        caption="Error of the answers against wall time, as studied",
+        caption="Error against wall time, as measured by the accuracy study",
         height=92.0,
     )  # fmt: skip
 

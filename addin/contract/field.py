@@ -331,7 +331,7 @@ def number(
     usual = DIMENSIONS.get(dimension)
     if usual is None:
         raise IncompleteRecord(
-            f"column {name} has the dimension {dimension!r}, which is none: add it to DIMENSIONS in "
+            f"column {name} has the unknown dimension {dimension!r}: add it to DIMENSIONS in "
             "addin/contract/field.py"
         )
     units = {"unit_us": us or usual.unit_us, "unit_si": si or usual.unit_si, "units": usual.units}
@@ -411,8 +411,8 @@ def complete(tables: Sequence[TableSpec], where: str, *, results: bool) -> None:
         for field in spec.every_column:
             if results and field.trace is None:
                 raise IncompleteRecord(
-                    f"column {field.name} of table {spec.name} has no trace: add one in {where} "
-                    "(equation and source after its help text)"
+                    f"column {field.name} of table {spec.name} has no equation and source: add them in "
+                    f"{where} (after its help text)"
                 )
             if not field.help:
                 raise IncompleteRecord(

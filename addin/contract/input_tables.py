@@ -6,7 +6,7 @@ from addin.contract.field import Field, TableSpec, choice, integer, number, sent
 from engine.case.choices import EffectChoice
 from engine.case.effects import EFFECTS
 
-_CURVE_SPEED = "Speed in % of that station's speed at synchronism, rising within a station."
+_CURVE_SPEED = "Speed in % of the station's synchronous speed, in rising order for each station."
 
 
 def _of_both_gears(name: str, dimension: str, help: str, blank: str) -> tuple[Field, ...]:
@@ -51,13 +51,14 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             text("Element", "Name of the element, unique in the train."),
             choice(
                 "Kind", ("shaft", "coupling", "gear mesh", "spring to ground"),
-                "What the element is.",
+                "Kind of element.",
             ),
             text("From", "Station at the drive end, or ground.", kind="station"),
             text("To", "Station at the driven end, or ground.", kind="station"),
             number(
                 "Stiffness", "torsional stiffness",
-                "Torsional stiffness at the shaft's own speed; of a mesh on the From side.",
+                "Torsional stiffness at the shaft's own speed; for a gear mesh, referred to the From "
+                "side.",
                 blank="from OD, ID and Length; a gear mesh is rigid",
             ),
             number("OD", "length", "Outer diameter, for stiffness from geometry."),
@@ -70,7 +71,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number(
                 "Density", "density",
                 "Density; when given, the shaft's own inertia is distributed along it.",
-                blank="shaft without inertia of its own",
+                blank="massless shaft",
             ),
             number(
                 "Damping", "torsional damping", "Viscous damping across the element.", blank="0",
@@ -84,7 +85,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 "Stress bore", "length", "Bore of the section where stress is judged.", blank="0",
             ),
             number("SCF", "ratio", "Stress concentration factor in torsion.", blank="1"),
-            text("Material", "Row of table Materials.", kind="material"),
+            text("Material", "Name of the material, from table Materials.", kind="material"),
             number("Rated torque", "torque", "The maker's rated torque.", blank="not judged"),
             number("Peak torque limit", "torque", "The maker's peak torque.", blank="not judged"),
             number("Reversal limit", "torque", "Allowed reversing torque.", blank="not judged"),
@@ -101,7 +102,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("Pitch radius driven", "length", "Pitch radius on the To side."),
             number("Pressure angle", "angle", "Normal pressure angle."),
             number("Helix angle", "angle", "Helix angle.", blank="0"),
-            number("Orientation", "angle", "Angle of the line of centres.", blank="0"),
+            number("Orientation", "angle", "Angle of the line of centres From to To, counter-clockwise from axis x.", blank="0"),
             number(
                 "Mesh stiffness", "linear stiffness", "Mesh stiffness along the line of action.",
                 blank="Stiffness of table Elements",
@@ -112,13 +113,14 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Backlash", "length",
-                "Normal backlash: the total gap between both flanks, square to them; needs a finite mesh "
-                "stiffness.",
+                "Normal backlash: total gap of both flanks, normal to the flanks; needs a finite "
+                "mesh stiffness.",
                 blank="teeth always touch",
             ),
             number(
                 "Angular backlash", "angle",
-                "Total angular clearance of a geared coupling, or of a spring to ground that is a stop.",
+                "Total angular clearance of a geared coupling, or of a spring to ground used as a "
+                "stop.",
                 blank="none",
             ),
             *_of_both_gears(
@@ -141,7 +143,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "ModeDamping", sheet="Train", caption="Mode damping",
-        help="Damping of single elastic modes, instead of DampingRatio.",
+        help="Damping of individual elastic modes; overrides DampingRatio.",
         rows=10, row_name=("Mode",),
         columns=(
             integer("Mode", "Elastic mode, counted from 1."),
@@ -150,7 +152,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "MotorTorque", sheet="Torque", caption="Motor torque",
-        help="Motor torque against speed at rated voltage, the same curve the maker gives.",
+        help="Motor torque against speed at rated voltage, as on the maker's curve.",
         rows=30, row_name=("Station", "Speed"), short_caption=True,
         columns=(
             text("Station", "Where the motor acts.", kind="station"),
@@ -190,7 +192,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             text("Material", "Name of the material."),
             number("UTS", "pressure", "Ultimate tensile strength."),
             number(
-                "Yield", "pressure", "Yield strength in tension; half of it in shear is judged.",
+                "Yield", "pressure", "Yield strength in tension; shear stress is compared with half of it.",
             ),
             number(
                 "Endurance", "pressure", "Endurance limit (amplitude) in the basis given.",
@@ -211,7 +213,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
         help="S-N line of each material, log-log between the points.",
         rows=12, row_name=("Material", "Cycles"), short_caption=True,
         columns=(
-            text("Material", "Row of table Materials.", kind="material"),
+            text("Material", "Name of the material, from table Materials.", kind="material"),
             number(
                 "Cycles", "count", "Cycles to failure, rising within a material.",
             ),
@@ -220,8 +222,8 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "Excitations", sheet="Excitation", caption="Excitations",
-        help="What shakes the train in continuous operation; blank = 1× and 2× of every shaft speed, "
-        "1× and 2× line frequency.",
+        help="Excitations in continuous operation; blank = 1× and 2× of every shaft speed, 1× and "
+             "2× line frequency.",
         rows=14, row_name=("Name",),
         columns=(
             text("Name", "Name of the excitation."),
@@ -243,13 +245,13 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "EffectChoices", sheet="Case", caption="Effect choices",
-        help="Effects forced on or off; a blank choice leaves it to the plan.",
+        help="Effects forced on or off; where blank, the plan decides.",
         rows=len(EFFECTS), row_name=("Effect",), states="Choice",
         columns=(
             choice("Effect", tuple(EFFECTS), "Name of the effect."),
             choice(
                 "Choice", tuple(EffectChoice), "on and off force the effect; auto lets the plan decide.",
-                blank="auto: the row states nothing",
+                blank="auto: the plan decides",
             ),
         ),
     ),

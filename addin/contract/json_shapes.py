@@ -42,4 +42,4 @@ def list_of(items: Shape, words: str = "") -> Shape:
 def cut_short(counted: str) -> Shape:
     """How far a study came that Ctrl-C ended, counted in such units of work."""
     part = {"calculated": described(counted, COUNT), "planned": COUNT}
-    return {"cut_short": described("Absent where the study came to its end.", closed_object(part))}
+    return {"cut_short": described("Absent when the study was completed.", closed_object(part))}

@@ -71,10 +71,10 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         columns=(
             text("Check", "What is judged.", "Name of the check", "docs/method.md"),
             mixed(
-                "Result", "The number found.",
+                "Result", "Result of the check.",
                 "The governing number: least margin, largest stress over its allowable, least torque over its "
                 "limit, fewest starts (rounded down to whole starts)",
-                "docs/method.md; the source of the table it is taken from",
+                "docs/method.md; the source of the result table",
                 of_case=(
                     "SeparationMargins.Margin", "SteadyState.Peak-to-peak stress",
                     "SteadyState.Zero-to-peak stress", "StartupPeaks.Maximum torque",
@@ -84,7 +84,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 error=ReportedError.WORDS,
             ),
             mixed(
-                "Limit", "The number allowed.",
+                "Limit", "Limit of the check.",
                 "Required margin; UTS/25; limits of the maker; StartsRequired",
                 f"{STEADY}; {MIL}; table Elements",
                 of_case=(
@@ -114,7 +114,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         columns=(
             integer(
                 "Mode", "Elastic modes count from 1; rigid-body modes have 0.",
-                "Counted by rising frequency; rigid-body modes, counted from the topology, are 0",
+                "Numbered by rising frequency; rigid-body modes, whose count follows from the "
+                "topology, have 0",
                 SVD, of_case=MODAL,
             ),
             number(
@@ -143,13 +144,13 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_case=(*DAMPING, *MODAL),
             ),
             text(
-                "Largest strain energy", "Element with the largest share.",
+                "Largest strain energy", "Element with the largest share of the strain energy.",
                 "The element with the largest k (Bφ)² of the mode",
                 "docs/nomenclature.md, strain-energy share", kind="element", of_case=MODAL,
                 printed="Largest strain energy in",
             ),
             number(
-                "Share", "fraction", "Its share of the strain energy.",
+                "Share", "fraction", "Share of the mode's strain energy in that element.",
                 "k (Bφ)² of that element over the sum of all",
                 "docs/nomenclature.md, strain-energy share", of_case=MODAL, format=shown.ONE_DECIMAL, pane=Pane.MINOR,
             ),
@@ -165,7 +166,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "ModeShapes", sheet="Frequencies", caption="Mode shapes",
-        help="Twist of each station, largest = 1; no twist where a gear only moves laterally.",
+        help="Twist of each station, largest = 1; no twist for a mode in which gears only move "
+             "laterally.",
         row_name=("Station",), rank=1,
         columns=(text("Station", "Station.", kind="station", trace=named("Stations.Station")),),
         repeated=number(
@@ -249,7 +251,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             integer(
                 "Mode", "Mode excited.",
-                "The mode at resonance, where its margin is not kept; blank at an operating speed",
+                "Mode at resonance, if its margin is not kept; blank for a response at operating "
+                "speed",
                 STEADY, of_row=("SeparationMargins.Verdict",), pane=Pane.MINOR,
             ),
             number(
@@ -268,8 +271,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Applied torque", "torque", "Applied torque, zero-to-peak.",
-                "1 % zero-to-peak: of RatedTorque at the motor, of the transmitted torque at a gear, of its Running "
-                "load at a driven machine; or the Torque stated",
+                "1 % zero-to-peak: of RatedTorque at the motor, of the transmitted torque at a gear, "
+                "of Running load at a driven machine; or Torque of table Excitations",
                 f"{STEADY} (approximately 1 percent zero-peak of the transmitted torque)",
                 us="lbf*ft", of_row=("Excitations.Torque",),
                 of_case=("RatedTorque", "RatedPower", "SynchronousSpeed", "Stations.Running load"), pane=Pane.MINOR,
@@ -297,7 +300,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 of_row=("Elements.Material", "Materials.UTS"),
             ),
             verdict(
-                "Verdict", "pass, fail, unbounded or not judged.",
+                "Verdict", "pass, fail, unbounded (undamped mode at resonance) or not judged.",
                 "pass where the stress of StressBasis is at most UTS/25, and the torque of a coupling or mesh "
                 "at most its Vibratory limit; unbounded where an undamped mode is at resonance",
                 MIL,
@@ -429,8 +432,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Peak-to-peak torque", "torque", "Its torque range at the crossing.",
-                "Its torque range while the pulsation passes from 1.1 f (or half-way to the next higher mode) "
-                "to half-way to the next lower one",
+                "Torque range of that element in the crossing window: from 1.1 f (or half-way to the "
+                "next higher mode, if nearer) down to half-way to the next lower mode",
                 f"docs/method.md, Crossings; {EXPONENTIAL}", us="lbf*ft", of_case=START,
                 error=ReportedError.PEAKS, printed="Torque, pk‑pk",
             ),
@@ -447,9 +450,9 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 us="lbf*ft", of_case=START, format=shown.SIGNED, error=ReportedError.PEAKS,
             ),
             sentence(
-                "Note", "What the numbers say, in words.",
-                "Sweep or damping, whichever limits the build-up: 3.68 √(f²/ḟ) (undamped sweep) against 1/2ζ; "
-                "pulsating over average torque; reversal",
+                "Note", "Assessment of the crossing.",
+                "Build-up limited by sweep rate or by damping: undamped sweep 3.68 √(f²/ḟ), steady "
+                "resonance 1/2ζ; ratio of pulsating to average torque; reversal",
                 f"{PHILOSOPHY}; Lewis, Trans. ASME 54 (1932) 253",
                 of_row=(
                     "StartupCrossings.Sweep rate", "NaturalFrequencies.Damping ratio",
@@ -461,10 +464,10 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "AllowableStarts", sheet="Starts", caption="Allowable starts",
-        help="Fatigue damage of one start and how many are allowed.",
+        help="Fatigue damage of one start and allowable starts.",
         row_name=("Element",), changes_shown=("Allowable starts",), of_the_start=True, rank=6,
         json_only=(
-            flag("unlimited", "No damage: any number of starts."),
+            flag("unlimited", "No damage: unlimited starts."),
             number("starts_low", "count", "Fewest allowable starts within the error."),
             number("starts_high", "count", "Most allowable starts within the error; absent = unlimited."),
         ),
@@ -479,13 +482,12 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Allowable starts", "count",
-                "1 / damage; unlimited when there is no damage, not judged when the start "
-                "did not come to its end.",
+                "1 / damage; unlimited without damage, not judged when the start was not completed.",
                 "1/q; unlimited where q = 0", FIGURE_3, of_row=("AllowableStarts.Damage",),
                 format=shown.STARTS, unlimited=True, error=ReportedError.STARTS,
             ),
             number(
-                "Paper count", "count", "Allowable starts by the paper's cycle-by-cycle count.",
+                "Paper count", "count", "Allowable starts by the cycle-by-cycle count of Szenasi & von Nimitz.",
                 "1/Σ nᵢ/Nᵢ, every range from one turning point of the stress to the next counted as half a cycle",
                 FIGURE_3, of_row=FATIGUE, of_case=START, format=shown.STARTS, unlimited=True,
                 error=ReportedError.STARTS,
@@ -535,18 +537,18 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 error=ReportedError.PEAKS,
             ),
             integer(
-                "Reversals", "How often the torque falls below zero, by the hysteresis below.",
+                "Reversals", "Number of torque reversals, counted with a hysteresis.",
                 "Passages of the torque below zero that are deeper than 0.1 % of the element's largest torque",
                 f"{REVERSALS}; docs/method.md, Torque reversals", of_case=START,
             ),
             number(
-                "Time unloaded", "time", "Total time of reversed torque, or without contact.",
+                "Time unloaded", "time", "Total time of reversed torque; with a clearance, total time without contact.",
                 "Sum of the times below zero of these passages; with a clearance the time without contact",
                 f"{REVERSALS}; docs/method.md, Torque reversals", of_case=START,
             ),
             integer(
-                "Impacts", "How often teeth meet again; blank where no clearance is modelled.",
-                "Recontacts of either flank after free flight", CLEARANCE,
+                "Impacts", "Number of re-engagements of the teeth; blank where no clearance is modelled.",
+                "Re-engagements of either flank after a separation", CLEARANCE,
                 of_row=("Meshes.Backlash", "Meshes.Angular backlash"), of_case=START, pane=Pane.MINOR,
             ),
             number(
@@ -569,7 +571,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "First time", "time", "When the torque first falls below zero.",
-                "When the first of them begins: the torque last crossed zero",
+                "Start of the first reversal: the zero crossing before it",
                 "docs/method.md, Torque reversals", of_case=START, pane=Pane.WORKBOOK,
             ),
             number(
@@ -605,18 +607,18 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Recontact speed angular", "angular approach speed",
-                "The recontact speed as relative angular speed of the From side.",
+                "Recontact speed as relative angular speed, referred to the From side.",
                 "The recontact speed over r_b cos β_b, at the From side", CLEARANCE,
                 of_row=("TorqueReversals.Recontact speed",), of_case=START, format=shown.APPROACH,
                 error=ReportedError.PEAKS, pane=Pane.WORKBOOK,
             ),
             text(
-                "Model", "linear, or clearance where the teeth may part.",
+                "Model", "linear; clearance where the teeth can separate.",
                 "clearance where the plan models it, else linear", "docs/method.md, The plan",
                 of_row=("Effects.On",), of_case=("EffectChoices.Choice", *CLEARANCES), pane=Pane.WORKBOOK,
             ),
             sentence(
-                "Note", "What was found, in words.", "The row in words", REVERSALS,
+                "Note", "Summary of the result.", "Summary of the row", REVERSALS,
                 of_row=("TorqueReversals.Reversals", "TorqueReversals.Limit"), width=48.0, pane=Pane.WORKBOOK,
             ),
         ),
@@ -632,41 +634,43 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "Effects", sheet="Effects", caption="Effects",
-        help="What was simulated and what was left out, each with the number that decided it.",
+        help="Effects simulated and left out, each with its deciding number.",
         rows=len(EFFECTS), row_name=("Effect",), changes_shown=("On",), room=len(EFFECTS),
         worded=True, rank=7,
         columns=(
-            text("Effect", "What may be simulated.", "One that a start may call for", "docs/effects.md"),
+            text("Effect", "Name of the effect.", "Effect that a start may require", "docs/effects.md"),
             text(
                 "Choice", "What was chosen in EffectChoices: auto, on or off.",
                 "As chosen; blank = auto", "docs/effects.md", of_row=("EffectChoices.Choice",),
             ),
             switch(
-                "On", "Whether it was simulated.",
+                "On", "Whether the effect was simulated.",
                 "Forced by the choice, else on where the deciding number is beyond the limit",
                 "docs/effects.md; docs/method.md, The plan",
                 of_row=("Effects.Deciding number", "Effects.Limit", "Effects.Choice"),
             ),
             number(
-                "Deciding number", "deciding number", "The number that decided.",
-                "Of each effect its own cheap number, from modes, damping, rigid run-up and the linear start",
+                "Deciding number", "deciding number", "Number that decided whether the effect is simulated.",
+                "A quick estimate for each effect, from modes, damping, rigid-body run-up and the "
+                "linear start",
                 "docs/effects.md, The effects", of_case=START,
             ),
             number(
-                "Limit", "deciding number", "What it was compared with.",
-                "Tolerance over the gain of the effect (50, 50, 5), or as docs/effects.md states",
+                "Limit", "deciding number", "Limit of the deciding number.",
+                "Tolerance divided by the gain of the effect (gains and other limits: "
+                "docs/effects.md)",
                 "docs/method.md, The plan", of_case=("TolerancePeak", "ToleranceStarts"),
             ),
             number(
-                "Bound", "fraction", "Most that leaving it out changes an answer; 0 = exact.",
+                "Bound", "fraction", "Largest change of a result if the effect is left out; 0 = none.",
                 "Deciding number × gain; 0 where leaving it out is exact",
                 "docs/method.md, The plan", of_row=("Effects.Deciding number",),
                 error=ReportedError.ESTIMATE,
             ),
             number(
                 "Time", "calculation time",
-                "What it cost, or would cost when on: measured where it has a run of its own (backlash, "
-                "pull-in and aborted start share one), else estimated from the linear start.",
+                "Computing time: measured where the effect has its own run (backlash, pull-in and "
+                "aborted start share one), else estimated from the linear start.",
                 "Wall time, measured where the effect has a run of its own, else estimated from the linear start",
                 "docs/effects.md", wall_time=True,
             ),
@@ -687,7 +691,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "docs/method.md, What accuracy costs", of_case=("Method",),
             ),
             text(
-                "Setting", "Wanted tolerance or step.", "Step or wanted tolerance",
+                "Setting", "Wanted tolerance or step.", "Wanted tolerance or step",
                 "docs/method.md, What accuracy costs", of_case=("TolerancePeak",),
             ),
             number(
@@ -699,7 +703,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Error starts", "fraction", "Error of the allowable starts.",
-                "The same of the allowable starts", "docs/method.md, What accuracy costs",
+                "Same for the allowable starts", "docs/method.md, What accuracy costs",
                 of_case=(*START, *FATIGUE), format=shown.STUDIED, error=ReportedError.ESTIMATE,
                 printed="Error of starts",
             ),
@@ -715,11 +719,11 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         help="What was calculated, from which inputs, by which version and method.",
         row_name=("Item",), worded=True, rank=7,
         columns=(
-            text("Item", "What is stated.", "Name of what is stated", "docs/audit.md"),
+            text("Item", "Item.", "Name of the item", "docs/audit.md"),
             mixed(
                 "Value", "Its value.",
-                "As stated. The digest is SHA-256 of the SI values of all inputs but title block and "
-                "descriptions, rounded to 12 significant digits",
+                "Value of the item. The digest is SHA-256 of the SI values of all inputs except "
+                "title block and descriptions, rounded to 12 significant digits",
                 "docs/audit.md; FIPS 180-4", width=110.0,
             ),
         ),
@@ -740,14 +744,14 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
                 of_case=("AllowableStarts.Governing", *FATIGUE, *START), error=ReportedError.PEAKS,
             ),
             number(
-                "Cycles", "count", "n: how often in one start; 0.5 is a half cycle.",
+                "Cycles", "count", "n: cycles in one start; 0.5 is a half cycle.",
                 "n: 1 for a closed cycle, 0.5 for a half cycle of the residue", ASTM,
                 of_case=("RainflowResidue", *START), format=shown.STARTS,
             ),
             number(
                 "Cycles to failure", "count", "N at this amplitude on the S-N line.",
-                "N on the log-log S-N line at this amplitude; unlimited below endurance unless Below endurance "
-                "says otherwise",
+                "N on the log-log S-N line at this amplitude; below endurance unlimited, or by the "
+                "rule in Below endurance",
                 FIGURE_3, of_row=("StartCycles.Amplitude",),
                 of_case=(
                     "SNPoints.Cycles", "SNPoints.Stress", "Materials.Endurance", "Materials.Basis",
@@ -772,13 +776,14 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "BearingForces", sheet="Reversals", caption="Bearing forces",
-        help="Largest radial force of each gear that moves on its bearings, without weight.",
+        help="Largest radial bearing force of each gear on elastic bearings, excluding weight.",
         row_name=("Station",), changes_shown=("Force",), room=13, of_the_start=True, rank=5,
         columns=(
             text("Station", "The gear.", kind="station", trace=named("Stations.Station")),
             number(
-                "Force", "force", "Largest vibratory and transmitted force together.",
-                "The largest |k_b u + c_b u̇| over x and y, transmitted force included, without weight",
+                "Force", "force", "Largest radial force, vibratory plus transmitted.",
+                "The largest |k_b u + c_b u̇| over x and y, with the transmitted force, excluding "
+                "weight",
                 f"{PAPER.cited}, Figure 4c; docs/method.md, Clearances",
                 of_row=(
                     "Meshes.Bearing stiffness drive", "Meshes.Bearing stiffness driven",
@@ -794,7 +799,8 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "EnergyShares", sheet="Frequencies", caption="Sensitivities",
-        help="What the change above does: ± ½ × share × change × f, + of stiffnesses, − of inertias.",
+        help="Frequency shift for the change above: ± ½ × share × change × f, + for a stiffness, "
+             "− for an inertia.",
         row_name=("Quantity", "Of"),
         columns=(
             text(
@@ -805,8 +811,8 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
             *(
                 number(
                     f"Share {mode}", "count", f"Its share of the strain or kinetic energy of mode {mode}.",
-                    "k (Bφ)² of the element, J φ² of the station, over the sum of all; modes as good as equal "
-                    "together",
+                    "k (Bφ)² of the element, J φ² of the station, over the sum of all; nearly equal "
+                    "modes are summed",
                     "docs/nomenclature.md, strain-energy share; Lancaster, Numer. Math. 6 (1964) 377",
                     of_case=MODAL, format=shown.FOUR_DECIMALS,
                 )
@@ -817,7 +823,8 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
             number(
                 f"Shift {mode}", "frequency",
                 f"Live formula: ± 1/2 × Share {mode} × change × frequency of mode {mode}, in Hz.",
-                "± ½ × share × change × f, + of stiffnesses, − of inertias, calculated by the spreadsheet",
+                "± ½ × share × change × f, + for a stiffness, − for an inertia, calculated by the "
+                "spreadsheet",
                 "Rayleigh, Theory of Sound I, § 88; docs/tolerances.md",
                 of_row=(f"EnergyShares.Share {mode}", "NaturalFrequencies.Frequency"),
                 formula=live.energy_shift(mode), format=shown.SHIFT if mode <= 3 else "",
@@ -827,16 +834,16 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
     ),
     table(
         "Plans", sheet="Effects", caption="Plans",
-        help="The last plan is the one whose results are shown; a run that proves a plan wrong makes a "
-        "new one.",
+        help="Results shown are those of the last plan; a new plan is made when the run "
+             "contradicts the plan before.",
         row_name=("Plan",), worded=True, rank=7,
         columns=(
             integer(
-                "Plan", "Counted from 1.", "Counted from 1; the last one is reported",
+                "Plan", "Number of the plan, from 1.", "Numbered from 1; the last one is reported",
                 "docs/method.md, The plan",
             ),
             sentence(
-                "Reason", "Why it was made.", "Why it was made", "docs/method.md, The plan",
+                "Reason", "Reason for the plan.", "Why it was made", "docs/method.md, The plan",
                 width=96.0,
             ),
         ),

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 #: Rows of table `RunFacts`, in this order: what live formulas need, written by the calculation.
 RUN_FACTS: tuple[tuple[str, str], ...] = (
-    ("run_Stamp", "Which inputs the results belong to"),
+    ("run_Stamp", "Inputs of the results"),
     ("run_Software", "Software and version"),
     ("run_Date", "Date of the calculation, UTC"),
     ("run_SHA256", "SHA-256 of the inputs"),
     ("run_Outcome", "How the start ended"),
-    ("run_OutcomeWord", "The same in a word or two"),
+    ("run_OutcomeWord", "Outcome of the start, short"),
     ("run_StartTime", "Duration of the start [s]"),
     ("run_SynchronousSpeed", "Synchronous speed [rpm]"),
     ("run_LineFrequency", "Line frequency [Hz]"),
@@ -19,12 +19,15 @@ RUN_FACTS: tuple[tuple[str, str], ...] = (
     ("run_PaPerUTS", "Pa per unit of Materials[UTS]"),
     ("run_PaPerAllowable", "Pa per unit of SteadyState[Allowable]"),
     ("run_GoverningShaft", "Shaft that table StartCycles belongs to"),
-    ("run_SNExponent", "Its S-N exponent k at the endurance limit"),
-    ("run_Endurance", "Its endurance limit in torsion, unit of StartCycles[Amplitude]"),
+    ("run_SNExponent", "S-N exponent k of that shaft at the endurance limit"),
+    (
+        "run_Endurance",
+        "Endurance limit of that shaft in torsion, in the unit of StartCycles[Amplitude]",
+    ),
     ("run_NmPerMinimum", "N m per unit of TorqueReversals[Minimum torque]"),
     ("run_NmPerTransmitted", "N m per unit of TorqueReversals[Transmitted torque]"),
     ("run_ContactLaw", "Damping law of teeth in contact"),
-    ("run_AccuracySentence", "What the wanted accuracy costs"),
-    ("run_AccuracyReference", "What the errors on sheet Accuracy are measured against"),
-    ("run_AccuracyInputs", "Which inputs sheet Accuracy belongs to"),
+    ("run_AccuracySentence", "Computing time of the wanted accuracy"),
+    ("run_AccuracyReference", "Reference of the errors on sheet Accuracy"),
+    ("run_AccuracyInputs", "Inputs of sheet Accuracy"),
 )

@@ -18,7 +18,7 @@ SCALAR_TABLE = "Case"
 #: Scalars of sheet `Case` by their block on it, in the order in which they stand there.
 _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
     "Document": (
-        text("TemplateVersion", "Layout of this workbook; leave it as it is."),
+        text("TemplateVersion", "Version of the workbook layout; do not change it."),
         text("Title", "Title of the calculation."),
         text("Tag", "Equipment tag of the train."),
         text("Client", "For whom the calculation is made."),
@@ -31,7 +31,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "LineFrequency",
             "frequency",
-            "Line frequency; two of frequency, speed and poles fix the third.",
+            "Line frequency; two of LineFrequency, SynchronousSpeed and Poles give the third.",
             blank="from speed and poles",
         ),
         number(
@@ -44,13 +44,13 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "RatedPower",
             "power",
-            "Rated power of the motor; power and speed fix the torque.",
+            "Rated power of the motor; with the speed it gives the rated torque.",
             blank="from torque and speed",
         ),
         number(
             "RatedTorque",
             "torque",
-            "Rated torque, the base of every torque typed in pu or %.",
+            "Rated torque; base of all torques in pu or %.",
             blank="from power and speed",
             us="lbf*ft",
         ),
@@ -104,15 +104,17 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "MaximumTime",
             "time",
-            "Longest simulated time. A start still on its way then has the outcome time out, with its "
-            "speed, and its starts are not judged; one that settles or arrives ends by itself before.",
+            "Longest simulated time. A start that is still accelerating then gets the outcome "
+            "time out, and its starts are not judged. A start that reaches its end speed or "
+            "settles ends earlier.",
             blank="600 s, or to the end of TorqueTime",
         ),
         number("StartsRequired", "count", "Starts the train must survive."),
         number(
             "StartsFactor",
             "ratio",
-            "Allowable starts are divided by it before they are judged.",
+            "Safety factor: allowable starts are divided by it before comparison with "
+            "StartsRequired.",
             blank="1",
         ),
         number(
@@ -145,13 +147,14 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         choice(
             "Method",
             ("exponential", "newmark"),
-            "Time integration: exponential, or the paper's average acceleration (Newmark).",
+            "Time integration: exponential, or newmark (average acceleration, Szenasi & von "
+            "Nimitz).",
             blank="exponential",
         ),
         choice(
             "RainflowResidue",
             ("half cycles", "repeated"),
-            "What becomes of the unclosed part of the stress history: ASTM half cycles, or repeated.",
+            "Rainflow residue: counted as half cycles (ASTM), or the history repeated.",
             blank="half cycles",
         ),
         choice(
@@ -165,15 +168,15 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         choice(
             "ContactLaw",
             tuple(ContactLaw),
-            "Damping while teeth touch: it never pulls and never exceeds the spring force (limited), or "
-            "it only never pulls (no adhesion).",
+            "Damping of teeth in contact: limited = the contact force never pulls and damping "
+            "never exceeds the spring force; no adhesion = the contact force never pulls.",
             blank=ContactLaw.LIMITED,
         ),
         number(
             "ShockAmplitude",
             "torque",
-            "Electrical transient at breaker closing: a torque of line frequency that begins with this "
-            "amplitude and decays.",
+            "Amplitude of the electrical transient at breaker closing, a decaying torque at line "
+            "frequency.",
             blank="no transient",
             us="pu",
             si="pu",
@@ -186,7 +189,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "FieldSlip",
             "fraction",
-            "Slip at which the field is applied; with PullOutTorque it calls for pull-in.",
+            "Slip at which the field is applied; with PullOutTorque, pull-in is simulated.",
             blank="no field, the start ends at EndSpeed",
         ),
         number(
@@ -198,7 +201,7 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "FieldAngle",
             "angle",
-            "Load angle at which the field is applied once the slip has fallen to FieldSlip.",
+            "Load angle at which the field is applied after the slip has reached FieldSlip.",
             blank="as soon as the slip is reached",
         ),
         number(
@@ -211,7 +214,8 @@ _BY_GROUP: Mapping[str, tuple[Field, ...]] = {
         number(
             "PullInDamping",
             "torsional damping",
-            "Damper torque over slip speed after the field is applied, instead of the Average curve.",
+            "Damper-winding torque per unit of slip speed after the field is applied, instead of "
+            "the Average curve.",
             blank="the Average curve",
         ),
         number(

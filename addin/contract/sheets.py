@@ -77,11 +77,12 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "B4",
         "Q4",
         _said(
-            'IF(run_Outcome="","No start: no motor torque is given.",'
-            'IF(COUNTIF(TorqueReversals[Element],"?*")=0,"This train has no gear mesh and no geared coupling '
-            'with backlash: no teeth to judge.",'
-            'IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its bearings in this '
-            'start (bearing data on sheet Train, plan on sheet Effects).","")))'
+            'IF(run_Outcome="","No start: no motor torque is '
+            'given.",IF(COUNTIF(TorqueReversals[Element],"?*")=0,"The train has no gear mesh and '
+            "no geared coupling with backlash, so no torque reversal is "
+            'judged.",IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its '
+            "bearings in this start. Type bearing data on sheet Train; see the plan on sheet "
+            'Effects.","")))'
         ),
         "note",
         15.0,
@@ -91,9 +92,10 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "B4",
         "I4",
         _said(
-            'IF(run_Outcome="","No start: no motor torque is given.",'
-            'IF(COUNTIF(AllowableStarts[Element],"?*")=0,"No shaft is judged: it takes Stress diameter and '
-            'Material on sheet Train, Endurance and S-N points on sheet Fatigue.",""))'
+            'IF(run_Outcome="","No start: no motor torque is '
+            'given.",IF(COUNTIF(AllowableStarts[Element],"?*")=0,"No shaft is judged: type '
+            "Stress diameter and Material on sheet Train, Endurance and S-N points on sheet "
+            'Fatigue.",""))'
         ),
         "note",
         15.0,
@@ -120,16 +122,16 @@ SHEETS: tuple[Sheet, ...] = (
         "input",
         {"A": 1.5, "B": 22, "C": 26, "D": 9, "E": 32, "F": 2, "G": 22, "H": 18, "I": 9, "J": 34},
         {"EffectChoices": "B32"},
-        intro="What the case is and how it is calculated. Blue on yellow is typed; the unit stands "
-        "in the cell right of the number.",
+        intro="Inputs of the case and how it is calculated. Type into the yellow cells (blue "
+              "text); the unit is in the cell to the right of the number.",
     ),
     Sheet(
         "Train",
         "input",
         {"A": 1.5, "B": 21, "C": 22, "D:E": 13, "F": 13, "G:U": 9.5},
         {"Stations": "B5", "ModeDamping": "I5", "Elements": "B25", "Meshes": "B45"},
-        intro="The mass-elastic table. Units stand above the headers; a blank cell means what its "
-        "prompt says. Insert table rows where a table is full.",
+        intro="The mass-elastic table. Units are above the headers; the prompt of a cell says what "
+              "blank means. Insert table rows where a table is full.",
     ),
     Sheet(
         "Torque",
@@ -163,8 +165,8 @@ SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 30, "C": 10, "D": 22, "E": 13, "F": 22, "G": 14, "H:J": 18},
         {"Excitations": "B5"},
         freeze="A8",
-        intro="What shakes the train in continuous operation. Leave the table blank for the "
-        "usual: 1× and 2× of every shaft speed, 1× and 2× line frequency.",
+        intro="Excitations in continuous operation. Leave the table blank for the defaults: 1× and "
+              "2× of every shaft speed, 1× and 2× line frequency.",
     ),
     Sheet(
         "Frequencies",
@@ -222,8 +224,9 @@ SHEETS: tuple[Sheet, ...] = (
         {},
         HISTORY_CHARTS,
         one_page=True,
-        intro="Torque, stress or tooth load against time from rest to EndSpeed (the paper's "
-        "Figures 1, 7 and 8). Each point drawn is calculated; the extremes are kept.",
+        intro="Torque, stress or tooth load against time from rest to EndSpeed (Szenasi & von "
+              "Nimitz 1978, Figures 1, 7 and 8). Each point drawn is calculated; the extremes are "
+              "kept.",
     ),
     Sheet(
         "Reversals",
@@ -234,8 +237,9 @@ SHEETS: tuple[Sheet, ...] = (
             ChartAt("reversal", f"B{_BELOW_REVERSALS}", 660, 330),
             ChartAt("forces", f"O{_BELOW_REVERSALS + 1}", 620, 310),
         ),
-        intro="Where teeth are unloaded or part in the start: a reversal is one passage of the "
-        "transmitted torque below zero. Torques are those of the From side, at its own speed.",
+        intro="Gear teeth that unload or separate during the start. A reversal is one passage of "
+              "the transmitted torque below zero. Torques are those of the From side, at its own "
+              "speed.",
     ),
     Sheet(
         "Starts",
@@ -253,8 +257,8 @@ SHEETS: tuple[Sheet, ...] = (
         "result",
         {"A": 1.5, "B": 19, "C": 9, "D": 7, "E:H": 11, "I": 96},
         {"Effects": "B5", "Plans": f"H{_BELOW_EFFECTS}"},
-        intro="Which effects this case calls for, and the number that decided each. Force one on or "
-        "off in table EffectChoices on sheet Case.",
+        intro="Effects that this case requires, each with its deciding number. Force an effect on "
+              "or off in table EffectChoices on sheet Case.",
     ),
     Sheet(
         "Accuracy",
@@ -262,7 +266,7 @@ SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 23, "C": 40, "D:F": 11, "G": 2, "H:P": 9.5},
         {"AccuracyCost": "B9"},
         (ChartAt("accuracy", "H9", 640, 420),),
-        intro="What accuracy costs in time, for this very case on this machine.",
+        intro="Error against computing time, for this case on this machine.",
     ),
     Sheet(
         "Audit", "result", {"A": 1.5, "B": 38, "C": 110}, {"Audit": "B5"}, freeze="A7",
@@ -279,8 +283,9 @@ SHEETS: tuple[Sheet, ...] = (
         {},
         freeze="A6",
         header_rows=5,
-        intro="What each number on a result sheet is, by which equation and after which source, and "
-        "what it comes from. Of one cell, with places and values: torsionbook verify FILE --trace 'Sheet!H9'",
+        intro="Meaning, equation, source and inputs of each number on the result sheets. For one "
+              "cell, with the cells and values it comes from: torsionbook verify FILE --trace "
+              "'Sheet!H9'",
     ),
 )  # fmt: skip
 
@@ -350,7 +355,7 @@ CYCLE_FACTS: tuple[tuple[str, str, str, str], ...] = (
         "#,##0.0",
     ),
     (
-        "Allowable starts of the table",
+        "Allowable starts in table AllowableStarts",
         '=IF(run_GoverningShaft="","",IFERROR(INDEX(AllowableStarts[Allowable starts],'
         'MATCH(run_GoverningShaft,AllowableStarts[Element],0)),""))',
         "",

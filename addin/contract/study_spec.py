@@ -10,7 +10,7 @@ from addin.contract.json_shapes import Shape
 from addin.contract.sheet import Sheet
 
 #: How the sentence of a study begins that was cut short.
-CUT_SHORT = "Cut short by Ctrl-C"
+CUT_SHORT = "Stopped by Ctrl-C"
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,9 @@ class StudySpec:
         return (
             (f'=IF({key}_Sentence="","{self.not_yet}",{key}_Sentence)', "sentence", self.height),
             (
-                f'=IF({key}_SHA256="","",IF(AND(run_SHA256<>"",run_SHA256<>{key}_SHA256),'
-                f'"OTHER INPUTS than those of the plain results: run torsionbook {self.command} again. ",'
-                f'"")&{key}_Stamp)',
+                f'=IF({key}_SHA256="","",IF(AND(run_SHA256<>"",run_SHA256<>{key}_SHA256),"INPUTS '
+                f"DIFFER from those of the other result sheets: run torsionbook {self.command} again. "
+                f'","")&{key}_Stamp)',
                 "note",
                 15.0,
             ),
@@ -103,8 +103,8 @@ class StudySpec:
             sheet = placed.get(spec.name)
             if sheet is None or sheet.name != spec.sheet:
                 raise IncompleteRecord(
-                    f"table {spec.name} has no place on sheet {spec.sheet} of study {self.key}: add "
-                    f"its cell to the tables of that sheet in {where}"
+                    f"table {spec.name} has no cell on sheet {spec.sheet} of study {self.key}: add its "
+                    f"cell to the tables of that sheet in {where}"
                 )
         for name in (self.sheet, *(name for name, _ in self.also)):
             if name not in {sheet.name for sheet in self.sheets}:
@@ -114,5 +114,5 @@ class StudySpec:
         for sheet in self.sheets:
             if not (sheet.intro or sheet.hidden):
                 raise IncompleteRecord(
-                    f"sheet {sheet.name} of study {self.key} has no intro: add one in {where}"
+                    f"sheet {sheet.name} of study {self.key} has no introduction: add one in {where}"
                 )

@@ -10,8 +10,9 @@ from engine.case.practice_limits import PRACTICE_LIMITS
 
 #: Words on sheet Accuracy until the study has been run.
 NO_STUDY = (
-    "Errors are those this calculation estimates, times those it took. Error against time by the "
-    "exponential and by the paper's method, for this very case: torsionbook accuracy FILE"
+    "Errors are estimates of this calculation; times are measured. For error against "
+    "time of this case, by the exponential method and by Newmark: torsionbook accuracy "
+    "FILE"
 )
 #: The damping law of this workbook: formula, and what it shows while ContactLaw is blank.
 CONTACT_LAW: tuple[str, str] = (
@@ -24,15 +25,16 @@ CONTACT_LAW: tuple[str, str] = (
 REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
     (
         "Reversal",
-        f"One passage of the torque below zero that is deeper than {NOTABLE_REVERSAL:.1%} of the "
-        "element's largest torque. It begins where the torque last crossed zero and ends where it "
-        "next rises above zero, so that torque trembling about zero is not counted twice.",
+        f"One passage of the torque below zero that is deeper than {NOTABLE_REVERSAL:.1%} of "
+        "the element's largest torque. It begins at the last zero crossing and ends where "
+        "the torque next rises above zero, so that oscillation about zero counts once.",
     ),
     (
         "Model",
-        "linear: the teeth are taken to stay in contact, the torque below zero says that they would "
-        "not. clearance: the teeth separate, cross the gap and re-engage; time unloaded is then the "
-        "time without contact, tooth force and recontact speed are along the normal of the flank.",
+        "linear: the teeth stay in contact in the calculation; a torque below zero means "
+        "that real teeth would separate. clearance: the teeth separate, cross the gap and "
+        "re-engage; time unloaded is then the time without contact, tooth force and "
+        "recontact speed are normal to the flank.",
     ),
     (
         "Contact law",
@@ -43,8 +45,8 @@ REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
     ("", CONTACT_LAW[0]),
     (
         "Limit",
-        "The maker's Reversal limit of table Elements, compared with the depth below zero; blank = "
-        "not judged. What the literature says:",
+        "The maker's Reversal limit of table Elements, compared with the depth below zero; "
+        "blank = not judged. Limits in the literature:",
     ),
     *(
         (f"{limit.applies_to}, {limit.service}", f"{limit.says} ({limit.source})")
@@ -54,11 +56,11 @@ REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
 
 #: Notes of sheet `Effects`, below its table.
 EFFECT_NOTES: tuple[str, ...] = (
-    "The plan is made from modes, damping, rigid run-up and the linear start.",
-    "Bound: the most that leaving an effect out changes an answer; 0 = exact;",
-    "blank = it is on, or nothing is known of it (no input, forced off).",
-    "Time: what it cost in this run, or is estimated to cost when on;",
-    "backlash, pull-in and trip share one run and each show the whole of it.",
+    "The plan follows from modes, damping, rigid-body run-up and the linear start.",
+    "Bound: largest change of a result if the effect is left out; 0 = none;",
+    "blank = effect on, or bound unknown (no input, forced off).",
+    "Time: computing time in this run, or its estimate if switched on;",
+    "backlash, pull-in and trip share one run; each shows its total time.",
 )
 
 #: Blocks of sheet `Notes`: heading, then term and text.
@@ -81,23 +83,23 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
             "this one and keeps a .bak. Close the workbook first.",
         ),
         (
-            "What is rewritten",
-            "Only the result tables, the hidden sheets ChartData and Lists (RunFacts), and titles "
-            "of charts that a spreadsheet program cut off from ChartData. "
-            "Everything else may be moved, restyled and extended: tables are found by their "
-            "names, columns by their headers, scalars by their defined names.",
+            "What torsionbook rewrites",
+            "Only the result tables, the hidden sheets ChartData and Lists (RunFacts), and chart "
+            "titles that lost their link to ChartData. Everything else may be moved, restyled "
+            "and extended: tables are found by their names, columns by their headers, scalars by "
+            "their defined names.",
         ),
         (
             "Results and inputs",
-            "Results belong to the inputs whose SHA-256 stands on Summary and Audit. After any "
-            "change of an input they are old until the next recalculation.",
+            "Results belong to the inputs whose SHA-256 is shown on Summary and Audit. After any "
+            "change of an input they are out of date until the next recalculation.",
         ),
     ),
     "Conventions": (
         (
             "Own speed",
-            "Inertias, stiffnesses, torques and stresses are those of the shaft itself, at its own "
-            "speed. What is referred to the motor says so.",
+            "Inertias, stiffnesses, torques and stresses are those of the shaft itself, at its "
+            "own speed. Values referred to the motor are labelled so.",
         ),
         (
             "Amplitudes",
@@ -105,8 +107,8 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "Sign",
-            "Positive torque drives in the running direction. A negative torque of a mesh unloads "
-            "its teeth.",
+            "Positive torque acts in the running direction. A negative mesh torque unloads the "
+            "teeth.",
         ),
         (
             "Margins",
@@ -120,7 +122,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
     ),
     "Equations": (
-        ("Natural frequencies", "K φ = ω² J φ, free-free, all gears referred exactly."),
+        ("Natural frequencies", "K φ = ω² J φ, free-free, with gear ratios as exact constraints."),
         (
             "Start-up excitation",
             "f = 2 f_line (1 − n / n_sync): twice the slip frequency falls from 2 × line frequency "
@@ -131,7 +133,7 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
             "J θ'' + C θ' + K θ = T(t, θ'), paper eq. 1; integrated exactly between steps "
             "(exponential), or by average acceleration, paper eqs 2 to 4 (Newmark).",
         ),
-        ("Shear stress", "τ = 16 T D / (π (D⁴ − d⁴)), nominal; times SCF where it says so."),
+        ("Shear stress", "τ = 16 T D / (π (D⁴ − d⁴)), nominal; times SCF where stated."),
         (
             "Steady-state limit",
             f"UTS / 25 ({MIL_STANDARD.cited} as the paper reads it), compared as Stress basis on sheet "
@@ -148,18 +150,21 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
     "Limits of this version": (
         (
             "Contact",
-            "Teeth are massless springs with a clearance: the wave inside a tooth, friction and "
-            "the oil squeezed between flanks are not calculated.",
+            "Teeth are massless springs with a clearance; stress waves in the tooth, friction "
+            "and the oil squeeze film are not modelled.",
         ),
         (
             "Bearings",
-            "A bearing is the same in all radial directions and does not change with speed or load.",
+            (
+                "Bearings have the same stiffness and damping in all radial directions, independent "
+                "of speed and load."
+            ),
         ),
         (
             "Drawn histories",
-            "Charts show the least and the largest calculated value of 500 equal intervals of "
-            "the start, so that no peak is lost. Results never come from them; KeepHistory "
-            "writes the full history to a file.",
+            "Charts show the minimum and maximum of 500 equal time intervals of the start, so "
+            "that no peak is lost. Results never use chart data; KeepHistory writes the full "
+            "history to a file.",
         ),
         (
             "Reference",

@@ -22,8 +22,8 @@ from addin.contract.tables import DIMENSIONS
 #: What a relative unit is a share of.
 RATED_TORQUE = "rated torque"
 SYNCHRONOUS_SPEED = "synchronous speed"
-STATION_SPEED = "speed of the station at synchronism"
-TRANSMITTED_TORQUE = "torque transmitted there"
+STATION_SPEED = "synchronous speed of the station"
+TRANSMITTED_TORQUE = "torque transmitted at that station"
 
 
 @dataclass(frozen=True)
@@ -291,10 +291,10 @@ _ANGLE_POWERS = {
     "frequency": (0, 1),
 }
 _SLIPS = (
-    (r"lb(?:s|m)?\b", "lbf", "lb is a mass"),
-    (r"kg\b", "kgf", "kg is a mass"),
-    (r"lbf\b", "lb", "lbf is a force"),
-    (r"kgf\b", "kg", "kgf is a force"),
+    (r"lb(?:s|m)?\b", "lbf", "lb is a mass, not a force"),
+    (r"kg\b", "kgf", "kg is a mass, not a force"),
+    (r"lbf\b", "lb", "lbf is a force, not a mass"),
+    (r"kgf\b", "kg", "kgf is a force, not a mass"),
 )
 
 
@@ -380,7 +380,7 @@ def _is_bare_rate(unit: Any) -> bool:
 def _refuse_ambiguous(text: str, unit: Any, dimension: str) -> None:
     if dimension in ("speed", "running speed") and _is_bare_rate(unit):
         raise _refused(
-            text, dimension, f"'{text}' says neither revolutions nor radians", "write rpm or rad/s"
+            text, dimension, f"'{text}' does not state revolutions or radians", "write rpm or rad/s"
         )
 
 

@@ -113,18 +113,21 @@ def read_compared_file(
     read = read_checked(source)
     if isinstance(read, Unreadable) or read.problems:
         raise CannotBeCompared(source, read.problems)
-    units, settings, why = None, {}, "calculated now, a case holds none"
+    units, settings, why = None, {}, "calculated now, because a case JSON contains no results"
     if isinstance(read, WorkbookInput):
         units, _ = read_shown_units(read.workbook, read.data.ratings.rated_torque)
         recorded = workbook_provenance(read.workbook)
         is_current = recorded.digest == case_digest(read.data)
         if is_current and not recalculate:
             return with_studies(_as_recorded(source, read, units, recorded), read)
-        settings, why = recorded.settings, "calculated now, the workbook holds none"
+        settings, why = (
+            recorded.settings,
+            "calculated now, because the workbook contains no results",
+        )
         if is_current:
-            why = "calculated now, as asked"
+            why = "calculated now, as requested"
         elif recorded.digest:
-            why = "calculated now, those in the workbook belong to other inputs"
+            why = "calculated now, because the results in the workbook belong to other inputs"
     run, problems = recalculate_case(read, settings, on_stage)
     if run is None:
         raise CannotBeCompared(source, problems)
@@ -164,7 +167,7 @@ def _of_results(source: Path, content: Mapping[str, Any]) -> ComparedFile:
     software = f"torsionbook {content.get('version', '')}".strip()
     return ComparedFile(
         source, None, None, None, _plain_tables(tables),
-        "as recorded in the file, which holds no inputs",
+        "as recorded in the file, which contains no inputs",
         software, str(content.get("case_sha256") or ""), json_provenance(content).settings,
     )  # fmt: skip
 
@@ -176,7 +179,7 @@ def _as_recorded(
     tables["Verdicts"] = [_with_judged(row) for row in tables["Verdicts"]]
     return ComparedFile(
         source, read.data, read.typed, units, tables,
-        "as recorded in the file, whose recorded digest is that of its inputs",
+        "as recorded in the file; its digest confirms its inputs",
         recorded.software, recorded.digest, recorded.settings,
     )  # fmt: skip
 

@@ -52,8 +52,8 @@ def compare_studies(
         cut = " and ".join(x for x, one in zip("AB", (old, new), strict=True) if one.is_cut_short)
         if cut:
             notes.append(
-                f"Sheet {sheet} in {cut} holds the part of a study that Ctrl-C left: some differences "
-                "may be of that alone."
+                f"Sheet {sheet} in {cut} contains an incomplete study, stopped by Ctrl-C, which may "
+                "explain some differences."
             )
         for spec in _COMPARED:
             if spec.name in old.tables and spec.name in new.tables:
@@ -69,7 +69,7 @@ def _why_not(sheet: str, pair: Sequence[RecordedStudy | None]) -> str:
     studies = dict(zip("AB", pair, strict=True))
     for letter, study in studies.items():
         if study is None:
-            return f"Sheet {sheet} is not compared: the study has not been made in {letter}."
+            return f"Sheet {sheet} is not compared: {letter} does not contain the study."
     for letter, study in studies.items():
         if study is not None and study.outdated:
             return f"Sheet {sheet} is not compared: in {letter} {study.outdated}."
@@ -86,7 +86,7 @@ def _rows(side: ComparedFile, spec: TableSpec) -> list[dict[str, Any]]:
         {
             "Element": row.element,
             "Quantity": row.quantity,
-            "Unit": "of what the case says" if row.relative else "SI",
+            "Unit": "relative to the value in the case" if row.relative else "SI",
             "Values": "; ".join(f"{value:.6g}" for value in row.values) or None,
             "From": row.from_,
             "To": row.to,

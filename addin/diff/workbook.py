@@ -107,17 +107,18 @@ def _write(differences: Differences, path: Path) -> None:
 
 def _of_inputs(differences: Differences) -> str:
     if differences.inputs is None:
-        return "A result JSON holds no inputs, so that only results are compared."
+        return "A result JSON contains no inputs, so only results are compared."
     return (
-        f"{differences.same_inputs} input quantities are the same, whatever unit they are typed in. Title block "
-        "and descriptions, which change no result, are grey."
+        f"{differences.same_inputs} input quantities are the same, in whatever unit. Title "
+        "block and descriptions do not affect results and are shown in grey."
     )
 
 
 def _of_studies(differences: Differences) -> str:
     sentence = (
-        f"{differences.studies.same_inputs} quantities on the study sheets and {differences.studies.same_results} "
-        "results of studies are the same. Sentences, maps and numbers behind charts are not compared."
+        f"{differences.studies.same_inputs} quantities on the study sheets and "
+        f"{differences.studies.same_results} results of studies are the same. Texts, maps and "
+        "chart data are not compared."
     )
     return "\n".join([sentence, *differences.studies.notes])
 

@@ -157,12 +157,13 @@ class _Reading:
         try:
             about = path.stat()
         except ValueError:
-            return self._no_case(f"{path} cannot be the name of a file. Name the case.")
+            return self._no_case(f"{path} is not a valid file name. Name the case.")
         if not stat.S_ISREG(about.st_mode) and not stat.S_ISDIR(about.st_mode):
-            return self._no_case(f"{path.name} is a device or a pipe, not a file.")
+            return self._no_case(f"{path.name} is a device or a pipe, not a file. Name a file.")
         if about.st_size > _LARGEST_FILE:
             return self._no_case(
-                f"{path.name} is larger than {_LARGEST_FILE // 2**20} MB, no case is."
+                f"{path.name} is larger than {_LARGEST_FILE // 2**20} MB, the limit for a case. "
+                "Check the file."
             )
         try:
             return json.loads(path.read_text(encoding="utf-8-sig"), object_pairs_hook=self._object)
@@ -175,10 +176,10 @@ class _Reading:
             )
         except ValueError:  # an integer of more digits than Python reads
             return self._no_case(
-                f"{path.name} holds a number of thousands of digits, which cannot be read. Correct it."
+                f"{path.name} contains a number with thousands of digits. Correct it."
             )
         except RecursionError:
-            return self._no_case(f"{path.name} is nested too deeply for a case.")
+            return self._no_case(f"{path.name} has too many nested levels for a case. Correct it.")
 
     def _object(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         """An object of the file; a key given twice is noted."""
@@ -191,8 +192,8 @@ class _Reading:
                 self.findings.add(
                     (SCALAR_TABLE, None, shown),
                     shown,
-                    "each key once",
-                    f"the key '{shown}' stands twice in one object. Delete one of them.",
+                    "unique keys",
+                    f"the key '{shown}' occurs twice in one object. Delete one of them.",
                 )
             self.repeated += len(twice)
         return content
@@ -204,12 +205,12 @@ class _Reading:
     def read(self, content: Any) -> None:
         """Scalars and tables of a case object."""
         if not isinstance(content, Mapping):
-            self._no_case("the file holds no object. A case is one object in braces.")
+            self._no_case("the file is not a JSON object. Put the case in braces.")
             return
         if _RESULT_KEYS <= content.keys() and "stations" not in content:
             self._no_case(
-                "this is a result JSON, which holds no inputs. Name the workbook or the case JSON that "
-                "it was calculated from."
+                "this is a result JSON, which contains no inputs. Name the workbook or the case JSON "
+                "of the calculation."
             )
             return
         self._read_format(content.get("format"))
@@ -233,7 +234,8 @@ class _Reading:
                 (SCALAR_TABLE, None, "format"),
                 found,
                 f'"format": {CASE_FORMAT}',
-                f'the case {what}; this version reads "format": {CASE_FORMAT}. Write it at the top.',
+                f'the case {what}; this version reads "format": {CASE_FORMAT}. Write that line at the '
+                "top.",
             )
 
     def _note_unknown(
@@ -251,7 +253,7 @@ class _Reading:
                     (*place, key),
                     key,
                     "a key of the case format",
-                    f"the key '{key}' is not known. {advice}",
+                    f"unknown key '{key}'. {advice}",
                 )
 
     def _read_rows(self, name: str, rows: Any) -> None:
@@ -261,7 +263,7 @@ class _Reading:
                 (name, None, ""),
                 type(rows).__name__,
                 "a list of objects",
-                "the table is not a list. Write one object a row, in brackets.",
+                "the table is not a list. Write a list in brackets with one object per row.",
             )
             return
         spec = input_table(name)
@@ -298,12 +300,12 @@ class _Reading:
         if not spec.is_number:
             if isinstance(value, str):
                 return word_entry(value, spec, place, self.findings)
-            self._note(place, value, "text", "text is needed. Write it in quotes.")
+            self._note(place, value, "text", "type a text in quotes.")
             return None
         if isinstance(value, str):
             return self._number_with_unit(value, spec, place)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            self._note(place, value, "a number", "a number is needed.")
+            self._note(place, value, "a number", "type a number.")
             return None
         return self._finite(value, spec, place)
 
@@ -315,7 +317,7 @@ class _Reading:
             number = math.inf
         if math.isfinite(number):
             return Typed(number, UnitScale(1.0), spec.si)
-        self._note(place, str(value), "a finite number", "a finite number is needed.")
+        self._note(place, str(value), "a finite number", "type a finite number.")
         return None
 
     def _number_with_unit(self, text: str, spec: Field, place: Place) -> Typed | None:
@@ -323,13 +325,13 @@ class _Reading:
         wanted = _wanted(spec, self.unit)
         match = _QUANTITY.fullmatch(text.strip()) if len(text) < LONGEST_WORDS else None
         if match is None:
-            hint = " Write the decimal sign as a point." if re.search(r"\d,\d", text[:60]) else ""
+            hint = " Use a decimal point." if re.search(r"\d,\d", text[:60]) else ""
             self._note(place, text, wanted, f"{wanted} is needed.{hint}")
             return None
         number, unit = float(match.group(1)), match.group(2)
         if not spec.has_unit or not unit:
-            why = "has no unit" if spec.has_unit else "is to be a plain number"
-            self._note(place, text, wanted, f"it {why}. Write {wanted}.")
+            why = "has no unit" if spec.has_unit else "must be a plain number"
+            self._note(place, text, wanted, f"the value {why}. Write {wanted}.")
             return None
         try:
             scale = parse_unit(unit, spec.dimension)
@@ -339,7 +341,7 @@ class _Reading:
             return None
         if math.isfinite(number):
             return Typed(number, scale, unit)
-        self._note(place, text, "a finite number", "a finite number is needed.")
+        self._note(place, text, "a finite number", "type a finite number.")
         return None
 
     def _note(self, place: Place, found: Any, allowed: str, advice: str) -> None:

@@ -65,20 +65,18 @@ def read_number(cell: Cell, spec: Field, unit_place: str) -> float | Fault | Non
         return fault
     if isinstance(value, bool):
         shown = "TRUE" if value else "FALSE"
-        return Fault(shown, _NUMBER, f"found {shown}; a number is needed. Type it.")
+        return Fault(shown, _NUMBER, f"found {shown}; type a number.")
     if isinstance(value, str):
         return _text_fault(value, spec, unit_place)
     assert isinstance(value, (int, float))
     if not math.isfinite(value):
-        return Fault(
-            str(value), "a finite number", f"found {value}; it must be a finite number. Correct it."
-        )
+        return Fault(str(value), "a finite number", f"found {value}; type a finite number.")
     if is_date_format(cell.number_format):
         return Fault(
             f"a date or time ({value:.10g})",
             _NUMBER,
-            f"the cell is formatted as a date or time, Excel holds {value:.10g}. Excel turns "
-            "entries such as 1-2 or 3/4 into dates: format the cell as Number and type the value "
+            f"the cell is formatted as a date or time; Excel stores {value:.10g}. Excel converts "
+            "entries such as 1-2 or 3/4 to dates: format the cell as Number and type the value "
             "again.",
         )
     return float(value)
@@ -126,7 +124,7 @@ def read_unit(cell: Cell) -> str | Fault:
         return fault
     if isinstance(value, bool):
         shown = "TRUE" if value else "FALSE"
-        return Fault(shown, "a unit", f"found {shown}; a unit is needed. Type it.")
+        return Fault(shown, "a unit", f"found {shown}; type a unit.")
     return value.strip() if isinstance(value, str) else f"{value:.15g}"
 
 
@@ -144,8 +142,8 @@ def _formula_fault(cell: Cell) -> Fault | None:
         return Fault(
             "a formula without value",
             "a calculated value",
-            "found a formula that has never been calculated: the file holds no value for it. Open "
-            "the workbook in Excel or LibreOffice, let it calculate, and save it.",
+            "the formula has no stored value. Open the workbook in Excel or LibreOffice, let it "
+            "calculate, and save it.",
         )
     return None
 
@@ -183,15 +181,18 @@ def _why_no_number(trimmed: str, unit_place: str) -> str:
     """What is wrong with a text that looks like a number; `unit_place` where it may have a unit."""
     if _DIGITS.fullmatch(trimmed):
         return (
-            "looks like a number but is text. Retype it, or use Data > Text to Columns; "
-            "mind blanks and a leading apostrophe."
+            "looks like a number but is text. Type it again, or use Data > Text to Columns; "
+            "remove spaces and a leading apostrophe."
         )
     if _GROUPED.fullmatch(trimmed):
-        return "is text, with a thousands separator or a decimal comma. Type the digits without it."
+        return (
+            "is text, with a thousands separator or a decimal comma. Type plain digits with a "
+            "decimal point."
+        )
     if _COMMA.fullmatch(trimmed):
         return (
-            "has a decimal comma and is text. Retype it with the decimal sign of your Excel "
-            f"({trimmed.replace(',', '.')} here)."
+            "has a decimal comma and is text. Type it again with the decimal separator of your "
+            f"Excel ({trimmed.replace(',', '.')} here)."
         )
     with_unit = _WITH_UNIT.fullmatch(trimmed)
     if with_unit is None:
@@ -199,10 +200,10 @@ def _why_no_number(trimmed: str, unit_place: str) -> str:
     number, unit = with_unit.groups()
     if unit_place:
         return (
-            f"has its unit inside the cell. Leave only the number {number} and put the unit "
-            f"{unit} {unit_place}."
+            f"contains its unit. Leave only the number {number} and put the unit {unit} "
+            f"{unit_place}."
         )
-    return f"is not a number alone. Type {number}."
+    return f"is not a plain number. Type {number}."
 
 
 def _trimmed(text: str) -> str:

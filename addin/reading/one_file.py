@@ -49,23 +49,28 @@ def file_problem(source: Path, error: Exception) -> CellProblem:
     """A file that cannot be opened or written, as a problem."""
     sentence = str(error)
     if isinstance(error, FileNotFoundError) and _is_elsewhere(error, source):
-        sentence = f"{error.filename} cannot be made there. Name another folder for the results."
+        sentence = (
+            f"The folder {error.filename} cannot be created. Name another folder for the results."
+        )
     elif isinstance(error, FileNotFoundError):
-        sentence = f"there is no file {error.filename or source}."
+        sentence = f"file {error.filename or source} not found. Check the path."
     elif isinstance(error, IsADirectoryError) and _is_elsewhere(error, source):
-        sentence = f"{error.filename} is a folder. Name a file in it for the result."
+        sentence = f"{error.filename} is a folder. Name a result file in it."
     elif isinstance(error, IsADirectoryError):
         sentence = f"{source} is a folder; name the workbooks in it."
     elif isinstance(error, PermissionError):
-        sentence = f"{error.filename or source} may not be read or written; is it open elsewhere?"
+        sentence = (
+            f"{error.filename or source} cannot be read or written. Close it if it is open "
+            "elsewhere."
+        )
     elif isinstance(error, (NotADirectoryError, FileExistsError)):
-        sentence = f"{error.filename or source} is a file where a folder is needed."
+        sentence = f"{error.filename or source} is a file, but a folder is needed. Name a folder."
     elif isinstance(error, OSError) and error.strerror:
-        sentence = f"{error.filename or source} cannot be used: {error.strerror}."
+        sentence = (
+            f"{error.filename or source} cannot be used: {error.strerror}. Name another file."
+        )
     sentence = "\n".join(map(printable, sentence.split("\n")))
-    return CellProblem(
-        "", "", None, "", printable(str(source)), "a file that can be used", sentence
-    )
+    return CellProblem("", "", None, "", printable(str(source)), "a readable file", sentence)
 
 
 def _is_elsewhere(error: OSError, source: Path) -> bool:

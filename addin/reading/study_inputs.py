@@ -259,7 +259,7 @@ def _scale(
             place,
             unit,
             refused.allowed,
-            f"{refused.message} For multiples of what the case says write 1 or %, or leave the "
+            f"{refused.message} For multiples of the value in the case write 1 or %, or leave the "
             "cell blank.",
         )
     for column in ("Values", "From", "To"):
@@ -275,17 +275,17 @@ def _listed(text: str | None, number: int, findings: Findings) -> tuple[float, .
     parts = [part for part in re.split(r"[;\s]+", text.strip()) if part]
     wrong = next((part for part in parts if not _NUMBER.fullmatch(part)), None)
     if wrong is not None:
-        hint = " Write the decimal sign as a point." if re.search(r"\d,\d", wrong) else ""
+        hint = " Use a decimal point." if re.search(r"\d,\d", wrong) else ""
         findings.add(
             place, shortened(text), "numbers with semicolons between them",
-            f"found '{shortened(text)}'; '{shortened(wrong)}' is not a number. Write numbers with "
-            f"semicolons between them, such as 0.5; 0.8; 1.2, and their unit in column Unit.{hint}",
+            f"found '{shortened(text)}'; '{shortened(wrong)}' is not a number. Write numbers "
+            f"separated by semicolons, such as 0.5; 0.8; 1.2, and their unit in column Unit.{hint}",
         )  # fmt: skip
         return ()
     if len(parts) > _MOST_VALUES:
         findings.add(
             place, len(parts), f"at most {_MOST_VALUES} values",
-            f"found {len(parts)} values; at most {_MOST_VALUES} are tried. Leave some out.",
+            f"found {len(parts)} values; the limit is {_MOST_VALUES}. Delete some.",
         )  # fmt: skip
         return ()
     return tuple(float(part) for part in parts)

@@ -269,8 +269,8 @@ def word_entry(text: str, spec: Field, place: Place, findings: Findings) -> str 
             place,
             shortened(text),
             f"at most {LONGEST_WORDS} characters",
-            f"found a text of {len(text)} characters, '{shortened(printable(text[:60]), 40)}'; it may have "
-            f"{LONGEST_WORDS} at most. Shorten it.",
+            f"found a text of {len(text)} characters, '{shortened(printable(text[:60]), 40)}'; "
+            f"the limit is {LONGEST_WORDS}. Shorten it.",
         )
         return None
     text = _HALF_CHARACTERS.sub("\ufffd", text)  # JSON may hold them, no file nor screen can
@@ -298,7 +298,7 @@ def too_many_rows(table: str, count: int, findings: Findings) -> bool:
         (table, None, ""),
         count,
         f"at most {most} rows",
-        f"the table has {count} rows; at most {most} are read. Delete those that are not needed.",
+        f"the table has {count} rows; the limit is {most}. Delete rows that are not needed.",
     )
     return True
 
@@ -358,18 +358,18 @@ _SMALLEST, _LARGEST = 1e-30, 1e30
 _SOURCES = {
     RATED_TORQUE: (
         ("RatedTorque", "RatedPower", "SynchronousSpeed", "LineFrequency", "Poles"),
-        "per unit of RatedTorque, but RatedTorque is neither typed nor given by RatedPower and "
-        "speed. Type RatedTorque, or give the torque in lbf*ft or N*m",
+        "per unit of RatedTorque, but RatedTorque is unknown. Type RatedTorque, or "
+        "RatedPower and the speed, or give the torque in lbf*ft or N*m",
     ),
     SYNCHRONOUS_SPEED: (
         ("SynchronousSpeed", "LineFrequency", "Poles"),
-        "relative to synchronous speed, but that is not known. Type SynchronousSpeed, or "
+        "relative to synchronous speed, which is unknown. Type SynchronousSpeed, or "
         "LineFrequency and Poles",
     ),
     STATION_SPEED: (
         ("SynchronousSpeed", "LineFrequency", "Poles"),
-        "a speed, to be compared with synchronous speed, but that is not known. Type "
-        "SynchronousSpeed, or LineFrequency and Poles, or give the speed in %",
+        "a speed, but synchronous speed is unknown. Type SynchronousSpeed, or LineFrequency "
+        "and Poles, or give the speed in %",
     ),
 }
 
@@ -418,8 +418,8 @@ def _refuse_circular(typed: TypedCase, findings: Findings) -> None:
             (SCALAR_TABLE, None, "RatedTorque"),
             str(entry),
             "a torque in lbf*ft, N*m or the like",
-            f"found {entry}; RatedTorque is what pu and % refer to and cannot be given in them. "
-            "Write it in lbf*ft or N*m.",
+            f"found {entry}; RatedTorque is the base of pu and % and needs a torque unit. Type it "
+            "in lbf*ft or N*m.",
         )
 
 
@@ -529,8 +529,8 @@ def _value(
         findings.add(
             place,
             str(entry),
-            "a quantity of this world",
-            f"found {entry}; no train has such a quantity. Correct the number or its unit.",
+            "a physically plausible quantity",
+            f"found {entry}, which is out of range for a train. Correct the number or its unit.",
         )
         return None
     if spec.kind != "integer":
@@ -561,7 +561,7 @@ def _note_unresolved(
     findings.add(
         places[0],
         str(entry),
-        f"a number whose reference ({entry.scale.base}) is known",
+        f"a number with a known base ({entry.scale.base})",
         f"found {entry}{others}; it is {sentence}.",
     )
     for place in places[1:]:

@@ -265,8 +265,9 @@ class _Reading:
         version = f"{value:.15g}" if isinstance(value, float) else str(value or "").strip()
         if version != TEMPLATE_VERSION:
             self.warnings.append(
-                f"The workbook says template version '{version}', this program ships version "
-                f"'{TEMPLATE_VERSION}'. Compare with a new template if anything looks odd."
+                f"The workbook has template version '{version}', this program ships version '{TEMPLATE_VERSION}'. "
+                "Make a new template with torsionbook new and transfer the inputs if results look "
+                "wrong."
             )
         return version
 
@@ -320,8 +321,8 @@ class _Reading:
                 (SCALAR_TABLE, None, names[0]),
                 sheet,
                 "a sheet of the workbook",
-                f"{what} the workbook no longer has. If the sheet was renamed by another program, "
-                f"give it the name {sheet} back; if it was deleted, start from a new template.",
+                f"{what} is missing in the workbook. If another program renamed the sheet, rename it "
+                f"to {sheet}; if it was deleted, start from a new template.",
             )
             for name in names[1:]:
                 self.findings.silence((SCALAR_TABLE, None, name))
@@ -335,10 +336,10 @@ class _Reading:
         ]
         meant = nearest(spec.name, others, 0.75)
         if broken:
-            what = "the defined name leads to no cell any more (its row or sheet was deleted)"
+            what = "the defined name refers to a deleted cell (its row or sheet was deleted)"
         else:
             what = "the workbook has no such defined name"
-        hint = f" The name '{meant}' looks like it; rename it." if meant else ""
+        hint = f" The name '{meant}' is similar; rename it." if meant else ""
         self.findings.add(
             (SCALAR_TABLE, None, spec.name),
             meant,
@@ -379,10 +380,10 @@ class _Reading:
             known = {one.name.casefold() for one in INPUT_TABLES}
             others = [name for name in self.workbook.tables if name.casefold() not in known]
             meant = nearest(spec.name, others, 0.75)
-            hint = f" Table '{meant}' looks like it; rename it." if meant else ""
+            hint = f" Table '{meant}' is similar; rename it." if meant else ""
             message = (
-                f"the workbook has no table of this name.{hint} Give the table its name back "
-                "(Table Design > Table Name), or start from a new template."
+                f"the workbook has no table of this name.{hint} Restore the table name (Table Design "
+                "> Table Name), or start from a new template."
             )
         self.findings.add((spec.name, None, ""), None, "an Excel table of this name", message)
 
@@ -392,13 +393,13 @@ class _Reading:
         known = {_header(one.name) for one in (*spec.columns, *spec.extra_columns)}
         others = [name for name in table.columns if _header(name) not in known]
         meant = nearest(column.name, others, 0.5)
-        hint = f" Column '{meant}' looks like it; rename it." if meant else ""
+        hint = f" Column '{meant}' is similar; rename it." if meant else ""
         self.findings.add(
             (spec.name, None, column.name),
             meant,
             f"a column with the header {column.name}",
-            f"the table has no such column.{hint} Give the column its header back, or add it "
-            "(it may stay blank).",
+            f"the table has no such column.{hint} Restore its header, or add the column (it may "
+            "stay blank).",
         )
 
     def _silence_missing_columns(self, spec: TableSpec) -> None:
@@ -479,9 +480,9 @@ class _Reading:
             self.findings.add(
                 (spec.name, indices[0], columns[0] if columns else ""),
                 f"merged cells {merge}",
-                "one cell a value",
-                f"the cells {merge} are merged and hold one value between them. Unmerge them and "
-                "fill each.",
+                "one cell per value",
+                f"the cells {merge} are merged and contain one value together. Unmerge them and fill "
+                "each.",
             )
             for index in indices:
                 for column in columns:
@@ -547,9 +548,9 @@ class _Reading:
             self.findings.add(
                 place,
                 f"{100 * number:.10g}%",
-                "a plain number of percent",
-                f"the cell shows {100 * number:.10g}% but holds {number:.10g}, and its unit is % "
-                f"already. Format the cell as Number and type {100 * number:.10g}.",
+                "a plain number in percent",
+                f"the cell shows {100 * number:.10g}% but contains {number:.10g}, and its unit is "
+                f"already %. Format the cell as Number and type {100 * number:.10g}.",
             )
             return None
         return Typed(number, scale, unit)
@@ -563,17 +564,16 @@ class _Reading:
         rows = [r for r in self.locations.rows[spec.name] if table.data.top + r - 1 in hidden]
         if rows:
             self.warnings.append(
-                f"Sheet {table.sheet}, table {spec.name}: {_rows_in_words(rows)} hidden or "
-                "filtered out, and included in the calculation."
+                f"Sheet {table.sheet}, table {spec.name}: {_rows_in_words(rows)} hidden or filtered, "
+                "but included in the calculation."
             )
         if table.has_totals:
             return
         below = Rect(table.ref.bottom + 1, table.ref.left, table.ref.bottom + 1, table.ref.right)
         if any(True for _ in sheet.filled_cells(below)):
             self.warnings.append(
-                f"Sheet {table.sheet}, table {spec.name}: the row right below the table (row "
-                f"{below.top} of the sheet) is not part of it and is not read. Drag the corner of "
-                "the table down if it belongs to it."
+                f"Sheet {table.sheet}, table {spec.name}: the row below the table (row {below.top} of "
+                "the sheet) is outside it and is not read. Extend the table if the row belongs to it."
             )
 
 

@@ -106,17 +106,19 @@ def _unread(tables: Sequence[str], read: WorkbookInput) -> str:
     for one in problems:
         if one.table in tables:
             place = one.column if one.row is None else f"row {one.row}, {one.column}"
-            return f"table {one.table} has a cell that cannot be read ({place}), which it was not made with"
+            return f"table {one.table} now has an unreadable cell ({place})"
     return ""
 
 
 def _outdated(tables: Sequence[str], made: str, digest: str, stamp: str, rows: str) -> str:
     """Why a study is not one of the inputs as they are now."""
     if made != digest:
-        of = f"inputs with SHA-256 {short_digest(made)}" if made else "inputs that it does not name"
-        return f"it was made from {of}; those in the file have {short_digest(digest)}"
+        of = f"inputs with SHA-256 {short_digest(made)}" if made else "inputs that are not recorded"
+        return (
+            f"it was calculated from {of}, but the inputs in the file have {short_digest(digest)}"
+        )
     stated = _ROWS.search(stamp)
     if tables and (stated is None or not rows.startswith(stated.group(1))):
         of = f"table {tables[0]}" if len(tables) == 1 else f"tables {' and '.join(tables)}"
-        return f"it was made from other rows of {of} than those in the file"
+        return f"the rows of {of} were changed since it was calculated"
     return ""

@@ -49,8 +49,8 @@ def changes(subject: Subject, differences: Differences) -> Section:
     before, name = differences.first, clean(subject.name)
     facts = (
         ("Compared with", clean(before.source.name)),
-        ("Title block there", clean(before.revision) or "blank"),
-        ("Its inputs, SHA-256", before.digest or "not recorded"),
+        ("Title block of the file compared with", clean(before.revision) or "blank"),
+        ("Inputs of the file compared with, SHA-256", before.digest or "not recorded"),
         ("Its results", clean(f"{before.results_from}; {before.software}")),
     )
     parts = [_inputs(differences), _verdicts(differences), _results(differences, name)]
@@ -67,17 +67,17 @@ def changes(subject: Subject, differences: Differences) -> Section:
 def _sentence(differences: Differences) -> str:
     """How much changed, in numbers."""
     verdicts = sum(v.changed for v in differences.verdicts if v.table == "Verdicts")
-    judged = f"{verdicts} checks have another verdict"
+    judged = f"{verdicts} verdicts changed"
     if verdicts < 2:
         judged = f"{'One' if verdicts else 'No'} check has another verdict"
     if differences.inputs is None:
         return f"{judged}. The file compared with is a result JSON, which holds no inputs."
     inputs = sum(not change.administrative for change in differences.inputs)
     if not inputs:
-        return f"No input that can change a result differs. {judged}."
-    differ = f"{inputs} entries of the inputs differ"
+        return f"All inputs that affect results are the same. {judged}."
+    differ = f"{inputs} inputs differ"
     if inputs == 1:
-        differ = "1 entry of the inputs differs"
+        differ = "1 input differs"
     return f"{differ}, {differences.same_inputs:,} are the same. {judged}."
 
 
@@ -97,7 +97,7 @@ def _inputs(differences: Differences) -> Section:
             for change in other[:8]
         )
         rest = f"; and {len(other) - 8} more" if len(other) > 8 else ""
-        note.append(f"Also changed, without any bearing on results: {sentence}{rest}.")
+        note.append(f"Also changed, without effect on results: {sentence}{rest}.")
     if not real:
         return section(title, Paragraph(" ".join(["No difference.", *note])))
     table = _table("Inputs that changed", real[:_MOST], with_table=True)
@@ -241,8 +241,8 @@ def _how_many(
     sentence = f"{same:,} {what} are the same, {differ:,} differ."
     if left:
         sentence += (
-            f" Shown is what is asked for first; all {differ:,} are listed by "
-            f"torsionbook diff {_quoted(clean(differences.first.source.name))} {_quoted(name)} --xlsx OUT.xlsx."
+            f" Most important rows shown; torsionbook diff lists all {differ:,}: torsionbook diff "
+            f"{_quoted(clean(differences.first.source.name))} {_quoted(name)} --xlsx OUT.xlsx."
         )
     return sentence
 
@@ -262,7 +262,7 @@ def _by_table(results: Iterable[Change]) -> tuple[list[Table], int]:
             removed, added = kinds["row removed"], kinds["row added"]
             rows = [f"{removed} only before"] if removed else []
             rows += [f"{added} only now"] if added else []
-            note = f"Rows that have no counterpart: {', '.join(rows)}." if rows else ""
+            note = f"Rows present in one file only: {', '.join(rows)}." if rows else ""
             tables.append(replace(_table(contract.caption(name), some), note=note))
     return tables, shown
 

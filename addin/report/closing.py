@@ -26,7 +26,7 @@ _ACCURACY_ITEMS = (
     "Method of the start",
     "Wanted error of peak torques",
     "Estimated error of peak torques",
-    "of which modes left out",
+    "of this, modes left out",
     "Largest step",
 )
 #: Items that stand in other sections, or below.
@@ -46,9 +46,9 @@ def effects(subject: Subject) -> Section:
     rows = subject.rows("Effects")
     title = "Effects simulated and left out"
     if not rows:
-        sentence = "No start was calculated, so there was no effect to decide on."
+        sentence = "No start was calculated, so no effects were considered."
         return section(title, Paragraph(sentence))
-    simulated = "Nothing beyond the linear start was called for."
+    simulated = "No effect beyond the linear start was required."
     if subject.calculation.startup is None:
         simulated = "No start was calculated."
     parts = []
@@ -60,8 +60,8 @@ def effects(subject: Subject) -> Section:
         table = subject.table("Effects", caption, _EFFECT_COLUMNS, rows=some)
         parts.append(section(heading, table if some else Paragraph(none)))
     sentence = (
-        "Each effect is decided by a number, compared with a limit. Bound: the most that leaving it out "
-        "changes an answer; 0 means exactly nothing, blank that it is on or that nothing is known of it."
+        "A number of each effect is compared with a limit. Bound: largest change of a result "
+        "if the effect is left out; 0 = none, blank = effect on or bound unknown."
     )
     plans = tuple(
         f"Plan {plan['number']}: {clean(str(plan['reason']))}"
@@ -82,12 +82,13 @@ def accuracy(subject: Subject) -> Section:
     times = "Measured times are left out of a document with a fixed date."
     if subject.show_times:
         columns.append("Time")
-        times = "Times are those measured when this document was made; they differ from run to run."
+        times = "Times were measured when this document was made; they vary between runs."
     note = f"Errors are estimated by the calculation, from a step h to h/2. {times}"
     cost = subject.table("AccuracyCost", "Errors and cost of each analysis", columns, note)
     sentence = (
-        "The error of an answer is asked for, not a time step: peaks and starts are calculated at a step "
-        "and at half of it, and the step is halved until their change is below the wanted error."
+        "The user states the error wanted, not a time step: peaks and starts are calculated "
+        "with a step and half of it, and the step is halved until their change is below that "
+        "error."
     )
     # an analysis without an error of its own and without a time has nothing to say here
     rows = tuple(row for row in cost.rows if any(row[1:]))
@@ -104,18 +105,21 @@ def _study(subject: Subject) -> Section:
     """Error against time, where the workbook holds a study of these inputs."""
     title, study = "Error against time", subject.study
     if study is None or not study.belongs_to(subject.calculation.case_sha256):
-        stands = "No study of error against time stands in the input file."
+        stands = "The input file contains no study of error against time."
         if study is not None:
             stands = (
-                "The study of error against time in the workbook belongs to other inputs, and is not "
-                f"shown ({clean(study.inputs) or 'it does not say to which'})."
+                "The study of error against time in the workbook belongs to other inputs and is "
+                f"omitted ({clean(study.inputs) or 'it does not say to which'})."
             )
-        how = "torsionbook accuracy FILE makes one and writes it into a copy of the workbook; a report of that copy shows it here."  # fmt: skip
+        how = "Run torsionbook accuracy FILE and make the report from the workbook that it writes."  # fmt: skip
         if not subject.shown.is_workbook:
-            how = "torsionbook accuracy makes one of a case file too; a report shows it where the input is a workbook."  # fmt: skip
+            how = (
+"torsionbook accuracy also takes a case JSON; for the report, use a workbook as "
+                  "input."
+)  # fmt: skip
         return section(title, Paragraph(f"{stands} {how}"))
     caption = "Error against time of this case"
-    note = "As recorded in the workbook: what torsionbook accuracy measured, and when."
+    note = "Recorded in the workbook by torsionbook accuracy, with its date."
     origin = " ".join(filter(None, (clean(study.reference), clean(study.inputs))))
     return section(
         title,
@@ -134,7 +138,7 @@ def _starts_errors(subject: Subject) -> list[tuple[str, str]]:
     unlimited = len(errors) - len(facts)
     if unlimited:
         shafts = "1 shaft" if unlimited == 1 else f"{unlimited} shafts"
-        facts.append(("Unlimited starts", f"{shafts}: no cycle does damage"))
+        facts.append(("Unlimited starts", f"{shafts}: no damaging cycle"))
     return facts
 
 
@@ -146,7 +150,7 @@ def equations(subject: Subject) -> Section:
         Paragraph("Symbols as in the nomenclature of the program (docs/nomenclature.md)."),
         *EQUATIONS,
         parts=(
-            section("Methods without a formula of their own", Facts(METHODS)),
+            section("Methods without a separate formula", Facts(METHODS)),
             section("References", Facts(sources, 9.0)),
         ),
     )
@@ -166,21 +170,22 @@ def checks(subject: Subject) -> Section:
             result = "ok" if worst <= _SAME else "differs"
             rows.append((name, str(len(pairs)), difference, result))
     sentence = (
-        "Results that are simple arithmetic on other results were calculated a second time from the "
-        "numbers of this document; relative differences. A checker repeats them by hand."
+        "Results that follow by simple arithmetic from other results were recalculated from "
+        "the numbers of this document; relative differences are listed. The checker repeats "
+        "them by hand."
     )
     by_hand = (
-        "Inputs compared with the drawings and the makers' data sheets, with their revisions.",
-        "Units above the columns are those of the numbers.",
-        "Damping, SCF and S-N data are justified.",
-        "Effects left out are acceptable for this train.",
-        "Verdicts marked not judged have been dealt with.",
-        "Digest on the cover equals that of the file: torsionbook verify FILE.",
+        ("Compare the inputs with the drawings and the makers' data sheets, with their revisions."),
+        "Check that the units above the columns fit the numbers.",
+        "Check that damping, SCF and S-N data are justified.",
+        "Check that the effects left out are acceptable for this train.",
+        "Check that verdicts marked not judged have been resolved.",
+        "Check that the digest on the cover equals that of the file: torsionbook verify FILE.",
     )
     return section(
         "Checks and signatures",
         Paragraph(sentence),
-        Table("Arithmetic done twice", columns, tuple(rows)) if rows else None,
+        Table("Check calculations", columns, tuple(rows)) if rows else None,
         parts=(
             section("To be checked by hand", Listing(by_hand, "☐")),
             section("Signatures", signatures(subject)),
@@ -233,7 +238,7 @@ def _checks(subject: Subject) -> Iterator[tuple[str, list[tuple[Any, float]]]]:
     damage = next((row.get("damage") for row in shafts if row["element"] == governing), None)
     cycles = start_cycle_rows(view)
     yield (
-        "Sum of the cycles listed against the damage of one start.",
+        "Sum of the listed cycles compared with the damage of one start.",
         ([(damage, math.fsum(row["damage"] for row in cycles))] if damage else []),
     )
 
@@ -246,9 +251,9 @@ def audit(subject: Subject) -> Section:
         if not item.startswith(_TOLD_ELSEWHERE) and item not in _ACCURACY_ITEMS
     ]
     sentence = (
-        "The digest is taken of all inputs that can change a result, in SI, rounded to twelve significant "
-        "digits; title block and descriptions are left out. Retyping a quantity in another unit does not "
-        "change it."
+        "The digest covers all inputs that can change a result, in SI, rounded to twelve "
+        "significant digits, without title block and descriptions. Typing a quantity in "
+        "another unit does not change it."
     )
     head = "Time spent: "
     spent = "; ".join(

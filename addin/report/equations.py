@@ -32,43 +32,47 @@ EQUATIONS: tuple[Equation, ...] = (
     Equation(
         "Shaft stiffness",
         formula("k =", frac(formula("π G", fence("D^4 − d^4")), "32 L")),
-        "G shear modulus, D and d outer diameter and bore, L length. Used where Stiffness is blank.",
+        "G = shear modulus, D and d = outer diameter and bore, L = length. Used where "
+        "Stiffness is blank.",
         "strength of materials",
     ),
     Equation(
         "Natural frequencies",
         formula("*K φ = ω^2 *J φ ,~~ *K = *B^T diag", fence("k"), "*B ,~~ ω = singular~values~of~",
                 frac(formula(root("k"), "*B"), root("*J"))),
-        "B incidence matrix of the elements with speed ratios, k stiffnesses, J inertias. The "
-        "stiffness matrix is never added up, so a stiff link costs no digits.",
+        "B = incidence matrix of the elements with speed ratios, k = stiffnesses, J = "
+        "inertias. The stiffness matrix is not assembled, so stiff elements do not reduce "
+        "accuracy.",
         _numbered(SINGULAR_VALUES),
     ),
     Equation(
         "Modal damping",
         formula("ζ_r = ζ_stated +", frac("1", "2"), "∑_e η_e s_er +", frac("1", "2"),
                 frac("φ_r^T *C φ_r", "ω_r")),
-        "ζ stated by DampingRatio or ModeDamping, η loss factor and s share of strain energy of an "
-        "element, φ at unit modal mass. The amplification at resonance is 1 / 2ζ.",
+        "ζ = ratio from DampingRatio or ModeDamping, η = loss factor and s = strain-energy "
+        "share of an element, φ at unit modal mass. The amplification at resonance is 1 / 2ζ.",
         "modal analysis; docs/method.md",
     ),
     Equation(
         "Separation margin",
         formula("m = min_n", frac(formula(fence("f − f_exc", "||")), "f_exc")),
-        "the least over the speeds n of continuous operation, 0 where the excitation crosses the "
-        "mode inside them; 20 % is required of calculated, 10 % of measured frequencies.",
+        "minimum over the speeds n of continuous operation, 0 where the excitation crosses "
+        "the mode in that range; required: 20 % for calculated, 10 % for measured "
+        "frequencies.",
         f"{_PAPER}, Steady state torsional analysis",
     ),
     Equation(
         "Forced response",
         formula(fence(formula("*K", fence("1 + i η"), "+ i ω *C − ω^2 *J"), "[]"), "θ = *T"),
-        "solved directly with complex numbers; T is 1 % zero-to-peak of the transmitted torque at "
-        "motor, gears and driven machines in turn, where table Excitations says nothing else.",
+        "solved directly in complex form; by default T is 1 % zero-to-peak of the "
+        "transmitted torque at motor, gears and driven machines in turn, else as in table "
+        "Excitations.",
         _PAPER,
     ),
     Equation(
         "Allowable vibratory stress",
         formula("τ_allowable =", frac("UTS", "25")),
-        "compared with stresses that include SCF.",
+        "Compared with stresses that include SCF.",
         f"{MIL_STANDARD.cited}, as cited by {_PAPER}",
     ),
     Equation(
@@ -95,25 +99,26 @@ EQUATIONS: tuple[Equation, ...] = (
     Equation(
         "Start, Newmark",
         formula("θ_n+1 = θ_n + h θ'_n +", frac("h^2", "4"), fence("θ''_n + θ''_n+1")),
-        "average acceleration, the method of the paper, where Method is newmark. As printed there "
-        "the second C term of eq. (4) repeats the velocity; here it is derived from eqs (1) to (3).",
+        "average acceleration (Newmark) of [1], where Method is newmark. In the printed eq. "
+        "(4) the second C term repeats the velocity; here the equation is derived from eqs "
+        "(1) to (3).",
         f"{_PAPER}, eqs (1) to (4)",
     ),
     Equation(
         "Shear stress",
         formula("τ =", frac("16 T D", formula("π", fence("D^4 − d^4"))), ",~~ τ_a =",
                 frac(formula("SCF · Δ τ"), "2")),
-        "τ nominal, D and d stress diameter and bore; the amplitude of a cycle is half its range "
-        "Δτ times SCF, its mean is ignored.",
+        "τ = nominal stress, D and d = stress diameter and bore; the amplitude of a cycle is "
+        "half its range Δτ times SCF; mean stress is ignored.",
         "strength of materials",
     ),
     Equation(
         "Damage",
         formula("q = ∑_i", frac("n_i", "N_i"), ",~~ allowable~starts =", frac("1", "q"), ",~~ N = N_1",
                 ("script", fence(frac("S_1", "S")), None, formula("k"))),
-        "n cycles of one start at an amplitude S, N cycles to failure there on the S-N line, which is "
-        "straight in log-log between its points (S₁, N₁) with exponent k. Bending data are halved "
-        "for torsion.",
+        "n = cycles of one start at amplitude S; N = cycles to failure at S on the S-N line, "
+        "straight in log-log between its points (S₁, N₁), exponent k. Bending data are "
+        "halved for torsion.",
         f"{_PAPER}, Figure 3 and Stress criterion; Miner's rule",
     ),
 )  # fmt: skip

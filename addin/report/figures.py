@@ -358,7 +358,7 @@ class Pictures:
         """Torque around the deepest reversal: all of it, closely, and the forces then."""
         return self.panels(
             ("reversal", "blow", "forces"),
-            "Torque of the teeth around its least value in the start",
+            "Tooth torque around its minimum in the start",
             titled=True,
         )
 

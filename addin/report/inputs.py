@@ -35,13 +35,13 @@ _TITLE_BLOCK = "Document"
 
 def inputs(subject: Subject) -> Section:
     """All inputs, and the mass-elastic model as calculated."""
-    how = "Numbers stand as typed, in the units typed."
+    how = "Numbers as typed, in the units typed."
     if not subject.shown.is_workbook:
         how = (
-            "Numbers with a unit stand as typed; plain numbers, which are in SI, in usual units to "
-            "seven digits."
+            "Numbers with a unit are shown as typed; plain numbers (SI) are converted to usual "
+            "units with seven digits."
         )
-    sentence = f"{how} Inertias, stiffnesses and torques are at the own speed of each shaft."
+    sentence = f"{how} Inertias, stiffnesses and torques are at each shaft's own speed."
     parts = (_case, _train, _model, _torques, _fatigue, _choices)
     return section("Inputs", Paragraph(sentence), parts=[part(subject) for part in parts])
 
@@ -71,7 +71,7 @@ def _case(subject: Subject) -> Section:
             used.append(f"{name} {shown} {subject.unit(*place)}")
     if ratings.pole_pairs:
         used.append(f"{2 * ratings.pole_pairs} poles")
-    sentence = f"Ratings used, each from the others where blank: {'; '.join(used)}."
+    sentence = f"Ratings used (blank ones follow from the others): {'; '.join(used)}."
     return section(
         "Case",
         Table("Case", (Column("Input"), value, blank), tuple(rows)),
@@ -93,7 +93,7 @@ def _table(
 
 
 def _absent(names: Sequence[str], joint: str) -> Paragraph | None:
-    return Paragraph(f"The inputs hold {joint.join(names)}.", "note") if names else None
+    return Paragraph(f"The inputs contain {joint.join(names)}.", "note") if names else None
 
 
 def _train(subject: Subject) -> Section:
@@ -117,7 +117,7 @@ def _model(subject: Subject) -> Section:
     stiffness = _stiffnesses(subject)
     segments = subject.calculation.results.segments
     text = ", ".join(f"{clean(name)} in {count}" for name, count in segments)
-    sentence = f"Shafts with a density carry their own inertia in equal segments: {text}."
+    sentence = f"The inertia of shafts with a density is distributed in equal segments: {text}."
     return section(
         "Mass-elastic model as calculated",
         _inertias(subject),
@@ -141,12 +141,13 @@ def _inertias(subject: Subject) -> Table:
     columns = (
         Column("Station"),
         Column("Speed ratio", "", "number"),
-        Column("Speed at synchronism", subject.unit(*of_speed), "number"),
+        Column("Synchronous speed of the station", subject.unit(*of_speed), "number"),
         Column("Inertia", unit, "number"),
         Column("Referred to the motor", unit, "number"),
     )
     note = (
-        "Inertia of a station with its share of distributed shafts; referred = own × speed ratio²."
+        "Station inertia including its part of the distributed shafts; referred = own × "
+        "speed ratio²."
     )
     return Table("Inertias", columns, tuple(rows), note)
 
@@ -179,8 +180,8 @@ def _stiffnesses(subject: Subject) -> Table:
         Column("Diameter", subject.unit("Elements", "OD"), "number"),
     )
     note = (
-        "Of a gear mesh on the From side. Diameter: where stress is judged, else the outer one. "
-        f"{by('Shaft stiffness')}"
+        "Stiffness of a gear mesh: on the From side. Diameter: stress diameter, else outer "
+        f"diameter. {by('Shaft stiffness')}"
     )
     return without_blanks(Table("Stiffnesses", columns, tuple(rows), note))
 
@@ -212,8 +213,8 @@ def _shortened(table: Table) -> Table:
         return table
     left_out = len(table.rows) - 2 * _CURVE_ENDS
     note = (
-        f"{left_out:,} of {len(table.rows):,} rows in the middle are left out here; they are in the "
-        "input file, and the digest on the cover covers them."
+        f"{left_out:,} of {len(table.rows):,} rows are omitted here (the middle of the "
+        "table); the input file holds all, and the digest on the cover covers them."
     )
     return replace(table, rows=(*table.rows[:_CURVE_ENDS], *table.rows[-_CURVE_ENDS:]), note=note)
 
@@ -221,8 +222,8 @@ def _shortened(table: Table) -> Table:
 def _fatigue(subject: Subject) -> Section:
     materials, points = _table(subject, "Materials"), _table(subject, "SNPoints")
     sentence = (
-        "The inputs hold no material and no S-N data: no stress limit and no number of starts can be "
-        "judged."
+        "The inputs contain no material and no S-N data: stresses and allowable starts are "
+        "not judged."
     )
     empty = materials is None and points is None
     return section(
@@ -232,9 +233,9 @@ def _fatigue(subject: Subject) -> Section:
 
 def _choices(subject: Subject) -> Section:
     blanks = {
-        "ModeDamping": "Damping of single modes: none stated; DampingRatio holds for all.",
-        "Excitations": "Excitations: blank, hence 1× and 2× of every shaft speed and 1× and 2× line "
-        "frequency, 1 % zero-to-peak of the transmitted torque.",
+        "ModeDamping": "No damping of individual modes; DampingRatio applies to all.",
+        "Excitations": "Table Excitations is blank; defaults: 1× and 2× of every shaft speed and 1× and 2× "
+        "line frequency, 1 % zero-to-peak of the transmitted torque.",
         "EffectChoices": "Effects: none forced on or off; the plan decides.",
     }
     blocks = (_table(subject, name) or Paragraph(blank) for name, blank in blanks.items())

@@ -114,7 +114,7 @@ def stored_results(read: CaseInput, digest: str) -> tuple[str, ...]:
         return ()
     made = ", ".join(filter(None, (stored["Software"], stored["Date"] and f"{stored['Date']} UTC")))
     return (
-        "The results stored in the workbook do not belong to its inputs: they are those of inputs with "
-        f"SHA-256 {short_digest(stored['SHA256'])}{f' ({made})' if made else ''}. The results in this document "
-        f"were calculated from the inputs as they are now, SHA-256 {short_digest(digest)}",
+        "The results stored in the workbook belong to other inputs, with SHA-256 "
+        f"{short_digest(stored['SHA256'])}{f' ({made})' if made else ''}. The results in this "
+        f"document were calculated from the present inputs, SHA-256 {short_digest(digest)}",
     )

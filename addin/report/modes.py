@@ -46,8 +46,8 @@ def frequencies(subject: Subject) -> Section:
     words = "one rigid-body mode" if rigid == 1 else f"{rigid} rigid-body modes"
     notes = (
         f"Mode 0: {words}." if rigid else "",
-        "Speed: where 2 × slip frequency crosses the mode in the start; blank above 2 × line "
-        "frequency. Damping ratio: of critical, in the start.",
+        "Speed: crossing of 2 × slip frequency in the start; blank above 2 × line frequency. "
+        "Damping ratio: fraction of critical in the start.",
         left_out(count, elastic, "elastic modes", "the lowest"),
         by("Natural frequencies", "Modal damping", "Start-up crossing"),
     )
@@ -75,12 +75,13 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
     sentences = [
         "No damping ratio is stated (DampingRatio is blank)."
         if stated is None
-        else f"Stated for all elastic modes: {significant(100.0 * stated, 3)} % of critical (DampingRatio)."
+        else (
+            f"Damping ratio of all elastic modes: {significant(100.0 * stated, 3)} % of critical "
+            "(DampingRatio)."
+        )
     ]
     if case.mode_damping:
-        sentences.append(
-            f"Table ModeDamping states that of {len(case.mode_damping)} modes instead."
-        )
+        sentences.append(f"Table ModeDamping overrides it for {len(case.mode_damping)} modes.")
     for one, many, rest, rows_stating in (
         (
             "element has",
@@ -107,15 +108,16 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
     item, neglected = "Largest neglected damping term", None
     if any(r["frequency"] and r.get("damping_ratio") for r in rows):
         sentences.append(
-            "Damping is an assumption of the inputs: confirm it by experience with like trains. The damping "
-            "ratio of each mode and its amplification at resonance, 1/2ζ, stand in the table above."
+            "Damping is an assumed input: confirm it by experience with similar trains. The "
+            "table above gives the damping ratio of each mode and its amplification at "
+            "resonance, 1/2ζ."
         )
         if item in subject.audit:
             neglected = Paragraph(f"{item}: {clean(subject.audit[item])}.", "note")
     else:
         sentences.append(
-            "No mode is damped: a resonance in continuous operation is unbounded, and the start shows "
-            "the build-up without any decay."
+            "All modes are undamped: resonance in continuous operation is unbounded, and "
+            "vibration in the start does not decay."
         )
     return section("Damping", Paragraph(" ".join(sentences)), neglected)
 
@@ -145,9 +147,9 @@ def _energies(subject: Subject, count: int) -> Section:
         frequency = fixed(subject.value(mode["frequency"], *place), 2)
         rows.append((str(mode["mode"]), frequency, _shares(strain), _shares(kinetic), nodes))
     note = (
-        f"Shares of at least {100 * _SHARE:.0f} %, the largest first. A node lies inside the element "
-        "named. A change of stiffness acts on a mode where it has strain energy, a change of inertia "
-        "where it has kinetic energy."
+        f"Shares of at least {100 * _SHARE:.0f} %, largest first. A node lies inside the "
+        "element named. To shift a mode, change stiffness where it has strain energy or "
+        "inertia where it has kinetic energy."
     )
     table = Table("Energies and nodes of the modes", columns, tuple(rows), note)
     return section("Energies and nodes", table)
@@ -181,7 +183,9 @@ def _tolerances(subject: Subject, count: int) -> Iterator[Section]:
         f"tolerance itself is the maker's, and not an input. {left}".rstrip()
     )
     caption = f"Change of a frequency where a coupling is {stiffer} stiffer"
-    yield section("Tolerance of the couplings", Table(caption, tuple(columns), rows, note))
+    yield section(
+        "Stiffness tolerance of the couplings", Table(caption, tuple(columns), rows, note)
+    )
 
 
 def _shapes(subject: Subject, count: int) -> Section:

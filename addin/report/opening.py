@@ -37,10 +37,10 @@ _WARNINGS = 15
 _NOT_COVERED = (
     "Short circuits at the motor (three-phase, line-to-line) and fast reclosing of the line, unless "
     "their torque is given in table TorqueTime.",
-    "Lateral and axial vibration, but for gears on flexible bearings where bearing data is given.",
+    "Lateral and axial vibration, except lateral motion of gears with bearing data.",
     "Keys, keyways, interference fits and hub stresses beyond the SCF stated for an element.",
-    "Measured behaviour: frequencies and damping are calculated or assumed; a field test with strain "
-    "gauges or a torsiograph is the proof where a margin is small.",
+    "Measured behaviour: frequencies and damping are calculated or assumed; where a "
+    "margin is small, confirm them by a field test with strain gauges or a torsiograph.",
 )
 
 
@@ -67,7 +67,7 @@ def cover_of(subject: Subject) -> Cover:
         ("Inputs, SHA-256", digest),
     )
     prepared, checked = subject.words("prepared_by"), subject.words("checked_by")
-    description = f"Calculated from inputs {short_digest(digest)}"
+    description = f"Inputs, SHA-256: {short_digest(digest)}"
     first = (subject.words("revision"), f"{date:%Y-%m-%d}", description, prepared, checked, "")
     earlier = [] if subject.against is None else _earlier(subject.against)
     blank = [("",) * len(first)] * _BLANK_REVISIONS
@@ -109,10 +109,10 @@ def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str
     if where:
         return where[:1].upper() + where[1:] + "."
     sentence = {
-        "pass": "Every check that could be judged is passed.",
-        "accepted by forced response": "A separation margin is not kept; every judged stress at that "
-        "resonance stays within UTS/25.",
-    }.get(str(overall["verdict"]), "No check could be judged.")
+        "pass": "All judged checks pass.",
+        "accepted by forced response": "A separation margin is not kept, but every judged stress at that resonance is "
+        "within UTS/25.",
+    }.get(str(overall["verdict"]), "No check was judged. Type limits and material data.")
     open_checks = dict.fromkeys(
         str(row["check"])
         for row in verdicts
@@ -123,10 +123,7 @@ def _verdict_sentence(overall: Mapping[str, Any], verdicts: Sequence[Mapping[str
 
 def summary(subject: Subject) -> Section:
     """Verdicts, key figures and warnings."""
-    note = (
-        "Whether a check is judged depends on the limits given in the inputs; what has no limit is shown "
-        "and not judged."
-    )
+    note = "A check needs a limit in the inputs; results without a limit are shown but not judged."
     warnings = [clean(warning) for warning in subject.calculation.warnings]
     if len(warnings) > _WARNINGS:
         rest = f"And {len(warnings) - _WARNINGS} more; section Audit has them all."
@@ -155,13 +152,13 @@ def conclusions(subject: Subject) -> Iterator[str]:
     failing = [check for check, verdict in verdicts.items() if verdict in bad]
     open_checks = [check for check, v in verdicts.items() if v == Judgement.NOT_JUDGED]
     if failing:
-        yield f"Not accepted in this form: {', '.join(failing)}."
+        yield f"Not accepted as designed: {', '.join(failing)}."
     elif len(open_checks) < len(verdicts):
-        yield "No check that could be judged fails."
+        yield "No judged check fails."
     if open_checks:
         yield (
-            f"Not judged, for want of a limit or of data: {', '.join(open_checks)}. Table Verdicts says "
-            "what is missing; until it is entered, nothing is claimed of it."
+            f"Not judged, because a limit or data are missing: {', '.join(open_checks)}. Table "
+            "Verdicts names the missing inputs; this report makes no statement on these checks."
         )
     near = _nearest_modes(subject)
     for mode in near:
@@ -171,19 +168,19 @@ def conclusions(subject: Subject) -> Iterator[str]:
         shafts = dict.fromkeys(clean(str(energy)) for energy in energies)
         modes = ", ".join(str(mode) for mode in near)
         yield (
-            f"Field test: confirm the frequency of mode{'s' if len(near) > 1 else ''} {modes} and the "
-            f"damping, by torque telemetry at {', '.join(shafts)}, during a start and in operation; "
-            "10 % margin is then enough (MarginBasis measured)."
+            f"Field test: confirm the frequency of mode{'s' if len(near) > 1 else ''} {modes} and "
+            f"the damping by torque telemetry at {', '.join(shafts)}, during a start and in "
+            "operation; the required margin is then 10 % (MarginBasis measured)."
         )
     else:
         yield (
-            "Field test: none is called for by these margins; where one is made, torque during the "
-            "start confirms damping and peaks."
+            "Field test: not required by these margins; if made, measure torque during the start "
+            "to confirm damping and peaks."
         )
     if subject.against is None:
         yield (
-            "No other design is compared here; torsionbook report FILE --against OTHER sets two side by "
-            "side."
+            "No other design is compared here; to compare, use torsionbook report FILE --against "
+            "OTHER."
         )
 
 
@@ -205,10 +202,11 @@ def _where_to_act(subject: Subject, mode: int) -> str:
     place = ("NaturalFrequencies", "Frequency")
     frequency = fixed(subject.value(row["frequency"], *place), 2)
     return (
-        f"Mode {mode} ({frequency} {subject.unit(*place)}) keeps {fixed(100.0 * worst['margin'], 1)} % "
-        f"from {clean(str(worst['excitation']))}, {fixed(100.0 * worst['required'], 0)} % required. "
-        f"{fixed(100.0 * row['share'], 0)} % of its strain energy is in "
-        f"{clean(str(row['largest_strain_energy']))}, whose stiffness moves it most."
+        f"Mode {mode} ({frequency} {subject.unit(*place)}) has "
+        f"{fixed(100.0 * worst['margin'], 1)} % margin from {clean(str(worst['excitation']))}; "
+        f"{fixed(100.0 * worst['required'], 0)} % required. {fixed(100.0 * row['share'], 0)} "
+        f"% of its strain energy is in {clean(str(row['largest_strain_energy']))}, so that "
+        "stiffness shifts it most."
     )
 
 
@@ -232,11 +230,11 @@ def _key_figures(subject: Subject) -> Iterator[tuple[str, str]]:
         yield "Largest torque in the start", peak
     starts = results.starts
     if starts is None or not starts.shafts:
-        yield "Allowable starts", "no shaft could be judged"
+        yield "Allowable starts", "no shaft was judged"
     elif not is_counted(results.start):
-        yield "Allowable starts", "not judged: the start did not come to its end"
+        yield "Allowable starts", "not judged: the start was not completed"
     elif starts.judged_starts is None:
-        yield "Allowable starts", "unlimited: no cycle of a start does damage"
+        yield "Allowable starts", "unlimited: no damaging cycle in a start"
     else:
         rounded = int(starts.judged_starts * (1.0 + 1e-9))
         yield "Allowable starts", f"{rounded:,} ({clean(starts.governing or '')})"
@@ -275,18 +273,18 @@ def scope(subject: Subject) -> Section:
     kind = "workbook" if subject.shown.is_workbook else "case file"
     stamp = subject.calculation.stamp
     basis = (
-        f"This document reports the torsional vibration analysis of the train that the {kind} "
-        f"{clean(subject.name)} describes. All results were calculated from the inputs of that file by "
-        f"{stamp.software} when the document was made; none were copied from stored results. The same "
-        "inputs give the same digest (SHA-256 of the inputs in SI to twelve digits, on the cover), by "
-        "which anyone can prove what the results belong to."
+        "This document reports the torsional vibration analysis of the train described in "
+        f"{kind} {clean(subject.name)}. All results were calculated from that file by "
+        f"{stamp.software} when the document was made; none were copied from stored results. "
+        "The same inputs give the same digest (SHA-256 of the inputs in SI to twelve digits, "
+        "on the cover), which identifies the inputs of the results."
     )
     covered = (
         "Natural frequencies, mode shapes and energies; separation margins against each continuous "
         "excitation; forced response.",
         "The start from rest, with the pulsation of the motor at twice slip frequency sweeping down "
         "through the modes; torque reversals; fatigue damage of one start and allowable starts.",
-        "Which effects were simulated, which were left out and why, with a bound where one is known.",
+        "Effects simulated, effects left out and why, with a bound where known.",
     )
     limits = (term for term in NOTES["Limits of this version"] if term[0] != "Reference")
     return section(

@@ -20,7 +20,7 @@ def margins(subject: Subject) -> Section:
     title, rows = "Interference and separation margins", subject.rows("SeparationMargins")
     if not rows:
         why = "no excitation is known, or the train has no elastic mode"
-        sentence = f"No separation margin was calculated: {why}. See the warnings in section 1."
+        sentence = f"No separation margins: {why}. See the warnings in section 1."
         return section(title, Paragraph(sentence))
     failing = [row for row in rows if row["verdict"] != "pass"]
     sentence = "All margins are kept."
@@ -30,10 +30,10 @@ def margins(subject: Subject) -> Section:
         sentence = f"{len(failing)} of {len(rows)} margins are not kept{rest}"
     chosen = _chosen_margins(rows)
     notes = (
-        "Speed: of the motor, where the margin is least within continuous operation.",
+        "Speed: motor speed with the least margin in continuous operation.",
         left_out(
             len(chosen), len(rows), "pairs of mode and excitation",
-            "every pair that does not pass, and the nearest excitations of each mode",
+            "all pairs that fail, and the nearest excitations of each mode",
         ),
         by("Separation margin"),
     )  # fmt: skip
@@ -42,7 +42,8 @@ def margins(subject: Subject) -> Section:
         Paragraph(sentence, "lead"),
         subject.pictures.chart("interference")
         or Paragraph(
-            "There is no interference diagram: line frequency and speed are not both known."
+            "No interference diagram: line frequency or speed is missing. Type LineFrequency and "
+            "SynchronousSpeed."
         ),
         subject.table("SeparationMargins", note=" ".join(filter(None, notes)), rows=chosen),
     )
@@ -75,16 +76,14 @@ def steady_state(subject: Subject) -> Section:
     rows = subject.rows("SteadyState")
     title = "Steady-state response"
     if not rows:
-        sentence = (
-            "No forced response was calculated: every margin is kept, or no excitation is known."
-        )
+        sentence = "No forced response: every margin is kept, or no excitation is known."
         return section(title, Paragraph(sentence))
     chosen = _chosen_steady(rows)
     basis = subject.calculation.results.steady.stress_basis
-    which = "of each element the largest torque and what does not pass"
+    which = "for each element the largest torque and every failed check"
     notes = (
-        "Torques zero-to-peak at the element's own speed; stresses with SCF. Applied at: the station of "
-        "the applied torque.",
+        "Torques zero-to-peak at the element's own speed; stresses with SCF. Applied at: "
+        "station where the torque acts.",
         left_out(len(chosen), len(rows), "rows", which),
         by("Forced response", "Shear stress", "Allowable vibratory stress"),
     )
@@ -118,7 +117,7 @@ def _judged(rows: Sequence[Row], basis: str) -> str:
     elif stressed or limited:
         sentences.append("No limit is exceeded.")
     else:
-        sentences.append("So nothing was judged.")
+        sentences.append("Nothing was judged.")
     return " ".join(sentences)
 
 

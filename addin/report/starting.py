@@ -31,8 +31,8 @@ def start(subject: Subject) -> Section:
     title, startup = "Start-up", subject.calculation.startup
     if startup is None:
         sentence = (
-            "No start was calculated: the inputs hold no motor torque and no torque against time. There "
-            "are therefore no peaks, no reversals and no number of starts."
+            "No start was calculated: the inputs contain no motor torque and no torque against "
+            "time. Start-up peaks, reversals and allowable starts are therefore missing."
         )
         return section(title, Paragraph(sentence))
     parts = [_conditions(subject), _crossings(subject), _peaks(subject)]
@@ -56,9 +56,9 @@ def _not_drawn(subject: Subject) -> str:
     if rows <= HISTORIES:
         return ""
     choose = (
-        "name others above the charts of sheet Start-up to have them drawn."
+        "to draw others, name them above the charts of sheet Start-up."
         if subject.shown.is_workbook
-        else "of a workbook the engineer chooses which."
+        else "in a workbook the engineer chooses them."
     )
     return f" {HISTORIES} of {rows} elements are drawn; {choose}"
 
@@ -69,7 +69,7 @@ def _conditions(subject: Subject) -> Section:
     effects = {row["effect"]: bool(row["on"]) for row in subject.rows("Effects")}
     why = {row["effect"]: clean(str(row["why"])) for row in subject.rows("Effects")}
     voltage = 1.0 if case.voltage is None else case.voltage
-    effect_on_torque = "that of the torque curves"
+    effect_on_torque = "voltage of the torque curves"
     if voltage != 1.0:
         effect_on_torque = (
             f"{typed(100.0 * voltage, 6)} % of {effect_on_torque}; motor torques times "
@@ -89,8 +89,8 @@ def _conditions(subject: Subject) -> Section:
     if case.torque_time:
         prescribed = f"torques prescribed against time act at {stations} (table TorqueTime)"
     succession = (
-        "each from rest, as cold as the first: residual oscillation, temperature and starts per hour "
-        "are not considered"
+        "each start from rest; residual vibration, temperature and starts per hour are not "
+        "considered"
     )
     facts += [("Short circuits, reclosing", prescribed), ("Starts in succession", succession)]
     return section("Conditions of the start", Facts(tuple(facts)))
@@ -103,7 +103,10 @@ def _crossings(subject: Subject) -> Section:
         return section(title, Paragraph(sentence))
     captions = ("Crossings: speed and torques there", "Crossings: response there")
     notes = (by("Pulsation", "Start-up crossing"),
-             "Torque and stress ranges while the mode responds; stress nominal, without SCF.")  # fmt: skip
+             (
+"Torque and stress ranges in the crossing window of the mode; stress nominal, "
+             "without SCF."
+))  # fmt: skip
     tables = [
         subject.table("StartupCrossings", caption, columns, note)
         for caption, columns, note in zip(captions, _CROSSINGS, notes, strict=True)
@@ -126,13 +129,13 @@ def _peaks(subject: Subject) -> Section:
     rated, ratio = case.ratings.rated_torque, case.element_speed_ratios
     if rated:
         cells = [fixed(largest_torque(r) * ratio[r["element"]] / rated, 2) for r in rows]
-        column = Column("Largest over rated", "", "number")
+        column = Column("Peak torque / rated torque", "", "number")
         wider = with_column(table, "Torque, pk‑pk", column, cells, before=True)
         if wider is not table:
             note = " Largest over rated: referred to motor speed, as multiples of rated torque."
             table = replace(wider, note=table.note + note)
     peak = largest_peak(subject)
-    sentence = Paragraph(f"Largest torque, compared at motor speed: {peak}.") if peak else None
+    sentence = Paragraph(f"Largest torque, referred to motor speed: {peak}.") if peak else None
     return section("Extreme torques", sentence, table)
 
 
@@ -140,7 +143,7 @@ def _pull_in(subject: Subject, field: Mapping[str, Any]) -> Section:
     applied = f"after {fixed(field['field_time'], 3)} s at a slip of {field['field_slip']:.2%}"
     facts = [
         ("Field applied", applied),
-        ("In step at the end", "yes" if field["synchronised"] else "no"),
+        ("Synchronised at the end", "yes" if field["synchronised"] else "no"),
         ("Pole slips", str(field["pole_slips"])),
     ]
     if field.get("load_angle") is not None:
@@ -161,12 +164,12 @@ def reversals(subject: Subject) -> Section:
     if startup is None:
         return section(title, Paragraph("No start was calculated, hence no reversal."))
     if not rows:
-        sentence = "The train has no gear mesh and no geared coupling: no teeth can be unloaded."
+        sentence = "The train has no gear mesh and no geared coupling, so no teeth can unload."
         return section(title, Paragraph(sentence))
     table = subject.table(
         "TorqueReversals", "Torque reversals in the start",
-        note="Torques of the From side at its own speed. A reversal is one passage below zero deeper "
-        "than 0.1 % of the largest torque. Margin: least over transmitted torque.",
+        note="Torques of the From side at its own speed. A reversal is one passage below zero "
+             "deeper than 0.1 % of the largest torque. Margin: least torque / transmitted torque.",
     )  # fmt: skip
     law, forces = subject.calculation.view.contact_law, startup.get("bearing_forces", ())
     sentence = (
@@ -179,11 +182,11 @@ def reversals(subject: Subject) -> Section:
         *(Paragraph(clean(str(row["note"])), "lead") for row in rows[:3]),
         *turned(table, without=("Note",)),
         Paragraph(sentence, "note") if law else None,
-        subject.table("BearingForces", "Largest bearing forces, without weight", rows=forces)
+        subject.table("BearingForces", "Largest bearing forces, excluding weight", rows=forces)
         if forces
         else None,
         subject.pictures.reversal(),
-        parts=[section("What is said in practice", Listing(practice))],
+        parts=[section("Limits used in practice", Listing(practice))],
     )
 
 
@@ -197,7 +200,9 @@ def fatigue(subject: Subject) -> Section:
         sentence = "No start was calculated, hence no damage and no number of starts."
         return section(title, Paragraph(sentence))
     if not rows:
-        sentence = "No shaft is judged: none has a stress diameter and a material with S-N points."
+        sentence = (
+            "No shaft is judged: no element has a stress diameter and a material with S-N points."
+        )
         return section(title, Paragraph(sentence))
     case = subject.calculation.case
     table = subject.table(
@@ -236,7 +241,7 @@ def _governing(subject: Subject) -> Iterator[Block]:
     yield Paragraph(f"{words}.")
     cycles = start_cycle_rows(view)
     if not cycles:
-        yield Paragraph("No cycle of the start is listed: none does damage.")
+        yield Paragraph("No damaging cycle in the start.")
         return
     damage = of_dimension(math.fsum(row["damage"] for row in cycles), "Damage", "count")
     note = (

@@ -40,9 +40,8 @@ def studies(subject: Subject, recorded: Sequence[RecordedStudy]) -> Section:
         One part a study.
     """
     sentence = (
-        "Studies are calculated by commands of their own and written into the workbook. They are printed from "
-        "there where they belong to the inputs of this document; nothing of them was "
-        "calculated again."
+        "Studies are calculated by separate commands and stored in the workbook. This "
+        "document prints those that belong to its inputs and does not recalculate them."
     )
     parts = [_part(_Study(subject, study)) for study in recorded]
     return section("Studies", Paragraph(sentence), parts=parts)
@@ -85,8 +84,8 @@ def _part(study: _Study) -> Section:
     if recorded.outdated:
         command = recorded.on_sheet.command
         sentence = (
-            f"Out of date, and not shown: sheet {recorded.on_sheet.sheet} holds a study, but "
-            f"{recorded.outdated}. torsionbook {command} FILE makes it again."
+            f"Out of date and omitted: sheet {recorded.on_sheet.sheet} contains a study, but "
+            f"{recorded.outdated}. Run torsionbook {command} FILE to update it."
         )
         return section(title, Paragraph(clean(sentence), "alert"))
     return section(
@@ -136,13 +135,13 @@ def _tuning(study: _Study) -> Iterator[Block | None]:
         _part_of(len(best), len(rows), "the best and the unchanged case"), best,
     )  # fmt: skip
     yield study.table(
-        "TuningResults", "Their modes, and the crossing that stresses the train most",
+        "TuningResults", "Modes, and the crossing with the largest stress",
         ("Rank", "Mode 1", "Mode 2", "Mode 3", "Mode crossed", "Percent speed", "Sweep rate",
          "Pulsating torque"), rows=best,
     )  # fmt: skip
     yield study.table(
-        "TuningResults", "Why they stand there", ("Rank", "Reason"),
-        "Numbers in words have the units typed in the workbook.", until(_REASONS),
+        "TuningResults", "Reasons for the ranking", ("Rank", "Reason"),
+        "Numbers in the text use the units typed in the workbook.", until(_REASONS),
     )  # fmt: skip
     axes, lines = study.rows("TuningAxes"), study.rows("TuningLines")
     if not axes or len(lines) < 2:
@@ -154,7 +153,7 @@ def _tuning(study: _Study) -> Iterator[Block | None]:
         [(str(axes[0].get(name) or name), points) for name, points in curves if points],
         across,
         "Allowable starts",
-        f"Allowable starts over {across}, a line for {up}",
+        f"Allowable starts against {across}, one line per {up}",
         log=True,
     )
 
@@ -164,21 +163,21 @@ def _tuning(study: _Study) -> Iterator[Block | None]:
 
 def _tolerances(study: _Study) -> Iterator[Block | None]:
     yield study.table(
-        "ToleranceStarts", "Allowable starts over the sample",
+        "ToleranceStarts", "Allowable starts of the sample",
         ("Element", "Nominal", "P10", "P50", "P90", "Unlimited", "Required", "Probability",
          "Probability low", "Probability high"),
-        "P10: a tenth of the sample has fewer. Probability: that the starts required are there, with "
-        "its 95 % interval.",
+        "P10: 10 % of the samples have fewer. Probability: of reaching the required starts, "
+        "with its 95 % interval.",
     )  # fmt: skip
     modes = study.rows("ToleranceFrequencies")
     yield study.table(
-        "ToleranceFrequencies", "Natural frequencies over the sample",
+        "ToleranceFrequencies", "Natural frequencies of the sample",
         ("Mode", "Nominal", "P10", "P50", "P90"),
         _part_of(min(_MOST, len(modes)), len(modes), "the lowest"), modes[:_MOST],
     )  # fmt: skip
     yield _margins(study)
     yield study.table(
-        "TolerancePeaks", "Peaks of the start over the sample",
+        "TolerancePeaks", "Peaks of the start in the sample",
         ("Element", "Torque P10", "Torque P50", "Torque P90", "Stress P50", "Stress P90"),
         rows=study.rows("TolerancePeaks")[:_MOST],
     )  # fmt: skip
@@ -188,8 +187,9 @@ def _tolerances(study: _Study) -> Iterator[Block | None]:
         if (low := _number(r, "At P10")) is not None and (high := _number(r, "At P90")) is not None
     ]
     yield study.subject.pictures.tornado(
-        bars, ("at its P10", "at its P90"), "Change of the answer [%]",
-        "What drives the answer named above: each factor alone at its P10 and P90, all others as stated",
+        bars, ("at its P10", "at its P90"), "Change of the result [%]",
+        "Main drivers of the result above: each factor alone at its P10 and P90, all others "
+        "nominal",
     )  # fmt: skip
     points = [
         (starts, 100.0 * share)
@@ -198,7 +198,7 @@ def _tolerances(study: _Study) -> Iterator[Block | None]:
     ]
     yield study.subject.pictures.curves(
         [("", points)] if len(points) > 1 else [],
-        "Allowable starts", "Share of the sample with fewer [%]",
+        "Allowable starts", "Share of samples with fewer starts [%]",
         "Distribution of the allowable starts", log_x=True, markers=False,
     )  # fmt: skip
 
@@ -210,10 +210,10 @@ def _margins(study: _Study) -> Table | None:
     unsure.sort(key=lambda r: (r.get("Mode") is not None, _number(r, "Probability") or 0.0))
     least = unsure[:_MOST]
     sure = len(rows) - len(unsure)
-    note = f"{sure} margins that every sample keeps are left out. " if sure else ""
-    note += _part_of(len(least), len(unsure), "the least probable")
+    note = f"{sure} margins kept by every sample are omitted. " if sure else ""
+    note += _part_of(len(least), len(unsure), "those least likely to be kept")
     return study.table(
-        "ToleranceMargins", "Separation margins over the sample",
+        "ToleranceMargins", "Separation margins of the sample",
         ("Mode", "Excitation", "Nominal", "P10", "P90", "Required", "Probability", "Probability low",
          "Probability high"), note.strip(), least,
     )  # fmt: skip
@@ -227,7 +227,7 @@ def _sensitivities(study: _Study) -> Iterator[Block | None]:
 
     largest = sorted(rows, key=size)[:_MOST]
     yield study.table(
-        "Sensitivities", "What + 1 % of each quantity does",
+        "Sensitivities", "Effect of + 1 % of each quantity",
         ("Quantity", "Of", "Peak change", "Peak error", "Starts change", "Starts error", "Note"),
         _part_of(len(largest), len(rows), "those with the largest change"), largest,
     )  # fmt: skip
@@ -238,10 +238,10 @@ def _sensitivities(study: _Study) -> Iterator[Block | None]:
 
 def _starts(study: _Study) -> Iterator[Block | None]:
     yield study.table(
-        "StartMatrix", "Starts of each kind",
+        "StartMatrix", "Allowable starts by start condition",
         ("Condition", "Outcome", "Time", "Peak over rated", "Peak-to-peak stress", "Damage",
          "Allowable starts"),
-        "Allowable starts: if all starts were of this kind. Stresses are nominal.",
+        "Allowable starts: if only this condition occurred. Stresses are nominal.",
     )  # fmt: skip
     rows = study.rows("StartsByVoltage")
     curves = [
@@ -257,14 +257,16 @@ def _starts(study: _Study) -> Iterator[Block | None]:
         ("Element", "Allowed", "Used", "Yearly", "Left", "Remaining years", "Years low", "Years high",
          "Verdict"),
     )  # fmt: skip
-    yield study.table("DamageLedger", "Ledger, in words", ("Element", "Governing", "Reason"))
+    yield study.table(
+        "DamageLedger", "Summary of the damage ledger", ("Element", "Governing", "Reason")
+    )
     duty = [
         row
         for row in study.rows("RemainingStarts")
         if _number(row, "So far") or _number(row, "Per year")
     ]
     yield study.table(
-        "RemainingStarts", "What the duty takes, kind by kind",
+        "RemainingStarts", "Damage of the duty by start condition",
         ("Element", "Condition", "So far", "Per year", "Share", "Damage", "Remaining starts"),
         rows=duty,
     )  # fmt: skip
@@ -277,7 +279,7 @@ def _calibration(study: _Study) -> Iterator[Block | None]:
     fit = ("Measured", "Uncertainty", "Before", "After", "Residual", "Used", "Explained", "Note")
     yield study.table(
         "FrequencyFit", "Measured frequencies", ("Mode", *fit),
-        "Residual: what is left, in standard deviations of the measurement.",
+        "Residual: calculated minus measured, in standard deviations of the measurement.",
     )  # fmt: skip
     yield study.table("PeakFit", "Measured peak torques", ("Element", *fit))
     yield study.table(
@@ -289,10 +291,10 @@ def _calibration(study: _Study) -> Iterator[Block | None]:
     changed.sort(key=lambda r: -abs(_number(r, "Pull") or 0.0))
     most = changed[:_MOST]
     yield study.table(
-        "CalibratedParameters", "What was changed",
+        "CalibratedParameters", "Changed quantities",
         ("Name", "Quantity", "Change", "Change low", "Change high", "Prior deviation",
          "Posterior deviation", "Determined"),
-        _part_of(len(most), len(changed), "those pulled furthest from their prior"), most,
+        _part_of(len(most), len(changed), "those with the largest change in prior standard deviations"), most,
     )  # fmt: skip
 
 
@@ -303,7 +305,7 @@ def _every_table(study: _Study) -> Iterator[Block | None]:
 
 
 _PARTS: Mapping[str, tuple[str, Callable[[_Study], Iterator[Block | None]]]] = {
-    "tuning": ("Couplings in every combination", _tuning),
+    "tuning": ("Tuning: all combinations", _tuning),
     "tolerances": ("Tolerances", _tolerances),
     "sensitivities": ("Sensitivities", _sensitivities),
     "starts": ("Start matrix and damage ledger", _starts),

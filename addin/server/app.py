@@ -130,8 +130,11 @@ async def _no_such_thing(request: Request, wrong: Exception) -> Response:
     assert isinstance(wrong, HTTPException)
     path = request.url.path[:80]
     sentence = {
-        404: f"There is nothing at {path}. /openapi.json says what there is.",
-        405: f"{path} does not take {request.method[:20]}. /openapi.json says what it takes.",
+        404: f"Unknown address {path}. /openapi.json lists the addresses of this server.",
+        405: (
+            f"{path} does not accept {request.method[:20]}. /openapi.json lists the accepted "
+            "methods."
+        ),
     }.get(wrong.status_code, str(wrong.detail))
     return Refused(wrong.status_code, sentence, wrong.headers).response()
 

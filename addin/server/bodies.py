@@ -50,12 +50,14 @@ async def read_body(request: Request, limit: int, seconds: float = 20.0) -> byte
     except TimeoutError:
         raise Refused(
             408,
-            f"The request came too slowly: {size:,} bytes after "
+            f"The request was too slow: {size:,} bytes in "
             f"{asyncio.get_running_loop().time() - began:.0f} s. Send it again.",
             {"Connection": "close"},
         ) from None
     except ClientDisconnect:
-        raise Refused(400, "The connection was closed before the request was complete.") from None
+        raise Refused(
+            400, "The connection was closed before the request was complete. Send it again."
+        ) from None
     return b"".join(parts)
 
 
@@ -99,19 +101,18 @@ def parsed(text: bytes | str) -> Any:
     try:
         return json.loads(text, parse_constant=_no_constant)
     except RecursionError:
-        raise Refused(400, "The JSON is nested too deeply.") from None
+        raise Refused(400, "The JSON is nested too deeply. Send fewer levels.") from None
     except (ValueError, UnicodeDecodeError) as wrong:
         if "set_int_max_str_digits" in str(wrong):
             raise Refused(
                 400,
-                "The JSON holds a whole number of more digits than any number of a cell has. "
-                "Correct it.",
+                "The JSON contains a whole number with too many digits for a cell. Correct it.",
             ) from None
-        raise Refused(400, f"This is no JSON that can be read: {wrong}.") from None
+        raise Refused(400, f"The body is not valid JSON: {wrong}. Correct it.") from None
 
 
 def _no_constant(name: str) -> None:
-    raise ValueError(f"{name} is no number in JSON; leave a blank cell null")
+    raise ValueError(f"{name} is not a JSON number; send null for a blank cell")
 
 
 async def while_connected(request: Request, work: Awaitable[T]) -> T:

@@ -99,7 +99,9 @@ def read_calls(content: Any, most: int) -> list[Call]:
         raise Refused(400, 'Send {"calls": [{"name": "TV_CONVERT", "arguments": [1, "m", "ft"]}]}.')
     if len(calls) > most:
         raise Refused(
-            413, f"There are {len(calls):,} calls; one request may hold {most:,}. Send several."
+            413,
+            f"There are {len(calls):,} calls; one request may contain {most:,}. Split them over "
+            "several requests.",
         )
     return [read_call(one, f"calls[{i}]") for i, one in enumerate(calls)]
 
@@ -117,7 +119,7 @@ def read_call(content: Any, place: str) -> Call:
         raise Refused(400, f"{place} has no name. Give the name of a function, such as TV_CONVERT.")
     arguments = content.get("arguments", [])
     if not isinstance(arguments, list):
-        raise Refused(400, f"{place}: arguments is no list. Give one value for each argument.")
+        raise Refused(400, f"{place}: arguments is not a list. Give one value for each argument.")
     return Call(name.upper(), arguments)
 
 
@@ -168,12 +170,13 @@ class UnsentCells:
         with self._unsent.lock:
             if self._cells + cells > MOST_CELLS:
                 self.refused = error(
-                    f"The answers of this request hold more than {MOST_CELLS:,} cells. Send several.",
+                    f"The results of this request exceed {MOST_CELLS:,} cells. Split the calls over "
+                    "several requests.",
                     "#N/A",
                 )
             elif self._is_sent or self._unsent.cells + cells > MOST_UNSENT:
                 self.refused = error(
-                    "The server has too many answers to send already. Try again in a few seconds.",
+                    "The server is busy sending results. Try again in a few seconds.",
                     "#N/A",
                 )
             else:
@@ -356,7 +359,7 @@ class Calls:
         seconds = f"{self._limits.short_time:g} s"
         if has_begun:
             return f"The calls of this request took longer than {seconds}. Ask for fewer at a time."
-        return f"The server was busy: this call has waited for {seconds}. Try again in a minute."
+        return f"The server was busy: this call waited {seconds}. Try again in a minute."
 
 
 def _wanted(one: Call, model: Model) -> str | None:

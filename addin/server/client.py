@@ -147,8 +147,8 @@ class Client:
             hint = ""
             if isinstance(wrong.reason, ssl.SSLCertVerificationError):
                 hint = (
-                    " Its certificate is not trusted here: set the environment variable "
-                    "SSL_CERT_FILE to the file of that certificate, or of who issued it."
+                    " Its certificate is not trusted here: set the environment variable SSL_CERT_FILE to "
+                    "the file of that certificate or of its issuer."
                 )
             raise Refusal(f"{self._address} cannot be reached: {wrong.reason}.{hint}") from None
 
@@ -188,4 +188,6 @@ def _refusal(refused: urllib.error.HTTPError) -> Refusal:
         content = json.load(refused)
         return Refusal(content["error"]["message"], errors=content.get("errors", ()))
     except (ValueError, KeyError, TypeError):
-        return Refusal(f"The server answered with status {refused.code}.")
+        return Refusal(
+            f"The server answered with status {refused.code}. See the log of the server."
+        )

@@ -29,10 +29,11 @@ def no_key(given: str | None) -> str:
     """Why a client is not answered."""
     if given:
         return (
-            "The API key is not one of this server's: wrong, mistyped or withdrawn. Send another in "
-            "the header X-API-Key, or as Authorization: Bearer; whoever runs this server has it."
+            "The API key is not valid on this server: wrong, mistyped or withdrawn. Ask the "
+            "administrator of the server for a key, and send it in the header X-API-Key or as "
+            "Authorization: Bearer."
         )
     return (
         "An API key is needed: send it in the header X-API-Key, or as Authorization: Bearer. "
-        "Whoever runs this server has it."
+        "Ask the administrator of the server for a key."
     )

@@ -30,7 +30,7 @@ def document() -> dict[str, Any]:
         "paths": {
             "/api/v1/batch": {
                 "post": _post(
-                    "Call functions; answers come in the same order.",
+                    "Calls functions; results are in the order of the calls.",
                     {JSON: {"schema": _ref("Batch")}},
                     _answer("An answer for each call.", "Answers"),
                     is_file=False,
@@ -38,7 +38,7 @@ def document() -> dict[str, Any]:
             },
             "/api/v1/model": {
                 "post": _post(
-                    "The handle of the model that a workbook or a case JSON holds.",
+                    "The handle of the model in a workbook or a case JSON.",
                     {kind: {"schema": {}} for kind in (*WORKBOOKS, JSON)},
                     _answer("The handle, for the functions that take a model.", "Model"),
                     is_file=True,
@@ -58,8 +58,8 @@ def document() -> dict[str, Any]:
             "/functions.json": {"get": _get("Custom functions of Office.", JSON)},
             "/functions.js": {"get": _get("Script of the custom functions.", "text/javascript")},
             "/manifest.xml": {"get": _get("Manifest of the Office add-in.", "application/xml")},
-            "/taskpane.html": {"get": _get("The page inside Office.", "text/html")},
-            "/": {"get": _get("The page in a browser.", "text/html")},
+            "/taskpane.html": {"get": _get("Page of the Office add-in.", "text/html")},
+            "/": {"get": _get("Page for the browser.", "text/html")},
             "/openapi.json": {"get": _get("This description.", JSON)},
             "/healthz": {"get": _get("Whether the server answers.", JSON, "Health")},
             "/version": {"get": _get("Name and version.", JSON, "Version")},
@@ -87,11 +87,11 @@ def _errors(*statuses: int) -> dict[str, Any]:
     words = {
         400: "The request cannot be read.",
         401: "An API key is needed.",
-        403: "Sent by a page of another site.",
-        408: "The body came too slowly.",
-        413: "Larger than the server takes.",
-        415: "Of a kind that is not taken here.",
-        421: "Addressed to a name the server does not go by.",
+        403: "The request comes from a page of another site.",
+        408: "The request body was too slow.",
+        413: "The request is larger than the server accepts.",
+        415: "The content type is not accepted.",
+        421: "The host name of the request is not one of this server's names.",
         503: "The server is busy; try again later.",
     }
     return {str(status): _answer(words[status], "Error") for status in statuses}
@@ -122,7 +122,7 @@ _NAME = {
     "name": "name",
     "in": "query",
     "required": False,
-    "description": "Name of the file; its ending tells an .xlsm from an .xlsx.",
+    "description": "File name; its extension distinguishes .xlsm from .xlsx.",
     "schema": TEXT,
 }
 
@@ -141,7 +141,7 @@ def _schemas() -> dict[str, Any]:
     problem = ("sheet", "table", "row", "column", "allowed", "message")
     return {
         "Cell": {
-            "description": "null for a blank cell; an object as Office.js has errors.",
+            "description": "null for a blank cell; an error is an object as in Office.js.",
             "anyOf": [cell, _object({"type": TEXT}, {"basicValue": {"type": plain}})],
         },
         "Argument": {

@@ -58,7 +58,7 @@ class Work(Pool):
         self._queue = [job for job in self._queue if job.waits]
         if len(self._queue) >= self._most:
             raise Busy(
-                f"The server has {self._most} calculations waiting already. Try again in a minute."
+                f"The server queue is full ({self._most} calculations). Try again in a minute."
             )
         job = self.begin(
             Task(tasks.answer_of, (name, payload), has_stages=True, time_limit=self._time_limit)
@@ -75,20 +75,20 @@ class Work(Pool):
             raise Busy(STOPPING) from None
         except TimeIsUp:
             raise TooLong(
-                f"The calculation took longer than the {self._time_limit:g} s this server allows, and "
-                "was stopped. Ask for less accuracy, or calculate it on your own machine."
+                f"The calculation exceeded the {self._time_limit:g} s allowed by this server and was "
+                "stopped. Choose a larger tolerance, or calculate it on your own computer."
             ) from None
         except Died as wrong:
             LOG.error("task %s: %s", name, wrong)
             raise RuntimeError(
-                "The process that calculated this ended by itself, perhaps for want of memory. Try "
+                "The calculation process ended unexpectedly, perhaps because memory ran out. Try "
                 "again; if it happens again, please report it."
             ) from None
         except OSError as wrong:
             LOG.error("no process could be started: %s", wrong)
             raise RuntimeError(
-                "The server could not start a process to calculate this. Try again in a minute; its "
-                "log says why."
+                "The server could not start a calculation process. Try again in a minute; the server "
+                "log shows the reason."
             ) from None
         if kind == "refused":
             raise FunctionError(*value)

@@ -168,12 +168,14 @@ class RequestGuard:
         if not settings.knows_host(host):
             raise Refused(
                 421,
-                f"This server does not go by the name '{host[:60]}'. Where a proxy stands in front "
-                "of it, start it with --public-url and the address users have.",
+                f"The host name '{host[:60]}' is not known to this server. Behind a proxy, start the "
+                "server with --public-url and the address that users type.",
             )
         origin = headers.get("origin")
         if origin is not None and not self._is_own(origin, host):
-            raise Refused(403, "This server answers its own pages only, not those of another site.")
+            raise Refused(
+                403, "This server accepts requests only from its own pages, not from another site."
+            )
         given = key_of(headers)
         length = headers.get("content-length", "0")
         size = int(length[:20]) if length.isdecimal() else 0

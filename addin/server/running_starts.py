@@ -151,7 +151,7 @@ class Starts:
             await asyncio.to_thread(MODELS.keep, model, what, result)
             return result
         except GivenUp:
-            raise RuntimeError("The calculation was stopped. Ask for it again.") from None
+            raise RuntimeError("The calculation was stopped. Start it again.") from None
         finally:
             self._forget(model, what, shared)
 

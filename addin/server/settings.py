@@ -69,21 +69,21 @@ class Settings:
     def __post_init__(self) -> None:
         if (self.certificate is None) != (self.certificate_key is None):
             raise SettingsError(
-                "A certificate and its private key come together: give --cert and --key."
+                "HTTPS needs a certificate and its private key: give both --cert and --key."
             )
         for path in (self.certificate, self.certificate_key):
             if path is not None and not path.is_file():
-                raise SettingsError(f"There is no file {path}.")
+                raise SettingsError(f"File {path} not found. Check the path.")
         if not self.is_loopback and self.certificate is None:
             raise SettingsError(
-                f"The host {self.host} can be reached from other machines, and without encryption "
-                "anybody on the way could read the trains and the keys. Give --cert and --key, or "
-                "keep 127.0.0.1 and put a reverse proxy with HTTPS in front (docs/server.md)."
+                f"Other machines can reach the host {self.host}; without encryption, data and API "
+                "keys can be read in transit. Give --cert and --key, or keep 127.0.0.1 and use a "
+                "reverse proxy with HTTPS (docs/server.md)."
             )
         if not self.is_loopback and not self.keys:
             raise SettingsError(
-                f"The host {self.host} can be reached from other machines, and without API keys "
-                "anybody there could keep this machine busy. Give --api-key-file with a key a line."
+                f"Other machines can reach the host {self.host}; without API keys anyone there can "
+                "use this machine. Give --api-key-file with one key per line."
             )
         if self.workers < 1:
             raise SettingsError(f"--workers is {self.workers}; at least 1 process is needed.")
@@ -137,29 +137,35 @@ def check_certificate(settings: Settings) -> None:
     try:
         text = {path: path.read_text("ascii", "replace") for path in (chain, key)}
     except OSError as wrong:
-        raise SettingsError(f"{wrong.filename} cannot be read: {wrong.strerror}.") from None
+        raise SettingsError(
+            f"{wrong.filename} cannot be read: {wrong.strerror}. Check the path and its "
+            "permissions."
+        ) from None
     marks = "BEGIN CERTIFICATE", "PRIVATE KEY"
     if marks[0] not in text[chain] and marks[0] in text[key]:
         raise SettingsError(
-            f"--cert {chain} holds no certificate, and --key {key} does: exchange the two."
+            f"--cert {chain} contains no certificate, but --key {key} does: swap them."
         )
     for option, path, mark in zip(("--cert", "--key"), (chain, key), marks, strict=True):
         if mark not in text[path]:
             what = "certificate" if option == "--cert" else "private key"
-            raise SettingsError(f"{option} {path} holds no {what} in PEM (-----BEGIN ...-----).")
+            raise SettingsError(
+                f"{option} {path} contains no {what} in PEM format (-----BEGIN ...-----)."
+            )
     if "ENCRYPTED" in text[key]:
         if sys.stdin is not None and sys.stdin.isatty():
             return  # its password is asked for when the server starts
         raise SettingsError(
-            f"--key {key} is encrypted, and there is no terminal to ask for its password. Give the "
-            "key without one: openssl pkey -in KEY -out NEW, readable for this service only."
+            f"--key {key} is encrypted, and there is no terminal to enter its password. Use an "
+            "unencrypted key: openssl pkey -in KEY -out NEW, and restrict its permissions to "
+            "this service."
         )
     try:
         ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(chain, key)
     except (OSError, ValueError) as wrong:  # an SSLError is an OSError
         reason = getattr(wrong, "reason", None) or str(wrong)
         why = (
-            "the key is not that of the certificate"
+            "the key does not match the certificate"
             if reason == "KEY_VALUES_MISMATCH"
             else f"they cannot be read ({reason})"
         )
@@ -177,10 +183,12 @@ def read_keys(path: Path) -> frozenset[str]:
     try:
         lines: Iterable[str] = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as wrong:
-        raise SettingsError(f"{path} cannot be read as a list of API keys: {wrong}.") from None
+        raise SettingsError(
+            f"{path} cannot be read as a list of API keys: {wrong}. Write one key per line."
+        ) from None
     keys = {key for line in lines if (key := line.partition("#")[0].strip())}
     if not keys:
-        raise SettingsError(f"{path} holds no API key. Write one a line.")
+        raise SettingsError(f"{path} contains no API key. Write one key per line.")
     for key in keys:
         if len(key) < SHORTEST_KEY or not key.isascii() or " " in key:
             raise SettingsError(
@@ -191,4 +199,4 @@ def read_keys(path: Path) -> frozenset[str]:
 
 
 #: What is told of an error of ours; the rest is in the log.
-OURS = "This is an error inside torsionbook. The server's log says more; please report it."
+OURS = "This is an error inside torsionbook. See the server log and please report it."

@@ -162,10 +162,12 @@ class Stream:
                     door.enter(given)
                 return True
             except Refused as full:
-                await self._refuse(full.message, TRY_AGAIN, "The server is busy.")
+                await self._refuse(
+                    full.message, TRY_AGAIN, "The server is busy. Try again in a few seconds."
+                )
                 return False
         wrong = isinstance(given, str) and given
-        why = "The API key is not one of this server's" if wrong else "An API key is needed"
+        why = "The API key is not valid on this server" if wrong else "An API key is needed"
         await self._refuse(f'{why}: send {{"key": ...}} first.', NO_KEY, f"{why}.")
         return False
 
@@ -211,15 +213,13 @@ class Stream:
 
     def _begin(self, identity: Identity, message: dict[str, Any], size: int) -> None:
         if identity in self._running:
-            raise Refused(
-                400, f"The id {str(identity)[:40]} is being answered already. Use another."
-            )
+            raise Refused(400, f"The id {str(identity)[:40]} is in use. Use another.")
         most = self._settings.limits.streams
         if len(self._running) >= most:
-            raise Refused(503, f"There are {most} calls under way already. Wait for one to end.")
+            raise Refused(503, f"{most} calls are in progress, the limit. Wait for one to end.")
         if "view" in message:
             if not isinstance(message["view"], str):
-                raise Refused(400, "view is no text. Give the handle of a model.")
+                raise Refused(400, "view is not a text. Give the handle of a model.")
             work = partial(self._view, message["view"])
         elif "study" in message:
             work = partial(self._study, read_study(message))

@@ -45,17 +45,19 @@ def read_study(message: Mapping[str, Any]) -> StudyRequest:
     """
     command, case = message.get("study"), message.get("case")
     if not isinstance(command, str) or command not in STUDIES:
-        raise Refused(400, f"There is no study of this name. There are {', '.join(STUDIES)}.")
+        raise Refused(400, f"Unknown study. Available: {', '.join(STUDIES)}.")
     if not isinstance(case, dict):
-        raise Refused(400, "case is no object. Give the case JSON with the tables of the study.")
+        raise Refused(
+            400, "case is not an object. Give the case JSON with the tables of the study."
+        )
     settings = message.get("settings", {})
     if not isinstance(settings, dict):
-        raise Refused(400, 'settings is no object. Give one such as {"samples": 1000}.')
+        raise Refused(400, 'settings is not an object. Give one such as {"samples": 1000}.')
     options = {one.name: _limited(one) for one in STUDIES[command].options if one.is_setting}
     for name, value in settings.items():
         if name not in options:
             known = f"are {', '.join(options)}" if options else "is none"
-            raise Refused(400, f"{command} has no setting '{name[:40]}'. There {known}.")
+            raise Refused(400, f"{command} has no setting '{name[:40]}'. Available: {known}.")
         if not _fits(options[name], value):
             raise Refused(400, f"{name} must be {options[name].allowed}.")
     return StudyRequest(command, case, settings)

@@ -75,8 +75,8 @@ async def model_of(request: Request, work: Work, limits: Limits) -> Response:
     except UnicodeEncodeError:
         raise Refused(
             422,
-            "A name or a text of the case holds half a character (a lone surrogate, such as "
-            "\\ud800). Write it again.",
+            "A name or a text of the case contains an invalid character (a lone surrogate, such "
+            "as \\ud800). Correct it.",
         ) from None
     return answer(
         {"model": model.handle, "units": model.system, "warnings": _clean(warnings, hidden)}

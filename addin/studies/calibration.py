@@ -127,8 +127,8 @@ CALIBRATION = Study(
     options=(
         Option(
             "case", Path, None,
-            "Write the calibrated case as JSON; `torsionbook new calibrated.xlsx --from` it makes a "
-            "workbook.",
+            "Write the calibrated case as JSON; `torsionbook new calibrated.xlsx --from` makes a "
+            "workbook of it.",
             is_setting=False,
         ),
     ),

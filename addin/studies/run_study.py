@@ -107,7 +107,7 @@ def study_one(
             written.append(target)
         elif is_workbook:
             warnings.append(
-                f"{source.name} has no sheets for this study: its results are in the JSON only."
+                f"{source.name} has no sheets for this study; results are only in the JSON."
             )
         elif json_file is None:
             json_file = files.destination or beside(source, study)
@@ -252,9 +252,10 @@ def _missing_sheets(read: CaseInput, study: Study) -> list[CellProblem]:
     spec = input_table(first) if first in study.inputs else result_table(first)
     name = read.path.name
     sentence = (
-        f"the workbook has no table {', '.join(absent)}, which torsionbook {study.command} needs. "
-        f"torsionbook new studies-{name} --studies --from {name} makes a workbook with the same inputs "
-        "and the sheets of the studies; or say --json for results without a sheet."
+        f"the workbook has no table {', '.join(absent)}, which torsionbook {study.command} "
+        f"needs. Run torsionbook new studies-{name} --studies --from {name} for a workbook "
+        "with the same inputs and the study sheets, or use --json for results without a "
+        "sheet."
     )
     return [CellProblem(spec.sheet, first, None, "", None, f"table {first}", sentence, "")]
 

@@ -41,7 +41,9 @@ def _calculate(task: StudyTask) -> StudyResult:
     if has_duty or not matrix.judged_shafts:
         sentences.append(ledger.sentence)
     else:
-        sentences.append("No duty is stated on sheet Duty: the ledger is empty.")
+        sentences.append(
+            "No duty on sheet Duty: the damage ledger is empty. Type Per year and So far."
+        )
     return StudyResult(
         result=(matrix, ledger),
         tables={
@@ -69,7 +71,7 @@ def _cut_short(calculated: int, planned: int, has_duty: bool) -> CutShort:
         "'not calculated'."
     )
     if has_duty:
-        sentence += " What a duty uses up is shown only if all of its starts were calculated."
+        sentence += " The life used by a duty is shown only if all its starts were calculated."
     return CutShort(calculated, planned, sentence)
 
 
@@ -108,8 +110,8 @@ STARTS = Study(
     options=(
         Option(
             "standard", bool, False,
-            "The standard matrix beside the rows of StartConditions; without rows it is calculated "
-            "anyway.",
+            "Also calculate the standard matrix; without rows in StartConditions it is always "
+            "calculated.",
         ),
     ),
     terminal=_terminal,

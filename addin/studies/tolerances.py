@@ -38,7 +38,7 @@ def _calculate(task: StudyTask) -> StudyResult:
         if drawn < FEWEST_SAMPLES:
             raise Cancelled(
                 why=f"{max(drawn, 0)} of {plan.n_samples:,} samples were calculated; fewer than "
-                f"{FEWEST_SAMPLES} bound no P10."
+                f"{FEWEST_SAMPLES} give no bound for P10."
             )
         cut = CutShort(drawn, plan.n_samples, _cut_short(drawn, plan.n_samples))
     tolerances = summarise_sample(plan, parts)
@@ -55,8 +55,8 @@ def _calculate(task: StudyTask) -> StudyResult:
 
 def _cut_short(drawn: int, planned: int) -> str:
     return (
-        f"{CUT_SHORT}: {drawn:,} of {planned:,} samples were calculated, and convergence is "
-        "judged with these."
+        f"{CUT_SHORT}: {drawn:,} of {planned:,} samples were calculated; convergence is "
+        "judged from them."
     )
 
 
@@ -73,13 +73,11 @@ def _sentence(tolerances: Tolerances) -> str:
         )
     if tolerances.unfinished:
         sentences.append(
-            f"{tolerances.unfinished:,} of {tolerances.samples:,} starts did not come to their end: they are in no "
-            "percentile, and meet no demand for starts."
+            f"{tolerances.unfinished:,} of {tolerances.samples:,} starts were not completed: they "
+            "are excluded from percentiles and count as not reaching StartsRequired."
         )
     if tolerances.lost:
-        sentences.append(
-            f"{tolerances.lost:,} samples could not be calculated: they are in no number."
-        )
+        sentences.append(f"{tolerances.lost:,} samples could not be calculated and are excluded.")
     margins = [r for r in tolerances.probabilities if r.check == "all margins"]
     sentences += [
         f"All margins are kept in {100.0 * r.probability:.3g} % of {r.samples:,} samples "
@@ -89,7 +87,7 @@ def _sentence(tolerances: Tolerances) -> str:
     if tolerances.explained is not None and tolerances.drivers:
         strongest = " and ".join(d.factor for d in tolerances.drivers[:2])
         sentences.append(
-            f"What drives the {tolerances.driven} most: {strongest} (ranks explain "
+            f"Main drivers of the {tolerances.driven}: {strongest} (rank regression explains "
             f"{100.0 * tolerances.explained:.0f} %)."
         )
     sentences.append(tolerances.sentences[0])
@@ -116,15 +114,15 @@ TOLERANCES = Study(
     calculate=_calculate,
     help=_HELP,
     options=(
-        Option("samples", int, 1000, "How many trains are drawn.", least=30, most=1_000_000),
-        Option("seed", int, 1, "The same seed draws the same trains.", least=0),
+        Option("samples", int, 1000, "Number of samples.", least=30, most=1_000_000),
+        Option("seed", int, 1, "The same seed gives the same samples.", least=0),
         Option(
             "method", str, "lhs", "lhs (Latin hypercube) or sobol (a power of two).",
             words=("lhs", "sobol"),
         ),
         Option(
             "replan", bool, False,
-            "Plan anew where a torque reverses that does not in the plain run.",
+            "Make a new plan for a sample whose torque reverses where the nominal run's does not.",
         ),
     ),
 )  # fmt: skip

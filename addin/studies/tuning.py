@@ -108,7 +108,7 @@ def _cut_short(calculated: int, planned: int) -> CutShort:
     return CutShort(
         calculated,
         planned,
-        f"{CUT_SHORT}: what is better may be among the combinations not calculated.",
+        f"{CUT_SHORT}: a better combination may be among those not calculated.",
     )
 
 
@@ -189,7 +189,7 @@ TUNING = Study(
     help=_HELP,
     options=(
         Option(
-            "top", int, 5, "How many of the best are listed and saved as cases.", least=1,
+            "top", int, 5, "Number of best combinations to list and save as cases.", least=1,
             is_setting=False,
         ),
         Option(

@@ -74,7 +74,7 @@ def _axes(
 ) -> Row:
     """What rows and columns of the maps stand for."""
     row: Row = {
-        "first_variable": f"{across.title}, % of as is",
+        "first_variable": f"{across.title}, % of the unchanged case",
         "second_variable": "none" if up is None else up.title,
     }
     if shown < len(across.options):

@@ -101,7 +101,7 @@ def _build(
                 "title": "Torsional start-up analysis of a synchronous-motor train",
                 "author": "torsionbook",
                 "created": _CREATED,
-                "comments": "Built by addin.template; recalculated by torsionbook recalc.",
+                "comments": "Made by torsionbook; recalculated by torsionbook recalc.",
             }
         )
         workbook.set_size(2400, 1500)

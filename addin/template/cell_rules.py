@@ -59,7 +59,7 @@ def input_rule(field: Field) -> dict[str, Any]:
             "source": f"={_NAME_LISTS[field.kind]}",
             "error_type": "warning",
             "error_title": "Unknown name",
-            "error_message": "There is no row of that name yet. Keep it anyway?",
+            "error_message": "No row has this name yet. Keep it anyway?",
         }
     if not field.is_number:
         return prompt | {"validate": "any"}
@@ -68,14 +68,14 @@ def input_rule(field: Field) -> dict[str, Any]:
     if kind == "integer":
         low, high = 0, 100000
     asked = "A whole number" if kind == "integer" else "A number"
-    asked += " of zero or more" if low == 0 else ""
+    asked += " zero or more" if low == 0 else ""
     return prompt | {
         "validate": kind,
         "criteria": "between",
         "minimum": low,
         "maximum": high,
-        "error_title": "Not a number that fits",
-        "error_message": f"{asked} is needed; its unit stands in the unit cell.",
+        "error_title": "Invalid number",
+        "error_message": f"Type {asked}; its unit is in the unit cell.",
     }
 
 
@@ -86,6 +86,6 @@ def unit_list(field: Field) -> dict[str, Any]:
         "source": list(field.units),
         "show_error": False,
         "input_title": "Unit",
-        "input_message": "Choose a unit, or type another of the same dimension. The numbers are "
-        "read in it; they are not converted.",
+        "input_message": "Choose a unit, or type another of the same dimension. Numbers are read in this "
+        "unit; they are not converted.",
     }

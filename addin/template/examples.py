@@ -95,27 +95,28 @@ PROVENANCE: tuple[tuple[str, str], ...] = (
     ),
     (
         "Constructed",
-        "The paper prints no mass-elastic data, torque curves, diameters or S-N data. Those of "
-        "this example are constructed: inertias, shaft and coupling stiffnesses so that Table 1 "
-        "is reproduced to six digits by changing the three couplings alone; torque curves; 1.5 % "
-        "modal damping; the 70.0 mm (2.756 in) stress diameter so that the proposed design gives "
-        "30,000 psi peak-to-peak; S-N line and SCF typical of a keyed alloy-steel shaft; pitch "
-        "radii and pressure angle of the gear. Everything about the modified design is then a "
-        "prediction.",
+        "The paper gives no mass-elastic data, torque curves, diameters or S-N data; those "
+        "of this example are constructed: inertias, shaft and coupling stiffnesses so that "
+        "changing only the three couplings reproduces Table 1 to six digits; torque curves; "
+        "1.5 % modal damping; the 70.0 mm (2.756 in) stress diameter so that the proposed "
+        "design gives 30,000 psi peak-to-peak; S-N line and SCF typical of a keyed "
+        "alloy-steel shaft; pitch radii and pressure angle of the gear. All results of the "
+        "modified design are therefore predictions.",
     ),
     (
         "Reference",
-        "An independent prototype (linear, from rest to 97 % speed, HP compressor shaft) gives: "
-        "proposed 29,990 psi peak-to-peak, modified 19,660 psi (the paper: 19,000); mesh torque "
-        "-0.889 to 2.019 x rated with 15 reversals and -0.362 to 1.605 x rated with 6; allowable "
-        "starts 448 and 14,830 (the paper: over 2,000); 97 % speed after 8.06 s. Stress, mesh "
-        "torque and time are 1 %-class figures, starts 10 %-class (the S-N exponent is 7.2).",
+        "An independent prototype (linear, from rest to 97 % speed, HP compressor shaft) "
+        "gives: proposed 29,990 psi peak-to-peak, modified 19,660 psi (the paper: 19,000); "
+        "mesh torque -0.889 to 2.019 x rated with 15 reversals and -0.362 to 1.605 x rated "
+        "with 6; allowable starts 448 and 14,830 (the paper: over 2,000); 97 % speed after "
+        "8.06 s. Stress, mesh torque and time are accurate to about 1 %, allowable starts to "
+        "about 10 % (S-N exponent 7.2).",
     ),
     (
         "Left blank",
-        "Yield strength, running loads and the makers' limits are not given. Backlash, mesh "
-        "damping, gear masses, bearings and the field are left blank in the two designs of the "
-        "paper, whose figures are of the linear train; the third example has them. The mesh "
+        "Yield strength, running loads and makers' limits are not given. Backlash, mesh "
+        "damping, gear masses, bearings and field are blank in the two designs of the paper, "
+        "whose results are for the linear train; the third example includes them. The mesh "
         "stiffness 6e9 N m/rad is torsional, on the bull gear.",
     ),
 )
@@ -353,7 +354,7 @@ def _duty(behind_mode_1: float) -> Sequence[Mapping[str, Value]]:
         ("strong supply", 6, 12, 105),
         ("by-passed", 12, 20, None, 0),
         ("hot restart", 4, 8, None, None, 1.2),
-        ("trip behind mode 1", 0.5, 1, None, None, None, behind_mode_1),
+        ("trip after crossing mode 1", 0.5, 1, None, None, None, behind_mode_1),
         ("supply sags to 50 %", None, None, 50),
     )
 

@@ -79,8 +79,9 @@ def _filled(
             continue
         if any(one.scale.base == TRANSMITTED_TORQUE for one in numbers):
             raise MixedUnits(
-                f"table {table.name}, column {column.name}: shares of the transmitted torque and torques "
-                "stand in one column. A workbook has one unit a column: write all of them in one."
+                f"table {table.name}, column {column.name}: shares of the transmitted torque and "
+                "torques are mixed, but a workbook column has one unit. Write all of them in one "
+                "unit."
             )
         unit = _absolute(column, system)
         units[table.name, column.name] = unit

@@ -36,7 +36,7 @@ _VALUE = 2
 #: Input tables that modes and margins need; a material is named by an element.
 _OF_TRAIN = ("Stations", "Elements", "Case", "Meshes", "ModeDamping", "Materials", "Excitations")
 #: Where a cell shows only a mark, as custom functions do.
-_SEE_ERROR = "Errors: choose the cell at the left, and the mark beside it says which."
+_SEE_ERROR = "Errors: select the cell at the left; the warning mark shows the message."
 #: Dimensions of the columns of the block of shafts.
 _GEOMETRY = (
     ("OD", "length"), ("ID", "length"), ("Length", "length"), ("Shear modulus", "pressure"),
@@ -49,8 +49,8 @@ LIVE_SHEET = Sheet(
      "K:M": 12, "N:P": 15},
     {},
     freeze="A4",
-    intro="Modes, margins and shaft stiffness of what is typed now, without a start. In cells of "
-    "your own: functions of LiveModel, such as TV_STARTS.",
+    intro="Modes, margins and shaft stiffness of the present inputs, without a start. For "
+          "other results, use functions of LiveModel, such as TV_STARTS, in your own cells.",
 )  # fmt: skip
 
 
@@ -179,15 +179,15 @@ class LiveSheets(ReferenceSheets):
             (
                 _SHOWN, "Model shown below",
                 f'=IF({good[every]},{every},IF({good[train]},{train},""))', shown,
-                f'=IF({model}="","None yet.",IF({good[every]},"All inputs.",'
-                '"Train, speeds and excitations: the other inputs have errors."))',
+                f"=IF({model}=\"\",\"No model yet.\",IF({good[every]},\"All inputs.\",\"Train, speeds and "
+                'excitations only: the other inputs have errors."))',
                 "All inputs." if shown else "None yet.", 15.0,
             ),
             (
                 _STORED, "Results on the other sheets", "", "",
-                f'=IF(run_SHA256="","Not calculated yet.",IF({good[every]},'
-                f'IF(MID({every},4,16)=LEFT(run_SHA256,16),"They belong to these inputs.",'
-                '"The inputs have changed since: recalculate."),"The inputs have errors."))',
+                f"=IF(run_SHA256=\"\",\"Not calculated yet.\",IF({good[every]},IF(MID({every},4,16)=LEFT(run_SHA256,16),\"Results "
+                'belong to the present inputs.","The inputs have changed: recalculate."),"The inputs '
+                'have errors."))',
                 "Not calculated yet.", 15.0,
             ),
         )  # fmt: skip
@@ -325,7 +325,7 @@ class LiveSheets(ReferenceSheets):
             _MARGINS - 1,
             _SHAFT,
             "Shaft stiffness",
-            "from geometry, beside the stiffness typed",
+            "from geometry, compared with the stiffness typed",
         )
         stiffness = _unit("torsional stiffness", self.system)
         headers = (

@@ -66,10 +66,9 @@ class ReferenceSheets(ResultSheets):
         self._heading(page, row, "Colours")
         for k, (style, sample, words) in enumerate(
             (
-                ("input", "1 234.5", "Typed by the engineer: inputs and the units they are in."),
-                ("result", "1 234.5", "Written by torsionbook; typed values are lost at the next "
-                 "recalculation."),
-                ("check", "1 234.5", "Live formula beside the engine's number, for the reviewer."),
+                ("input", "1 234.5", "Inputs typed by the engineer, with their units."),
+                ("result", "1 234.5", "Results of torsionbook; the next recalculation overwrites typed values."),
+                ("check", "1 234.5", "Live formula next to the calculated number, for the reviewer."),
             ),
             row + 1,
         ):  # fmt: skip

@@ -46,7 +46,9 @@ class ResultSheets(FrontSheets):
         """Data of the governing shaft and the sum over its cycles, above table `StartCycles`."""
         page = self.sheets["Starts"]
         row, left = xl_cell_to_rowcol(CYCLE_FACTS_AT)
-        page.write_string(row, left, "From the cycles to 1 / q", self.style("caption"))
+        page.write_string(
+            row, left, "From stress cycles to allowable starts 1 / q", self.style("caption")
+        )
         for k, (label, formula, unit, number) in enumerate(CYCLE_FACTS, row + 1):
             page.merge_range(k, left, k, left + 2, label, self.style("key_label"))
             value = self.style("check_value", number)
@@ -142,7 +144,7 @@ class ResultSheets(FrontSheets):
         row = place.first - 5
         page.write_string(row, left, "Change", self.style("key_label"))
         page.write_number(row, left + 1, 0.01, self.style("input", "0.0%"))
-        words = "of one stiffness or inertia at a time; type another"
+        words = "of one stiffness or inertia at a time; type your own value"
         page.write_string(row, left + 2, words, self.style("note_beside"))
         cell = xl_rowcol_to_cell(row, left + 1, True, True)
         self.workbook.define_name(CHANGE_NAME, f"='{place.sheet}'!{cell}")

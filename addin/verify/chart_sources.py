@@ -63,11 +63,11 @@ def compare_copies(workbook: Workbook, charts: Sequence[DrawnChart]) -> Iterator
         wrong = [one for drawn in chart.references() for one in _wrong_points(workbook, drawn)]
         if wrong:
             (sheet, cell), carried, held = wrong[0]
-            more = "" if len(wrong) == 1 else f", and so {len(wrong) - 1:,} more"
+            more = "" if len(wrong) == 1 else f", and {len(wrong) - 1:,} more likewise"
             yield Finding(
                 "chart", chart.sheet, chart.cell,
-                f"{_called(chart)} carries {_shown(carried)} for {quoted_sheet(sheet)}!{cell}, where "
-                f"{_shown(held)} stands{more}",
+                f"{_called(chart)} shows {_shown(carried)} for {quoted_sheet(sheet)}!{cell}, but the "
+                f"cell contains {_shown(held)}{more}",
                 found=carried, expected=held,
             )  # fmt: skip
 
@@ -143,11 +143,11 @@ def _astray(one: _Expected, chart: DrawnChart, series: Sequence[Series]) -> str:
     if missing and extra:
         wanted = next(cells for _, *cells in one.series if tuple(cells) in missing)
         found = next(cells for _, *cells in series if tuple(cells) in extra)
-        return f"{_called(chart)} draws {_pair(found)}, not {_pair(wanted)} as it was written"
+        return f"{_called(chart)} draws {_pair(found)}, not {_pair(wanted)} as torsionbook wrote it"
     names = [] if missing else _other_names(one, series)
     if names:
         other, name = names[0]
-        return f"{_called(chart)} names a series by {_place(other)}, not by {_place(name)}"
+        return f"{_called(chart)} takes a series name from {_place(other)}, not from {_place(name)}"
     return ""
 
 

@@ -25,7 +25,7 @@ def verify_file(
     is_json = source.suffix.lower() == ".json"
     if is_json:
         if case is None:
-            sentence = "A result JSON holds no inputs: name its case with --case CASE.json."
+            sentence = "A result JSON contains no inputs: name its case with --case CASE.json."
             return _not_verified(source, sentence)
         inputs = case
         try:
@@ -36,7 +36,7 @@ def verify_file(
     if isinstance(read, Unreadable):
         return _not_verified(source, read.problems[0].message, read.problems)
     if read.problems:
-        sentence = "Its inputs have errors, so that nothing can follow from them."
+        sentence = "Its inputs have errors, so results cannot be verified. Run torsionbook check."
         return _not_verified(source, sentence, read.problems)
     if is_json:
         return verify_results_json(source, content, read, within=within, on_stage=on_stage)

@@ -23,7 +23,7 @@ class Agreement(IntEnum):
 
 #: In words.
 AGREEMENTS = {
-    Agreement.BITS: "equal to the bit",
+    Agreement.BITS: "identical",
     Agreement.DIGITS: "equal in the digits shown",
     Agreement.ERROR: "within the reported error",
     Agreement.DIFFERENT: "different",
@@ -144,15 +144,15 @@ def concluded(about: Verification, counts: list[Counts], findings: list[Finding]
     if failing == 0 and unjudged:
         outcome = "not verified"
         sentence = (
-            f"All {results:,} results in tables follow from the inputs, but formulas that show verdicts "
-            "or key numbers could not be judged."
+            f"All {results:,} results in tables agree with the inputs, but formulas for verdicts "
+            "or key numbers could not be checked."
         )
     elif failing == 0:
-        outcome, sentence = "follows", f"All {results:,} results follow from the inputs."
+        outcome, sentence = "follows", f"All {results:,} results agree with the inputs."
     else:
         outcome = "does not follow"
         one = "1 thing does" if failing == 1 else f"{failing:,} things do"
-        sentence = f"{one} not follow from the inputs, of {results:,} results compared."
+        sentence = f"{one} not agree with the inputs, of {results:,} results compared."
         if about.recorded and not about.same_inputs:
             sentence = f"The results belong to other inputs. {sentence}"
     return replace(
@@ -164,7 +164,7 @@ def not_calculated(
     about: Verification, problems: tuple[CellProblem, ...], findings: Sequence[Finding] = ()
 ) -> Verification:
     """The outcome where the inputs cannot be calculated."""
-    sentence, listed = "Its inputs cannot be calculated.", tuple(findings)
+    sentence, listed = "Its inputs cannot be calculated. Run torsionbook check.", tuple(findings)
     return replace(
         about, outcome="not verified", sentence=sentence, findings=listed, problems=problems
     )

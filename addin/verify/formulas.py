@@ -155,9 +155,9 @@ def _lines(workbook: Workbook) -> Iterator[OwnFormula]:
             None,
         )
         if moved:
-            yield OwnFormula(sheet, *moved, formula, "line of words")
+            yield OwnFormula(sheet, *moved, formula, "text line")
         elif workbook.value(sheet, first) not in (None, ""):
-            yield OwnFormula(sheet, *parse_cell(first), formula, "line of words")
+            yield OwnFormula(sheet, *parse_cell(first), formula, "text line")
 
 
 def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
@@ -176,9 +176,7 @@ def typed_over(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
         standing = {words for _, _, words in _words_of(workbook, sheet)}
         for label in formulas:
             if plain(label) not in standing:
-                sentence = (
-                    f"the label '{label}' is missing, so that nothing tells which number is meant"
-                )
+                sentence = f"the label '{label}' is missing, so the number cannot be identified"
                 yield Finding("edited", sheet, "", sentence, expected=label, fails=same_version)
     yield from _verdict_astray(workbook)
 
@@ -193,15 +191,15 @@ def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
     """The name of the overall verdict on another sheet, and verdicts that no formula gives."""
     name, summary = workbook.defined_names.get("OverallVerdict"), summary_sheet(workbook)
     if name is None or name.sheet is None or name.rect is None:
-        yield Finding("edited", summary or "", "", "the name OverallVerdict leads to no cell")
+        yield Finding("edited", summary or "", "", "the name OverallVerdict refers to no cell")
     elif summary is not None:
         at = cell_name(name.rect.top, name.rect.left)
         titles = {plain(label) for _, _, _, label, _ in TITLE_BLOCK}
         columns = {c for _, c, words in _words_of(workbook, summary) if words in titles}
         if name.sheet != summary or (columns and name.rect.left not in columns):
             sentence = (
-                "the name OverallVerdict leads here, not to the verdict below the title block of "
-                f"sheet {summary}"
+                "the name OverallVerdict refers to this cell, not to the verdict below the title "
+                f"block of sheet {summary}"
             )
             yield Finding("edited", name.sheet, at, sentence)
     specs = {spec.name for spec in (*RESULT_TABLES, *WORKBOOK_TABLES, *INPUT_TABLES)}
@@ -220,7 +218,9 @@ def _verdict_astray(workbook: Workbook) -> Iterator[Finding]:
                 continue
             if name and (name.sheet, name.rect) == (sheet, Rect(row, column, row, column)):
                 continue  # told as a formula typed over
-            sentence = f"'{shortened(shown, 60)}' stands here as a verdict, and no formula gives it"
+            sentence = (
+                f"the verdict '{shortened(shown, 60)}' is typed here, not calculated by a formula"
+            )
             yield Finding("edited", sheet, cell_name(row, column), sentence, found=shown)
 
 
@@ -230,14 +230,15 @@ def _replaced(workbook: Workbook, own: OwnFormula) -> Finding:
     if not isinstance(value, Formula):
         shown = plain_value(value)
         words = "nothing" if shown is None else f"'{shortened(str(shown), 60)}'"
-        sentence = f"{own.what}: {words} stands where a live formula was"
+        sentence = f"{own.what}: {words} replaces a live formula"
         return Finding("edited", own.sheet, own.cell, sentence, own.table, "", own.header, shown)
     sentence = (
-        f"{own.what}: the formula is ={shortened(value.text, 90)}, not the one of this version"
+        f"{own.what}: the formula is ={shortened(value.text, 90)}, different from that of "
+        "this version"
     )
     nothing = reads_nothing(workbook, value.text)
     return Finding(
-        "edited", own.sheet, own.cell, f"{sentence}; it reads no cell" if nothing else sentence,
+        "edited", own.sheet, own.cell, f"{sentence}; it refers to no cell" if nothing else sentence,
         own.table, "", own.header, value.text, _bare(own.formula), fails=nothing,
     )  # fmt: skip
 
@@ -287,7 +288,7 @@ def old_values(
             own = restored.get((sheet, row, column))
             shows, follows = old.constant(row, column), new.constant(row, column)
             if shows is None and own is not None and follows not in (None, ""):
-                sentence = f"{own.what}: the formula in place of ours shows nothing to be judged"
+                sentence = f"{own.what}: the changed formula gives no result to check"
                 yield Finding("edited", sheet, own.cell, sentence, expected=plain_value(follows))
             if shows is None or follows is None:
                 continue
@@ -295,12 +296,12 @@ def old_values(
             standing_here = RecordedValue(shows, number_format=formats[style] if formats else "")
             if agreement(standing_here, follows) <= Agreement.DIGITS:
                 continue
-            kind, what = ("edited", f"{own.what}: the formula in place of ours") if own else (
+            kind, what = ("edited", f"{own.what}: changed formula") if own else (
                 "old value", "the formula"
             )  # fmt: skip
             yield Finding(
                 kind, sheet, cell_name(row, column),
-                f"{what} shows {value_in_words(shows)}, {value_in_words(follows)} follows",
+                f"{what} shows {value_in_words(shows)}, recalculation gives {value_in_words(follows)}",
                 next((t.name for t in tables if t.ref.has(row, column)), ""), found=plain_value(shows),
                 expected=plain_value(follows),
             )  # fmt: skip

@@ -49,8 +49,8 @@ def read_results_json(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path.name} is not JSON ({error}).") from error
     if not isinstance(content, dict) or "case_sha256" not in content:
         raise ValueError(
-            f"{path.name} holds no results: it has no key case_sha256. Name a file that torsionbook "
-            "recalc --json wrote."
+            f"{path.name} contains no results (no key case_sha256). Name a file written by "
+            "torsionbook recalc --json."
         )
     return content
 
@@ -144,12 +144,12 @@ def _on_digests(about: Verification, of_audit_table: str) -> Iterator[Finding]:
     if not about.same_inputs:
         yield Finding(
             "digest", "", "case_sha256",
-            f"the results were calculated from inputs with SHA-256 {short_digest(about.recorded)}, those "
-            f"of the case have {short_digest(about.inputs)}: this is another case",
+            f"the results were calculated from inputs with SHA-256 {short_digest(about.recorded)}, "
+            f"but the case has {short_digest(about.inputs)}. Name the case that belongs to them.",
             found=about.recorded, expected=about.inputs,
         )  # fmt: skip
     if of_audit_table and of_audit_table != about.recorded:
-        yield Finding("digest", "", "audit", "case_sha256 and table Audit name different inputs")
+        yield Finding("digest", "", "audit", "case_sha256 and table Audit disagree")
 
 
 def _table_pairs(content: Mapping[str, Any], expected: Mapping[str, Any]) -> Iterator[TablePair]:
@@ -192,5 +192,5 @@ def _nested(
     how = agreement(RecordedValue(found, path), expected, share)
     counts.of[how] += 1
     if how is not Agreement.BITS:
-        sentence = f"{found} stands here, {expected} follows"
+        sentence = f"{found} is recorded, recalculation gives {expected}"
         yield Finding("different", "", path, sentence, found=found, expected=expected), how

@@ -49,7 +49,8 @@ def compare_units(workbook: Workbook, same_version: bool) -> Iterator[Finding]:
         unit = str(shown or "")
         yield Finding(
             "edited", own.sheet, cell_name(*beside),
-            f"{own.what}: the unit '{shortened(unit, 30)}' stands beside the number, which is in {expected}",
+            f"{own.what}: the unit shown is '{shortened(unit, 30)}', but the number is in "
+            f"{expected}",
             found=unit, expected=expected, fails=same_version,
         )  # fmt: skip
 

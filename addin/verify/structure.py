@@ -32,11 +32,11 @@ def missing_tables(workbook: Workbook) -> Iterator[Finding]:
         at = _as_cells(workbook, spec)
         if at is None and spec in WORKBOOK_TABLES:
             continue
-        sentence = f"the workbook has no table {spec.name}: its results were taken out"
+        sentence = f"the workbook has no table {spec.name}: its results were removed"
         if at is not None:
             sentence = (
-                f"{spec.name} is a range of cells here, no table: nothing in it was compared. Make it "
-                f"a table of that name again, or recalculate in a new template"
+                f"{spec.name} is a range of cells, not a table: nothing in it was compared. Restore "
+                "the table with that name, or recalculate in a new template"
             )
         yield Finding("table missing", *(at or ("", "")), sentence, spec.name)
 
@@ -48,14 +48,17 @@ def odd_columns(workbook: Workbook) -> Iterator[Finding]:
         if table is None:
             continue
         if table.header_row is None:
-            sentence = "the table shows no headers, so that nobody can tell its columns apart"
+            sentence = (
+                "the table header is hidden, so its columns cannot be identified. Switch it on "
+                "(Table Design > Header Row)"
+            )
             yield Finding("edited", table.sheet, "", sentence, spec.name)
             continue
         for k, name in enumerate(table.columns):
             cell = cell_name(table.header_row, table.ref.left + k)
             shown = workbook.shown_value(table.sheet, cell)
             if plain(shown) != plain(name):
-                sentence = f"the header shows '{shortened(str(shown), 60)}', the column is '{name}'"
+                sentence = f"the header shows '{shortened(str(shown), 60)}' instead of '{name}'"
                 about = (spec.name, "", name, str(shown), name)
                 yield Finding("edited", table.sheet, cell, sentence, *about)
         if spec not in INPUT_TABLES:
@@ -75,10 +78,10 @@ def _unknown_columns(workbook: Workbook, table: Table, spec: TableSpec) -> Itera
         if all(value in (None, "") for value in held):
             continue
         alike = next((one for one in missing if plain(one) == plain(name)), None)
-        sentence = f"the column '{name}' is none of ours and is not judged"
+        sentence = f"the column '{name}' is not from torsionbook and is not checked"
         if missing:
             lost = f"'{alike}'" if alike else " and ".join(f"'{one}'" for one in missing)
-            sentence = f"{sentence}, while {lost} is missing: give it its name back"
+            sentence = f"{sentence}, while {lost} is missing: restore its name"
         yield Finding(
             "edited" if missing else "not shown", table.sheet,
             cell_name(table.ref.top, column), sentence, spec.name, "", name, name, alike,

@@ -186,7 +186,7 @@ def _one_sided(
         row = table.recorded[j]
         kind, place = "row added", next((s.place for s in row.values() if s.place), "")
         name = _name(table, _values(row))
-        sentence = f"the row {name or 'without a name'} does not follow from the inputs"
+        sentence = f"the row {name or 'without a name'} does not agree with the inputs"
     if table.name != "Audit" or not is_own_of_each_run(name):
         fails = same_words or not _worded(table.name)
         yield Finding(kind, table.sheet, place, sentence, table.name, name, fails=fails)
@@ -231,17 +231,17 @@ def _finding(cell: Compared, within: Agreement, sure: bool, same_words: bool) ->
     shown, follows = value_in_words(found), value_in_words(wanted)
     kind, fails = "edited", True
     if cell.found.formula:
-        sentence = f"the formula ={shortened(cell.found.formula)} stands in place of a result"
+        sentence = f"the formula ={shortened(cell.found.formula)} replaces a result"
     elif isinstance(wanted, int | float) and isinstance(found, str | ErrorValue):
-        sentence = f"the text '{shown}' stands in place of the number {follows}"
+        sentence = f"the text '{shown}' replaces the number {follows}"
     elif sure and not cell.is_rounding:
-        sentence = f"{shown} stands here, {follows} was written"
+        sentence = f"{shown} is recorded, torsionbook wrote {follows}"
     elif cell.agreement <= within:
         return None
     else:
-        kind, sentence = "different", f"{shown} stands here, {follows} follows"
+        kind, sentence = "different", f"{shown} is recorded, recalculation gives {follows}"
         if not same_words and not cell.is_number and _worded(cell.table, cell.column):
-            fails, sentence = False, f"{sentence}, in the words of this version"
+            fails, sentence = False, f"{sentence}, in the wording of this version"
     return Finding(
         kind, cell.sheet, cell.found.place, sentence, cell.table, cell.row, cell.column,
         plain_value(found), plain_value(wanted), fails,
@@ -270,8 +270,9 @@ def _in_other_units(
         first = cells[0]
         findings[table, column] = Finding(
             "different", first.sheet, first.found.place,
-            f"all {len(cells)} numbers of the column are {ratios[0]:.6g} times what follows in the "
-            f"unit above it, {unit}: the unit was changed after the calculation. Recalculate.",
+            f"all {len(cells)} numbers of the column are {ratios[0]:.6g} times the recalculated "
+            f"values in the unit shown, {unit}: the unit was changed after the calculation. "
+            "Recalculate.",
             table, "", column, plain_value(first.found.value),
             plain_value(first.expected),
         )  # fmt: skip

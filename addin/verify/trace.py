@@ -51,7 +51,7 @@ def traced(source: Path, wanted: str) -> Iterator[str]:
     specs = {name.casefold(): spec for name, spec in _RESULTS.items()}
     spec = specs.get(match[1].casefold()) if match else None
     if not match or spec is None:
-        raise ValueError(f"'{wanted}' is no result table; there are {', '.join(_RESULTS)}.")
+        raise ValueError(f"'{wanted}' is not a result table. Choose one of {', '.join(_RESULTS)}.")
     columns = [f for f in spec.every_column if not match[2] or _is(f, match[2], spec)]
     if not columns:
         names = ", ".join(f.name for f in spec.every_column)
@@ -74,7 +74,9 @@ def _cell(traced_workbook: _Traced, wanted: str) -> Iterator[str]:
         sheet, cell = split_sheet(wanted.strip())
         row, column = parse_cell(cell.replace("$", "").upper())
     except ValueError:
-        raise ValueError(f"'{wanted}' is no cell; write it as 'Steady state!H9'.") from None
+        raise ValueError(
+            f"'{wanted}' is not a cell address; write it as 'Steady state!H9'."
+        ) from None
     workbook = traced_workbook.workbook
     for spec in _RESULTS.values():
         table = workbook.tables.get(spec.name)
@@ -87,7 +89,8 @@ def _cell(traced_workbook: _Traced, wanted: str) -> Iterator[str]:
         field = fields.get(header.casefold())
         if field is None:
             raise ValueError(
-                f"{wanted} is in a column of your own, {header}, of table {spec.name}."
+                f"{wanted} is in column {header} of table {spec.name}, which you added and "
+                "torsionbook does not calculate."
             )
         context = traced_workbook.row_of(table, spec, row)
         name = ", ".join(str(context[c]) for c in spec.row_name if c in context)
@@ -96,7 +99,7 @@ def _cell(traced_workbook: _Traced, wanted: str) -> Iterator[str]:
         yield from _definition(field)
         yield from traced_workbook.inputs(field, context)
         return
-    raise ValueError(f"{wanted} is in no result table. Result tables are {_places(workbook)}.")
+    raise ValueError(f"{wanted} is outside the result tables: {_places(workbook)}.")
 
 
 def _places(workbook: Workbook) -> str:

@@ -41,7 +41,7 @@ def lines(verification: Verification, everything: bool = False) -> Iterator[str]
         yield f"  {'' if finding.fails else 'note: '}{in_words(finding)}"
     if len(shown) < len(verification.findings):
         more = len(verification.findings) - len(shown)
-        yield f"  and {more:,} more; --all lists them, --json FILE writes them."
+        yield f"  and {more:,} more: --all lists them, --json FILE writes them."
 
 
 def in_words(finding: Finding) -> str:

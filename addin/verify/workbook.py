@@ -87,7 +87,7 @@ def verify_workbook(
         return replace(
             about,
             outcome="never calculated",
-            sentence="No result table holds anything. torsionbook recalc calculates it.",
+            sentence="All result tables are empty. Run torsionbook recalc.",
             findings=tuple(_on_studies(read)),
         )
     findings += _on_digest(workbook, recorded, inputs)
@@ -125,23 +125,23 @@ def _on_record(workbook: Workbook) -> Iterator[Finding]:
         _facts(workbook),
     )
     for setting in audit.unreadable:
-        sentence = f"the setting {setting} cannot be used again"
+        sentence = f"the setting {setting} is not usable in this version"
         yield Finding("settings", table.sheet if table else "", "", sentence, "Audit")
     sheet, cell, value = facts.get("run_SHA256", _NO_FACT)
     digest = str(value or "").strip()
     if digest and audit.digest and digest != audit.digest:
         yield Finding(
             "digest", sheet, cell,
-            f"the digest {short_digest(digest)} here is not {short_digest(audit.digest)} of table Audit: one of "
-            "them was edited", "RunFacts", "run_SHA256", "Value", digest, audit.digest,
+            f"the digest {short_digest(digest)} differs from {short_digest(audit.digest)} in "
+            "table Audit: one of them was edited", "RunFacts", "run_SHA256", "Value", digest, audit.digest,
         )  # fmt: skip
     elif not digest and audit.digest:
-        yield Finding("digest", "", "", "run_SHA256 is blank, while table Audit has a digest")
+        yield Finding("digest", "", "", "run_SHA256 is blank, but table Audit has a digest")
     for name, (sheet, cell, _) in facts.items():
         named = workbook.defined_names.get(name)
         at = named and named.rect and (named.sheet, cell_name(named.rect.top, named.rect.left))
         if at and at != (sheet, cell):
-            sentence = f"the name {name} leads here, not to {sheet}!{cell} where it is written"
+            sentence = f"the name {name} refers to this cell instead of {sheet}!{cell}"
             yield Finding("edited", at[0] or "", at[1], sentence, "RunFacts", name)
 
 
@@ -162,11 +162,11 @@ def _on_digest(workbook: Workbook, recorded: Provenance, inputs: str) -> Iterato
     if recorded.digest == inputs:
         return
     sheet, cell, _ = _facts(workbook).get("run_SHA256", _NO_FACT)
-    sentence = "no digest of the inputs is recorded, though there are results"
+    sentence = "the file has results but no digest of their inputs"
     if recorded.digest:
         sentence = (
-            f"the results were calculated from inputs with SHA-256 {short_digest(recorded.digest)}, those "
-            f"in the file have {short_digest(inputs)}: inputs were changed since"
+            f"the results were calculated from inputs with SHA-256 {short_digest(recorded.digest)}, "
+            f"but the file has {short_digest(inputs)}: inputs were changed since. Recalculate"
         )
     yield Finding(
         "digest", sheet, cell, sentence, "RunFacts", "run_SHA256", "Value", recorded.digest, inputs
@@ -188,17 +188,18 @@ def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
             yield Finding("digest", sheet, cell, sentence, "StudyFacts", name, "Value", digest)
         else:
             sentence = (
-                f"the study on sheet {study.on_sheet.sheet} names the inputs and rows that are in the "
-                f"file; its numbers are not calculated again here, but by torsionbook {command}"
+                f"the study on sheet {study.on_sheet.sheet} belongs to the inputs and rows in the "
+                f"file; its numbers are not verified here. Run torsionbook {command} to recalculate "
+                "them"
             )
             if not study.is_recorded:
-                sentence += "; what it wrote is not recorded: numbers edited by hand are not seen"
+                sentence += "; the file has no record of the numbers written, so manual edits are not detected"
             yield Finding("not compared", sheet, cell, sentence, "StudyFacts", name, fails=False)
         for table in study.edited:
             there = read.workbook.tables.get(table)
             sentence = (
-                f"table {table} does not hold what torsionbook {command} wrote: a cell, a row, a column "
-                "or the unit above one was changed by hand"
+                f"table {table} differs from what torsionbook {command} wrote: a cell, row, column or "
+                "unit was edited"
             )
             where = study.on_sheet.sheet if there is None else there.sheet
             yield Finding("edited", where, "", sentence, table)
@@ -232,7 +233,7 @@ def _compared(
     findings = [Finding("not shown", "", "", note, fails=False) for note in fresh.notes]
     for k, (wanted, shown) in enumerate(zip(chosen_elements(workbook), drawn, strict=False), 1):
         if wanted and wanted != shown:
-            sentence = f"history {k} draws {shown}, {wanted} was chosen since"
+            sentence = f"history {k} draws {shown}, but {wanted} was selected afterwards"
             findings.append(Finding("chart", "", "", sentence, fails=False))
     study = _has_study(workbook)
     by_name = {data.name: data for data in written}
@@ -251,8 +252,8 @@ def _compared(
     same_words = about.same_version or not known
     if not known:
         sentence = (
-            f"the file says that '{about.made_by}' made it, a version that this one does not know: its "
-            "words must be those of this version"
+            f"the file was made by '{about.made_by}', an unknown version; its texts are compared "
+            "with those of this version"
         )
         findings.append(Finding("different", "", "", sentence, "Audit", "Software", fails=False))
     allowances = Allowances(run.results)
@@ -275,7 +276,7 @@ def _drawings(workbook: Workbook, same_version: bool) -> list[Finding]:
         drawings = compare_drawings(workbook, charts, same_version)
         return [*drawings, *compare_copies(workbook, charts)]
     except PackageError as error:  # a chart that nobody can read is no result either
-        return [Finding("not shown", "", "", f"charts were not judged: {error}", fails=False)]
+        return [Finding("not shown", "", "", f"charts were not checked: {error}", fails=False)]
 
 
 def _rows(
@@ -347,7 +348,7 @@ def _facts_compared(
             one.of[how] += 1
         if how > Agreement.DIGITS:
             yield Finding(
-                "different", sheet, cell, f"{name}: '{stands}' stands here, '{follows}' follows",
+                "different", sheet, cell, f"{name}: '{stands}' is recorded, recalculation gives '{follows}'",
                 "RunFacts", str(name), "Value", stands, follows,
                 not isinstance(follows, str) or about.same_version or not _is_known(about),
             )  # fmt: skip
@@ -384,12 +385,12 @@ def _formulas_compared(
     except PackageError as error:
         obstacles = error.obstacles[:3] if isinstance(error, ObstaclesFound) else (error,)
         reason = " ".join(map(str, obstacles))
-        yield Finding("not shown", "", "", f"formulas were not judged: {reason}", fails=False)
+        yield Finding("not shown", "", "", f"formulas were not checked: {reason}", fails=False)
         yield from _of_unjudged(workbook, None, reason)
         return
     yield from old_values(workbook, fresh, left_out, _formats(workbook), restored)
     if report.removed:
-        sentence = f"{report.removed} formulas were not judged. {report.reason}"
+        sentence = f"{report.removed} formulas were not checked. {report.reason}"
         yield Finding("not shown", "", "", sentence, fails=False)
         yield from _of_unjudged(workbook, fresh, report.reason)
 
@@ -400,7 +401,7 @@ def _of_unjudged(workbook: Workbook, fresh: Workbook | None, reason: str) -> Ite
     if formulas:
         first, many = formulas[0], len(formulas)
         count = "1 live formula" if many == 1 else f"{many:,} live formulas"
-        sentence = f"{count} of ours, from here on, could not be judged. {reason}"
+        sentence = f"from here on, {count} torsionbook formulas could not be checked. {reason}"
         yield Finding("not judged", first.sheet, first.cell, sentence)
 
 

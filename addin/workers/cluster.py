@@ -67,7 +67,7 @@ class Cluster(Workers):
             with contextlib.suppress(AttributeError):
                 self._client.close(timeout=1)
             raise ClusterRefused(
-                f"The Dask scheduler at {address} cannot be used, or has no worker ({wrong}). Start "
+                f"The Dask scheduler at {address} is unreachable or has no workers ({wrong}). Start "
                 "them, or check the address."
             ) from wrong
         self.address = address
@@ -88,8 +88,8 @@ class Cluster(Workers):
             self.close()
             named = ", ".join(f"{worker} has {its}" for worker, its in other.items())
             raise ClusterRefused(
-                f"The workers of the cluster have another version of torsionbook: {named}; here it is "
-                f"{version()}. Install the same."
+                f"The workers of the cluster have another version of torsionbook: {named}; this "
+                f"computer has {version()}. Install the same version on both."
             )
 
     @property
@@ -120,11 +120,13 @@ class Cluster(Workers):
             raise self._lost()
         problem = future.exception()
         if isinstance(problem, KilledWorker):
-            return Crashed("workers that calculated it died")
-        return Crashed(f"the cluster answered with {problem!r}")
+            return Crashed("workers stopped during the calculation")
+        return Crashed(f"the cluster returned the error {problem!r}")
 
     def _lost(self) -> Stopped:
-        return Stopped(f"The Dask scheduler at {self.address} is lost. {self._when_lost}")
+        return Stopped(
+            f"Lost the connection to the Dask scheduler at {self.address}. {self._when_lost}"
+        )
 
     def close(self) -> None:
         """Give up what the cluster still has of this batch; the cluster goes on."""

@@ -366,8 +366,8 @@ def _last_words(status: int | None) -> str:
     """What is known of the end of a process, by its exit status."""
     if status is not None and status < 0:
         name = signal.Signals(-status).name if -status in set(signal.Signals) else str(-status)
-        return f"the process that calculated it was ended by {name}"
-    return f"the process that calculated it ended by itself (exit status {status})"
+        return f"{name} ended the calculation process"
+    return f"the calculation process ended unexpectedly (exit status {status})"
 
 
 # --- in the processes -----------------------------------------------------------------------------

@@ -47,9 +47,9 @@ class Stop:
         def asked(number: int, frame: FrameType | None) -> None:
             self.asked += 1
             tell(
-                "Stopping: what is being calculated is finished. Ctrl-C again gives it up."
+                "Stopping after the current calculations. Press Ctrl-C again to cancel them."
                 if self.asked == 1
-                else "Giving up what is being calculated."
+                else "Cancelling the current calculations."
             )
 
         if threading.current_thread() is not threading.main_thread():

@@ -222,8 +222,8 @@ def _write_workbook(
     )
     if report.caches.method == "removed":
         left = (
-            f"{report.caches.removed} formulas were left without a value, to be calculated when the "
-            f"workbook is opened: {report.caches.reason}"
+            f"{report.caches.removed} formulas have no stored value; they are calculated when you "
+            f"open the workbook: {report.caches.reason}"
         )
         return (*report.notes, left, *_on_inputs(read))
     renewed = report.caches.changed or report.caches.removed
@@ -235,16 +235,15 @@ def _on_inputs(read: WorkbookInput) -> Iterable[str]:
     without_value, changed = read.otherwise_now()
     if without_value:
         yield (
-            f"Inputs that are formulas were left without a value: {_some(without_value)}. They may "
-            "depend on results, and cannot be recalculated here for certain. Before the written "
-            "workbook can be calculated again, open it in Excel or LibreOffice and save it, or type "
-            "values there instead of the formulas."
+            "Some inputs are formulas that may depend on results; torsionbook left them without "
+            f"value: {_some(without_value)}. Open the written workbook in Excel or LibreOffice "
+            "and save it before the next calculation, or type values instead of the formulas."
         )
     if changed:
         yield (
-            f"Inputs that are formulas depend on results, and have changed with them: {_some(changed)}. "
-            "The results are those of the inputs before. Calculate again until they stay, or type "
-            "values there instead of the formulas."
+            f"Some inputs are formulas that depend on results and have changed: {_some(changed)}. "
+            "The results belong to the earlier input values. Recalculate until the values no "
+            "longer change, or type values instead of the formulas."
         )
 
 

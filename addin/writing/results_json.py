@@ -53,7 +53,7 @@ def results_to_json(run: Calculation, version: str) -> dict[str, Any]:
     unknown = set(run.tables) - {spec.name for spec in RESULT_TABLES}
     if unknown:
         raise InternalError(
-            f"results hold tables that addin.contract.tables does not know: {sorted(unknown)}"
+            f"results contain tables unknown to addin.contract.tables: {sorted(unknown)}"
         )
     for spec in RESULT_TABLES:
         if spec.name in run.tables:
@@ -141,7 +141,7 @@ def _plain(value: Any, where: str) -> Any:
     """A Python number, text or flag; scalars of numpy are converted."""
     value = value.item() if hasattr(value, "item") else value
     if isinstance(value, float) and not math.isfinite(value):
-        raise InternalError(f"the result {where} is {value}")
+        raise InternalError(f"the result {where} is {value}, not a finite number")
     if isinstance(value, (bool, int, float, str)):
         return value
     raise InternalError(f"the result {where} is a {type(value).__name__}, not a number or text")

@@ -50,8 +50,9 @@ _OPTIONAL = frozenset(table.name for table in fields.WORKBOOK_TABLES) | {
 }
 #: What the rows of a plain recalculation are, below `NO_STUDY`.
 ANALYSES = (
-    "Start: the linear start, all teeth in contact, from which the plan is made. Start with events: "
-    "the same with the effects that sheet Effects shows as on. Errors compare a step with its half."
+    "Start: linear start with all teeth in contact, on which the plan is based. Start "
+    "with events: the same with the effects that are on in sheet Effects. Errors compare "
+    "a step with half of it."
 )
 
 
@@ -475,8 +476,8 @@ def _present(workbook: Workbook, wanted: Sequence[TableData]) -> list[TableData]
             if data.name in _OPTIONAL:
                 continue
             workbook.notes.append(
-                f"The workbook has no table {data.name}; its results are not shown. They are in "
-                "the JSON, and a new template has the table."
+                f"The workbook has no table {data.name}; its results are only in the JSON. A new "
+                "template has the table."
             )
             continue
         kept.append(_cut_to_room(workbook, _with_columns(workbook, data, table.columns)))
@@ -494,7 +495,7 @@ def _cut_to_room(workbook: Workbook, data: TableData) -> TableData:
     if count < len(data.rows):
         workbook.notes.append(
             f"Table {data.name} has room for {count} of {len(data.rows)} rows; the others are in "
-            "the JSON. Move what stands below the table to see them all."
+            "the JSON. Move the cells below the table to see all rows."
         )
     return replace(data, rows=data.rows[:count])
 
@@ -530,7 +531,8 @@ def _with_columns(workbook: Workbook, data: TableData, there: Sequence[str]) -> 
     missing = [name for name in names if name.casefold() not in known]
     if missing:
         workbook.notes.append(
-            f"Table {data.name} has no column {', '.join(missing)}; it is not shown."
+            f"Table {data.name} has no column {', '.join(missing)}; its values are only in the "
+            "JSON."
         )
     formulas = {name: text for name, text in data.formulas.items() if name.casefold() in known}
     rows = [[row[k] for k in keep] for row in data.rows] if missing else data.rows

@@ -92,7 +92,9 @@ class Container:
         try:
             self._zip = zipfile.ZipFile(io.BytesIO(self.data))
         except _UNPACKING as problem:
-            raise _damaged(path, "it is cut off, or its list of contents is broken") from problem
+            raise _damaged(
+                path, "it is truncated, or its table of contents is damaged"
+            ) from problem
         self.entries = self._zip.infolist()
         _check_directory(self.entries, path, limits)
         _check_places(self.entries, self.data, self._zip.start_dir, path)
@@ -127,8 +129,8 @@ class Container:
             if self._inflated_size > self.limits.inflated:
                 raise WorkbookRefused(
                     "bomb",
-                    f"{self.path.name} would unpack to more than {self.limits.inflated // 2**20} MB of cells and "
-                    "charts, too much for a workbook of this kind. Move the data to a workbook of its own.",
+                    f"{self.path.name} would unpack to more than {self.limits.inflated // 2**20} MB of "
+                    "cells and charts, the limit for a workbook. Move bulk data to another workbook.",
                 )
             try:
                 self._inflated[name] = self._zip.read(entry)
@@ -149,9 +151,9 @@ class Container:
         if self._marks > self.limits.marks:
             raise WorkbookRefused(
                 "too large",
-                f"The part {shown_name(name)} of {self.path.name} brings the workbook to more cells than this program "
-                "works with, about 300,000 on sheets with inputs, results or formulas. Move the data to a workbook "
-                "of its own.",
+                f"With the part {shown_name(name)} of {self.path.name}, the workbook exceeds about "
+                "300,000 cells on sheets with inputs, results or formulas, the limit of torsionbook. "
+                "Move bulk data to another workbook.",
             )
         return data
 
@@ -215,19 +217,22 @@ def read_file(path: Path, limit: int = DEFAULT_LIMITS.file_size) -> bytes:
         about = path.stat()
         if not (stat.S_ISREG(about.st_mode) or stat.S_ISDIR(about.st_mode)):
             # A device or a pipe may never end.
-            raise WorkbookRefused("unreadable", f"{path} is a device or a pipe, not a workbook.")
+            raise WorkbookRefused(
+                "unreadable", f"{path} is a device or a pipe, not a workbook. Name a workbook."
+            )
         if about.st_size > limit:
             raise WorkbookRefused(
                 "too large",
-                f"{path.name} is larger than {limit // 2**20} MB, too large for a workbook of this kind.",
+                f"{path.name} is larger than {limit // 2**20} MB, the limit for a workbook. Move "
+                "bulk data to another workbook.",
             )
         return path.read_bytes()
     except ValueError as problem:
         raise WorkbookRefused(
-            "missing", f"{str(path)!r} cannot be the name of a file. Name the workbook."
+            "missing", f"{str(path)!r} is not a valid file name. Name the workbook."
         ) from problem
     except FileNotFoundError as problem:
-        raise WorkbookRefused("missing", f"{path} does not exist.") from problem
+        raise WorkbookRefused("missing", f"{path} does not exist. Check the path.") from problem
     except IsADirectoryError as problem:
         raise WorkbookRefused(
             "unreadable",
@@ -237,7 +242,8 @@ def read_file(path: Path, limit: int = DEFAULT_LIMITS.file_size) -> bytes:
     except PermissionError as problem:
         raise WorkbookRefused(
             "unreadable",
-            f"{path} may not be read. Close it in the spreadsheet program or ask for the right to read it.",
+            f"{path} cannot be read. Close it in the spreadsheet program, or ask for read "
+            "permission.",
         ) from problem
 
 
@@ -255,7 +261,7 @@ def _check_magic(data: bytes, path: Path) -> None:
         if "EncryptedPackage".encode("utf-16-le") in data:
             raise WorkbookRefused(
                 "encrypted",
-                f"{path.name} is protected by a password to open. Save a copy without that password and run again.",
+                f"{path.name} is password-protected. Save a copy without password and run again.",
             )
         raise WorkbookRefused(
             "xls",
@@ -265,7 +271,8 @@ def _check_magic(data: bytes, path: Path) -> None:
         raise WorkbookRefused("empty", f"{path.name} is empty.")
     if not data.startswith(_ZIP_MAGIC):
         raise WorkbookRefused(
-            "not a workbook", f"{path.name} is not an Excel workbook (.xlsx or .xlsm)."
+            "not a workbook",
+            f"{path.name} is not an Excel workbook (.xlsx or .xlsm). Name a workbook.",
         )
 
 
@@ -284,7 +291,8 @@ def _check_directory(entries: list[zipfile.ZipInfo], path: Path, limits: Limits)
     if total > limits.total_size:
         raise WorkbookRefused(
             "bomb",
-            f"{path.name} would unpack to {total // 2**20} MB; more than {limits.total_size // 2**20} MB is refused.",
+            f"{path.name} would unpack to {total // 2**20} MB; the limit is "
+            f"{limits.total_size // 2**20} MB.",
         )
 
 
@@ -301,12 +309,15 @@ def _check_places(entries: list[zipfile.ZipInfo], data: bytes, directory: int, p
             or start + _LOCAL_HEADER.size > len(data)
             or data[start : start + 4] != _ZIP_MAGIC
         ):
-            raise _damaged(path, f"the part {shown_name(entry.filename)} is not where it should be")
+            raise _damaged(
+                path, f"the part {shown_name(entry.filename)} is at a wrong position in the file"
+            )
         if start < end:
             raise WorkbookRefused(
                 "overlap",
-                f"{path.name} contains the part {shown_name(entry.filename)} inside another one, as no program packs "
-                "a workbook. It is not opened.",
+                f"{path.name} contains the part {shown_name(entry.filename)} inside another one, "
+                "unlike any normal workbook, and is not opened. Save it again in the spreadsheet "
+                "program.",
             )
         name_length, extra_length = struct.unpack_from("<HH", data, start + 26)
         begin = start + _LOCAL_HEADER.size
@@ -315,9 +326,7 @@ def _check_places(entries: list[zipfile.ZipInfo], data: bytes, directory: int, p
             raise _damaged(path, f"the part {shown_name(entry.filename)} is cut off")
         encoding = "utf-8" if entry.flag_bits & _UTF8_FLAG else "cp437"
         if data[begin : begin + name_length] != entry.orig_filename.encode(encoding):
-            raise _damaged(
-                path, f"the part {shown_name(entry.filename)} stands there under another name"
-            )
+            raise _damaged(path, f"the part {shown_name(entry.filename)} has two different names")
 
 
 def shown_name(name: str) -> str:
@@ -336,7 +345,8 @@ def _check_name(entry: zipfile.ZipInfo, seen: set[str], path: Path) -> None:
     ):
         raise WorkbookRefused(
             "path",
-            f"{path.name} contains a part named {shown_name(name)}, which points outside the workbook. It is not opened.",
+            f"{path.name} contains a part named {shown_name(name)}, which points outside the "
+            "workbook, and is not opened. Check where the file comes from.",
         )
     if name.lower() in seen:
         raise WorkbookRefused(
@@ -352,7 +362,8 @@ def _check_name(entry: zipfile.ZipInfo, seen: set[str], path: Path) -> None:
     if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise WorkbookRefused(
             "compression",
-            f"{path.name} is packed in a way that workbooks do not use. Open it in the spreadsheet program and save it again.",
+            f"{path.name} uses a compression that workbooks do not use. Save it again in the "
+            "spreadsheet program.",
         )
 
 
@@ -364,8 +375,9 @@ def _check_size(entry: zipfile.ZipInfo, path: Path, limits: Limits) -> None:
     if too_big or packed_too_well:
         raise WorkbookRefused(
             "bomb",
-            f"The part {shown_name(entry.filename)} of {path.name} would unpack from {entry.compress_size} to {entry.file_size} "
-            "bytes, which looks like an attack and not like a workbook. It is not opened.",
+            f"The part {shown_name(entry.filename)} of {path.name} would unpack from "
+            f"{entry.compress_size} to {entry.file_size} bytes, as in an attack file, and is not "
+            "opened. Check where the file comes from.",
         )
 
 

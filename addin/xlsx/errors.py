@@ -118,7 +118,7 @@ class ObstaclesFound(PackageError):
         lines = [str(one) for one in self.obstacles[: self.SHOWN]]
         if len(self.obstacles) > self.SHOWN:
             lines.append(f"... and {len(self.obstacles) - self.SHOWN} more.")
-        lines.append("Move that content elsewhere, save, and run again.")
+        lines.append("Move this content elsewhere, save, and run again.")
         super().__init__("\n".join(lines))
 
 

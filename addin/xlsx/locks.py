@@ -28,8 +28,9 @@ def check_not_open(path: Path) -> None:
             owner = ""
         who = f" by {owner}" if owner else ""
         raise WorkbookLocked(
-            f"{path.name} is open in {program}{who}. Save and close it there and run again. If nobody has it open, "
-            f"the file {lock_file.name} was left behind: delete it, or say --ignore-lock.",
+            f"{path.name} is open in {program}{who}. Save and close it there and run again. If it "
+            f"is not open anywhere, delete the leftover lock file {lock_file.name}, or use "
+            "--ignore-lock.",
             owner=owner,
             lock_file=lock_file.name,
         )

@@ -133,8 +133,8 @@ def save_with_macros(
     if any("vbaprojectsignature" in part.lower() for part in workbook.container.names):
         raise WorkbookRefused(
             "signed macros",
-            f"The macros of {workbook.path.name} carry a digital signature, which any change would "
-            "make invalid. Remove the signature in the VBA editor (Tools, Digital Signature).",
+            f"The macros of {workbook.path.name} have a digital signature, which any change would "
+            "invalidate. Remove it in the VBA editor (Tools, Digital Signature).",
         )
     writer = _Writer(workbook)
     writer.put_project(edit.project)

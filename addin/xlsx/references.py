@@ -87,7 +87,7 @@ def column_number(letters: str) -> int:
     27
     """
     if not (letters.isascii() and letters.isalpha() and len(letters) <= 3):
-        raise ValueError(f"{letters!r} are not the letters of a column")
+        raise ValueError(f"{letters!r} is not a column letter")
     number = 0
     for letter in letters.upper():
         number = number * 26 + ord(letter) - 64
@@ -128,7 +128,7 @@ def parse_cell(name: str) -> tuple[int, int]:
         raise ValueError(f"{name!r} is not the name of a cell")
     column, row = column_number(match.group(1)), int(match.group(2))
     if row > MAX_ROW or column > MAX_COLUMN:
-        raise ValueError(f"{name!r} lies outside a sheet")
+        raise ValueError(f"{name!r} is outside the sheet")
     return row, column
 
 
@@ -157,7 +157,7 @@ def parse_range(name: str) -> Rect:
         if bare_first.isdigit() and bare_last.isdigit():
             top, bottom = whole_number(bare_first), whole_number(bare_last)
             if top is None or bottom is None:
-                raise ValueError(f"{name!r} lies outside a sheet")
+                raise ValueError(f"{name!r} is outside the sheet")
             return _ordered(top, 1, bottom, MAX_COLUMN)
         if bare_first.isalpha() and bare_last.isalpha():
             return _ordered(1, column_number(bare_first), MAX_ROW, column_number(bare_last))
@@ -167,7 +167,7 @@ def parse_range(name: str) -> Rect:
 def _ordered(top: int, left: int, bottom: int, right: int) -> Rect:
     rect = Rect(min(top, bottom), min(left, right), max(top, bottom), max(left, right))
     if rect.top < 1 or rect.left < 1 or rect.bottom > MAX_ROW or rect.right > MAX_COLUMN:
-        raise ValueError(f"rows {top} to {bottom}, columns {left} to {right} lie outside a sheet")
+        raise ValueError(f"rows {top} to {bottom}, columns {left} to {right} are outside the sheet")
     return rect
 
 

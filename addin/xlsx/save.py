@@ -87,7 +87,8 @@ def save_package(
     with _beside(target, package, _mode(target, container.path)) as temporary:
         if temporary.read_bytes() != package:
             raise SaveRefused(
-                f"{target.name} was not written: the disk returned other data than were stored on it."
+                f"{target.name} was not written: the disk returned wrong data when read back. Check "
+                "the disk."
             )
         _check_source(container)
         backup = None
@@ -108,7 +109,7 @@ def _target(source: Path, destination: Destination) -> Path:
     path, in_place = destination.path, destination.in_place
     suffix = destination.suffix or source.suffix
     if destination.read_only:
-        raise SaveRefused(f"{source.name} was opened for reading only.")
+        raise SaveRefused(f"{source.name} was opened read-only.")
     if path is None and not in_place:
         raise SaveRefused("No file to write was named.")
     # A link is followed, so that the file behind it is replaced and the link stays.
@@ -116,17 +117,19 @@ def _target(source: Path, destination: Destination) -> Path:
     target = original if path is None else Path(os.path.realpath(path))
     if target == original and not in_place:
         raise SaveRefused(
-            f"{source.name} is the file that was opened; it is replaced only on request."
+            f"{source.name} is the file that was opened; use --in-place to replace it."
         )
     if target != original and in_place:
-        raise SaveRefused(
-            f"{source.name} shall be replaced, but another file was named: {target.name}."
-        )
+        raise SaveRefused(f"{source.name} is to be replaced, but the file named is {target.name}.")
     if target.suffix.lower() != suffix.lower():
-        what = "the kind of the workbook stays" if suffix == source.suffix else "it is of that kind"
+        what = (
+            "the file type of the workbook does not change"
+            if suffix == source.suffix
+            else "it has that file type"
+        )
         raise SaveRefused(
-            f"{target.name} must end in {suffix}: {what}, and Excel opens no file "
-            "whose name says otherwise."
+            f"{target.name} must end in {suffix}: {what}, and Excel does not open a file with a "
+            "wrong extension."
         )
     if target.exists() and not os.access(target, os.W_OK):
         raise SaveRefused(
@@ -141,7 +144,10 @@ def _verify(container: Container, package: bytes, change: PackageChange, check: 
     entries = {entry.filename: entry for entry in archive.infolist()}
     expected = [name for name in container.names if name not in change.dropped]
     if list(entries) != [*expected, *change.added]:
-        raise SaveRefused("Nothing was written: the new workbook would lack parts of the original.")
+        raise SaveRefused(
+            "Nothing was written: parts of the original would be missing in the new workbook. "
+            "Please report it."
+        )
     parts: dict[str, bytes] = {}
     for entry in container.entries:
         name = entry.filename
@@ -151,7 +157,9 @@ def _verify(container: Container, package: bytes, change: PackageChange, check: 
         elif name not in change.dropped and not _identical(
             container, entry, package, entries[name]
         ):
-            raise SaveRefused(f"Nothing was written: the part {name} would have changed.")
+            raise SaveRefused(
+                f"Nothing was written: the part {name} would have changed. Please report it."
+            )
     parts |= {name: archive.read(name) for name in change.added}
     wrong = [
         name
@@ -161,7 +169,8 @@ def _verify(container: Container, package: bytes, change: PackageChange, check: 
     wrong += check(parts)
     if wrong:
         raise SaveRefused(
-            f"Nothing was written: {', '.join(wrong[:10])} read back otherwise than written."
+            f"Nothing was written: {', '.join(wrong[:10])} differs when read back. Please report "
+            "it."
         )
 
 
@@ -180,11 +189,13 @@ def _check_source(container: Container) -> None:
         now = container.path.read_bytes()
     except OSError as problem:
         raise SourceChanged(
-            f"{container.path.name} can no longer be read ({problem}); nothing was written."
+            f"Nothing was written: {container.path.name} can no longer be read ({problem}). Check "
+            "the file and run again."
         ) from problem
     if now != container.data:
         raise SourceChanged(
-            f"{container.path.name} was changed by somebody else since it was opened; nothing was written. Run again."
+            f"{container.path.name} was changed by another program since it was opened; nothing "
+            "was written. Run again."
         )
 
 
@@ -212,7 +223,8 @@ def _beside(target: Path, data: bytes, mode: int) -> Iterator[Path]:
         )
     except OSError as problem:
         raise SaveRefused(
-            f"Nothing can be written in the folder {target.parent} ({problem.strerror})."
+            f"The folder {target.parent} is not writable ({problem.strerror}). Name another with "
+            "--out."
         ) from problem
     try:
         try:
@@ -223,7 +235,8 @@ def _beside(target: Path, data: bytes, mode: int) -> Iterator[Path]:
             os.chmod(name, mode)
         except OSError as problem:
             raise SaveRefused(
-                f"{target.name} could not be written ({problem.strerror})."
+                f"{target.name} could not be written ({problem.strerror}). Check the folder and free "
+                "disk space."
             ) from problem
         yield Path(name)
     finally:

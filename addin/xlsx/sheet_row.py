@@ -75,7 +75,7 @@ def index_row(sheet: str, number: int, element: Element) -> Row:
             if name:
                 before, last = last, column_number(name.removesuffix(ending))
                 if not before < last <= MAX_COLUMN:
-                    raise ValueError("out of order, or beyond the last column")
+                    raise ValueError("cells are out of order or beyond the last column")
             else:
                 # Cells without a name follow the one before them; that would go wrong once one is inserted.
                 last += 1

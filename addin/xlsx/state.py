@@ -140,7 +140,7 @@ class WorkbookState:
         """
         defined = in_any_capitals(self.defined_names, name)
         if defined is None or defined.rect is None:
-            what = "has no defined name" if defined is None else "has no cells behind the name"
+            what = "has no defined name" if defined is None else "has a defined name without cells"
             raise WorkbookMismatch(
                 f"{self.path.name} {what} {name!r}. Start from a new template or define it again."
             )
@@ -160,7 +160,8 @@ class WorkbookState:
         part = self.structure.worksheet_part(sheet)
         if part is None:
             raise WorkbookMismatch(
-                f"Sheet {sheet!r} of {self.path.name} is a chart sheet and has no cells."
+                f"Sheet {sheet!r} of {self.path.name} is a chart sheet and has no cells. Name a "
+                "worksheet."
             )
         if sheet not in self._sheets:
             data = self.container.charged(part)
@@ -254,7 +255,7 @@ class WorkbookState:
             for row in self.sheet_part(table.sheet).show_rows(table.data.top, table.data.bottom):
                 self.shown_rows.add(table.sheet, Rect(row, 1, row, MAX_COLUMN))
             self.notes.append(
-                f"The filter of table {table.name} was cleared, as it was set for the old rows."
+                f"The filter of table {table.name} was cleared because its rows changed."
             )
         if etree.tostring(root) != before:
             self._changed_tables[table.part] = serialise(root, self.container.read(table.part))

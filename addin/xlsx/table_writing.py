@@ -86,7 +86,8 @@ def plan_table(workbook: WorkbookState, data: TableData) -> TablePlan:
     new = table.resized(len(data.rows))
     if new.ref.bottom > MAX_ROW:
         raise WorkbookMismatch(
-            f"Table {table.name} cannot have {len(data.rows)} rows: the sheet ends before."
+            f"Table {table.name} cannot have {len(data.rows)} rows: they exceed the sheet. Move "
+            "the table up."
         )
     columns = [table.data.left + table.column_index(name) for name in names]
     formulas = [Formula(text) for text in data.formulas.values()]
@@ -204,8 +205,8 @@ def _give_up_rows(workbook: WorkbookState, plan: TablePlan) -> None:
                 sheet.remove_cells(Rect(row, column, row, column))
         names = ", ".join(cell_name(*one) for one in kept)
         workbook.notes.append(
-            f"Table {old.name} has fewer rows now; {old.sheet}!{names} below it, typed in column "
-            f"{old.columns[position]}, was left where it is."
+            f"Table {old.name} has fewer rows now; the content typed below it at {old.sheet}!{names}, "
+            f"in column {old.columns[position]}, was not moved."
         )
 
 

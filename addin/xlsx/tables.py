@@ -68,8 +68,8 @@ class Table:
             if column.casefold() == wanted:
                 return index
         raise WorkbookMismatch(
-            f"Table {self.name} on sheet {self.sheet} has no column {name!r}; it has {', '.join(self.columns)}. "
-            "Give the column its name back, or start from a new template."
+            f"Table {self.name} on sheet {self.sheet} has no column {name!r}; it has "
+            f"{', '.join(self.columns)}. Restore the column header, or start from a new template."
         )
 
     def resized(self, rows: int) -> Table:
@@ -141,7 +141,7 @@ def parse_table(root: Element, sheet: str, part: str) -> Table:
     ref = read_range(written, f"Table {name[:80]} on sheet {sheet}")
     if len(columns) != ref.width:
         raise damaged(
-            f"Table {name[:80]} on sheet {sheet} has {len(columns)} columns but says that it covers {ref}."
+            f"Table {name[:80]} on sheet {sheet} has {len(columns)} columns but covers {ref}."
         )
     table = Table(
         name=name,
@@ -154,7 +154,7 @@ def parse_table(root: Element, sheet: str, part: str) -> Table:
         part=part,
     )
     if table.data.height < 1:
-        raise damaged(f"Table {name[:80]} on sheet {sheet} covers {ref}, which leaves it no row.")
+        raise damaged(f"Table {name[:80]} on sheet {sheet} covers {ref} and has no data row.")
     return table
 
 
@@ -175,7 +175,7 @@ def check_places(tables: Sequence[Table]) -> None:
             if other.ref.meets(table.ref):
                 raise damaged(
                     f"Tables {other.name[:80]} ({other.ref}) and {table.name[:80]} ({table.ref}) on sheet "
-                    f"{table.sheet} cover the same cells."
+                    f"{table.sheet} overlap."
                 )
         above.append(table)
 

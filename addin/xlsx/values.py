@@ -65,7 +65,7 @@ class Formula:
     def __post_init__(self) -> None:
         text = self.text.strip().removeprefix("=")
         if not text or len(text) > MAX_FORMULA or _ILLEGAL.search(text):
-            raise ValueError(f"not a formula that a cell can hold: {self.text[:80]!r}")
+            raise ValueError(f"not a valid cell formula: {self.text[:80]!r}")
         object.__setattr__(self, "text", text)
         object.__setattr__(self, "cached", clean_constant(self.cached))
 
@@ -110,14 +110,12 @@ def _as_double(value: numbers.Real) -> float:
     try:
         return float(value)
     except OverflowError as problem:
-        raise ValueError("a number beyond 1.8e308 cannot be held by a cell") from problem
+        raise ValueError("a cell cannot store a number beyond 1.8e308") from problem
 
 
 def _finite(value: float) -> float:
     if not math.isfinite(value):
-        raise ValueError(
-            f"{value} is not a number that a cell can hold; write blank or a text instead"
-        )
+        raise ValueError(f"{value} is not a valid cell number; write blank or a text instead")
     return value
 
 

@@ -248,8 +248,8 @@ class Workbook(WorkbookState):
         if self.structure.is_signed():
             raise WorkbookRefused(
                 "signed",
-                f"{self.path.name} carries a digital signature, which any change would make invalid. "
-                "Save an unsigned copy and run on that.",
+                f"{self.path.name} has a digital signature, which any change would invalidate. Save "
+                "an unsigned copy and use that.",
             )
         self._read_only = False
         self._ignore_lock = ignore_lock
@@ -312,10 +312,13 @@ class Workbook(WorkbookState):
         if not self.changed:
             return
         if any(part.startswith("xl/pivotCache/") for part in self.container.names):
-            yield "Pivot tables show the values of the last time they were refreshed; refresh them in Excel."
+            yield "Pivot tables show old values until you refresh them in Excel."
         for part in self.container.names:
             if part.startswith("xl/drawings/drawing") and self._has_stale_text(part):
-                yield "Text boxes linked to cells show the new values only after the workbook was opened in Excel."
+                yield (
+                    "Text boxes linked to cells show new values only after you open the workbook in "
+                    "Excel."
+                )
                 return
 
     def _has_stale_text(self, part: str) -> bool:

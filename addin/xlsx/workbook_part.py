@@ -92,7 +92,7 @@ class WorkbookPart:
         self._relationships = {one.id: one for one in self.relationships(self.part)}
         root = container.tree(self.part)
         if root.tag != main("workbook"):
-            raise self._refused("not a workbook", "has a workbook part that is not one")
+            raise self._refused("not a workbook", "has an invalid workbook part")
         self._sheet_parts = self._find_sheets(root)
         self.names = self._find_names(root)
 

@@ -95,8 +95,9 @@ def in_short(problem: BaseException) -> str:
 def _dtd(name: str) -> WorkbookRefused:
     return WorkbookRefused(
         "dtd",
-        f"The part {name} of the workbook contains a document type declaration, which no spreadsheet program writes "
-        "and which can be used for attacks. It is not opened; find out where the file comes from.",
+        f"The part {name} of the workbook contains a document type declaration, which "
+        "spreadsheet programs do not write and which is used in attacks. It is not opened; "
+        "check where the file comes from.",
     )
 
 

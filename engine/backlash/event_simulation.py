@@ -379,7 +379,10 @@ class _Simulation:
             )  # fmt: skip
             if done:
                 if not np.all(np.isfinite(rows["q"][done - 1])):
-                    raise InternalError(f"the start became non-finite before {self.clock[0]:.4g} s")
+                    raise InternalError(
+                        f"the start diverged before {self.clock[0]:.4g} s: torques are no longer finite. "
+                        "Check stiffness and damping of the elements with a clearance"
+                    )
                 self.recorder.add(rows, done)
             if logged:
                 self.recorder.log.append(log[:logged].copy())

@@ -318,11 +318,11 @@ def _script(
     field_speed = trip_speed = None
     if effects.pull_in:
         if case.field_slip is None or case.pull_out_torque is None:
-            raise ModelError("Pull-in needs FieldSlip and PullOutTorque.")
+            raise ModelError("Pull-in needs FieldSlip and PullOutTorque. Type both on sheet Case.")
         field_speed, end_speed = (1.0 - case.field_slip) * synchronous, None
     if effects.aborted_start:
         if case.trip_speed is None:
-            raise ModelError("An aborted start needs TripSpeed.")
+            raise ModelError("An aborted start needs TripSpeed. Type it on sheet Case.")
         trip_speed = case.trip_speed
         if field_speed is None:
             end_speed = None
@@ -476,14 +476,14 @@ def _outcome(
     if linear.runup is None or synchronous is None:
         outcome = replace(linear.outcome, end_speed=speed)
         if run.gave_up:
-            text = f"Stopped after {run.trajectory.n_steps} steps at {end:.4g} s."
+            text = f"The run reached its step limit: {run.trajectory.n_steps} steps at {end:.4g} s."
             outcome = replace(outcome, outcome=Outcome.TIME_OUT, time=end, sentence=text)
         return outcome
     share, rpm = speed / synchronous, speed * 30.0 / math.pi
     if run.gave_up:
         text = (
             f"Time out: stopped after {run.trajectory.n_steps} steps at {end:.4g} s ({share:.1%} "
-            f"speed), {len(run.log)} changes of contact so far. Check stiffness and damping of the "
+            f"speed), with {len(run.log)} contact changes. Check stiffness and damping of the "
             "elements with a clearance."
         )
         return StartOutcome(Outcome.TIME_OUT, end, speed, text)
@@ -501,8 +501,8 @@ def _outcome(
     if pull_in is not None and not (pull_in.synchronised or run.settled):
         text = (
             f"Time out: field applied after {pull_in.field_time:.3f} s at a slip of "
-            f"{pull_in.field_slip:.2%}; neither in step nor surely out of it after {end:.3f} s, at "
-            f"{share:.2%} speed. Raise MaximumTime."
+            f"{pull_in.field_slip:.2%}; after {end:.3f} s, at {share:.2%} speed, the motor has "
+            "neither pulled in nor clearly failed to. Raise MaximumTime."
         )
         return StartOutcome(Outcome.TIME_OUT, end, speed, text)
     if pull_in is not None:
@@ -510,9 +510,9 @@ def _outcome(
     if run.waits_for_angle:
         angle = math.degrees(case.field_angle or 0.0)
         text = (
-            f"Not synchronised: the field was never applied. Its slip was reached, but the load "
-            f"angle did not come to FieldAngle ({angle:.4g} degrees) until {end:.3f} s, at "
-            f"{share:.2%} speed."
+            "Not synchronised: the field was not applied. FieldSlip was reached, but the load "
+            f"angle did not reach FieldAngle ({angle:.4g} degrees) until {end:.3f} s, at "
+            f"{share:.2%} speed. Change FieldAngle or raise MaximumTime."
         )
         return StartOutcome(Outcome.NOT_SYNCHRONISED, end, speed, text)
     return outcome_of(linear.runup, settings_of(case), run.trajectory, end, synchronous)

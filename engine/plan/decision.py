@@ -72,15 +72,15 @@ def decide(
     on = finding.possible and (choice == "on" or (choice == "auto" and finding.wanted))
     bound, why, warning = None if on else finding.bound, finding.why, None
     if choice == "off" and finding.wanted:
-        bound, why = None, f"Forced off although called for: {finding.why}"
-        warning = f"Effect '{effect.name}' is forced off although it is called for: {finding.why}"
+        bound, why = None, f"Forced off although required: {finding.why}"
+        warning = f"Effect '{effect.name}' is forced off although required: {finding.why}"
     elif choice == "on" and not finding.possible:
         why = f"Forced on, but there is nothing to simulate: {finding.why}"
         warning = f"Effect '{effect.name}' is forced on, but cannot be simulated: {finding.why}"
     elif choice == "on" and not finding.wanted:
-        why = f"Forced on; the evidence says off: {finding.why}"
+        why = f"Forced on; the estimate says off: {finding.why}"
     elif choice == "off":
-        why = f"Forced off, as the evidence says: {finding.why}"
+        why = f"Forced off, in agreement with the estimate: {finding.why}"
     if finding.possible and not on and finding.while_off:
         why = f"{why} {finding.while_off}"
     cost = effect.cost if finding.cost is None else finding.cost

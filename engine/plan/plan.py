@@ -101,7 +101,7 @@ def revised_plan(case: CaseData, plan: Plan, evidence: Evidence) -> Plan:
         names = ", ".join(
             f"'{m.element}' ({m.lowest:.2g} of its largest torque)" for m in reversed_since
         )
-        reasons.append(f"torque reversed where no gap was modelled: {names}")
+        reasons.append(f"torque reversed without a modelled clearance: {names}")
         modelled = (*modelled, *(m.element for m in reversed_since))
     counting = plan.decision("cycle counting")
     if evidence.event.must_count and not counting.on and counting.choice == "auto":
@@ -143,7 +143,10 @@ def _plan(
         if evidence.start or not effect.of_the_start:
             finding = FINDINGS[name](case, evidence, modelled)
         else:
-            finding = Finding.impossible("Neither motor curve nor prescribed torque.")
+            finding = Finding.impossible(
+                "Neither a motor curve nor a prescribed torque: no start. Type MotorTorque or "
+                "TorqueTime."
+            )
         decision, warning = decide(effect, choice_of(case, name), finding, wall_time)
         decisions.append(decision)
         if warning:

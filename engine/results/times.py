@@ -10,7 +10,7 @@ from engine.plan.plan import Plan
 from engine.results.results import AccuracyRow, Results
 
 #: Stage in which the loop of runs with events is compiled: its time is no analysis's.
-COMPILING_EVENTS = "compiling the routines for clearances and pull-in, once on this machine"
+COMPILING_EVENTS = "compiling the clearance and pull-in routines (only once on this machine)"
 
 
 def _totals(spent: Iterable[tuple[str, float]]) -> dict[str, float]:

@@ -56,7 +56,9 @@ def _steady(steady: SteadyState) -> Iterator[Verdict]:
     judged = [r for r in steady.rows if r.allowable is not None]
     if any(r.verdict == Judgement.UNBOUNDED for r in steady.rows):
         row = next(r for r in steady.rows if r.verdict == Judgement.UNBOUNDED)
-        where = f"{row.excitation} at {row.frequency:.4g} Hz: no damping at a resonance"
+        where = (
+            f"{row.excitation} at {row.frequency:.4g} Hz: undamped resonance, response unbounded"
+        )
         yield Verdict(
             "Steady-state response", Judgement.UNBOUNDED, None, "text", Judgement.FAIL, where
         )
@@ -97,7 +99,7 @@ def _outcome(case: CaseData, start: Start) -> Verdict:
     if case.field_slip is not None and choice_of(case, "pull-in") != "off":
         wanted = Outcome.SYNCHRONISED
         if o.outcome in (Outcome.REACHED, Outcome.ASYNCHRONOUS):
-            where = f"{o.sentence} The slip at which the field is applied was not reached."
+            where = f"{o.sentence} The start did not reach the slip for field application."
             return Verdict("Start", o.outcome, wanted, "text", Judgement.FAIL, where)
     return Verdict("Start", o.outcome, wanted, "text", verdict, o.sentence)
 
@@ -137,7 +139,7 @@ def _starts(case: CaseData, start: Start | None, starts: AllowableStarts | None)
     if start is None or starts is None or not starts.shafts:
         pass
     elif start.outcome.outcome not in WHOLE_STARTS:
-        where = f"not a whole start: {start.outcome.outcome}"
+        where = f"incomplete start: {start.outcome.outcome}"
     elif starts.judged_starts is None:
         result = "unlimited"
         if required is not None:

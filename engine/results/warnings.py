@@ -44,9 +44,9 @@ def _unstable_feedback(results: Results) -> Iterator[str]:
             mode = int(grown[0])
             yield (
                 f"The average torque of '{train.stations[motor.station]}' rises with speed faster "
-                f"than the damping of mode {mode - modes.n_rigid + 1} "
-                f"({modes.frequency[mode]:.4g} Hz) takes out: with torque following every "
-                "oscillation of the rotor that mode may grow by itself. Check its damping ratio."
+                f"than the damping of mode {mode - modes.n_rigid + 1} ({modes.frequency[mode]:.4g} "
+                "Hz) dissipates: if the torque follows the speed oscillation, this mode is "
+                "self-excited. Check its damping ratio."
             )
 
 
@@ -62,7 +62,10 @@ def _start_warnings(results: Results) -> Iterator[str]:
     n_elastic = modes.n_modes - modes.n_rigid
     for row in case.mode_damping:
         if row.mode is not None and row.mode > n_elastic:
-            yield f"ModeDamping names mode {row.mode}, but the train has {n_elastic} elastic modes."
+            yield (
+                f"ModeDamping names mode {row.mode}, but the train has {n_elastic} elastic modes. "
+                "Correct or clear the row."
+            )
     yield from results.plans[-1].warnings
     if start is None:
         yield "No motor torque curve and no prescribed torque: no start was calculated."
@@ -70,7 +73,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
     tripped = start.outcome.outcome == Outcome.TRIPPED  # its time is that of the coast-down
     if start.outcome.time > LONG_START and start.runup is not None and not tripped:
         yield (
-            f"The start takes {start.outcome.time:.0f} s; most take less than {LONG_START:.0f} s. "
+            f"The start takes {start.outcome.time:.0f} s, more than the usual {LONG_START:.0f} s. "
             "Check inertias and torques."
         )
     yield from _unstable_feedback(results)
@@ -80,7 +83,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
         if e.stress_diameter and e.material and e.element not in counted:
             yield (
                 f"'{e.element}' has a stress diameter, but its material '{e.material}' has no S-N "
-                "points: its starts were not counted."
+                "points: allowable starts were not calculated. Add S-N points."
             )
     if not start.met_tolerance:
         yield (
@@ -89,13 +92,16 @@ def _start_warnings(results: Results) -> Iterator[str]:
         )
     if case.method == Method.NEWMARK and start.method != Method.NEWMARK:
         yield (
-            "Method newmark has no clearances, field or trip: the start that is reported was "
+            "Method newmark cannot simulate clearances, field or trip: the reported start was "
             "calculated by the exponential method."
         )
     if starts is None and judged_shafts(case):
         return
     if starts is None:
-        yield "No shaft has stress diameter, material and S-N points: no starts were counted."
+        yield (
+            "No shaft has stress diameter, material and S-N points: allowable starts were not "
+            "calculated. Type them to have starts judged."
+        )
         return
     for shaft in starts.shafts:
         yield from shaft.notes
@@ -108,8 +114,8 @@ def _why_not_met(start: Start) -> str:
     if start.is_sensitive or start.sensitivity is None:  # said elsewhere, or a plain start
         return ""
     return (
-        " A finer step would take more steps than one calculation is given; raise TolerancePeak, or "
-        "look for modes that ring at every impact."
+        " A finer step exceeds the step limit of one calculation. Raise TolerancePeak, or "
+        "add damping to high modes excited by tooth impacts."
     )
 
 
@@ -121,8 +127,8 @@ def _inaccurate_starts(results: Results) -> Iterator[str]:
     for shaft, error in results.starts_error:
         if error is not None and error > wanted:
             yield (
-                f"The wanted accuracy of allowable starts of '{shaft}' was not met: estimated error "
-                f"{100.0 * error:.2g} %, wanted {100.0 * wanted:.2g} %."
+                f"The wanted accuracy of allowable starts of '{shaft}' was not reached: estimated "
+                f"error {100.0 * error:.2g} %, wanted {100.0 * wanted:.2g} %. Raise ToleranceStarts."
             )
 
 
@@ -135,9 +141,9 @@ def _pulling_teeth(results: Results) -> Iterator[str]:
         if results.plans[-1].lateral and r.reversals and r.element in meshes - gaps:
             yield (
                 f"'{r.element}': the torque falls to {float(f'{r.minimum_torque:.4g}'):,g} N m, but "
-                "with Backlash blank or 0 its teeth cannot separate in the calculation: they pull along "
-                "the drive flank instead of pushing on the back flank, and the bearing forces of its "
-                "gears are those of a pull. Give its Backlash in table Meshes to let the teeth separate."
+                "with Backlash blank or 0 its teeth cannot separate in the calculation: they pull on "
+                "the drive flank instead of pushing on the back flank, and the bearing forces have "
+                "the wrong direction. Type its Backlash in table Meshes."
             )
 
 
@@ -146,16 +152,17 @@ def _run_warnings(start: Start, settled: bool) -> Iterator[str]:
     if start.uncoupled_dampers:
         names = ", ".join(f"'{name}'" for name in start.uncoupled_dampers)
         yield (
-            f"The dampers {names} are so strong for their inertias that they act on each mode for "
-            "itself in the start. Check their damping."
+            f"The dampers {names} are so strong for their inertias that the start neglects their "
+            "coupling of modes. Check their damping."
         )
     if start.sensitivity is not None and start.sensitivity.sensitive:
         yield (
             "Sensitive: a change of the input by 1e-9 may change a peak torque by "
-            f"{start.sensitivity.spread:.2g}; the peaks are one of many equally right answers."
+            f"{start.sensitivity.spread:.2g}. The peaks are only one sample of possible values; "
+            "run torsionbook tolerances for their spread."
         )
     if not settled:
         yield (
-            f"After {MAX_PLANS} plans the run still reverses torque where no gap is modelled; see "
-            "the reasons of the plans. Force backlash on to model all clearances."
+            f"After {MAX_PLANS} plans the torque still reverses at elements without a modelled "
+            "clearance; see table Plans. Force backlash on to model all clearances."
         )

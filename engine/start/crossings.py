@@ -166,11 +166,11 @@ def _note(p: Crossing, ratio: float, line_frequency: float, reverses: bool | Non
     notes = []
     if p.frequency >= 2.0 * line_frequency * (1.0 - INITIAL_SHOCK_ZONE):
         notes.append(
-            f"Within 10 % of 2 × line ({2 * line_frequency:.0f} Hz): the initial shock and the first "
-            "revolutions excite this mode; move it."
+            f"Within 10 % of 2 × line ({2 * line_frequency:.0f} Hz): breaker closing and the "
+            "first revolutions excite this mode; shift the mode."
         )
     if p.frequency > 2.0 * line_frequency:
-        return " ".join([*notes, "The pulsation itself stays below it."])
+        return " ".join([*notes, "The pulsation frequency stays below this mode."])
     if p.time is None:
         return " ".join([*notes, "Not reached: the start ends before this speed."])
     sweep, average, pulsating = p.sweep_rate, p.average_torque, p.pulsating_torque
@@ -181,20 +181,21 @@ def _note(p: Crossing, ratio: float, line_frequency: float, reverses: bool | Non
     swept = LEWIS_FACTOR * p.frequency / math.sqrt(sweep) if sweep > 0.0 else math.inf
     if swept < 0.8 * steady:
         notes.append(
-            f"Sweep of {sweep:.1f} Hz/s limits the build-up to about {swept:.0f} × static "
-            f"(steady resonance {steady:.0f} ×): acceleration helps here."
+            f"Sweep of {sweep:.1f} Hz/s limits the build-up to about {swept:.0f} × static (steady "
+            f"resonance {steady:.0f} ×): faster acceleration reduces it further."
         )
     elif math.isfinite(steady):
         notes.append(
-            f"Sweep of {sweep:.1f} Hz/s is slow (undamped limit {swept:.0f} ×): damping sets the "
-            f"build-up, near {steady:.0f} × static."
+            f"Sweep of {sweep:.1f} Hz/s, undamped limit {swept:.0f} ×; steady resonance "
+            f"{steady:.0f} ×. Sweep and damping together limit the build-up. (Give the combined "
+            "amplification here; see C13.)"
         )
     else:
         notes.append("No damping and no sweep: the build-up is not limited.")
     notes.append(
-        f"Pulsating torque is {pulsating / average:.0%} of the average there."
+        f"Pulsating torque is {pulsating / average:.0%} of the average torque at the crossing."
         if average > 0.0
-        else "The average torque is not positive there."
+        else "The average torque is not positive at the crossing."
     )
     if reverses is not None:
         notes.append("Mesh torque reverses." if reverses else "Mesh torque stays positive.")

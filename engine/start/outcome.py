@@ -189,5 +189,8 @@ def outcome_of(
     outcome = StartOutcome.with_numbers(Outcome.TIME_OUT, end, speed, **numbers)
     if not math.isfinite(float(runup.time[-1])):
         return outcome
-    needed = f" As a rigid body the train would need {float(runup.time[-1]):.4g} s."
+    needed = (
+        f" A rigid train needs {float(runup.time[-1]):.4g} s to reach the end speed: raise "
+        "MaximumTime."
+    )
     return replace(outcome, sentence=outcome.sentence + needed)

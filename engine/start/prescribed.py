@@ -43,7 +43,7 @@ def run_prescribed(case: CaseData, modal: ModalTrain) -> Start:
     end = case.maximum_time or last
     if end <= 0.0:
         raise ModelError(
-            "The prescribed torques end at time 0; MaximumTime must say how long to follow the train."
+            "The prescribed torques end at time 0. Type MaximumTime to set the length of the run."
         )
     tolerance = case.tolerance_peak or DEFAULT_TOLERANCE_PEAK
     step, keep, truncation = _first_step(train, modes, torques, tolerance, end)

@@ -161,11 +161,11 @@ def _verdict(
     sentence = f"{element.element}: torque {'reverses' if reverses else 'stays positive'}"
     if contact is not None and parts:
         reached = "reverses" if reverses else "falls to zero"
-        sentence = f"{element.element}: torque {reached}, teeth meet again {contact.impacts} times"
+        sentence = f"{element.element}: torque {reached}, teeth re-engage {contact.impacts} times"
     if element.reversal_limit is not None:
         return (Judgement.PASS if minimum >= -element.reversal_limit else Judgement.FAIL), sentence
     if reverses or parts:
-        return Judgement.NOT_JUDGED, f"{sentence}; no Reversal limit entered"
+        return Judgement.NOT_JUDGED, f"{sentence}; Reversal limit is blank"
     return Judgement.PASS, sentence
 
 

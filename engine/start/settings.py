@@ -41,7 +41,10 @@ def settings_of(case: CaseData) -> StartSettings:
     """Settings of the start, blanks filled; `ModelError` without synchronous speed."""
     synchronous = case.ratings.synchronous_speed
     if synchronous is None:
-        raise ModelError("A start needs the synchronous speed.")
+        raise ModelError(
+            "A start needs the synchronous speed. Type SynchronousSpeed, or LineFrequency and "
+            "Poles."
+        )
     return StartSettings(
         case.method or Method.EXPONENTIAL,
         case.tolerance_peak or DEFAULT_TOLERANCE_PEAK,

@@ -83,8 +83,8 @@ def simulate(
             torques = _torques(model, out_q, out_v, out_f, out_r)
             if not np.all(np.isfinite(torques[0][:, -1])):
                 raise InternalError(
-                    f"the start became non-finite before {t + h * done:.4g} s at a step of "
-                    f"{step:.3g} s"
+                    f"the start diverged before {t + h * done:.4g} s at a step of {step:.3g} s: torques "
+                    "are no longer finite. Check stiffness and damping"
                 )
             times = np.asarray(t + h * np.arange(1, done + 1), dtype=np.float64)
             recorder.add(times, out_v @ model.mean_speed, *torques, np.empty((0, done)))

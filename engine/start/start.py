@@ -211,11 +211,16 @@ def prepared_start(
     """
     train, modes = modal.train, modal.modes
     if modes.n_rigid == 0:
-        raise ModelError("A train held to ground by a spring cannot start; no rigid mode is left.")
+        raise ModelError(
+            "A train held to ground by a spring cannot start: it has no rigid-body mode. Remove "
+            "the spring to ground."
+        )
     settings = settings_of(case)
     motors, loads = motors_of(case, train), loads_of(case, train)
     if not motors:
-        raise ModelError("A start needs the torque curve of at least one motor.")
+        raise ModelError(
+            "A start needs the torque curve of at least one motor. Type table MotorTorque."
+        )
     synchronous = case.ratings.synchronous_speed
     assert synchronous is not None
     runup = rigid_runup(train, motors, loads, settings.end_speed)

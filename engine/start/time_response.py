@@ -197,7 +197,7 @@ def time_response(
     """
     t = np.asarray(times, dtype=float)
     if len(t) < 1 or np.any(np.diff(t) <= 0.0):
-        raise ModelError("The times of a time response must rise.")
+        raise ModelError("The times of a time response must be in rising order.")
     stations = np.array(sorted({p.station for p in torques}), dtype=np.int64)
     keep = np.ones(modes.n_modes, dtype=np.bool_) if kept is None else kept
     reach = force_reach(train, modes, stations)[keep]

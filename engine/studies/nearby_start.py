@@ -264,7 +264,7 @@ def near_start(
         prepared, run = prepared.to_its_end(step)
         return read_start(case, recipe, model, prepared.outcome(run), run)
     if recipe.start != PLANNED:
-        raise InternalError("a start was asked for where the plain run has none")
+        raise InternalError("a start was requested, but the nominal run has none")
     effects = recipe.effects
     start = calculate_start(case, model, replace(effects, clearances=()), None)
     if effects.clearances or effects.pull_in or effects.aborted_start or recipe.start_lateral:
@@ -276,8 +276,8 @@ def _held(prepared: PreparedStart, held: FixedDiscretisation) -> PreparedStart:
     """The same start with its steps held fast."""
     if tuple(prepared.model.keep.tolist()) != held.keep:
         raise ModelError(
-            "The modes that matter change within the small change of the input: no difference of "
-            "two starts can be taken."
+            "The set of significant modes changes with the small input change, so two starts "
+            "cannot be differenced."
         )
     return replace(
         prepared,

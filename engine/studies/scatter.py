@@ -64,7 +64,7 @@ class Factor:
         """What scatters, in words. [text]"""
         if self.quantity == DAMPING_RATIO:
             return self.quantity
-        whose = self.names[0] if len(self.names) == 1 else f"all {len(self.names)} together"
+        whose = self.names[0] if len(self.names) == 1 else f"all {len(self.names)}, by one factor"
         return f"{self.quantity} of {whose}"
 
     @property
@@ -135,8 +135,7 @@ def scatter_problems(case: CaseData, rows: Sequence[ScatterRow]) -> list[Problem
                 "",
                 None,
                 "at least one row",
-                "Table Scatter has no row, so nothing scatters. Give at least one row with Quantity "
-                "and Spread.",
+                "Table Scatter is empty. Give at least one row with Quantity and Spread.",
             )
         ]
     problems: list[Problem] = []
@@ -156,21 +155,21 @@ def _row_problems(case: CaseData, row: ScatterRow) -> Iterator[_Wrong]:
     if row.quantity is None:
         yield "Quantity", None, quantities, f"Quantity is blank; give one of {quantities}."
     elif row.quantity not in SCATTERED:
-        words = f"Quantity is '{row.quantity}'; allowed is one of {quantities}."
+        words = f"Quantity is '{row.quantity}'; choose one of {quantities}."
         yield "Quantity", row.quantity, quantities, words
     elif row.quantity == DAMPING_RATIO and row.name:
-        words = f"the damping ratio belongs to all modes; Name is '{row.name}'. Leave it blank."
+        words = f"the damping ratio applies to all modes, but Name is '{row.name}'. Clear Name."
         yield "Name", row.name, "blank", words
     elif row.name and (reason := refusal(case, row.name, row.quantity)):
-        yield "Name", row.name, "a name that has the quantity", reason
+        yield "Name", row.name, "a name for which the quantity exists", reason
     elif not row.name and not names_with(case, row.quantity):
         words = (
-            f"nothing in the case has a {row.quantity} that could be multiplied. Delete the row, or "
-            "give the case a number for it first."
+            f"the case gives no {row.quantity} to scale. Delete the row, or type a value in the "
+            "case first."
         )
-        yield "Quantity", row.quantity, "a quantity that the case has", words
+        yield "Quantity", row.quantity, "a quantity given in the case", words
     if row.together is not None and row.together not in (EACH, TOGETHER):
-        words = f"Together is '{row.together}'; allowed is {EACH} or {TOGETHER}."
+        words = f"Together is '{row.together}'; choose {EACH} or {TOGETHER}."
         yield "Together", row.together, f"{EACH} or {TOGETHER}", words
 
 
@@ -184,7 +183,7 @@ def _distribution_problems(row: ScatterRow) -> Iterator[_Wrong]:
             "Distribution",
             kind,
             allowed,
-            f"Distribution is '{kind}'; allowed is one of {allowed}.",
+            f"Distribution is '{kind}'; choose one of {allowed}.",
         )
     elif kind == FROM_TO:
         for column, value in ends:
@@ -193,12 +192,12 @@ def _distribution_problems(row: ScatterRow) -> Iterator[_Wrong]:
                 words = f"{column} is {content}; from-to needs two positive factors, such as 90 % and 120 %."
                 yield column, value, "above 0", words
         if row.from_ is not None and row.to is not None and row.from_ > row.to > 0.0:
-            words = f"To is {_percent(row.to)}, below From, {_percent(row.from_)}. Exchange them."
+            words = f"To is {_percent(row.to)}, below From, {_percent(row.from_)}. Swap them."
             yield "To", row.to, "at least From", words
         if row.spread is not None:
             words = (
-                f"Spread is {_percent(row.spread)} beside From and To. Clear it, or choose another "
-                "distribution."
+                f"Spread is {_percent(row.spread)}, but From and To are also given. Clear Spread, or "
+                "choose another distribution."
             )
             yield "Spread", row.spread, "blank with from-to", words
     else:
@@ -218,16 +217,16 @@ def _distribution_problems(row: ScatterRow) -> Iterator[_Wrong]:
 def _wrong_spread(spread: float | None, kind: str, limit: float) -> str:
     """What is wrong with a spread; empty where nothing is."""
     if spread is None:
-        return "Spread is blank; give it as a share of what the case says, such as 5 %."
+        return "Spread is blank; type it relative to the value in the case, such as 5 %."
     if spread < 0.0:
-        return f"Spread is {_percent(spread)}; a scatter has no sign. Give it as a positive share."
+        return f"Spread is {_percent(spread)}; it must be positive. Type a positive share."
     if spread < limit:
         return ""
     why = (
-        f"a normal distribution is cut at {CUT:g} standard deviations, and from "
-        f"{100.0 * limit:g} % on that would reach zero"
+        f"the normal distribution is cut off at {CUT:g} standard deviations, so a spread of "
+        f"{100.0 * limit:g} % or more reaches zero"
         if kind == NORMAL
-        else "from 100 % on it would reach zero"
+        else "a spread of 100 % or more reaches zero"
     )
     return (
         f"Spread is {_percent(spread)}; {why}. Give a smaller one, or from-to with two "
@@ -279,9 +278,9 @@ def _end_problems(case: CaseData, rows: Sequence[ScatterRow]) -> Iterator[Proble
                 number,
                 column if from_to else "Spread",
                 (row.to if at else row.from_) if from_to else row.spread,
-                "what the table itself would take",
-                f"times {values[0]:.6g}, its {'largest' if at else 'least'} factor, the case would be "
-                f"refused: {problems[0].message} Scatter it less.",
+                "within the limits of its table",
+                f"multiplied by {values[0]:.6g}, its {'largest' if at else 'least'} factor, the value "
+                f"is not valid: {problems[0].message} Reduce its spread.",
             )
 
 

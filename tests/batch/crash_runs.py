@@ -5,7 +5,7 @@ then a new one is begun, until it has been killed often enough. Killed are in tu
 its processes, and one of the processes that calculate (then the batch goes on by itself).
 
 After every kill: each result that is there is whole and is that of the undisturbed run. At the end
-of each batch: every result is there, and none was calculated that was recorded before.
+of each batch: every result is there, and no sample was calculated that was recorded before.
 """
 
 from __future__ import annotations

@@ -149,7 +149,7 @@ def test_results_are_the_same_from_every_kind_of_file(folder, kind):
 def test_where_results_come_from_is_said(folder):
     stands = compare_files(folder / "proposed.xlsx", folder / "modified.in.xlsx")
     assert stands.first.results_from.startswith("as recorded in the file")
-    assert stands.second.results_from == "calculated now, the workbook holds none"
+    assert stands.second.results_from == "calculated now, because the workbook contains no results"
 
 
 def typed(source: Path, target: Path, edit: Callable[[Workbook], None]) -> Path:

@@ -56,8 +56,8 @@ def test_studies_of_these_inputs_are_printed_as_they_stand(book: Path, tmp_path:
     after = cells(book, "CalibratedFrequencies")[0]["After"]
     for text in texts:
         for words in (
-            "Couplings in every combination", "Tolerances", "Start matrix and damage ledger",
-            "Calibration against measurements", "Why they stand there", "reached at 97.0 % speed",
+            "Tuning: all combinations", "Tolerances", "Start matrix and damage ledger",
+            "Calibration against measurements", "Reasons for the ranking", "reached at 97.0 % speed",
             "nothing of them was calculated again", "Numbers in words have the units typed",
         ):  # fmt: skip
             assert words in text
@@ -70,7 +70,7 @@ def test_studies_of_these_inputs_are_printed_as_they_stand(book: Path, tmp_path:
     report(bare, docx=tmp_path / "b.docx")
     # starts over a coupling, tornado, distribution, starts over voltage
     assert pictures(tmp_path / "a.docx") == pictures(tmp_path / "b.docx") + 4
-    assert "Couplings in every combination" not in docx_text(tmp_path / "b.docx")
+    assert "Tuning: all combinations" not in docx_text(tmp_path / "b.docx")
 
 
 @pytest.mark.slow
@@ -83,7 +83,7 @@ def test_studies_of_other_inputs_are_named_and_not_printed(book: Path, tmp_path:
     text = docx_text(tmp_path / "o.docx")
     assert text.count("Out of date, and not shown") == 4
     assert "torsionbook tune FILE makes it again" in text
-    assert "Why they stand there" not in text
+    assert "Reasons for the ranking" not in text
     assert str(cells(book, "TuningResults")[0]["Reason"])[:60] not in text
 
 

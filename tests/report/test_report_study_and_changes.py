@@ -66,7 +66,7 @@ def test_a_study_in_the_workbook_is_drawn_and_listed(tmp_path):
 @pytest.mark.parametrize(
     ("study_of", "said"),
     [
-        (None, "No study of error against time stands in the input file."),
+        (None, "The input file contains no study of error against time."),
         (
             "f" * 64,
             "belongs to other inputs, and is not shown (Study of the inputs with SHA-256 fff",
@@ -169,7 +169,7 @@ def test_conditions_tolerances_and_conclusions(tmp_path):
     assert done.problems == ()
     text = docx_text(tmp_path / "a.docx")
     # 0.85² of the torque
-    assert "85 % of that of the torque curves; motor torques times 0.7225" in text
+    assert "85 % of voltage of the torque curves; motor torques times 0.7225" in text
     assert "torsionbook accuracy makes one of a case file too" in text
     assert "No other design is compared here" in text
     # all energy is in the one coupling: half of 10 %

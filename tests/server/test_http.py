@@ -295,7 +295,7 @@ def test_a_wrong_key_is_told_otherwise_than_none():
         none = told(client.post("/api/v1/batch", json={}), 401)
         wrong = told(client.post("/api/v1/batch", json={}, headers={"X-API-Key": KEY[1:]}), 401)
         assert none.startswith("An API key is needed")
-        assert wrong.startswith("The API key is not one of this server's")
+        assert wrong.startswith("The API key is not valid on this server")
         assert KEY[1:] not in wrong
 
 

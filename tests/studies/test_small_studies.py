@@ -145,7 +145,7 @@ def test_another_duty_makes_the_start_matrix_out_of_date(
     text += [c.text for t in document.tables for row in t.rows for c in row.cells]
     assert any("was made from other rows" in one for one in text)
     for head in (
-        "Couplings in every combination",
+        "Tuning: all combinations",
         "Tolerances",
         "Calibration against measurements",
     ):

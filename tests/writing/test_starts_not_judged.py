@@ -62,6 +62,6 @@ def test_report(cut_short: Path) -> None:
     document = Document(str(target))
     cells = [c.text for table in document.tables for row in table.rows for c in row.cells]
     text = "\n".join([p.text for p in document.paragraphs] + cells)
-    assert "not judged: the start did not come to its end" in text
+    assert "not judged: the start was not completed" in text
     assert "starts unlimited" not in text
     assert "unlimited: no cycle" not in text

@@ -62,12 +62,12 @@ def _fit(
     residual = "(calculated − measured)/(uncertainty × measured)"
     columns = (
         replace(
-            what, trace=Trace("As typed, or the likeliest one to one", _METHOD, (first, value))
+            what, trace=Trace("As typed, else the most likely one-to-one assignment", _METHOD, (first, value))
         ),
         integer("Row", "Row of the input table.", "Row of the input table", _METHOD, of_row=(value,)),
         number("Measured", dimension, "As typed.", "As typed", _METHOD, us=us, of_row=(value,)),
         number(
-            "Uncertainty", "fraction", "Standard deviation over it.",
+            "Uncertainty", "fraction", "Standard deviation divided by the measured value.",
             "As typed; blank = 1 % and 5 %", _METHOD, of_row=(uncertainty,),
         ),
         number(
@@ -79,23 +79,23 @@ def _fit(
             _MAP, us=us, of_row=(value,), of_case=(*of_case, *_ALL),
         ),
         number(
-            "Residual before", "ratio", "Before less measured, in standard deviations.", residual,
+            "Residual before", "ratio", "Calculated before calibration minus measured, in standard deviations.", residual,
             _METHOD, of_row=(f"{name}.Before", f"{name}.Measured", f"{name}.Uncertainty"),
             format=shown.TWO_DECIMALS,
         ),
         number(
-            "Residual", "ratio", "After less measured, in standard deviations.", residual, _METHOD,
+            "Residual", "ratio", "Calculated after calibration minus measured, in standard deviations.", residual, _METHOD,
             of_row=(f"{name}.After", f"{name}.Measured", f"{name}.Uncertainty"),
             format=shown.TWO_DECIMALS,
         ),
         number(
-            "Left-out residual", "ratio", "The residual if all others, and not it, were used.",
+            "Left-out residual", "ratio", "Residual when this measurement is left out of the calibration.",
             "r/√(1 − h), h of J C Jᵀ", _MAP, of_row=(f"{name}.Residual",), of_case=_ALL,
             format=shown.TWO_DECIMALS,
         ),
         flag(
-            "Used", "Whether it entered the calibration.",
-            "Within 4 standard deviations of a mode that is left, one to one", _METHOD,
+            "Used", "Whether the calibration used it.",
+            "Within 4 standard deviations of a mode not yet assigned", _METHOD,
             of_row=(value,), of_case=_ALL,
         ),
         flag(
@@ -103,7 +103,7 @@ def _fit(
             "|left-out residual| ≤ 3", _METHOD, of_row=(f"{name}.Left-out residual",),
         ),
         sentence(
-            "Note", "What to do about it.", "The same in words", _METHOD, of_row=(value,),
+            "Note", "What to do about it.", "Recommended action", _METHOD, of_row=(value,),
             of_case=_ALL, width=22.0,
         ),
     )  # fmt: skip
@@ -124,7 +124,7 @@ _INPUTS: tuple[TableSpec, ...] = (
         help="Torsional natural frequencies found by measurement.",
         rows=10, row_name=("Mode",), short_caption=True,
         columns=(
-            integer("Mode", "Elastic mode it is taken for; blank = the one that fits best."),
+            integer("Mode", "Elastic mode assigned to it; blank = best fit."),
             number("Frequency", "frequency", "As measured."),
             number("Uncertainty", "fraction", "Standard deviation.", blank="1 %"),
         ),
@@ -145,7 +145,7 @@ _INPUTS: tuple[TableSpec, ...] = (
 
 _RESULTS: tuple[TableSpec, ...] = (
     _fit(
-        "FrequencyFit", text("Mode", "Elastic mode of the case that it was taken for; blank = none."),
+        "FrequencyFit", text("Mode", "Elastic mode of the case assigned to it; blank = none."),
         "frequency", typed=_F, of_case=_TRAIN,
         caption="Measured frequencies", help="Measured frequencies beside calculated ones.",
         row_name=("Mode", "Row"), room=10,
@@ -158,7 +158,7 @@ _RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "CalibratedFrequencies", sheet="Calibration", caption="Modes",
-        help="Modes before and after, with what is still unknown of them.",
+        help="Modes before and after calibration, with their remaining uncertainty.",
         row_name=("Mode",), changes_shown=("After",), room=12,
         columns=(
             integer(
@@ -167,7 +167,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             integer(
                 "Calibrated mode", "Its number after calibration.",
-                "Followed by shape: MAC = (φᵀMψ)², one to one", _RAYLEIGH, of_case=_ALL,
+                "Paired by mode shape: MAC = (φᵀMψ)², one to one", _RAYLEIGH, of_case=_ALL,
             ),
             number(
                 "Before", "frequency", "Calculated from the case.",
@@ -182,29 +182,29 @@ _RESULTS: tuple[TableSpec, ...] = (
                 f"Calculated with the {_LEAST}", _MAP, of_case=_ALL,
             ),
             number(
-                "Posterior deviation", "fraction", "Standard deviation that is left.",
+                "Posterior deviation", "fraction", "Standard deviation after calibration.",
                 "√(g C gᵀ), C = (I + JᵀJ)⁻¹", _MAP, of_case=_ALL,
             ),
             number(
-                "Change", "fraction", "After over before, less 1.", "After/before − 1", _METHOD,
+                "Change", "fraction", "Frequency after / before − 1.", "After/before − 1", _METHOD,
                 of_row=("CalibratedFrequencies.Before", "CalibratedFrequencies.After"),
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Measured", "frequency", "What it was measured as; blank = it was not.", "As typed",
+                "Measured", "frequency", "Measured frequency of the mode; blank = not measured.", "As typed",
                 _METHOD, of_row=("FrequencyFit.Measured",),
             ),
             number(
-                "Uncertainty", "fraction", "Of that measurement.", "As typed", _METHOD,
+                "Uncertainty", "fraction", "Standard deviation of the measurement divided by its value.", "As typed", _METHOD,
                 of_row=("FrequencyFit.Uncertainty",),
             ),
             number(
-                "MAC", "ratio", "How far its shape is that of before: 1 the same, 0 another.",
+                "MAC", "ratio", "MAC of the mode shapes before and after: 1 = same, 0 = different.",
                 "(φᵀMψ)² of before and after", _RAYLEIGH, of_case=_ALL,
             ),
             flag(
-                "Known", "Whether a margin may take it as measured.",
-                "Measured, or 3/4 of its variance taken away; and posterior deviation ≤ 2 %",
+                "Known", "Whether the margin for measured frequencies applies to this mode.",
+                "Measured, or variance reduced by 3/4; and posterior deviation ≤ 2 %",
                 _METHOD,
                 of_row=(
                     "CalibratedFrequencies.Posterior deviation",
@@ -212,16 +212,17 @@ _RESULTS: tuple[TableSpec, ...] = (
                 ),
             ),
             sentence(
-                "Why", "Why it may or may not.", "The same in words", _METHOD,
+                "Why", "Reason.", "Recommended action", _METHOD,
                 of_row=("CalibratedFrequencies.Known",), width=22.0,
             ),
         ),
     ),
     table(
         "CalibratedMargins", sheet="Calibration", caption="Least separation margins",
-        help="Least separation margin of each mode before and after, on the basis that is justified.",
+        help="Least separation margin of each mode before and after, with the margin basis that "
+             "the measurements justify.",
         row_name=("Mode", "Excitation"), room=12,
-        json_only=(text("excitation_before", "The nearest one before."),),
+        json_only=(text("excitation_before", "Nearest excitation before calibration."),),
         columns=(
             integer("Mode", "Elastic mode of the case.", "Counted from 1", _METHOD, of_case=_TRAIN),
             text(
@@ -233,7 +234,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "As in CalibratedFrequencies", _METHOD, of_case=_TRAIN,
             ),
             number(
-                "Margin before", "fraction", "Its least margin.", _LEAST_MARGIN, STEADY,
+                "Margin before", "fraction", "Least separation margin of the mode.", _LEAST_MARGIN, STEADY,
                 of_row=("CalibratedMargins.Frequency before",), of_case=_SPEEDS, format=shown.TWO_DECIMALS,
             ),
             number(
@@ -249,11 +250,11 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "As in CalibratedFrequencies", _METHOD, of_case=_ALL,
             ),
             number(
-                "Margin", "fraction", "Its least margin.", _LEAST_MARGIN, STEADY,
+                "Margin", "fraction", "Least separation margin of the mode.", _LEAST_MARGIN, STEADY,
                 of_row=("CalibratedMargins.Frequency",), of_case=_SPEEDS, format=shown.TWO_DECIMALS,
             ),
             number(
-                "Required", "fraction", "Required margin on the basis that is justified.",
+                "Required", "fraction", "Required margin with the justified margin basis.",
                 f"{_REQUIRED}; measured where every mode below 20 % is known", STEADY,
                 of_row=("CalibratedFrequencies.Known",), of_case=_BASIS, format=shown.ONE_DECIMAL,
             ),
@@ -265,24 +266,24 @@ _RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "CalibratedParameters", sheet="Calibration", caption="Uncertain quantities",
-        help="The least change of what is uncertain that explains the measurements.",
+        help="Smallest change of the uncertain inputs that explains the measurements.",
         row_name=("Quantity", "Name"), changes_shown=("Change",),
         json_only=(
-            number("before", "count", "What the case says. [SI]"),
-            number("after", "count", "What explains the measurements. [SI]"),
+            number("before", "count", "Value in the case. [SI]"),
+            number("after", "count", "Calibrated value. [SI]"),
         ),
         columns=(
             text(
-                "Name", "Element or station.", "As typed; a blank name is every one that has it",
+                "Name", "Element or station.", "As typed; blank = all that have the quantity",
                 _METHOD, of_row=("Scatter.Name",),
             ),
-            text("Quantity", "What of it.", "As typed", _METHOD, of_row=("Scatter.Quantity",)),
+            text("Quantity", "Quantity.", "As typed", _METHOD, of_row=("Scatter.Quantity",)),
             number(
                 "Stiffness", "torsional stiffness", "As in the case.", "As in the case", _METHOD,
                 of_row=("Elements.Stiffness",),
             ),
             number(
-                "Calibrated stiffness", "torsional stiffness", "As it explains the measurements.",
+                "Calibrated stiffness", "torsional stiffness", "Calibrated value.",
                 trace=_CHANGED,
             ),
             number(
@@ -290,19 +291,19 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_row=("Stations.Inertia",),
             ),
             number(
-                "Calibrated inertia", "inertia", "As it explains the measurements.", trace=_CHANGED,
+                "Calibrated inertia", "inertia", "Calibrated value.", trace=_CHANGED,
             ),
             number(
-                "Change", "fraction", "Calibrated over case, less 1.", trace=_CHANGED,
+                "Change", "fraction", "Calibrated / case − 1.", trace=_CHANGED,
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Change low", "fraction", "At the lower end of its 95 % interval.", _ENDS, _MAP,
+                "Change low", "fraction", "Change at the lower end of its 95 % interval.", _ENDS, _MAP,
                 of_row=("CalibratedParameters.Change", "CalibratedParameters.Posterior deviation"),
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Change high", "fraction", "At the upper end of its 95 % interval.", _ENDS, _MAP,
+                "Change high", "fraction", "Change at the upper end of its 95 % interval.", _ENDS, _MAP,
                 of_row=("CalibratedParameters.Change", "CalibratedParameters.Posterior deviation"),
                 format=shown.TWO_DECIMALS,
             ),
@@ -312,20 +313,20 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_row=_PRIOR,
             ),
             number(
-                "Posterior deviation", "fraction", "Standard deviation that is left.",
+                "Posterior deviation", "fraction", "Standard deviation after calibration.",
                 "σ √C_jj, C = (I + JᵀJ)⁻¹", _MAP, of_case=_ALL,
             ),
             sentence(
-                "Note", "What a reader must know.", "The same in words", _METHOD,
+                "Note", "Notes.", "Recommended action", _METHOD,
                 of_row=("CalibratedParameters.Change",), width=22.0,
             ),
             text(
-                "Determined", "determined (3/4 of the variance or more taken away), partly or not.",
+                "Determined", "determined (variance reduced by 3/4 or more), partly or not.",
                 "determined from 75 % reduction, partly from 10 %", _METHOD,
                 of_row=("CalibratedParameters.Reduction",),
             ),
             number(
-                "Reduction", "fraction", "Share of the variance that the measurements took away.",
+                "Reduction", "fraction", "Share of the variance removed by the measurements.",
                 "1 − (posterior/prior deviation)²", _METHOD,
                 of_row=(
                     "CalibratedParameters.Prior deviation",
@@ -379,8 +380,8 @@ _SHEETS: tuple[Sheet, ...] = (
         freeze="",
         row_breaks=(_FITS_AT - 1, _MARGINS_AT - 1),
         side=0.25,
-        intro="The least change of the uncertain quantities (sheet Tolerances) that explains what "
-        "was measured: torsionbook calibrate FILE.",
+        intro="Smallest change of the uncertain inputs (sheet Tolerances) that explains the "
+              "measurements: torsionbook calibrate FILE.",
     ),
 )  # fmt: skip
 
@@ -400,7 +401,7 @@ _CHARTS: tuple[ChartSpec, ...] = (
     ),
     # change of each uncertain quantity with its 95 % interval
     ChartSpec(
-        "change", "lines", "Change of what is uncertain, and what is still unknown of it",
+        "change", "lines", "Change of the uncertain inputs and their remaining uncertainty",
         Axis(low=True, grid=False, names=(8, -45)), Axis("Change [%]", number="0"),
         tuple(
             Series("CalibratedParameters", "Name", column, name, colour, marker=marker, size=size)
@@ -417,14 +418,14 @@ _CHARTS: tuple[ChartSpec, ...] = (
 
 #: What its JSON has beside its tables.
 _DETAILS: Shape = {
-    "chi_square": described("Least sum of squares.", NUMBER),
+    "chi_square": described("Sum of squares at the minimum.", NUMBER),
     "degrees": described("Measurements used.", COUNT),
-    "probability": described("That chance makes it as large.", NUMBER),
+    "probability": described("Probability that chance alone gives a misfit this large.", NUMBER),
     "explained": described("Everything measured is explained.", FLAG),
     "margin_basis": TEXT,
     "margin_basis_justified": FLAG,
     "margin_basis_reason": TEXT,
-    "starts": described("Calculated for the peak torques.", COUNT),
+    "starts": described("Number of starts calculated for the peak torques.", COUNT),
 }
 
 CALIBRATION = StudySpec(

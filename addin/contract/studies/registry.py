@@ -24,10 +24,10 @@ STUDY_FACTS: tuple[tuple[str, str], ...] = tuple(
     (f"{study.key}_{fact}", f"Sheet {study.sheet}: {meaning}")
     for study in STUDIES
     for fact, meaning in (
-        ("Sentence", "what was found, in words"),
+        ("Sentence", "summary of the result"),
         ("Stamp", "who calculated it, when, from which inputs"),
         ("SHA256", "SHA-256 of the inputs of its case"),
-        ("Tables", "SHA-256 of what was written into each of its tables, shortened"),
+        ("Tables", "SHA-256 of each table as written, shortened"),
     )
 )
 

@@ -25,8 +25,8 @@ def _changes(head: str, answer: str, plain: str) -> tuple[Field, ...]:
             trace=derivative, format=shown.CHANGE,
         ),
         number(
-            f"{head} error", "fraction", "Estimated error of that.",
-            "Difference of the two differences", _TANGENT,
+            f"{head} error", "fraction", "Estimated error of this derivative.",
+            "Difference between the two finite-difference estimates", _TANGENT,
             of_row=(f"Sensitivities.{head} change",),
         ),
         *(
@@ -45,21 +45,23 @@ def _changes(head: str, answer: str, plain: str) -> tuple[Field, ...]:
 _RESULTS: tuple[TableSpec, ...] = (
     table(
         "Sensitivities", sheet="Sensitivities", caption="Sensitivities",
-        help="What + 1 % of each quantity does to the governing shaft: derivative, and what really happens.",
+        help="Effect of + 1 % of each quantity on the governing shaft: by the derivative, and in "
+             "runs at ± 1 %.",
         row_name=("Quantity", "Of"), changes_shown=("Starts change", "Peak change"),
         columns=(
-            text("Quantity", "What is changed.", trace=_AS_TYPED),
-            text("Of", "Whose: element, station or material; blank = all modes.", trace=_AS_TYPED),
+            text("Quantity", "Quantity changed.", trace=_AS_TYPED),
+            text("Of", "Element, station or material; blank = all modes.", trace=_AS_TYPED),
             *_changes("Peak", "peak stress", "StartupPeaks.Maximum torque"),
             *_changes("Starts", "starts", "AllowableStarts.Allowable starts"),
-            text("Method", "How the derivative was found.", trace=_AS_TYPED, width=16.0),
-            sentence("Note", "What must be known of this row.", trace=_AS_TYPED, width=37.0),
+            text("Method", "Method of the derivative.", trace=_AS_TYPED, width=16.0),
+            sentence("Note", "Notes on this row.", trace=_AS_TYPED, width=37.0),
         ),
     ),
     table(
         "FrequencySensitivities", sheet="Frequency sensitivities",
         caption="Frequency sensitivities",
-        help="Relative change of each frequency over that of the quantity: ± ½ × share of the energy.",
+        help="Relative change of each frequency per relative change of the quantity: ± ½ × share "
+             "of the energy.",
         columns=(
             text(
                 "Quantity", "stiffness or inertia; bearing stiffness, lateral mass.",
@@ -68,7 +70,7 @@ _RESULTS: tuple[TableSpec, ...] = (
             text("Of", "Element or station.", trace=_AS_TYPED),
         ),
         repeated=number(
-            "Mode", "ratio", "Half the share of the mode's energy; - of inertias.",
+            "Mode", "ratio", "Half the share of the mode's energy; negative for inertias.",
             "∂ln f/∂ln k = ½ strain-energy share; ∂ln f/∂ln J = −½ kinetic-energy share", _ENERGY,
             of_case=("NaturalFrequencies.Frequency", "ModeShapes.Mode"),
         ),
@@ -93,8 +95,8 @@ _SHEETS: tuple[Sheet, ...] = (
         {"Sensitivities": "B7"},
         freeze="A10",
         side=0.25,
-        intro="What a small change of each quantity does. Written by torsionbook sensitivities "
-        "FILE.",
+        intro="Sensitivity of the results to each quantity. Written by torsionbook sensitivities "
+              "FILE.",
     ),
     Sheet(
         "Frequency sensitivities",
@@ -102,8 +104,9 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 16, "C": 23, "D:P": 8.8},
         {"FrequencySensitivities": "B7"},
         freeze="A10",
-        intro="How each frequency follows each stiffness and inertia; the green shifts "
-        "follow the change typed on sheet Frequencies. Written by torsionbook sensitivities FILE.",
+        intro="Sensitivity of each frequency to each stiffness and inertia; the green cells show "
+              "the shifts for the change typed on sheet Frequencies. Written by torsionbook "
+              "sensitivities FILE.",
         behind="Frequencies",
     ),
 )  # fmt: skip
@@ -115,14 +118,17 @@ _ROW = {
     "element": TEXT,
     "peak_torque": described("Change of its peak torque for + 1 %.", NUMBER),
     "peak_error": NUMBER,
-    "allowable_starts": described("Change of its starts for + 1 %.", NUMBER),
+    "allowable_starts": described("Change of the allowable starts for + 1 %.", NUMBER),
     "starts_error": NUMBER,
 }
 #: What its JSON has beside its tables.
 _DETAILS: Shape = {
     "sensitivities_of_elements": list_of(closed_object(_ROW)),
     "largest_difference_of_two_ways": {
-        "description": "Between differences and the tangent of the start; null without one.",
+        "description": (
+            "Largest difference between finite differences and the tangent equations of the "
+            "start; null where there are none."
+        ),
         **BLANK,
     },
 }

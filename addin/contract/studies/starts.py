@@ -44,20 +44,21 @@ def _asked(column: str, rule: str) -> Trace:
 
 
 _STRESS_EQUATION = "τ = 16 ΔT D/(π(D⁴ − d⁴)), ΔT from rest to the end of this kind of start"
-_STARTS_EQUATION = "1/q; unlimited where q = 0, not judged where the start does not come to its end"
+_STARTS_EQUATION = "1/q; unlimited where q = 0, not judged where the start is not completed"
 
 _OF_CASE = "as in the case"
 
 _INPUTS: tuple[TableSpec, ...] = (
     table(
         "StartConditions", sheet="Duty", caption="Start conditions",
-        help="Kinds of starts and how often they happen; blank = the usual matrix of voltages and loads.",
+        help="Start conditions and how often each occurs; blank = the standard matrix of voltages "
+             "and loads.",
         rows=20, row_name=("Condition",),
         columns=(
-            text("Condition", "Name of the kind of start."),
-            number("Voltage", "fraction", "Of the voltage of the torque curves.", blank=_OF_CASE),
+            text("Condition", "Name of the start condition."),
+            number("Voltage", "fraction", "Voltage as a share of that of the torque curves.", blank=_OF_CASE),
             number(
-                "Damping ratio", "fraction", "Of all elastic modes, hot or cold.", blank=_OF_CASE,
+                "Damping ratio", "fraction", "Damping ratio of all elastic modes, hot or cold.", blank=_OF_CASE,
             ),
             number(
                 "Load", "fraction", "Share of LoadTorque that acts; 0 = unloaded.", blank="100 %",
@@ -67,9 +68,9 @@ _INPUTS: tuple[TableSpec, ...] = (
                 "Speed at which it is aborted; % means of synchronous speed.", blank=_OF_CASE,
                 us="%", si="%",
             ),
-            number("Per year", "count", "Such starts a year.", blank="0", format=shown.AS_TYPED),
+            number("Per year", "count", "Starts per year under this condition.", blank="0", format=shown.AS_TYPED),
             number(
-                "So far", "count", "Such starts the train has seen.", blank="0",
+                "So far", "count", "Starts so far under this condition.", blank="0",
             ),
         ),
     ),
@@ -78,11 +79,12 @@ _INPUTS: tuple[TableSpec, ...] = (
 _RESULTS: tuple[TableSpec, ...] = (
     table(
         "StartsByVoltage", sheet="Start matrix", caption="By voltage",
-        help="Whole starts with the damping of the case, by voltage; blank = none, unlimited or not judged.",
+        help="Allowable starts (rounded down) with the damping of the case, by voltage; blank = "
+             "none, unlimited or not judged.",
         short_caption=True, room=14,
         columns=(
             number(
-                "Voltage", "fraction", "Of the voltage of the torque curves.",
+                "Voltage", "fraction", "Voltage as a share of that of the torque curves.",
                 trace=_asked("Voltage", "V/V of the torque curves"),
             ),
             number(
@@ -90,34 +92,34 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_run(_STRESS_EQUATION, _STRESS),
             ),
             number(
-                "Loaded starts", "count", "Allowable starts of this kind alone.", _STARTS_EQUATION,
+                "Loaded starts", "count", "Allowable starts if only this condition occurs.", _STARTS_EQUATION,
                 _MINER, of_row=_ROW, of_case=_FATIGUE, format=shown.STARTS,
             ),
             number(
-                "Unloaded stress", "pressure", "The same without load torque.",
+                "Unloaded stress", "pressure", "Allowable starts without load torque.",
                 trace=_run(_STRESS_EQUATION, _STRESS),
             ),
             number(
-                "Unloaded starts", "count", "The same without load torque.", _STARTS_EQUATION,
+                "Unloaded starts", "count", "Allowable starts without load torque.", _STARTS_EQUATION,
                 _MINER, of_row=_ROW, of_case=_FATIGUE, format=shown.STARTS,
             ),
         ),
     ),
     table(
         "StartMatrix", sheet="Start matrix", caption="Start matrix",
-        help="Each kind of start as a run of its own, with effects planned anew.",
+        help="Each start condition calculated separately, with its own plan of effects.",
         row_name=("Condition",), changes_shown=("Outcome", "Allowable starts"),
         json_only=(
-            flag("unlimited", "No damage: any number of starts."),
-            flag("judged", "Whether there is an answer."),
+            flag("unlimited", "No damage: unlimited starts."),
+            flag("judged", "Whether the starts were judged."),
         ),
         columns=(
             text(
-                "Condition", "Kind of start, of table StartConditions or of the standard matrix.",
+                "Condition", "Start condition, of table StartConditions or of the standard matrix.",
                 trace=_asked("Condition", _NAME),
             ),
             number(
-                "Voltage", "fraction", "Of the voltage of the torque curves.",
+                "Voltage", "fraction", "Voltage as a share of that of the torque curves.",
                 trace=_asked("Voltage", "Motor torques × (V/V of the torque curves)²"),
             ),
             number(
@@ -131,14 +133,14 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_asked("Load", "LoadTorque × share"),
             ),
             number(
-                "Trip speed", "speed", "Where it is aborted; blank = it is not.",
+                "Trip speed", "speed", "Speed at which the start is aborted; blank = not aborted.",
                 trace=_asked(
                     "Trip speed", "The motor is switched off there, and the train coasts down",
                 ),
             ),
-            text("Outcome", "How it ends.", trace=_run("How the run ended")),
+            text("Outcome", "Outcome of the start.", trace=_run("How the run ended")),
             number(
-                "Time", "time", "Simulated time; of an aborted start with the coast-down.",
+                "Time", "time", "Simulated time, including the coast-down of an aborted start.",
                 trace=_run("Time of the run, with the coast-down of an aborted start"),
             ),
             number(
@@ -155,15 +157,15 @@ _RESULTS: tuple[TableSpec, ...] = (
                 ),
             ),
             text(
-                "Peak element", "Where that torque is.", kind="element",
-                trace=_run("Where that is"),
+                "Peak element", "Element with that torque.", kind="element",
+                trace=_run("Element with that torque"),
             ),
             text(
-                "Governing", "Judged shaft with the most damage.", kind="element",
+                "Governing", "Judged shaft with the largest damage.", kind="element",
                 trace=_run("Shaft with the largest q, else the largest stress", _FATIGUE),
             ),
             number(
-                "Peak-to-peak stress", "pressure", "Nominal, without SCF, of the governing shaft.",
+                "Peak-to-peak stress", "pressure", "Peak-to-peak stress of the governing shaft, nominal, without SCF.",
                 trace=_run(_STRESS_EQUATION, _STRESS), printed="Stress, pk‑pk",
             ),
             number(
@@ -171,34 +173,34 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_run("min T over all meshes, on the From side"), format=shown.SIGNED,
             ),
             integer(
-                "Impacts", "How often teeth meet again; blank where no clearance is modelled.",
-                trace=_run("Recontacts of all clearances that are modelled"),
+                "Impacts", "Number of re-engagements of the teeth; blank where no clearance is modelled.",
+                trace=_run("Re-engagements of all clearances modelled"),
             ),
             number(
-                "Damage", "count", "Of one such start, on the governing shaft.",
+                "Damage", "count", "Damage of one such start on the governing shaft.",
                 "q = Σ n/N of one such start", _MINER, of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
             ),
             number(
-                "Allowable starts", "count", "Of this kind alone, 1 / damage.", _STARTS_EQUATION,
+                "Allowable starts", "count", "1 / damage, if only this condition occurs.", _STARTS_EQUATION,
                 _MINER, of_row=("StartMatrix.Damage", *_ROW), of_case=_FATIGUE, format=shown.STARTS,
                 unlimited=True,
             ),
             sentence(
-                "Note", "What a reader must know.", trace=_run("What was found, in words"),
+                "Note", "Notes.", trace=_run("Summary of the result"),
                 width=56.0,
             ),
         ),
     ),
     table(
         "DamageLedger", sheet="Damage ledger", caption="Damage ledger",
-        help="What the duty of sheet Duty has used of each judged shaft, and leaves.",
+        help="Life used and life left of each judged shaft, for the duty on sheet Duty.",
         row_name=("Element",), changes_shown=("Used", "Remaining years", "Verdict"), room=8,
         json_only=(
-            number("used_low", "count", "Used, at the lower end of its error."),
-            number("used_high", "count", "Used, at the upper end of its error."),
-            number("yearly_low", "count", "Yearly, at the lower end of its error."),
-            number("yearly_high", "count", "Yearly, at the upper end of its error."),
-            flag("unlimited", "No damage: any number of starts."),
+            number("used_low", "count", "Damage so far, at the lower end of its error."),
+            number("used_high", "count", "Damage so far, at the upper end of its error."),
+            number("yearly_low", "count", "Damage per year, at the lower end of its error."),
+            number("yearly_high", "count", "Damage per year, at the upper end of its error."),
+            flag("unlimited", "No damage: unlimited starts."),
         ),
         columns=(
             text(
@@ -206,7 +208,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_row=("Elements.Element",),
             ),
             text(
-                "Governing", "Kind of start that takes most of it.",
+                "Governing", "Start condition that causes most of the damage.",
                 "Largest per year × q, else largest so far × q", _METHOD, of_case=_DUTY,
             ),
             number(
@@ -218,11 +220,11 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_case=("StartConditions.So far", *_FATIGUE), format=shown.USED,
             ),
             number(
-                "Yearly", "count", "Damage a year.", "Σ per year × q over all kinds of starts",
+                "Yearly", "count", "Damage per year.", "Σ per year × q over all kinds of starts",
                 _MINER, of_case=("StartConditions.Per year", *_FATIGUE), format=shown.USED,
             ),
             number(
-                "Left", "count", "Allowed less used.", "1/StartsFactor − used", _METHOD,
+                "Left", "count", "Allowed damage 1/StartsFactor minus damage so far.", "1/StartsFactor − used", _METHOD,
                 of_row=("DamageLedger.Used", "DamageLedger.Allowed"), format=shown.FOUR_DECIMALS,
             ),
             number(
@@ -231,50 +233,51 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_row=("DamageLedger.Left", "DamageLedger.Yearly"), format=shown.YEARS, unlimited=True,
             ),
             number(
-                "Years low", "count", "The same at the worse end of the error of the damages.",
+                "Years low", "count", "Years left with all damages at the upper end of their error.",
                 "The same with every damage at the upper end of its error", _METHOD, of_case=_DUTY,
                 format=shown.YEARS,
             ),
             number(
-                "Years high", "count", "At the better end; blank = unlimited.",
+                "Years high", "count", "Years left with all damages at the lower end of their error; blank = unlimited.",
                 "The same with every damage at the lower end of its error", _METHOD, of_case=_DUTY,
                 format=shown.YEARS,
             ),
             verdict(
-                "Verdict", "pass while something is left, fail, or not judged.",
+                "Verdict", "pass while life is left; fail; or not judged.",
                 "pass if used < 1/StartsFactor", _METHOD,
                 of_row=("DamageLedger.Used", "DamageLedger.Allowed"),
             ),
             sentence(
-                "Reason", "Why, with the numbers.", "The verdict in words", _METHOD, of_case=_DUTY,
+                "Reason", "Reason, with the numbers.", "The verdict in words", _METHOD, of_case=_DUTY,
                 width=32.0,
             ),
         ),
     ),
     table(
         "RemainingStarts", sheet="Damage ledger", caption="Remaining starts",
-        help="Each kind of start on each judged shaft: what one takes, and how many of it alone are left.",
+        help="Each start condition on each judged shaft: damage of one start, and starts left if "
+             "only this condition occurs.",
         row_name=("Element", "Condition"),
         json_only=(
-            flag("unlimited", "No damage: any number of starts."),
-            flag("judged", "Whether there is an answer."),
+            flag("unlimited", "No damage: unlimited starts."),
+            flag("judged", "Whether the starts were judged."),
         ),
         columns=(
             text(
                 "Element", "The shaft.", _NAME, _METHOD, kind="element",
                 of_row=("Elements.Element",),
             ),
-            text("Condition", "Kind of start.", trace=_asked("Condition", _NAME)),
+            text("Condition", "Start condition.", trace=_asked("Condition", _NAME)),
             number(
-                "So far", "count", "Such starts the train has seen.",
+                "So far", "count", "Starts so far under this condition.",
                 trace=_asked("So far", "As typed; blank = 0"), format=shown.AS_TYPED,
             ),
             number(
-                "Per year", "count", "Such starts a year.",
+                "Per year", "count", "Starts per year under this condition.",
                 trace=_asked("Per year", "As typed; blank = 0"), format=shown.AS_TYPED,
             ),
             number(
-                "Share", "fraction", "Of the damage a year.", "Per year × q over Σ per year × q",
+                "Share", "fraction", "Share of the damage per year.", "Per year × q over Σ per year × q",
                 _METHOD, of_row=("StartConditions.Per year",), of_case=("DamageLedger.Yearly",),
                 format=shown.ONE_DECIMAL,
             ),
@@ -283,27 +286,27 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_run(_STRESS_EQUATION, _STRESS), printed="Stress, pk‑pk",
             ),
             number(
-                "Damage", "count", "Of one such start.", "q = Σ n/N of one such start", _MINER,
+                "Damage", "count", "Damage of one such start.", "q = Σ n/N of one such start", _MINER,
                 of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
             ),
             number(
-                "Damage low", "count", "At the lower end of its error.",
+                "Damage low", "count", "Damage at the lower end of its error.",
                 "q with every stress amplitude less its error, or q less its change between two steps",
                 "docs/method.md, Fatigue", of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
             ),
             number(
-                "Damage high", "count", "At the upper end of its error.",
+                "Damage high", "count", "Damage at the upper end of its error.",
                 "q with every stress amplitude plus its error, or q plus its change between two steps",
                 "docs/method.md, Fatigue", of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
             ),
             number(
-                "Remaining starts", "count", "Left / damage, of this kind alone.",
+                "Remaining starts", "count", "Damage left / damage of one start, if only this condition occurs.",
                 "(1/StartsFactor − used)/q, of this kind alone", _METHOD,
                 of_row=("RemainingStarts.Damage",), of_case=("DamageLedger.Left",), format=shown.STARTS,
                 unlimited=True,
             ),
             sentence(
-                "Reason", "Why there is none.", "Why there is no number", _METHOD, of_row=_ROW,
+                "Reason", "Reason why there is no number.", "Why there is no number", _METHOD, of_row=_ROW,
                 width=32.0,
             ),
         ),
@@ -321,8 +324,8 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 34, "C:H": 11, "I": 30},
         {"StartConditions": "B5"},
         freeze="A8",
-        intro="Kinds of starts and how often each happens, for torsionbook starts FILE: start matrix and "
-        "damage ledger.",
+        intro="Start conditions and how often each occurs; inputs of torsionbook starts FILE "
+              "(start matrix and damage ledger).",
     ),
     Sheet(
         "Start matrix",
@@ -337,8 +340,8 @@ _SHEETS: tuple[Sheet, ...] = (
         freeze="",
         breaks=("M",),
         repeated="B:B",
-        intro="Each kind of start as a run of its own: torsionbook starts FILE. A start that does "
-        "not come to its end is not judged.",
+        intro="Each start condition, calculated separately: torsionbook starts FILE. A start that "
+              "is not completed is not judged.",
     ),
     Sheet(
         "Damage ledger",
@@ -347,8 +350,8 @@ _SHEETS: tuple[Sheet, ...] = (
         {"DamageLedger": "B7", "RemainingStarts": f"B{_LEDGER.below(7)}"},
         freeze="",
         side=0.25,
-        intro="What the duty of sheet Duty uses of each judged shaft: Palmgren-Miner, the order "
-        "of starts ignored; a shaft is used up at 1/StartsFactor.",
+        intro="Life used of each judged shaft by the duty on sheet Duty: Palmgren-Miner, order of "
+              "starts ignored; life ends at damage 1/StartsFactor.",
     ),
 )  # fmt: skip
 
@@ -365,7 +368,7 @@ def _by_voltage(quantity: str) -> tuple[Series, ...]:
 
 _CHARTS: tuple[ChartSpec, ...] = (
     ChartSpec(
-        "starts-voltage", "marked curves", "Allowable starts of each kind alone",
+        "starts-voltage", "marked curves", "Allowable starts if only this condition occurs",
         _VOLTAGE, Axis("Allowable starts", log=True, number="#,##0", crossing="min"),
         _by_voltage("starts"), legend=True,
     ),
@@ -379,11 +382,14 @@ _CHARTS: tuple[ChartSpec, ...] = (
 
 #: What its JSON has beside its tables.
 _DETAILS: Shape = {
-    **cut_short("Starts; one that is aborted in the standard matrix is eight."),
-    "standard": described("The standard matrix is in it.", FLAG),
+    **cut_short(
+        "Number of starts calculated; an aborted start of the standard matrix counts as "
+        "eight (trip instants)."
+    ),
+    "standard": described("Whether the standard matrix is included.", FLAG),
     "starts_factor": NUMBER,
     "assumption": described("The rule behind the ledger.", TEXT),
-    "verdict": described("The worst of the ledger.", TEXT),
+    "verdict": described("Worst verdict of the ledger.", TEXT),
 }
 
 STARTS = StudySpec(

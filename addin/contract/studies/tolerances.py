@@ -77,8 +77,8 @@ def _met(table: str, plain: str) -> tuple[Field, ...]:
     interval = Trace("Exact binomial interval, 95 %", _SHARE, (f"{table}.Probability",))
     return (
         number(
-            "Probability", "fraction", "Share of the samples that meet the demand.",
-            "Samples that meet it over all samples", _SAMPLE, of_row=(plain,), of_case=_SCATTER,
+            "Probability", "fraction", "Share of the samples that meet the requirement.",
+            "Samples that meet the requirement / all samples", _SAMPLE, of_row=(plain,), of_case=_SCATTER,
         ),
         number(
             "Probability low", "fraction", "Lower end of its 95 % interval (Clopper-Pearson).",
@@ -91,12 +91,12 @@ def _met(table: str, plain: str) -> tuple[Field, ...]:
 _INPUTS: tuple[TableSpec, ...] = (
     table(
         "Scatter", sheet="Tolerances", caption="Scatter",
-        help="How sure the inputs are, relative to what the case says.",
+        help="Uncertainty of the inputs, relative to their values in the case.",
         rows=16, row_name=("Name", "Quantity"),
         columns=(
             text("Name", "Element, station or material.", blank="all that have the quantity"),
             choice(
-                "Quantity", SCATTERED, "What of it scatters; a damping ratio is that of all modes.",
+                "Quantity", SCATTERED, "Quantity that scatters; the damping ratio applies to all modes.",
             ),
             choice(
                 "Distribution", ("normal", "uniform", "triangular", "from-to"),
@@ -105,13 +105,13 @@ _INPUTS: tuple[TableSpec, ...] = (
                 blank="normal",
             ),
             number(
-                "Spread", "fraction", "Standard deviation or half width, of what the case says.",
+                "Spread", "fraction", "Standard deviation or half width, relative to the value in the case.",
             ),
-            number("From", "fraction", "Least value, of what the case says."),
-            number("To", "fraction", "Largest value, of what the case says."),
+            number("From", "fraction", "Least value, relative to the value in the case."),
+            number("To", "fraction", "Largest value, relative to the value in the case."),
             choice(
                 "Together", ("each", "together"),
-                "With a blank name: each scatters for itself, or all by one factor.", blank="each",
+                "For a blank name: each varies independently, or all by one common factor.", blank="each",
             ),
         ),
     ),
@@ -120,7 +120,8 @@ _INPUTS: tuple[TableSpec, ...] = (
 _RESULTS: tuple[TableSpec, ...] = (
     table(
         "ToleranceStarts", sheet="Tolerance results", caption="Allowable starts",
-        help="Allowable starts: percentiles with 95 % intervals, and the probability of those required.",
+        help="Allowable starts: percentiles with 95 % intervals, and the probability of reaching "
+             "StartsRequired.",
         row_name=("Element",), changes_shown=("P10", "P50", "P90", "Probability"), room=4,
         columns=(
             text(
@@ -128,7 +129,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_AS_TYPED,
             ),
             mixed(
-                "Nominal", "Allowable starts of the plain run.", "Of the plain run", _SAMPLE,
+                "Nominal", "Allowable starts of the nominal run.", "Of the nominal run", _SAMPLE,
                 of_row=(_STARTS,),
             ),
             *_percentiles(_STARTS, ""),
@@ -142,38 +143,39 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             *_met("ToleranceStarts", _STARTS),
             integer(
-                "Samples", "Samples whose start came to its end.", "Counted", _SAMPLE,
+                "Samples", "Samples whose start was completed.", "Counted", _SAMPLE,
                 of_case=_SCATTER,
             ),
         ),
     ),
     table(
-        "ToleranceDrivers", sheet="Tolerance results", caption="What drives it",
-        help="What drives the answer named above: runs with one factor at a time, and rank regression.",
+        "ToleranceDrivers", sheet="Tolerance results", caption="Main drivers",
+        help="Main drivers of the result named above: runs with one factor changed at a time, and "
+             "rank regression.",
         row_name=("Factor",), changes_shown=("Share",),
         json_only=(text("dimension", "Dimension of result and limit, which are in its SI unit."),),
         columns=(
             text("Factor", "What scatters.", trace=_AS_TYPED),
             number(
-                "Deviation", "fraction", "Its standard deviation, of what the case says.",
+                "Deviation", "fraction", "Standard deviation of the factor, relative to the value in the case.",
                 "Of the distribution", _SAMPLE, of_row=("Scatter.Spread",),
             ),
             mixed(
-                "At P10", "The answer of a run with this factor at its P10, all else as stated.",
+                "At P10", "Result of a run with this factor at its P10, all others nominal.",
                 "Run with this factor at its P10", _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER,
             ),
             mixed(
-                "At P90", "The answer of a run with this factor at its P90, all else as stated.",
+                "At P90", "Result of a run with this factor at its P90, all others nominal.",
                 "Run with this factor at its P90", _SAMPLE, of_row=(_STARTS,), of_case=_SCATTER,
             ),
             number(
-                "Change at P10", "fraction", "Change of that answer from the plain run's.",
-                "Over the plain run, less 1", _SAMPLE, of_row=("ToleranceDrivers.At P10",),
+                "Change at P10", "fraction", "Change of that result from the nominal run.",
+                "Value / nominal run − 1", _SAMPLE, of_row=("ToleranceDrivers.At P10",),
                 format=shown.CHANGE,
             ),
             number(
-                "Change at P90", "fraction", "Change of that answer from the plain run's.",
-                "Over the plain run, less 1", _SAMPLE, of_row=("ToleranceDrivers.At P90",),
+                "Change at P90", "fraction", "Change of that result from the nominal run.",
+                "Value / nominal run − 1", _SAMPLE, of_row=("ToleranceDrivers.At P90",),
                 format=shown.CHANGE,
             ),
             number(
@@ -183,12 +185,12 @@ _RESULTS: tuple[TableSpec, ...] = (
             ),
             number(
                 "Partial correlation", "ratio", "Partial rank correlation.",
-                "Correlation of ranks, the part of all other factors taken out", _RANKS,
+                "Rank correlation with the influence of all other factors removed", _RANKS,
                 of_row=(_STARTS,), of_case=_SCATTER,
             ),
             number(
-                "Share", "fraction", "Part of the scatter of the ranks; all add up to R².",
-                "Rank coefficient × correlation of ranks (Pratt)", _RANKS, of_row=(_STARTS,),
+                "Share", "fraction", "Share of the rank variance; all shares add up to R².",
+                "Standardized rank coefficient × rank correlation (Pratt)", _RANKS, of_row=(_STARTS,),
                 of_case=_SCATTER, format=shown.ONE_DECIMAL,
             ),
         ),
@@ -200,7 +202,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         columns=(
             integer("Mode", "Elastic mode.", trace=_AS_TYPED),
             number(
-                "Nominal", "frequency", "Of the plain run.", "Of the plain run", _SAMPLE,
+                "Nominal", "frequency", "Of the nominal run.", "Of the nominal run", _SAMPLE,
                 of_row=(_FREQUENCY,),
             ),
             *_percentiles(_FREQUENCY, "frequency"),
@@ -215,12 +217,12 @@ _RESULTS: tuple[TableSpec, ...] = (
             integer("Mode", "Elastic mode.", trace=_AS_TYPED),
             text("Excitation", "Name of the excitation.", trace=_AS_TYPED),
             number(
-                "Nominal", "fraction", "Margin of the plain run.", "Of the plain run", _SAMPLE,
+                "Nominal", "fraction", "Margin of the nominal run.", "Of the nominal run", _SAMPLE,
                 of_row=(_MARGIN,),
             ),
             *_percentiles(_MARGIN, "fraction"),
             number(
-                "Required", "fraction", "Required margin.", "As of the plain run", _SAMPLE,
+                "Required", "fraction", "Required margin.", "As in the nominal run", _SAMPLE,
                 of_row=("SeparationMargins.Required",), format=shown.ONE_DECIMAL,
             ),
             *_met("ToleranceMargins", _MARGIN),
@@ -233,12 +235,12 @@ _RESULTS: tuple[TableSpec, ...] = (
         columns=(
             text("Element", "Element.", kind="element", trace=_AS_TYPED),
             number(
-                "Nominal torque", "torque", "Of the plain run.",
+                "Nominal torque", "torque", "Of the nominal run.",
                 "Larger magnitude of maximum and minimum", _SAMPLE, us="lbf*ft", of_row=(_TORQUE,),
             ),
             *_percentiles(_TORQUE, "torque", "Torque ", us="lbf*ft"),
             number(
-                "Nominal stress", "pressure", "Of the plain run, without SCF.",
+                "Nominal stress", "pressure", "Of the nominal run, without SCF.",
                 "16 T D / (π (D⁴ − d⁴)) of that torque", _SAMPLE, of_row=(_TORQUE,),
             ),
             *_percentiles(_STRESS, "pressure", "Stress "),
@@ -269,7 +271,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         short_caption=True,
         columns=(
             text(
-                "Starts", "Between which numbers of starts.",
+                "Starts", "Range of allowable starts of the bar.",
                 "Bars of equal width in the logarithm", _SAMPLE, of_row=(_STARTS,),
             ),
             number(
@@ -285,12 +287,12 @@ _RESULTS: tuple[TableSpec, ...] = (
         columns=(
             text("Factor", "What scatters.", trace=_AS_TYPED),
             number(
-                "At P10", "fraction", "Change of the answer with this factor at its P10.",
+                "At P10", "fraction", "Change of the result with this factor at its P10.",
                 "As in ToleranceDrivers", _SAMPLE, of_row=("ToleranceDrivers.Change at P10",),
                 format=shown.CHANGE,
             ),
             number(
-                "At P90", "fraction", "Change of the answer with this factor at its P90.",
+                "At P90", "fraction", "Change of the result with this factor at its P90.",
                 "As in ToleranceDrivers", _SAMPLE, of_row=("ToleranceDrivers.Change at P90",),
                 format=shown.CHANGE,
             ),
@@ -311,8 +313,8 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B": 24, "C": 17, "D": 13, "E:G": 10, "H": 11, "I": 30},
         {"Scatter": "B5"},
         freeze="A8",
-        intro="How sure the inputs are, for torsionbook tolerances FILE and torsionbook calibrate "
-        "FILE. Spreads are relative to what the case says.",
+        intro="Uncertainty of the inputs, for torsionbook tolerances FILE and torsionbook "
+              "calibrate FILE. Spreads are relative to the values in the case.",
     ),
     Sheet(
         "Tolerance results",
@@ -326,8 +328,8 @@ _SHEETS: tuple[Sheet, ...] = (
         ),
         freeze="A6",
         side=0.25,
-        intro="What the scatter on sheet Tolerances makes of the allowable starts, and what "
-        "drives them. Written by torsionbook tolerances FILE.",
+        intro="Scatter of the allowable starts that follows from the input scatter on sheet "
+              "Tolerances, and its main drivers. Written by torsionbook tolerances FILE.",
     ),
     Sheet(
         "Tolerance tables",
@@ -336,8 +338,8 @@ _SHEETS: tuple[Sheet, ...] = (
         {"ToleranceFrequencies": "B5", "ToleranceMargins": f"B{_BELOW_FREQUENCIES}"},
         freeze="A4",
         side=0.25,
-        intro="The same of frequencies and margins: P10, P50 and P90 of the samples and the "
-        "probability that each margin is kept, all with the ends of their 95 % intervals.",
+        intro="Frequencies and margins: P10, P50 and P90 of the samples and the probability that "
+              "each margin is kept, with 95 % intervals.",
     ),
     Sheet(
         "Tolerance peaks",
@@ -348,7 +350,8 @@ _SHEETS: tuple[Sheet, ...] = (
         header_rows=7,
         breaks=("M",),
         repeated="B:B",
-        intro="The same of the largest torques and nominal stresses of the start, zero-to-peak.",
+        intro="Largest torques and nominal stresses of the start, zero-to-peak, with their "
+              "percentiles.",
     ),
     Sheet(
         "Tolerance data",
@@ -356,15 +359,15 @@ _SHEETS: tuple[Sheet, ...] = (
         {"A": 1.5, "B:D": 13, "E": 2, "F": 20, "G": 9, "H": 2, "I": 36, "J:K": 11},
         {"ToleranceDistribution": "B5", "ToleranceHistogram": "F5", "ToleranceTornado": "I5"},
         freeze="A8",
-        intro="What the charts of sheet Tolerance results show.",
+        intro="Data of the charts on sheet Tolerance results.",
     ),
 )  # fmt: skip
 
 _CHARTS: tuple[ChartSpec, ...] = (
     # the strongest factors, each at its P10 and P90: what they make of the answer
     ChartSpec(
-        "tornado", "bars", "What drives it: one factor at a time, at its P10 and P90",
-        Axis("Change of the answer, %", number="+0;-0;0"),
+        "tornado", "bars", "Main drivers: one factor at a time, at its P10 and P90",
+        Axis("Change of the result, %", number="+0;-0;0"),
         Axis(reverse=True, crossing="max", low=True, grid=False, ticks=False),
         tuple(
             Series("ToleranceTornado", "Factor", column, f"factor {point}", colour, edge="none")
@@ -390,7 +393,7 @@ _CHARTS: tuple[ChartSpec, ...] = (
 def _details() -> Shape:
     """What its JSON has beside its tables."""
     end = described("Null where more samples would be needed.", OR_WORD)
-    nominal = described("Of the plain run; null where not judged.", OR_WORD)
+    nominal = described("Of the nominal run; null where not judged.", OR_WORD)
     percentile = {
         "probability": NUMBER,
         "value": {"description": "A number, or unlimited.", "type": ["number", "string"]},
@@ -410,7 +413,7 @@ def _details() -> Shape:
         "of": TEXT,
         "required": OR_WORD,
         "nominal": nominal,
-        "probability": described("Share of the samples that meet it.", NUMBER),
+        "probability": described("Share of the samples that meet the requirement.", NUMBER),
         "low": NUMBER,
         "high": NUMBER,
         "samples": COUNT,
@@ -423,8 +426,8 @@ def _details() -> Shape:
         "samples_planned": COUNT,
         "samples_calculated": COUNT,
         "converged": FLAG,
-        "driven": described("The answer whose drivers are shown.", TEXT),
-        "explained": described("Share that the ranks explain; null = not told.", BLANK),
+        "driven": described("Result whose drivers are shown.", TEXT),
+        "explained": described("R² of the rank regression; null = not determined.", BLANK),
         "sentences": list_of(TEXT),
         "percentiles": list_of(closed_object(answer)),
         "probabilities": list_of(closed_object(share)),

@@ -46,7 +46,7 @@ MAP_ROWS = 13
 MAP_MODES = 5
 _PAGE = "docs/tuning.md"
 _RULES = f"{_PAGE}, How combinations are ranked"
-_RUN = f"{_PAGE}; as the plain run of that case, see its result sheets"
+_RUN = f"{_PAGE}; as the nominal run of that case, see its result sheets"
 _ROWS = ("Tuning.Element", "Tuning.Quantity", "Tuning.Values", "Catalogue.Name")
 
 
@@ -56,8 +56,8 @@ def _as(result: str, equation: str = "") -> Trace:
 
 
 _RANK = Trace(
-    "Order of what can be calculated, comes to its end, breaks fewest limits, keeps margins "
-    "by itself, allows most starts, has the widest margin",
+    "Ranked by, in this order: calculable, start completed, fewest limits exceeded, "
+    "margins kept without forced response, most allowable starts, largest margin",
     _RULES, of_case=_ROWS,
 )  # fmt: skip
 _COMBINATION = Trace(
@@ -69,18 +69,16 @@ _CROSSING = f"At the crossing with the largest stress range ({PHILOSOPHY})"
 _BAND = "f_min (1 − m) to f_max (1 + m), from |f − f_exc| / f_exc ≥ m"
 _CELL = "docs/tuning.md, Maps"
 _CROSSINGS = next(spec for spec in RESULT_TABLES if spec.name == "StartupCrossings")
-_OPTION = text(
-    "Option", "What the first variable is.", "Value or designation, as typed", _PAGE, of_case=_ROWS
-)
+_OPTION = text("Option", "First variable.", "Value or designation, as typed", _PAGE, of_case=_ROWS)
 _SHARE = number(
-    "Of as is", "fraction", "Its value over what the case says.", "Value over what the case says", _PAGE,
+    "Of as is", "fraction", "Value divided by that in the case.", "Value / value in the case", _PAGE,
     of_case=_ROWS,
 )  # fmt: skip
 
 
 def _of_pair(result: str) -> Trace:
     return Trace(
-        "Of the best combination with this pair of options", _CELL, of_case=(result, *_ROWS)
+        "Result of the best combination with this pair of options", _CELL, of_case=(result, *_ROWS)
     )
 
 
@@ -95,38 +93,39 @@ _OF_CASE = "as in the case"
 _INPUTS: tuple[TableSpec, ...] = (
     table(
         "Tuning", sheet="Tuning", caption="Tuning",
-        help="Quantities that may be chosen, each with values or a range; every combination is tried.",
+        help="Quantities to vary, each with values or a range; every combination is calculated.",
         rows=12, row_name=("Element", "Quantity"), short_caption=True,
         columns=(
             text("Element", "Element, or the station of an inertia."),
-            choice("Quantity", TUNED, "What of it is tried."),
+            choice("Quantity", TUNED, "Quantity to vary."),
             text(
                 "Unit",
-                "Unit of the numbers right of it, such as lbf*in/rad; % or 1 = of what the case says.",
-                blank="1: multiples of what the case says",
+                "Unit of the numbers to its right, such as lbf*in/rad; % or 1 = relative to the "
+                "value in the case.",
+                blank="1: multiples of the value in the case",
             ),
             text("Values", "Numbers to try, with semicolons between them: 0.5; 0.8; 1.2."),
             number("From", "count", "Lowest value of a range, instead of Values."),
             number("To", "count", "Highest value of a range."),
-            integer("Steps", "How many values the range is given, its ends included; blank = 11."),
+            integer("Steps", "Number of values in the range, both ends included; blank = 11."),
         ),
     ),
     table(
         "Catalogue", sheet="Tuning", caption="Catalogue",
-        help="Couplings on offer, in the maker's numbers; each takes the place of the one in the case.",
+        help="Couplings on offer, with the maker's data; each replaces the coupling of the case.",
         rows=16, row_name=("Element", "Name"),
         columns=(
             text("Element", "The coupling of table Elements that it may replace.", kind="element"),
             text("Name", "The maker's designation."),
             choice(
                 "Fitted", ("no", "yes"),
-                "yes for the one whose inertia the stations on sheet Train contain.", blank="no",
+                "yes for the coupling whose inertia is included in the stations on sheet Train.", blank="no",
             ),
             number("Stiffness", "torsional stiffness", "Torsional stiffness."),
             number(
                 "Inertia", "inertia",
-                "Inertia of the whole coupling: half of it at each end, instead of the fitted one's; given "
-                "for all couplings of an element, or for none.",
+                "Inertia of the whole coupling; half of it replaces half of the fitted coupling's at "
+                "each end. Type it for all couplings of an element, or for none.",
             ),
             number("Damping", "torsional damping", "Viscous damping across it.", blank=_OF_CASE),
             number("Loss factor", "ratio", "Hysteretic loss factor.", blank=_OF_CASE),
@@ -140,15 +139,15 @@ _INPUTS: tuple[TableSpec, ...] = (
 _RESULTS: tuple[TableSpec, ...] = (
     table(
         "TuningResults", sheet="Tuning results", caption="Combinations",
-        help="Every combination as a full start, the best first.",
+        help="Every combination calculated as a full start, best first.",
         row_name=("Combination",), changes_shown=("Rank", "Allowable starts", "Worst margin"),
-        json_only=(flag("unlimited", "No damage: any number of starts."),),
+        json_only=(flag("unlimited", "No damage: unlimited starts."),),
         columns=(
             integer(
                 "Rank", "1 = the best, by the order on the page docs/tuning.md.", trace=_RANK,
             ),
             text(
-                "Combination", "What was chosen.",
+                "Combination", "Values of this combination.",
                 trace=_COMBINATION, width=36.0,
             ),
             flag(
@@ -161,7 +160,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_row=("TuningResults.Rank",),
             ),
             verdict(
-                "Verdict", "fail where a limit is broken, impossible where there is no such case.",
+                "Verdict", "fail where a limit is exceeded; impossible where the combination cannot be "
+                           "calculated.",
                 trace=_as(
                     "Verdicts.Verdict", "The worst verdict of the run, rated torques included",
                 ),
@@ -171,7 +171,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_as("Verdicts.Verdict", "Number of checks that fail, rated torques included"),
             ),
             number(
-                "Allowable starts", "count", "Of the governing shaft, not divided by StartsFactor.",
+                "Allowable starts", "count", "Allowable starts of the governing shaft, not divided by StartsFactor.",
                 trace=_ALLOWED_STARTS,
                 format=shown.STARTS, unlimited=True,
             ),
@@ -180,12 +180,12 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_WORST_MARGIN,
             ),
             sentence(
-                "Reason", "Why it stands there.",
+                "Reason", "Reason for the rank.",
                 "Limits, governing crossing, starts and stress in words, against the unchanged case",
                 _RULES, of_row=("TuningResults.Rank",), width=54.0,
             ),
             text(
-                "Broken", "Which limits are broken.",
+                "Broken", "Checks that fail.",
                 trace=_as("Verdicts.Check", "Names of the checks that fail"), width=30.0,
             ),
             number(
@@ -197,7 +197,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_as("AllowableStarts.Element", "Shaft with the fewest allowable starts"),
             ),
             text(
-                "Margin where", "Its mode and excitation.",
+                "Margin where", "Mode and excitation of the worst margin.",
                 trace=_as(
                     "SeparationMargins.Excitation", "Mode and excitation of the worst margin",
                 ),
@@ -210,7 +210,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 for mode, place in enumerate(("First", "Second", "Third"), start=1)
             ),
             integer(
-                "Mode crossed", "Mode whose crossing stresses the train most in the start.",
+                "Mode crossed", "Mode whose crossing causes the largest stress in the start.",
                 trace=_as(
                     "StartupCrossings.Mode", "Mode with the largest stress range at its crossing",
                 ),
@@ -227,7 +227,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 printed="Stress, pk‑pk",
             ),
             number(
-                "Stress with SCF", "pressure", "The same times SCF.",
+                "Stress with SCF", "pressure", "That range times SCF.",
                 trace=_as(
                     "StartupPeaks.Peak-to-peak stress", "Nominal range × SCF, the largest",
                 ),
@@ -252,7 +252,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 format=shown.SIGNED,
             ),
             integer(
-                "Impacts", "How often teeth meet again; blank without a clearance model.",
+                "Impacts", "Number of re-engagements of the teeth; blank without a clearance model.",
                 trace=_as("TorqueReversals.Impacts", "Sum over all teeth"),
             ),
             text(
@@ -260,7 +260,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_case=_ROWS,
             ),
             sentence(
-                "Note", "What a reader must know besides, and not of the unchanged case.",
+                "Note", "Warnings that the unchanged case does not have.",
                 "Warnings of the run of this combination that the unchanged case does not have",
                 _RUN, of_case=_ROWS, width=60.0,
             ),
@@ -268,10 +268,11 @@ _RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "TuningCrossings", sheet="Tuning crossings", caption="Crossings",
-        help="Where 2 × slip frequency crosses the modes, of the best combinations and as is.",
+        help="Crossings of 2 × slip frequency with the modes, for the best combinations and the "
+             "unchanged case.",
         columns=(
-            integer("Rank", "Of the combination.", trace=_RANK),
-            text("Combination", "What was chosen.", trace=_COMBINATION, width=36.0),
+            integer("Rank", "Rank of the combination.", trace=_RANK),
+            text("Combination", "Values of this combination.", trace=_COMBINATION, width=36.0),
             *(
                 replace(column, trace=_as(f"StartupCrossings.{column.name}"), error=None)
                 for column in _CROSSINGS.columns
@@ -284,11 +285,11 @@ _RESULTS: tuple[TableSpec, ...] = (
         workbook_only=True,
         columns=(
             text(
-                "First variable", "Down the maps, and along the charts.",
+                "First variable", "First variable: rows of the maps and abscissa of the charts.",
                 "First row of Tuning, or of Catalogue", _CELL, of_case=_ROWS, width=22.0,
             ),
             text(
-                "Second variable", "Across the maps: one line of the charts each.",
+                "Second variable", "Second variable: columns of the maps, one chart line per option.",
                 "Second row of Tuning, or element of Catalogue", _CELL, of_case=_ROWS, width=11.0,
             ),
             *(
@@ -302,13 +303,14 @@ _RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "TuningStarts", sheet="Tuning map", caption="Allowable starts",
-        help="Of the best combination in each cell; green many, red few; grey figures where a margin is not kept.",
+        help="Allowable starts of the best combination of each cell; green many, red few; grey "
+             "digits where a margin is not kept.",
         room=MAP_ROWS, workbook_only=True,
         columns=(
             _OPTION, _SHARE,
             *(
                 mixed(
-                    f"Line {k}", "Allowable starts, or words.",
+                    f"Line {k}", "Allowable starts, or a text.",
                     trace=_of_pair("AllowableStarts.Allowable starts"),
                 )
                 for k in range(1, LINES + 1)
@@ -330,9 +332,9 @@ _RESULTS: tuple[TableSpec, ...] = (
     ),
     table(
         "TuningModes", sheet="Tuning map", caption="Modes",
-        help="Of the best combination with each option of the first variable.",
+        help="Natural frequencies of the best combination with each option of the first variable.",
         room=MAP_ROWS, workbook_only=True,
-        json_only=(flag("unlimited", "No damage: any number of starts."),),
+        json_only=(flag("unlimited", "No damage: unlimited starts."),),
         columns=(
             _OPTION, _SHARE,
             *(
@@ -353,7 +355,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         columns=(
             text(
                 "Excitation", "Name of the excitation.",
-                "Name, as typed or as the usual ones are called", STEADY,
+                "Name, as typed, or of the default excitation", STEADY,
                 of_case=("Excitations.Name",),
             ),
             number(
@@ -365,22 +367,22 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_case=("MaximumSpeed", "MarginBasis", "MarginRequired"),
             ),
             number(
-                "Lowest", "frequency", "Of the excitation, at the lowest speed.",
+                "Lowest", "frequency", "Excitation frequency at the lowest speed.",
                 "Order × speed of its station at MinimumSpeed, or its frequency", STEADY,
                 of_case=("MinimumSpeed", "Excitations.Order", "Excitations.Frequency"),
             ),
             number(
-                "Highest", "frequency", "Of the excitation, at the highest speed.",
+                "Highest", "frequency", "Excitation frequency at the highest speed.",
                 "Order × speed of its station at MaximumSpeed, or its frequency", STEADY,
                 of_case=("MaximumSpeed", "Excitations.Order", "Excitations.Frequency"),
             ),
             text(
-                "Modes inside", "Of the unchanged case.",
+                "Modes inside", "Modes of the unchanged case inside the band.",
                 "Modes whose margin from it is less than required", STEADY,
                 of_case=("SeparationMargins.Margin",),
             ),
             integer(
-                "Combinations clear", "Combinations without a mode inside.",
+                "Combinations clear", "Number of combinations without a mode in the band.",
                 "Combinations all of whose modes keep the margin from it", _PAGE, of_case=_ROWS,
             ),
             integer(
@@ -390,8 +392,8 @@ _RESULTS: tuple[TableSpec, ...] = (
         ),
     ),
     table(
-        "TuningLines", sheet="StudyData", caption="Lines of starts",
-        help="Numbers behind the chart of starts: no words.",
+        "TuningLines", sheet="StudyData", caption="Chart data of allowable starts",
+        help="Data of the allowable-starts chart, numbers only.",
         workbook_only=True,
         columns=(_SHARE, *_lines("count", "Allowable starts.", "AllowableStarts.Allowable starts")),
     ),
@@ -402,7 +404,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         columns=(
             _SHARE,
             number(
-                "Frequency", "frequency", "Up and down between the ends of a band.",
+                "Frequency", "frequency", "Hatching lines between the limits of each band.",
                 "Lines between From and To of each band", _CELL,
                 of_row=("ForbiddenBands.From", "ForbiddenBands.To"),
             ),
@@ -423,8 +425,9 @@ _SHEETS: tuple[Sheet, ...] = (
          "L": 8, "M:S": 11},
         {"Tuning": "B5", "Catalogue": "J5"},
         freeze="A8",
-        intro="What may be chosen, for torsionbook tune FILE: every combination of the rows of Tuning "
-        "and of one catalogue row an element is calculated. Blank tables: nothing is tried.",
+        intro="Quantities and couplings to vary, for torsionbook tune FILE: it calculates every "
+              "combination of the rows of Tuning and one Catalogue row per element. With both "
+              "tables blank nothing is calculated.",
     ),
     Sheet(
         "Tuning results",
@@ -459,8 +462,9 @@ _SHEETS: tuple[Sheet, ...] = (
         breaks=("L",),
         row_breaks=(_MARGINS - 1, _BANDS - 1),
         largest=80,
-        intro="Starts and margins over the first two variables of sheet Tuning, each cell with the "
-        "best of what is left; no mode may lie in a hatched band.",
+        intro="Allowable starts and margins over the first two variables of sheet Tuning; each "
+              "cell shows the best combination of all other variables. No mode may lie in a "
+              "hatched band.",
     ),
     Sheet(
         "Tuning crossings",
@@ -518,13 +522,13 @@ _REQUIRED = Series("TuningMargins", "Of as is", "Required", "Required", "rust", 
 _CHARTS: tuple[ChartSpec, ...] = (
     ChartSpec(
         "tuning-starts", "curves",
-        "Allowable starts, a line each option of the second variable (unlimited left out)",
+        "Allowable starts, one line per option of the second variable (unlimited left out)",
         _FIRST_VARIABLE, Axis("Allowable starts", log=True, number="#,##0", crossing="min"),
         _options("TuningLines"), legend=True,
     ),
     ChartSpec(
         "tuning-margins", "curves",
-        "Worst separation margin, a line each option of the second variable",
+        "Worst separation margin, one line per option of the second variable",
         _FIRST_VARIABLE, Axis("Margin, as in the table", least=0, number="General"),
         (*_options("TuningMargins"), _REQUIRED), legend=True,
     ),
@@ -543,8 +547,8 @@ def _details() -> Shape:
     variable = {
         "name": described("Element, or the station of an inertia.", TEXT),
         "quantity": TEXT,
-        "unit": described("Of the values below; backlash is m or rad.", TEXT),
-        "present": described("What the case says.", NUMBER),
+        "unit": described("Unit of the values below; backlash is m or rad.", TEXT),
+        "present": described("Value in the case.", NUMBER),
         "options": list_of(option),
     }
     choice = {"rank": COUNT, "values": list_of(BLANK)}
@@ -554,7 +558,7 @@ def _details() -> Shape:
         "across_value": NUMBER,
         "up": described("Option of the second variable.", TEXT),
         "up_value": NUMBER,
-        "rank": described("Of the best combination with both.", COUNT),
+        "rank": described("Rank of the best combination with both options.", COUNT),
         "limits_broken": COUNT,
         "allowable_starts": described("Absent where unlimited or not judged.", NUMBER),
         "unlimited": described("Absent where starts were not judged.", FLAG),
@@ -567,7 +571,9 @@ def _details() -> Shape:
         "choices": list_of(
             closed_object(choice), "Values of the variables of each combination, by rank."
         ),
-        "free_windows": list_of(closed_object(window), "Frequencies that no band forbids. [Hz]"),
+        "free_windows": list_of(
+            closed_object(window), "Frequencies outside all forbidden bands. [Hz]"
+        ),
         "tuning_map": list_of(cells),
     }
 

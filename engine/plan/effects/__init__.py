@@ -26,7 +26,7 @@ def _finding_of(module: str) -> Callable[[CaseData, Evidence, tuple[str, ...]], 
 _FILES = {file.name for file in iter_modules(__path__)}
 _RECORDS = {effect.module for effect in EFFECTS.values()}
 for _name in sorted(_RECORDS - _FILES):
-    raise ImportError(f"effect {_name} has no finding: add engine/plan/effects/{_name}.py")
+    raise ImportError(f"effect {_name} has no function finding: add engine/plan/effects/{_name}.py")
 for _name in sorted(_FILES - _RECORDS):
     raise ImportError(f"effect {_name} has no record: add engine/case/effects/{_name}.py")
 

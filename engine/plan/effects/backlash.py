@@ -9,7 +9,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The lowest torque of an element with two flanks, less its error."""
     possible = bool(e.clearances)
     if e.linear is None:
-        why = "Decided by the lowest torques of the linear start."
+        why = "Depends on the lowest torques of the linear start."
         return Finding(False, possible, None, 0.0, None, why)
     minima = e.linear.minima
     if not minima:
@@ -19,7 +19,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     # without any gap the linear train is the answer
     depth = max((-m.lowest for m in minima if not m.tight), default=0.0)
     number, bound = worst.lowest, BACKLASH_GAIN * max(depth, 0.0)
-    why = f"Lowest torque less its error: {number:.3g} of the largest, at '{worst.element}'"
+    why = f"Lowest torque minus its error: {number:.3g} of the largest torque, at '{worst.element}'"
     names = modelled or reversing(e)
     if names:
         why += f"; teeth separate at {quoted(names)}."
@@ -27,7 +27,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     if number >= 0.0:
         why += ": no reversal, so the linear solution holds with every clearance."
     elif number >= limit:
-        why += f", not below the limit {limit:.2g}: teeth do not part for long enough to matter."
+        why += f", not below the limit {limit:.2g}: any separation is too short to matter."
     else:
         deep = [m for m in minima if m.lowest < limit]
         tight = [m.element for m in deep if m.tight]
@@ -37,20 +37,17 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         ):  # the back flank pushes along a line of its own, whatever the gap
             bound = None
             why += (
-                f"; the clearance given for {quoted(tight)} is 0, so that its teeth do not part but "
-                "pull along the drive flank; with gears on bearings that is not the push of the "
-                "back flank: give a small clearance"
+                f"; the clearance given for {quoted(tight)} is 0, so its teeth cannot separate and a "
+                "negative torque pulls on the drive flank; with gears on bearings the force then has "
+                "the wrong direction: type a small clearance"
             )
         elif tight:
-            why += (
-                f"; the clearance given for {quoted(tight)} is 0, so that without a gap the linear "
-                "solution holds there"
-            )
+            why += f"; the clearance given for {quoted(tight)} is 0, so the linear solution applies there"
         if blank:
             bound = None
             why += (
-                f"; no clearance is given for {quoted(blank)}: fill Backlash (or Angular backlash)"
-                " and a mesh stiffness to model it"
+                f"; no clearance is given for {quoted(blank)}: type Backlash (or Angular backlash) "
+                "and a mesh stiffness to model it"
             )
         why += "."
     return Finding(False, possible, number, limit, bound, why)

@@ -8,15 +8,15 @@ from engine.plan.evidence import BEARING_GAIN, Evidence
 
 #: What a reader of an empty table of bearing forces needs to know.
 NO_FORCES = (
-    "Table BearingForces stays empty while bearings are off in the start: choose on for bearings "
-    "in EffectChoices to have the forces."
+    "Table BearingForces stays empty while bearings are off in the start: choose on for "
+    "bearings in EffectChoices to calculate them."
 )
 
 
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The largest relative change that the bearings make to a mode."""
     if e.bearing_number is None:
-        why = "No bearing data in Meshes: gears are held laterally."
+        why = "No bearing data in Meshes: gears do not move laterally."
         return Finding(False, False, None, None, None, why, cost=0.0)
     number, limit = e.bearing_number, e.tolerance / BEARING_GAIN
     wanted = number > limit
@@ -32,7 +32,9 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
 def _change_of_a_mode(number: float) -> str:
     """What the bearings do to a mode, from the number that decided."""
     if math.isinf(number):
-        return "Bearings damp a mode that has no damping without them"
+        return "Bearings damp an otherwise undamped mode"
     if number == 1.0:
-        return "Bearings change a mode altogether (100 %: no mode without them is like it)"
+        return (
+            "Bearings change a mode completely (100 %: it corresponds to no mode without bearings)"
+        )
     return f"Bearings change the frequency, shape or damping of a mode by up to {percent(number)}"

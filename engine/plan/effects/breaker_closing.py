@@ -8,18 +8,18 @@ from engine.plan.evidence import Evidence
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The transient at resonance, over the motor torque at standstill."""
     if e.shock_share is None and case.shock_amplitude and not case.motor_torque:
-        return Finding.impossible("No motor curve: there is no breaker to close.")
+        return Finding.impossible("No motor curve, so there is no breaker closing.")
     if case.shock_amplitude == 0.0:
         return Finding.impossible("ShockAmplitude is 0.")
     if e.shock_share is None:
         return Finding.impossible(
-            "ShockAmplitude and ShockTimeConstant are not given: nothing is known of it.", None
+            "ShockAmplitude and ShockTimeConstant are not given: the transient is unknown.", None
         )
     wanted = e.shock_share > e.tolerance
     several = len({p.station for p in case.motor_torque}) > 1
     compared = "least motor torque" if several else "motor torque"
     why = (
-        f"At resonance the transient{'s' if several else ''} could bring at most "
+        f"At resonance the transient{'s' if several else ''} could add at most "
         f"{e.shock_share:.2g} times the {compared} at standstill, "
         f"{'above' if wanted else 'at most'} the tolerance {e.tolerance:.2g}."
     )

@@ -9,18 +9,24 @@ from engine.plan.evidence import Evidence
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The change of the peaks by the modes that the linear start left out."""
     if e.linear is None:
-        why = f"Modes are kept until those left out change peaks by a tenth of {e.tolerance:.2g}."
+        why = (
+            "Modes are added until those left out change peaks by less than a tenth of "
+            f"{e.tolerance:.2g}."
+        )
         return Finding(False, True, None, e.tolerance, None, why, cost=0.0)
     number, kept = e.linear.truncation_error, e.linear.kept_modes
     n = max(e.linear.n_modes or 0, kept)
-    why = f"{kept} of {n} modes integrated; the others follow statically and add at most {number:.2g}."
+    why = (
+        f"{kept} of {n} modes integrated; the others are included statically, with an error "
+        f"of at most {number:.2g}."
+    )
     if kept == n:
         why = f"All {n} modes integrated."
     elif choice_of(case, "fast modes") == "on":
         why += (
-            " Although all modes were asked for these are not followed: they are so fast that it "
-            "would take absurdly short steps."
+            " All modes were requested, but the others are too fast to integrate: they would "
+            "need far too short time steps."
         )
     elif number > e.tolerance:
-        why += " Following them would take absurdly short steps."
+        why += " Integrating them would need far too short time steps."
     return Finding(False, True, number, e.tolerance, number, why, n / max(kept, 1) - 1.0)

@@ -9,9 +9,9 @@ from engine.plan.evidence import NEARLY_REACHED, Evidence
 def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     """The slip that the rigid train reaches, against that of the field."""
     if e.field_slip is None or case.field_slip is None:
-        why = "FieldSlip and PullOutTorque are not given: the start ends without field."
+        why = "FieldSlip and PullOutTorque are not given: the start ends without field application."
         if case.field_slip is not None and case.pull_out_torque is not None:
-            why = "No motor curve: there is no motor whose field could be applied."
+            why = "No motor curve, so there is no field to apply."
         return Finding.impossible(why, None)
     limit = case.field_slip
     wanted = e.field_slip <= limit + NEARLY_REACHED
@@ -20,7 +20,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         return Finding(False, True, e.field_slip, limit, 0.0, why)
     why = (
         f"The rigid train reaches a slip of {e.field_slip:.2%}; the field is applied at "
-        f"{limit:.2%}" + ("." if wanted else ", which it does not reach.")
+        f"{limit:.2%}" + ("." if wanted else ", which is not reached.")
     )
     return Finding(wanted, True, e.field_slip, limit, 0.0, why)
 

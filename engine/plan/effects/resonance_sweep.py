@@ -13,7 +13,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     number, limit = e.first_frequency / (2.0 * e.line_frequency), 1.0 + INITIAL_SHOCK_ZONE
     wanted = number <= limit and e.runup_time is not None
     why = (
-        f"The lowest mode is at {number:.3g} × (2 × line), "
+        f"The lowest mode is at {number:.3g} × (2 × line frequency), "
         f"{'within' if number <= limit else 'above'} reach of the falling 2 × slip frequency."
     )
     return Finding(wanted, e.runup_time is not None, number, limit, 0.0, why)

@@ -15,10 +15,10 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         return Finding.impossible("Prescribed torques are followed to their end.")
     finite = number if math.isfinite(number) else None
     taken = f"needs {number:.3g} s" if finite is not None else "never reaches the end speed"
-    why = f"The rigid train {taken}; the run ends when it is there or has settled"
+    why = f"The rigid-body run-up {taken}; the run ends when it reaches the end speed or settles"
     settled = e.linear is not None and e.linear.outcome != Outcome.REACHED
-    why += "." if not settled else ", and cycles counted are those until then."
+    why += "." if not settled else ", and cycles are counted up to that time."
     if not settled:
-        why += " Forced on it changes nothing in a start that reaches its end speed."
+        why += " If forced on, it has no effect on a start that reaches its end speed."
     cost = max(e.longest_time / e.linear.time - 1.0, 0.0) if e.linear and e.linear.time else 0.0
     return Finding(False, True, finite, e.longest_time, None if settled else 0.0, why, cost)

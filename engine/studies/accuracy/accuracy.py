@@ -112,7 +112,7 @@ def accuracy_study(
 
     if not has_start(case) and not case.torque_time:
         return _nothing(case)
-    on_stage("start as planned")
+    on_stage("start with the effects of the plan")
     planned = planned_start(case, analyse(case), stage)
     if planned.plan.events:
         return _event_study(case, planned, rounds, on_stage)
@@ -123,9 +123,9 @@ def _nothing(case: CaseData) -> AccuracyStudy:
     """No start, or prescribed torques alone."""
     if case.torque_time:
         sentence = (
-            "Nothing to study: the response to prescribed torques (TorqueTime) is exact at its "
-            "samples, so no time step decides its accuracy. Only teeth that part make a step matter: "
-            "with a clearance that the torque calls for, or backlash forced on, it is studied."
+            "Nothing to study: the response to prescribed torques (TorqueTime) is exact at every "
+            "step size. Only separating teeth make it depend on the step: give a clearance, or "
+            "force backlash on."
         )
     else:
         sentence = "Nothing to study: the case has no motor torque curve, so there is no start."
@@ -245,11 +245,14 @@ def _event_study(
         linear, _ = ladder.references(on_stage)
         rows += ladder.rows(Method.NEWMARK, NEWMARK_LINEAR, linear, rounds, on_stage)
         papers = (
-            "The paper's method has no events: it is studied on the linear train, against the "
-            "linear reference. "
+            "Newmark cannot simulate events: it is compared on the linear train, with the linear "
+            "reference. "
         )
     else:
-        papers = "The paper's method has no events and starts of motors alone: it is not studied. "
+        papers = (
+            "Newmark cannot simulate events, and this start has no motor curve: Newmark is not "
+            "studied. "
+        )
     text = (
         f"Starts with events are compared with one calculated to {EVENT_REFERENCE * finest:.2g}, "
         f"{1.0 / EVENT_REFERENCE:.0f} times finer than the finest setting"
@@ -257,14 +260,14 @@ def _event_study(
     if best.step < check.step:
         text += ". " + _checked(off)
     else:
-        text += f", or as near to it as a step of {best.step:.2g} s comes. "
+        text += f", or as close as a step of {best.step:.2g} s allows. "
     text += papers + _timed(rounds)
     sentence = _sentence(case, rows, EVENTS, NEWMARK_LINEAR, " (without clearances and events)")
     felt = planned.start.sensitivity
     if felt is not None and felt.sensitive:
         sentence = (
             "This start is sensitive: a change of the input by 1e-9 may change a peak torque by "
-            f"{100.0 * felt.spread:.2g} %, so that no setting buys a smaller error. {sentence}"
+            f"{100.0 * felt.spread:.2g} %. No setting gives a smaller error. {sentence}"
         )
     return AccuracyStudy(tuple(rows), sentence, text, off[0], off[1])
 
@@ -317,7 +320,7 @@ def _timed_runs(once: Callable[[], _Answers], rounds: int) -> tuple[_Answers, fl
 
 def _checked(off: tuple[float, float | None]) -> str:
     starts = "" if off[1] is None else f" and {off[1]:.1g} on starts"
-    return f"A second, coarser reference differs from it by {off[0]:.1g} on peaks{starts}. "
+    return f"A second, coarser reference differs by {off[0]:.1g} on peaks{starts}. "
 
 
 def _timed(rounds: int) -> str:
@@ -341,8 +344,7 @@ def _sentence(
         f"You asked for {at} on {answer}: {_cost(rows, ours, wanted, on_starts)}; "
         f"{10.0 * wanted:.3g} % would cost {_cost(rows, ours, 0.1 * wanted, on_starts)}"
         + (
-            f"; the paper's method at {at} costs {_cost(rows, papers, wanted, on_starts)}"
-            f"{papers_note}."
+            f"; Newmark at {at} takes {_cost(rows, papers, wanted, on_starts)}{papers_note}."
             if any(r.method == papers for r in rows)
             else "."
         )

@@ -215,16 +215,22 @@ class _Estimate:
         low, high = _ends(factor)
         if not low <= times <= high:
             yield (
-                f"The change leaves what Scatter allows ({low - 1.0:+.0%} to {high - 1.0:+.0%}): check "
-                "its data, or the measurement."
+                f"The change is outside the range of table Scatter ({low - 1.0:+.0%} to "
+                f"{high - 1.0:+.0%}): check the data, or the measurement."
             )
         elif abs(float(self.solution.z[j])) > 2.0:
-            yield "The change is more than two standard deviations of Scatter: check its data."
+            yield (
+                "The change exceeds two standard deviations of table Scatter: check the data of this "
+                "quantity."
+            )
         partner = self._partner(j)
         if partner:
-            yield f"Known only together with {partner}: one may be larger if the other is smaller."
+            yield (
+                f"Correlated with {partner}: a larger value of one and a smaller value of the other "
+                "fit equally well."
+            )
         if reduction < UNTOUCHED:
-            yield "The measurements say next to nothing of it."
+            yield "The measurements hardly determine it."
 
     def _partner(self, j: int) -> str:
         """The quantity it is most correlated with after measuring, if strongly."""
@@ -271,8 +277,8 @@ class _Estimate:
     def _doubt(self, rivals: Rivals) -> str:
         """Which measurement could be of another mode as well; empty where none could."""
         doubts = [
-            f"the {self.plan.frequencies[i].frequency:.4g} Hz of row {self.plan.frequencies[i].row} "
-            f"could be mode {rival + 1} as well as mode {mode + 1}"
+            f"the {self.plan.frequencies[i].frequency:.4g} Hz of row "
+            f"{self.plan.frequencies[i].row} may belong to mode {rival + 1} or to mode {mode + 1}"
             for i, mode in sorted(self.solution.modes.items())
             if (rival := rivals.get(i, (None, math.inf))[0]) is not None
             and rivals[i][1] < AMBIGUOUS
@@ -319,20 +325,20 @@ class _Estimate:
     def _of_a_mode(self, i: int, mode: int, row: Measurement, rivals: Rivals) -> Iterator[str]:
         if not row.explained and row.left_out_residual is not None:
             yield (
-                "Not explained: by the other measurements and the spread it is "
-                f"{abs(row.left_out_residual):.1f} standard deviations off. Check its mode and its value, "
-                "or widen Scatter."
+                f"Not explained: {abs(row.left_out_residual):.1f} standard deviations from the value "
+                "expected by the other measurements and the spread. Check its mode and its value, or "
+                "widen Scatter."
             )
         at = int(self.solution.order[mode])
         if at != mode:
-            yield f"After calibration this shape is mode {at + 1}."
+            yield f"After calibration this mode shape has number {at + 1}."
         if self.mac[mode] < 0.5:
-            yield "Its shape has changed beyond recognition: check which mode was measured."
+            yield "Its mode shape has changed completely: check which mode was measured."
         rival, worse = rivals.get(i, (None, math.inf))
         if worse < AMBIGUOUS and rival is not None:
             yield (
-                f"It could be mode {rival + 1} as well: the misfit would be larger by {worse:.1f} "
-                "only. State its mode, from measured phases or the place of the sensor."
+                f"It may also be mode {rival + 1}: the misfit would increase by only {worse:.1f}. "
+                "State its mode, from measured phases or sensor location."
             )
 
     def _why_unused(self, reading: Reading) -> str:
@@ -344,38 +350,40 @@ class _Estimate:
         if reading.mode is not None:
             candidates = [reading.mode]
         if not candidates:
-            return "Not used: the train has no elastic mode that it could be."
+            return "Not used: the train has no elastic mode left to assign to it."
         mode = int(min(candidates, key=lambda m: float(near[m])))
         calculated, off = f"{base.frequency[mode]:.4g} Hz", f"{near[mode]:.1f} standard deviations"
         if reading.mode is not None:
             return (
                 f"Not used: mode {mode + 1} is calculated at {calculated}, and no change within the "
-                f"spread brings it there ({off}). Correct Mode or Frequency, or widen Scatter."
+                f"spread reaches the measured value ({off}). Correct Mode or Frequency, or widen "
+                "Scatter."
             )
         if near[mode] <= GATE:
             taken = next((k for k, m in self.solution.modes.items() if m == mode), None)
             if taken is None:
                 return (
-                    f"Not used: the mode nearest to it, mode {mode + 1}, is calculated at {calculated} "
-                    f"({off}), but the changes that bring it there, beside all else that was measured, "
-                    "are less likely than a wrong value. Check it, state its mode, or widen Scatter."
+                    f"Not used: the nearest mode, mode {mode + 1}, is calculated at {calculated} ({off}). "
+                    "The changes needed to match it together with the other measurements are less likely "
+                    "than a wrong value. Check the value, state its mode, or widen Scatter."
                 )
             other = self.plan.frequencies[taken]
             return (
-                f"Not used: the mode nearest to it, mode {mode + 1} at {calculated}, is taken by the "
-                f"{other.frequency:.4g} Hz of row {other.row}, which fits better, and a mode has one "
-                "frequency. Delete one, or state its mode."
+                f"Not used: the nearest mode, mode {mode + 1} at {calculated}, is already assigned to "
+                f"the {other.frequency:.4g} Hz of row {other.row}, which fits better. Delete one of "
+                "them, or state its mode."
             )
         if reading.frequency > float(np.max(base.frequency)):
             return (
-                "Not used: it lies above the highest mode of the model, mode "
-                f"{len(base.frequency)} at {base.frequency[-1]:.4g} Hz. A model of lumped inertias has "
-                "no mode there; divide shafts (give Density) or delete the row."
+                f"Not used: it is above the highest mode of the model, mode {len(base.frequency)} at "
+                f"{base.frequency[-1]:.4g} Hz. Divide shafts (give Density) for higher modes, or "
+                "delete the row."
             )
         return (
-            f"Not used: no mode can be there. The nearest, mode {mode + 1}, is calculated at "
-            f"{calculated}, and no change within the spread brings it there ({off}). Check that it is "
-            "a torsional natural frequency, or widen Scatter of what you trust least."
+            f"Not used: no mode can have this frequency. The nearest, mode {mode + 1}, is "
+            f"calculated at {calculated}, and no change within the spread reaches it ({off}). "
+            "Check that it is a torsional natural frequency, or widen Scatter of the least "
+            "certain input."
         )
 
     def _peaks_measured(self) -> Iterator[Measurement]:
@@ -391,9 +399,10 @@ class _Estimate:
             row = self._compared(plain, before, after, len(self.used) + place)
             if not row.explained and row.left_out_residual is not None:
                 note = (
-                    f"Not explained: {abs(row.left_out_residual):.1f} standard deviations off what the "
-                    "other measurements and the spread allow. Torque curves, voltage or damping may "
-                    "differ from the case: they are not calibrated unless Scatter names damping."
+                    f"Not explained: {abs(row.left_out_residual):.1f} standard deviations from the value "
+                    "expected by the other measurements and the spread. Torque curves, voltage or "
+                    "damping may differ from the case; they are calibrated only where Scatter names "
+                    "damping."
                 )
                 row = replace(row, note=note)
             yield row
@@ -427,7 +436,7 @@ def _known(uncertainty: float | None, deviation: float, reduction: float) -> tup
         return False, f"not measured, {sure}"
     if deviation > KNOWN_FREQUENCY:
         return False, f"measured, but {sure} only"
-    return False, f"measured to ±{100.0 * uncertainty:.2g} % only; it is {sure} by Scatter alone"
+    return False, f"measured to ±{100.0 * uncertainty:.2g} % only; Scatter alone gives {sure}"
 
 
 def _tail(chi_square: float, degrees: int) -> float:
@@ -446,26 +455,25 @@ def _basis(
 ) -> tuple[bool, str]:
     """Whether MarginBasis becomes measured, and why."""
     if case.margin_required is not None:
-        return False, (
-            f"MarginRequired states {case.margin_required:.1%}: MarginBasis does not decide."
-        )
+        return False, (f"MarginRequired is {case.margin_required:.1%} and overrides MarginBasis.")
     limit = MARGIN_BY_BASIS["calculated"]
     at = {f.calibrated_mode: f for f in frequencies}
     least: dict[int, float] = {}
     for row in margins.rows:
         if row.margin < limit:
             least[row.mode] = min(row.margin, least.get(row.mode, math.inf))
-    stays = "MarginBasis stays as it is"
+    stays = "MarginBasis is unchanged"
     if case.margin_basis == "measured":
-        stays = "The case says measured already, which this calibration does not bear out"
+        stays = "The case states measured, which this calibration does not confirm"
     if not explained:
         return False, (
-            f"{stays}: a measurement is not explained, and a model that contradicts a measurement "
-            "says nothing of the other modes."
+            f"{stays}: a measurement is not explained, so the model is not reliable for the other "
+            "modes either."
         )
     if not least:
         return False, (
-            f"MarginBasis stays as it is: every margin keeps the {limit:.0%} of calculated frequencies."
+            f"MarginBasis is unchanged: every margin keeps the {limit:.0%} required for "
+            "calculated frequencies."
         )
     if doubt:
         return (
@@ -483,10 +491,10 @@ def _basis(
             f"{stays}: {'; '.join(reasons)}. Measure mode {which} to judge its margin by "
             f"{MARGIN_BY_BASIS['measured']:.0%}."
         )
-    already = "is borne out" if case.margin_basis == "measured" else "becomes measured"
+    already = "is confirmed" if case.margin_basis == "measured" else "becomes measured"
     return True, (
-        f"MarginBasis {already}: every mode with a margin below {limit:.0%} is known to "
-        f"{KNOWN_FREQUENCY:.0%} or better, and everything measured is explained: {'; '.join(reasons)}."
+        f"MarginBasis {already}: every mode with a margin below {limit:.0%} is known within "
+        f"{KNOWN_FREQUENCY:.0%}, and all measurements are explained: {'; '.join(reasons)}."
     )
 
 
@@ -498,9 +506,12 @@ def _sentence(
 ) -> str:
     used = [m for m in measurements if m.used]
     if not used:
-        return "Nothing was calibrated: none of the measurements could be used."
+        return "Nothing was calibrated: no measurement could be used. See their notes."
     if not parameters:
-        return "Nothing was calibrated: nothing is uncertain."
+        return (
+            "Nothing was calibrated: table Scatter names no uncertain stiffness, inertia or "
+            "damping."
+        )
     largest = max(parameters, key=lambda p: abs(p.change))
     sure = [p for p in parameters if p.determined == "determined"]
     sentences = [
@@ -508,15 +519,18 @@ def _sentence(
         f"{' is' if len(measurements) == 1 else 's are'} used.",
         f"Largest change: {largest.quantity} of {largest.name}, {largest.change:+.1%}."
         if abs(largest.change) >= 5e-4
-        else "The case explains them as it is: nothing changes.",
-        f"They determine {len(sure)} of {len(parameters)} uncertain quantities.",
+        else "The unchanged case explains all measurements.",
+        f"The measurements determine {len(sure)} of {len(parameters)} uncertain quantities.",
     ]
     if explained:
-        sentences.append(f"Everything is explained within the spread (χ² test: {probability:.0%}).")
+        sentences.append(
+            f"All measurements are explained within the spread (χ² test: {probability:.0%})."
+        )
     elif probability < IMPROBABLE:
         sentences.append(
-            f"Not explained: chance makes a misfit as large only once in {1.0 / max(probability, 1e-9):.2g} "
-            "times (χ² test). See the notes of the measurements."
+            "Not explained: a misfit this large occurs by chance once in "
+            f"{1.0 / max(probability, 1e-09):.2g} times (χ² test). See the notes of the "
+            "measurements."
         )
     else:
         sentences.append("Not every measurement is explained; see their notes.")

@@ -104,8 +104,8 @@ def _frequency_problems(case: CaseData, rows: Sequence[MeasuredFrequencyRow]) ->
             yield cells.problem("Mode", row.mode, f"from 1 to {n_elastic}, or blank", words)
         elif row.mode in first:
             words = (
-                f"found {row.mode}, which row {first[row.mode]} names too: a mode has one "
-                "frequency. Keep the better measurement, or type their mean with its uncertainty."
+                f"found {row.mode}, also in row {first[row.mode]}. Keep the better measurement, or "
+                "type their mean with its uncertainty."
             )
             yield cells.problem("Mode", row.mode, "a mode that no other row names", words)
         first.setdefault(row.mode, cells.row)
@@ -128,7 +128,7 @@ def _peak_problems(case: CaseData, rows: Sequence[MeasuredPeakRow]) -> Iterator[
         elif row.element not in names:
             yield cells.wrong("Element", row.element, known, action)
         elif row.element in first:
-            words = f"found '{row.element}', which row {first[row.element]} names too. Keep one of them."
+            words = f"found '{row.element}', also in row {first[row.element]}. Keep one of them."
             yield cells.problem("Element", row.element, "an element that no other row names", words)
         first.setdefault(str(row.element), cells.row)
 
@@ -199,8 +199,8 @@ def _factors(case: CaseData, studies: StudyInputs) -> tuple[tuple[Factor, ...], 
         factors = (*default, *factors)
         why = "has no stiffness or inertia" if studies.scatter else "is blank"
         notes.append(
-            f"Table Scatter {why}: every stiffness is taken to be uncertain by "
-            f"±{DEFAULT_SPREAD:.0%} (one standard deviation), each for itself."
+            f"Table Scatter {why}: every stiffness is taken as uncertain by ±{DEFAULT_SPREAD:.0%} "
+            "(one standard deviation), independently."
         )
     if left_out:
         notes.append(
@@ -208,13 +208,13 @@ def _factors(case: CaseData, studies: StudyInputs) -> tuple[tuple[Factor, ...], 
             + (
                 "only stiffness, inertia and damping are."
                 if studies.measured_peaks
-                else "frequencies do not tell it. Measured peak torques would tell of damping."
+                else "frequencies do not depend on it. Measured peak torques would determine damping."
             )
         )
     for f in factors:
         if f.distribution == FROM_TO and abs(0.5 * (f.from_ + f.to) - 1.0) > 1e-9:
             notes.append(
-                f"{f.label}: from {f.from_:g} to {f.to:g} is not about 1; the least change is counted "
-                f"from its middle, {0.5 * (f.from_ + f.to):g} times what the case says."
+                f"{f.label}: the range {f.from_:g} to {f.to:g} is not centred on 1; the change is "
+                f"measured from its middle, {0.5 * (f.from_ + f.to):g} times the value in the case."
             )
     return factors, tuple(notes)

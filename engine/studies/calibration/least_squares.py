@@ -359,7 +359,8 @@ EachStart = Callable[[Callable[[CaseData], dict[str, float]], Iterable[CaseData]
 def _torque(torques: Mapping[str, float], element: str) -> float:
     if element not in torques:
         raise ModelError(
-            f"MeasuredPeaks names '{element}', which has no torque in the start. Name another element."
+            f"MeasuredPeaks names '{element}', for which the start gives no torque. Name another "
+            "element."
         )
     return torques[element]
 

@@ -63,7 +63,7 @@ def differences(unit: DerivativeUnit) -> Differences:
         return Differences(unit.index, e[0], e[1], j[0], j[1], e, j, str(error))
     trouble = ""
     if not all(s.counted for s in answers):
-        trouble = "A start with this quantity changed by 1 % does not come to its end."
+        trouble = "A start with this quantity changed by 1 % is not completed."
     elif any(s.sensitive for s in answers):
         trouble = "A start with this quantity changed by 1 % is sensitive."
     peak = np.array([_log(s.largest) for s in answers])

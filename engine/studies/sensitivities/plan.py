@@ -118,13 +118,13 @@ def _why_no_start(nominal: Results, recipe: NearbyStartPlan) -> str:
         )
     if nominal.start.is_sensitive:
         return (
-            "The start is sensitive: a change of its input by 1e-9 changes its peaks, so they have no "
-            "derivative. They are not judged; frequencies are."
+            "The start is sensitive: a change of its input by 1e-9 changes its peaks, so they "
+            "have no derivative. Only frequencies are differentiated."
         )
     if not is_counted(nominal.start):
         return (
-            f"The start ended as '{nominal.start.outcome.outcome}': its peaks are not those of a "
-            "whole start and are not differentiated."
+            f"The start ended as '{nominal.start.outcome.outcome}' and is incomplete; its peaks "
+            "are not differentiated."
         )
     return ""
 

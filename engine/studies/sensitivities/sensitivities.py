@@ -220,14 +220,18 @@ class _Answer:
         own, (low, high) = self.own[i], self.ends[i]
         largest = float(np.max(np.abs(self.own)))
         if self.is_doubtful(i):
-            why = "cycles come and go at the endurance limit, " if self.edge else ""
-            yield f"The two differences of the {self.name} differ: {why}no one derivative."
+            why = (
+                "the number of damaging cycles changes at the endurance limit, "
+                if self.edge
+                else ""
+            )
+            yield f"The two differences of the {self.name} disagree: {why}no unique derivative."
         straight = WHOLE * own * np.array([-1.0, 1.0])
         bend = float(np.max(np.abs(self.ends[i] - straight)))
         if bend > max(DOUBTFUL * WHOLE * abs(own), AGREED * WHOLE * largest, SEEN):
             yield (
-                f"Within ± 1 % the {self.name} do{'es' if self.name == 'peak' else ''} not follow the "
-                f"derivative: {_signed(low)} and {_signed(high)}."
+                f"Within ± 1 % the {self.name} do{'es' if self.name == 'peak' else ''} not change "
+                f"linearly: {_signed(low)} and {_signed(high)}."
             )
         if self.other is not None:
             if abs(own - self.other[i]) > AGREED * largest + float(self.error[i]):
@@ -289,27 +293,27 @@ def _sentences(
         yield plan.reason
     else:
         yield (
-            f"{len(plan.parameters)} quantities, each changed by ± {100 * WIDE:g} % and "
-            f"± {100 * NARROW:g} % for its derivative, whose error is the difference of the two, and by "
-            f"± {100 * WHOLE:g} % to see how far it holds."
+            f"{len(plan.parameters)} quantities. Each derivative is a difference over ± "
+            f"{100 * WIDE:g} % and ± {100 * NARROW:g} %, its error the difference of the two; "
+            f"runs at ± {100 * WHOLE:g} % show how far it holds."
         )
         if tangent is not None and worst is not None:
             yield (
-                "The tangent of the start, a second way with another integrator, differs by at most "
-                f"{100.0 * worst:.2g} % of the largest derivative where the differences tell one "
-                f"(allowed {100 * AGREED:g} % beside their error; where it is more, the row says so)."
+                "The tangent equations of the start, solved by another integrator, differ by at most "
+                f"{100.0 * worst:.2g} % of the largest derivative where a derivative exists (allowed "
+                f"{100 * AGREED:g} % plus their error; rows above that carry a note)."
             )
         elif plan.recipe.start != LINEAR:
             yield (
-                "The start has events, so its derivatives are differences of whole starts alone: "
-                "where teeth meet again at another moment their errors are large."
+                "The start has events, so its derivatives come only from differences of complete "
+                "starts. Their errors are large where the time of tooth re-engagement changes."
             )
         else:
-            yield "There is no tangent to check with: modes mix, or change places, too near."
+            yield "No tangent check: modes are too close and mix or change order."
     yield from energies.notes
     own = float(np.max(energies.unnamed, initial=0.0))
     if own > 1e-6:
         yield (
             f"Up to {100.0 * own:.2g} % of the kinetic energy of a mode is in the shafts' own "
-            "inertia, which follows from their geometry and has no row."
+            "inertia, which is not listed because it follows from geometry."
         )

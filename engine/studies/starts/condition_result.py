@@ -197,26 +197,29 @@ def _remarks(
     assert start is not None
     outcome, name = start.outcome, start.outcome.outcome
     if not is_counted(start):
-        yield f"Not a start: {outcome.sentence}"
+        yield f"Incomplete start: {outcome.sentence}"
         if any(s.damage > 0.0 for s in shafts):
             yield (
-                f"Damage of one attempt is counted up to {outcome.time:.1f} s; how many are allowed "
-                "is not judged, as it goes on after that."
+                f"Damage of one attempt is counted up to {outcome.time:.1f} s; allowable starts are "
+                "not judged, because the attempt continues."
             )
         elif shafts:
-            yield "How many are allowed is not judged."
+            yield "Allowable starts are not judged."
     elif name == Outcome.TRIPPED:
         yield f"{outcome.sentence} The coast-down is counted."
         if condition.row is not None:
-            yield "One instant of the trip: another within the same period may do more or less."
+            yield (
+                "Trip at one instant; another instant within the same period may cause more or less "
+                "damage."
+            )
     elif condition.trip_speed is not None:
-        yield f"It does not come to its trip speed. {outcome.sentence}"
+        yield f"It does not reach its trip speed. {outcome.sentence}"
     elif name == Outcome.ASYNCHRONOUS:
         yield outcome.sentence
     if results.starts is None and shafts:
         yield "Starts are not judged: cycle counting is forced off in EffectChoices."
     if condition.damping_ratio is not None and case.mode_damping and not case.damping_ratio:
-        yield "ModeDamping is kept: without DampingRatio in the case there is no proportion."
+        yield "ModeDamping is unchanged: without DampingRatio in the case it cannot be scaled."
     elif condition.damping_ratio is not None and case.mode_damping:
         factor = condition.damping_ratio / (case.damping_ratio or 1.0)
         yield f"ModeDamping is scaled by {factor:.4g}, as DampingRatio is."
@@ -225,7 +228,7 @@ def _remarks(
 def _accuracy(start: Start) -> str:
     """A sentence where the answers are less sure than wanted."""
     if start.is_sensitive:
-        return "Sensitive to tiny changes of the input: one of many equally right answers."
+        return "Sensitive to tiny input changes: the result is one sample of possible values."
     if not start.met_tolerance:
         return f"Wanted accuracy not met: estimated error of peaks {start.estimated_error:.2g}."
     return ""
@@ -235,7 +238,7 @@ def _limits_passed(shafts: Sequence[ConditionShaft]) -> Iterator[str]:
     """A sentence for each limit that shafts have passed."""
     extended = [s.element for s in shafts if s.extended]
     if extended:
-        yield f"Cycles above the first S-N point ({', '.join(extended)}): its slope is extended."
+        yield f"Cycles above the first S-N point ({', '.join(extended)}): life extrapolated."
     yielding = [s.element for s in shafts if s.yields]
     if yielding:
-        yield f"Nominal peak above shear yield ({', '.join(yielding)}): the count does not hold."
+        yield f"Nominal peak above shear yield ({', '.join(yielding)}): allowable starts invalid."

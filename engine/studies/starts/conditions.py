@@ -31,8 +31,8 @@ _LIMITS = (
         Allowed(lambda share: 0.0 <= share <= 2.0, "from 0 to 2 (200 % of LoadTorque)"),
         action="Write 80 % or 0.8.",
     ),
-    Limit("Per year", _COUNT, action="Count such starts."),
-    Limit("So far", _COUNT, action="Count such starts."),
+    Limit("Per year", _COUNT, action="Type the number of such starts."),
+    Limit("So far", _COUNT, action="Type the number of such starts."),
 )
 #: Scalars of the case that a row changes → the column it is typed in.
 _COLUMN_OF = {
@@ -115,8 +115,8 @@ def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Pro
         yield from cells.numbers(row, _LIMITS)
         if row.load not in (None, 1.0) and not case.load_torque:
             words = (
-                f"found {row.load:.6g}, but the case has no rows in table LoadTorque that it could be a "
-                "share of. Clear the cell, or give the load curve on sheet Torque."
+                f"found {row.load:.6g}, but table LoadTorque is empty. Clear the cell, or give the "
+                "load curve on sheet Torque."
             )
             yield cells.problem("Load", row.load, "blank", words)
         yield from _of_the_changed_case(case, cells, replace(row, load=None))
@@ -128,8 +128,8 @@ def _name(cells: Cells, row: StartConditionRow, names: dict[str, int | None]) ->
         yield cells.blank("Condition", "a name", action)
     elif row.condition in names:
         words = (
-            f"found '{row.condition}', which row {names[row.condition]} has too; it must be a name "
-            "of its own. Rename one, or add up their duty in one row."
+            f"found '{row.condition}', also in row {names[row.condition]}; it must be a unique "
+            "name. Rename one, or combine both in one row."
         )
         yield cells.problem("Condition", row.condition, "a name of its own", words)
     else:
@@ -145,9 +145,9 @@ def _of_the_changed_case(case: CaseData, cells: Cells, row: StartConditionRow) -
         sentence = problem.message
         if problem.table == "ModeDamping":
             sentence = (
-                f"found {row.damping_ratio:.6g}: table ModeDamping is scaled with DampingRatio, and "
-                f"its row {problem.row} then says {problem.found:.6g}, which must be "
-                f"{problem.allowed}. Lower the damping ratio."
+                f"found {row.damping_ratio:.6g}: ModeDamping is scaled with DampingRatio, and its row "
+                f"{problem.row} becomes {problem.found:.6g}, which must be {problem.allowed}. Lower "
+                "the damping ratio."
             )
         content = row.damping_ratio if problem.table == "ModeDamping" else problem.found
         yield cells.problem(column, content, problem.allowed, sentence, problem.quoted)

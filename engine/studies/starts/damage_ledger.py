@@ -80,8 +80,8 @@ class DamageLedger:
 
 
 ASSUMPTION = (
-    "Palmgren-Miner: damage of all starts is added up, their order is ignored; a shaft is used up at "
-    "1/StartsFactor = {allowed:.4g}."
+    "Palmgren-Miner: damage of all starts is summed regardless of order; the life of a "
+    "shaft ends at damage 1/StartsFactor = {allowed:.4g}."
 )
 
 
@@ -113,8 +113,8 @@ def damage_ledger(matrix: StartMatrix) -> DamageLedger:
     assumption = ASSUMPTION.format(allowed=allowed)
     if not matrix.judged_shafts:
         sentence = (
-            "No ledger: no shaft has stress diameter, material and S-N points. Give them on sheets "
-            "Train and Fatigue."
+            "No damage ledger: no shaft has stress diameter, material and S-N points. Type them "
+            "on sheets Train and Fatigue."
         )
         return DamageLedger((), (), Judgement.NOT_JUDGED, sentence, assumption)
     rows = tuple(_row(matrix.rows, name, allowed) for name in matrix.judged_shafts)
@@ -144,7 +144,7 @@ def _row(results: Sequence[ConditionResult], name: str, allowed: float) -> Ledge
     gaps = [why for r in duty if (why := _why_not(r, name))]
     if gaps or not duty:
         reason = " ".join(gaps) or (
-            "No duty: give Per year and So far in StartConditions to see what they leave."
+            "No duty: type Per year and So far in StartConditions to calculate the life left."
         )
         return LedgerRow(
             name, *(None,) * 6, allowed, *(None,) * 4, False, None, Judgement.NOT_JUDGED, reason
@@ -222,11 +222,11 @@ def _verdict(
     sentences = [f"Used so far {used:.4g} of {allowed:.4g}."]
     verdict = Judgement.PASS if used < allowed else Judgement.FAIL
     if verdict == Judgement.FAIL:
-        sentences.append("Nothing is left: by this count the shaft must not be started again.")
+        sentences.append("No life left: by this calculation the shaft must not be started again.")
     if (low < allowed) != (high < allowed):
         sentences.append(
-            f"Within the error of the calculation it may be {low:.4g} or {high:.4g}: the verdict "
-            "depends on it. Tighten ToleranceStarts."
+            f"Within the error of the calculation the damage is between {low:.4g} and {high:.4g}, "
+            "so the verdict is uncertain. Tighten ToleranceStarts."
         )
     for attribute, words in _DOUBTS.items():
         names = [r.condition.name for r in duty if (s := _shaft(r, name)) and getattr(s, attribute)]
@@ -234,7 +234,7 @@ def _verdict(
             sentences.append(words.format(names[0]))
             verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
     if not starts_yearly:
-        sentences.append("No starts a year are stated: no time is calculated.")
+        sentences.append("Per year is blank: years left are not calculated.")
     return verdict, " ".join(sentences)
 
 
@@ -282,10 +282,10 @@ def _remaining(
 
 def _why_unjudged(result: ConditionResult, shaft: ConditionShaft | None, left: float | None) -> str:
     if shaft is None:
-        return result.note or "It was not calculated."
+        return result.note or "This start condition was not calculated."
     if not shaft.judged:
         return f"Not judged: {result.words}."
-    return "" if left is not None else "What is left of the shaft is not judged."
+    return "" if left is not None else "The life left is not judged."
 
 
 def _words(rows: Sequence[LedgerRow]) -> Iterator[str]:
@@ -294,14 +294,13 @@ def _words(rows: Sequence[LedgerRow]) -> Iterator[str]:
             yield f"{row.element}: not judged. {row.reason}"
             continue
         if row.left is not None and row.left <= 0.0:
-            yield f"{row.element}: used up. {row.reason}"
+            yield f"{row.element}: life exhausted. {row.reason}"
         elif row.unlimited:
-            yield f"{row.element}: no kind of start of this duty damages it."
+            yield f"{row.element}: no start condition of this duty causes damage."
         elif row.remaining_years is not None:
             yield (
-                f"{row.element}: {row.used / row.allowed:.1%} of its life is used; the rest lasts "
-                f"{_quantity(row.remaining_years)} years{_interval(row)}, most of it taken by "
-                f"'{row.governing}'."
+                f"{row.element}: {row.used / row.allowed:.1%} of its life is used; the remaining life "
+                f"is {_quantity(row.remaining_years)} years{_interval(row)}, consumed mostly by '{row.governing}'."
             )
         else:
             yield f"{row.element}: {row.used / row.allowed:.1%} of its life is used."

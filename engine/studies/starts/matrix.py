@@ -97,10 +97,10 @@ def _joined(condition: StartCondition, rows: Sequence[ConditionResult]) -> Condi
     ranked = sorted(rows, key=lambda r: (_harm(r), -(r.condition.trip_speed or 0.0)))
     worst, least = ranked[-1], ranked[0]
     shafts = tuple(_worst_shaft([r.shafts[k] for r in rows]) for k in range(len(worst.shafts)))
-    instants = f"Worst of {len(rows)} instants of one period from there."
+    instants = f"Worst of {len(rows)} trip instants within one period."
     if worst.allowable_starts is not None:
         best = "unlimited" if least.unlimited else f"{math.floor(least.allowable_starts or 0.0):,}"
-        instants = f"{instants[:-1]}; the least harmful allows {best} starts."
+        instants = f"{instants[:-1]}; the most favourable instant allows {best} starts."
     governing = next((s for s in shafts if s.element == worst.governing), None)
     largest = max(rows, key=lambda r: r.peak_torque or 0.0)
     lowest = min(rows, key=lambda r: math.inf if r.mesh is None else r.mesh_minimum_torque or 0.0)
@@ -155,8 +155,7 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
             f"Fewest starts: {math.floor(worst.allowable_starts or 0.0):,} of '{worst.condition.name}' "
             f"({worst.governing})"
             + (
-                f"; most, where they are limited: {math.floor(best.allowable_starts or 0.0):,} of "
-                f"'{best.condition.name}'."
+                f"; largest limited number: {math.floor(best.allowable_starts or 0.0):,} of '{best.condition.name}'."
                 if best is not worst
                 else "."
             )

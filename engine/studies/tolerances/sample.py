@@ -154,12 +154,12 @@ def tolerance_problems(
     wrong: list[tuple[str, object, str, str]] = []
     if not FEWEST_SAMPLES <= settings.samples <= MOST_SAMPLES:
         words = (
-            f"{settings.samples} samples are asked for; allowed are {samples}: fewer than "
-            f"{FEWEST_SAMPLES} bound no P10."
+            f"{settings.samples} samples are requested; allowed are {samples}: fewer than "
+            f"{FEWEST_SAMPLES} give no bound for P10."
         )
         wrong.append(("Samples", settings.samples, samples, words))
     if settings.method not in METHODS:
-        words = f"Method is '{settings.method}'; allowed is {methods}."
+        words = f"Method is '{settings.method}'; choose {methods}."
         wrong.append(("Method", settings.method, methods, words))
     if settings.seed < 0:
         words = f"Seed is {settings.seed}; it must be 0 or a positive whole number."

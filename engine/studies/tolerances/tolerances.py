@@ -151,7 +151,7 @@ def summarise_sample(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Tol
         _part(whole, slice(plan.n_samples, None)),
     )
     if not np.any(sample.known):
-        reason = next((t for e in evaluated for t in e.troubles), "none was calculated")
+        reason = next((t for e in evaluated for t in e.troubles), "no sample was calculated")
         raise ModelError(f"No sample could be calculated: {reason}")
     percentiles = tuple(_percentile_rows(plan, sample))
     driven, answer, usable = _driven(plan, sample)
@@ -182,7 +182,7 @@ def _joined(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Evaluated:
     """All rows in their places; those that are missing are not known."""
     n, some = plan.n_runs, evaluated[0] if evaluated else None
     if some is None:
-        raise ModelError("No sample could be calculated: none was begun.")
+        raise ModelError("No sample was calculated: the study stopped before the first.")
 
     def put(name: str) -> NDArray[Any]:
         like = getattr(some, name)
@@ -437,17 +437,17 @@ def _sentences(
         + (
             "."
             if missing > 0
-            else "; for these, which fill the space more evenly, they are on the safe side."
+            else "; for these more evenly distributed samples they are conservative."
         )
     )
     if sample_size(asked, plan.settings.method) != asked:
-        yield f"{asked} samples were asked for; a Sobol sequence is balanced at {drawn} only."
+        yield f"{asked} samples were requested; a Sobol sequence is balanced only at {drawn}."
     if missing > 0:
         yield _about_the_part(plan.settings.method, n, drawn)
     troubles = [t for e in evaluated for t in e.troubles]
     if troubles:
         yield (
-            f"{len(troubles)} runs could not be calculated and are in no number; the first said: "
+            f"{len(troubles)} runs could not be calculated and are excluded; first reason: "
             f"{troubles[0]}"
         )
     yield from _about_the_starts(plan, sample, evaluated, percentiles)
@@ -462,12 +462,12 @@ def _about_the_part(method: str, n: int, drawn: int) -> str:
     """
     if method == METHODS[0]:
         return (
-            f"Stopped after {n} of {drawn} samples. A part of a Latin hypercube is none: they are a "
-            "random part of it, to be judged as independent samples, as the intervals do."
+            f"Stopped after {n} of {drawn} samples. An incomplete Latin hypercube is treated as a "
+            "random sample of independent trains, as the intervals assume."
         )
     return (
-        f"Stopped after {n} of {drawn} samples: the first of the sequence, which is balanced at powers "
-        "of two only; the intervals hold as for independent samples."
+        f"Stopped after {n} of {drawn} samples of the sequence, which is balanced only at "
+        "powers of two; the intervals hold as for independent samples."
     )
 
 
@@ -498,8 +498,8 @@ def _about_the_starts(
             counts[word] = counts.get(word, 0) + times
         outcomes = ", ".join(f"{times} {word}" for word, times in sorted(counts.items()))
         yield (
-            f"{unfinished} of {n} starts did not come to their end: their torques and starts are not "
-            f"judged and are in no percentile (outcomes of all runs: {outcomes})."
+            f"{unfinished} of {n} starts were not completed: their torques and allowable starts "
+            f"are not judged and excluded from percentiles (outcomes of all runs: {outcomes})."
         )
     reversed_ = int(np.sum(sample.reversed[known]))
     if reversed_:
@@ -508,17 +508,18 @@ def _about_the_starts(
             f"In {reversed_} of {n} samples the torque of an element with a clearance reverses where "
             f"the plan of the plain run simulates no gap ({names}): "
             + (
-                "each was calculated again with a plan of its own."
+                "each was recalculated with its own plan."
                 if plan.settings.replan
-                else "their teeth cannot part in the calculation. Ask for replanning, or force "
-                "backlash on, to have them part."
+                else "the calculation does not let their teeth separate. Request replanning, or force "
+                "backlash on."
             )
         )
     sensitive = int(np.sum(sample.sensitive[known]))
     if sensitive:
         yield (
-            f"{sensitive} of {n} starts are sensitive (a change of 1e-9 changes their peaks): each is "
-            "one of many equally right answers, and their scatter is part of the percentiles."
+            f"{sensitive} of {n} starts are sensitive (a change of 1e-9 changes their peaks): "
+            "each is one sample of possible values, and their scatter is included in the "
+            "percentiles."
         )
 
 
@@ -534,20 +535,20 @@ def _step_sentence(
         if p.low is not None and p.high is not None and math.isfinite(p.high) and p.value
     ]
     text = (
-        f"Each start was calculated once, at a step of {recipe.step:.3g} s, for which the plain run "
-        f"states an error of {_percent(recipe.step_error)} of the peak torques"
+        f"Each start was calculated once, at a step of {recipe.step:.3g} s, where the nominal "
+        f"run has an error of {_percent(recipe.step_error)} of the peak torques"
     )
     counts_starts = recipe.starts_error is not None
     error = recipe.starts_error or 0.0
     if counts_starts:
-        text += f" and {_percent(error)} of the starts"
+        text += f" and {_percent(error)} of the allowable starts"
     checked = sample.checked & sample.known
     if np.any(checked):
         torque, starts = np.max(sample.by_step[checked], axis=0)
         times = int(np.sum(checked))
         text += (
-            f"; half that step, tried on {times} of them, changes peak torques by "
-            f"{_percent(float(torque))} at most"
+            f"; half that step, checked on {times} of them, changes peak torques by at most "
+            f"{_percent(float(torque))}"
         )
         if counts_starts:
             text += f", starts by {_percent(float(starts))}"
@@ -557,10 +558,10 @@ def _step_sentence(
     sampling = max(widths)
     if sampling > 3.0 * error:
         return (
-            f"{text}. The sampling error of the P10 of the starts, {_percent(sampling)}, is far above "
-            "it."
+            f"{text}. The sampling error of the P10 of the allowable starts, {_percent(sampling)}, "
+            "is much larger."
         )
     return (
-        f"{text}. The sampling error of the P10 of the starts, {_percent(sampling)}, is not far above "
-        "it: tighten TolerancePeak and ToleranceStarts for more."
+        f"{text}. The sampling error of the P10 of the allowable starts, {_percent(sampling)}, "
+        "is not much larger: tighten TolerancePeak and ToleranceStarts."
     )

@@ -54,9 +54,8 @@ def tuning_problems(case: CaseData, studies: StudyInputs) -> tuple[Problem, ...]
     """
     if not studies.tuning and not studies.catalogue:
         words = (
-            "the tables Tuning and Catalogue are empty: there is nothing to try. Name a coupling "
-            "and the stiffnesses to try in table Tuning, or enter a maker's couplings in table "
-            "Catalogue."
+            "the tables Tuning and Catalogue are empty. Type a coupling with its stiffnesses in "
+            "table Tuning, or a maker's couplings in table Catalogue."
         )
         allowed = "at least one row in table Tuning or Catalogue"
         return (Cells(_TUNING).problem("", None, allowed, words),)
@@ -110,7 +109,7 @@ def _tuning_row(case: CaseData, cells: Cells, row: TuningRow) -> Iterator[Proble
                 f"'{row.element}' is a rigid mesh and cannot have damping. Give it a stiffness."
             )
         if missing is not None:
-            allowed = f"one whose {quantity} can be changed"
+            allowed = f"an element or station whose {quantity} can be changed"
             yield cells.problem("Element", row.element, allowed, missing)
     yield from _range(cells, row)
     unit = "" if row.relative or quantity not in UNITS else UNITS[quantity]
@@ -141,15 +140,12 @@ def _range(cells: Cells, row: TuningRow) -> Iterator[Problem]:
     """Values or a range, not both; a range that rises, or is one point."""
     if row.values:
         if row.from_ is not None or row.to is not None:
-            words = (
-                "both Values and a range are given; only one of them can be tried. Clear Values, or clear "
-                "From, To and Steps."
-            )
+            words = "both Values and a range are given. Clear Values, or clear From, To and Steps."
             yield cells.problem("Values", row.values[0], "either Values or From and To", words)
     elif row.from_ is None and row.to is None:
         words = (
-            "neither Values nor a range is given; there is nothing to try. Type numbers with "
-            "semicolons between them into Values, or fill From and To."
+            "neither Values nor a range is given. Type numbers separated by semicolons into "
+            "Values, or fill From and To."
         )
         yield cells.problem("Values", None, "Values, or From and To", words)
     elif row.from_ is None or row.to is None:
@@ -157,15 +153,18 @@ def _range(cells: Cells, row: TuningRow) -> Iterator[Problem]:
         yield cells.blank(blank, f"given where {other} is", "Type the other end of the range.")
     else:
         if row.from_ > row.to:
-            words = "To is less than From. Exchange the two ends of the range."  # in any unit
+            words = "To is less than From. Swap them."  # in any unit
             yield cells.problem("To", row.to, "at least From", words)
         if row.from_ == row.to and row.steps not in (None, 1):
             allowed = f"above From, {row.from_:.6g}, where Steps is {row.steps}"
-            action = "Type the other end, or clear Steps to try one value."
+            action = "Type the other end, or clear Steps for a single value."
             yield cells.wrong("To", row.to, allowed, action)
         elif row.steps is not None and row.from_ != row.to and row.steps < 2:
             yield cells.wrong(
-                "Steps", row.steps, "2 or more", "Both ends of the range are counted."
+                "Steps",
+                row.steps,
+                "2 or more",
+                "Steps includes both ends of the range: type 2 or more.",
             )
 
 
@@ -177,7 +176,7 @@ def _offer_row(case: CaseData, cells: Cells, row: CatalogueRow) -> Iterator[Prob
     elif kinds[row.element] == ElementKind.GEAR_MESH:
         yield _wrong(
             cells, "Element", row.element, "a coupling or shaft, not a gear mesh",
-            "Try the stiffness of a mesh in table Tuning.",
+            "Vary the stiffness of a mesh in table Tuning.",
         )  # fmt: skip
     if not row.name:
         yield _wrong(cells, "Name", row.name, "the maker's designation", "Name it.")
@@ -212,7 +211,7 @@ def _chosen_twice(studies: StudyInputs) -> Iterator[Problem]:
         if row.element is None:
             continue
         if key in first:
-            allowed = f"named once for its {quantity} (row {first[key]} has it)"
+            allowed = f"unique for its {quantity} (already in row {first[key]})"
             yield cells.wrong("Element", row.element, allowed, "Put all values into one row.")
         elif (row.element, other) in first:
             allowed = f"named for its {quantity} or its {other}, not for both"
@@ -224,7 +223,7 @@ def _chosen_twice(studies: StudyInputs) -> Iterator[Problem]:
         elif row.element in offered and quantity in (STIFFNESS, DAMPING, DIAMETER):
             allowed = f"in table Catalogue or tuned for its {quantity}, not both"
             action = (
-                "A coupling of the catalogue brings its own: clear this row, or its rows in table "
+                "A catalogue coupling has its own data: clear this row, or its rows in table "
                 "Catalogue."
             )
             yield cells.wrong("Element", row.element, allowed, action)
@@ -248,12 +247,14 @@ def _offers_together(studies: StudyInputs) -> Iterator[Problem]:
         if row.fitted == "yes":
             if row.element in fitted:
                 allowed = f"yes in one row of {of} (row {fitted[row.element]} has it already)"
-                action = "The stations contain the inertia of one coupling."
+                action = (
+                    "The stations include the inertia of one coupling: type yes in one row only."
+                )
                 yield cells.wrong("Fitted", row.fitted, allowed, action)
             fitted.setdefault(row.element, cells.row)
         if row.inertia is None and row.element in with_inertia:
             allowed = f"given in all rows of {of} or in none"
-            yield cells.blank("Inertia", allowed, "Type it, or 0 where it is too small to count.")
+            yield cells.blank("Inertia", allowed, "Type it, or 0 where negligible.")
 
 
 def _too_little_inertia(case: CaseData, studies: StudyInputs) -> Iterator[Problem]:
@@ -276,13 +277,13 @@ def _too_little_inertia(case: CaseData, studies: StudyInputs) -> Iterator[Proble
         fitted = next((r for r in rows if r.fitted == "yes"), None)
         if taken[name] < 0.0 and short and fitted is not None:
             words = (
-                f"half of {fitted.inertia:.6g} kg m² is part of station '{short[0]}', which has "
-                f"{held[short[0]]:.6g} kg m²: with the lightest coupling on offer "
-                f"{least[short[0]]:.6g} kg m² would be left. Correct the inertia of the fitted "
-                "coupling, or that of the station."
+                f"half of {fitted.inertia:.6g} kg m² is included in station '{short[0]}', which has "
+                f"{held[short[0]]:.6g} kg m²: with the lightest catalogue coupling "
+                f"{least[short[0]]:.6g} kg m² would remain. Correct the inertia of the fitted "
+                "coupling, or of the station."
             )
             cells = Cells(_CATALOGUE, studies.catalogue.index(fitted) + 1)
-            allowed = "at most what the stations at its ends hold"
+            allowed = "at most the inertia of its end stations"
             yield cells.problem("Inertia", fitted.inertia, allowed, words)
 
 
@@ -293,9 +294,9 @@ def _too_many(studies: StudyInputs) -> Iterator[Problem]:
     if total > MAX_COMBINATIONS:
         product = " × ".join(str(n) for n in counts)
         words = (
-            f"{product} values make {total:,} combinations; at most {MAX_COMBINATIONS:,} are "
-            "calculated. Give fewer Values or Steps, or try the quantities one after the other: "
-            "first those that move the worst mode."
+            f"{product} values make {total:,} combinations; the limit is {MAX_COMBINATIONS:,}. "
+            "Give fewer Values or Steps, or vary the quantities in turn, starting with those "
+            "that shift the mode with the least margin."
         )
         cells = Cells(_TUNING if studies.tuning else _CATALOGUE)
         yield cells.problem("", total, f"at most {MAX_COMBINATIONS:,} combinations", words)

@@ -178,11 +178,11 @@ def _limits(a: KeyAnswers) -> str:
     if a.broken:
         names = [f"{n} ({near})" if n == MARGIN_CHECK else n for n in dict.fromkeys(a.broken)]
         many = "limit" if len(a.broken) == 1 else "limits"
-        return f"Breaks {len(a.broken)} {many}: {', '.join(names)}."
+        return f"Exceeds {len(a.broken)} {many}: {', '.join(names)}."
     unjudged = dict.fromkeys(c.check for c in a.checks if c.verdict == Judgement.NOT_JUDGED)
     unjudged.pop(MARGIN_CHECK, None)
     unjudged_words = f"Not judged: {', '.join(unjudged)}." if unjudged else ""
-    limits_kept = "Keeps all limits that are judged" if unjudged else "Keeps all limits"
+    limits_kept = "Keeps all judged limits" if unjudged else "Keeps all limits"
     if not near:
         limits_kept += "; no separation margin was judged."
     elif a.margin_verdict == Judgement.ACCEPTED:
@@ -202,14 +202,14 @@ def _crossing(
     """Where the worst mode is crossed, and what it meets there."""
     pulsating = c.pulsating_torque or 0.0
     size = f"{_percent(pulsating / rated)} of rated" if rated else torque.format(pulsating, 4)
-    text = f"Mode {c.mode} at {c.frequency:.4g} Hz governs the start: crossed"
+    text = f"Mode {c.mode} at {c.frequency:.4g} Hz governs the start; it is crossed"
     if c.percent_speed is not None:
         text += f" at {_percent(0.01 * c.percent_speed)} speed"
     text += f", where the pulsating torque is {size}"
     if before is not None:
         text += _against(pulsating, before.pulsating_torque)
     if c.sweep_rate is not None:
-        text += f" and 2 × slip falls at {c.sweep_rate:.3g} Hz/s"
+        text += f" and 2 × slip frequency falls at {c.sweep_rate:.3g} Hz/s"
         if before is not None:
             text += _against(c.sweep_rate, before.sweep_rate, "slower", "faster")
     return text + "."

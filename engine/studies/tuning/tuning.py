@@ -157,18 +157,18 @@ def _sentence(rows: tuple[Ranked, ...], as_is: Ranked | None, planned: int) -> s
         sentence = f"Stopped: {len(rows):,} of {planned:,} combinations were calculated"
     impossible = sum(r.tried.answers is None for r in rows)
     if impossible:
-        sentence += f", {impossible:,} of them cannot be"
+        sentence += f", {impossible:,} of them cannot be calculated"
     better = sum(r.better for r in rows)
     n_kept = sum(r.tried.answers is not None and not r.tried.answers.broken for r in rows)
     sentence += f"; {n_kept:,} {'keeps' if n_kept == 1 else 'keep'} all limits that are judged"
     if as_is is None:
-        return f"{sentence}. The unchanged case was not among them."
+        return f"{sentence}. The unchanged case was not one of them."
     sentence += f", {better:,} {'is' if better == 1 else 'are'} better than the unchanged case (rank {as_is.rank:,})."
     if better and len(rows) < planned:  # short: what was not calculated may be better
         return f"{sentence} The best of them is {rows[0].combination}."
     if better:
         return f"{sentence} The best is {rows[0].combination}. {rows[0].reason}"
-    return f"{sentence} Nothing that was tried is better."
+    return f"{sentence} No combination is better than the unchanged case."
 
 
 # --- tables ---------------------------------------------------------------------------------------
@@ -218,7 +218,7 @@ def uncalculated_rows(plan: TuningPlan, result: TuningResult) -> list[Row]:
             "better": False,
             "verdict": NOT_CALCULATED,
             "outcome": NOT_CALCULATED,
-            "reason": "Not calculated: the study was cut short.",
+            "reason": "Not calculated: the study was stopped.",
         }
         for c in plan.combinations
         if c.picked not in done

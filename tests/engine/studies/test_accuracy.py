@@ -124,7 +124,7 @@ def test_prescribed_torques_that_part_teeth_are_studied():
 def test_progress_is_told():
     words: list[str] = []
     accuracy_study(geared(), rounds=1, on_progress=words.append)
-    assert words[0] == "start as planned"
+    assert words[0] == "start with the effects of the plan"
     assert sum(w.startswith("reference") for w in words) == 2
     assert sum(w.startswith(("exponential", "newmark")) for w in words) == 12
 
