@@ -80,7 +80,7 @@ class OutFolder:
         except OSError as wrong:
             raise FolderRefused(
                 f"Results cannot be written to {path} ({wrong.strerror or wrong}). Name another "
-                "folder with --out, or remove the obstacle."
+                "folder with --out, or make this one writable."
             ) from wrong
 
     @property

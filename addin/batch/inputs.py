@@ -78,11 +78,11 @@ def _in_results(pattern: str, out: Path) -> str:
 
 def _nothing(pattern: str) -> str:
     if not glob.has_magic(pattern) and not Path(pattern).exists():
-        return f"No file or folder {pattern}. Check the path."
+        return f"There is no file or folder {pattern}. Check the path."
     if Path(pattern).is_dir():
         return (
-            f"The folder {pattern} contains only results, no workbook (.xlsx, .xlsm) or case JSON "
-            "to calculate. Name another."
+            f"The folder {pattern} contains no workbook (.xlsx, .xlsm) and no case JSON to calculate, "
+            "only results at most. Name another."
         )
     return f"No file matches {pattern}. Check the path; put a pattern in quotes."
 

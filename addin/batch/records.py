@@ -114,7 +114,7 @@ class Record:
 
 def failed(name: str, source: str, outcome: str, sentence: str, **more: Any) -> Record:
     """The record of a file without results, its sentence among its errors."""
-    problem = CellProblem("", "", None, "", outcome, "a readable file", sentence)
+    problem = CellProblem("", "", None, "", outcome, "a file that can be used", sentence)
     return Record(name, source, outcome, sentence, errors=as_errors([problem]), **more)
 
 

@@ -338,9 +338,7 @@ class Batch:
         said = []
         for name in self._old_results(record.name):
             if record.outcome not in OUTDATED:
-                said.append(
-                    f"{name} still contains the result of an earlier calculation. Do not use it."
-                )
+                said.append(f"{name} is still the result of an earlier calculation.")
                 continue
             try:
                 aside = self.folder.set_aside(name)

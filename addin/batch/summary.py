@@ -79,7 +79,7 @@ FILE_COLUMNS: tuple[Column, ...] = (
     Column("Worst margin [%]", _of("margin", 100.0), 9, "0.0"),
     Column("Worst margin at", _of("margin_where"), 22),
     Column("Largest torque in a start [N·m]", _of("peak_torque"), 10, "#,##0"),
-    Column("Largest torque, referred to motor speed [× rated]", _of("peak_over_rated"), 11, "0.00"),
+    Column("Largest torque, at motor speed [× rated]", _of("peak_over_rated"), 11, "0.00"),
     Column("Largest torque at", _of("peak_where"), 17),
     Column("Largest stress in a start, nominal, peak-to-peak [MPa]", _of("stress", 1e-6), 12, "0.0"),
     Column("Largest stress at", _of("stress_where"), 19),
@@ -91,7 +91,7 @@ FILE_COLUMNS: tuple[Column, ...] = (
     Column("Errors [count]", lambda r: len(r.errors), 8, "0"),
     Column("What happened", lambda r: r.sentence or None, 50),
     Column("Warnings", lambda r: "\n".join(r.warnings) or None, 60),
-    Column("Same case as file", lambda r: r.same_as or None, 24),
+    Column("Same case as", lambda r: r.same_as or None, 24),
     Column("Results", lambda r: "\n".join(o.name for o in r.outputs) or None, 34),
     Column("Inputs, SHA-256 of the case", lambda r: r.case_sha256 or None, 20),
     Column("File, SHA-256", lambda r: r.stamp.sha256 or None, 20),
@@ -110,7 +110,7 @@ ERROR_COLUMNS: tuple[tuple[str, str, int], ...] = (
     ("Cell", "cell", 10),
     ("Found", "found", 18),
     ("Allowed", "allowed", 20),
-    ("Error and action", "message", 48),
+    ("What is wrong, and what to do", "message", 48),
 )
 
 

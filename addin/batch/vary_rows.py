@@ -155,7 +155,7 @@ def _with_point(column: Varied, value: str, findings: Findings) -> str:
         findings.add(
             column.place,
             shortened(value),
-            "a number with a decimal comma and no thousands separators",
+            "a number with a decimal comma and no points",
             f"found '{shortened(value)}'; this table uses decimal commas. Write the number "
             "without thousands separators.",
         )

@@ -140,4 +140,4 @@ def _reading() -> Iterator[None]:
     except Exception as wrong:
         if not type(wrong).__module__.startswith("pyarrow"):
             raise
-        raise TableRefused(["it is not a readable Parquet file. Write it again."]) from wrong
+        raise TableRefused(["it is not a readable Parquet file. Save it again."]) from wrong

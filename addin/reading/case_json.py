@@ -192,7 +192,7 @@ class _Reading:
                 self.findings.add(
                     (SCALAR_TABLE, None, shown),
                     shown,
-                    "unique keys",
+                    "each key once",
                     f"the key '{shown}' occurs twice in one object. Delete one of them.",
                 )
             self.repeated += len(twice)

@@ -186,8 +186,8 @@ def _why_no_number(trimmed: str, unit_place: str) -> str:
         )
     if _GROUPED.fullmatch(trimmed):
         return (
-            "is text, with a thousands separator or a decimal comma. Type plain digits with a "
-            "decimal point."
+            "is text, with a thousands separator or a decimal comma. Type it again without thousands "
+            "separators, with the decimal separator of your Excel."
         )
     if _COMMA.fullmatch(trimmed):
         return (

@@ -49,9 +49,7 @@ def file_problem(source: Path, error: Exception) -> CellProblem:
     """A file that cannot be opened or written, as a problem."""
     sentence = str(error)
     if isinstance(error, FileNotFoundError) and _is_elsewhere(error, source):
-        sentence = (
-            f"The folder {error.filename} cannot be created. Name another folder for the results."
-        )
+        sentence = f"{error.filename} cannot be created. Name another folder for the results."
     elif isinstance(error, FileNotFoundError):
         sentence = f"file {error.filename or source} not found. Check the path."
     elif isinstance(error, IsADirectoryError) and _is_elsewhere(error, source):
@@ -66,11 +64,11 @@ def file_problem(source: Path, error: Exception) -> CellProblem:
     elif isinstance(error, (NotADirectoryError, FileExistsError)):
         sentence = f"{error.filename or source} is a file, but a folder is needed. Name a folder."
     elif isinstance(error, OSError) and error.strerror:
-        sentence = (
-            f"{error.filename or source} cannot be used: {error.strerror}. Name another file."
-        )
+        sentence = f"{error.filename or source} cannot be used: {error.strerror}. Remove the cause, or name another file."
     sentence = "\n".join(map(printable, sentence.split("\n")))
-    return CellProblem("", "", None, "", printable(str(source)), "a readable file", sentence)
+    return CellProblem(
+        "", "", None, "", printable(str(source)), "a file that can be used", sentence
+    )
 
 
 def _is_elsewhere(error: OSError, source: Path) -> bool:

@@ -529,7 +529,7 @@ def _value(
         findings.add(
             place,
             str(entry),
-            "a physically plausible quantity",
+            "a quantity of this world",
             f"found {entry}, which is out of range for a train. Correct the number or its unit.",
         )
         return None
@@ -557,11 +557,11 @@ def _note_unresolved(
         for place in places:
             findings.silence(place)
         return
-    others = f" ({len(places) - 1} more rows of the column too)" if len(places) > 1 else ""
+    others = f" (and {len(places) - 1} more rows of this column)" if len(places) > 1 else ""
     findings.add(
         places[0],
         str(entry),
-        f"a number with a known base ({entry.scale.base})",
+        f"a number whose reference ({entry.scale.base}) is known",
         f"found {entry}{others}; it is {sentence}.",
     )
     for place in places[1:]:

@@ -336,7 +336,7 @@ class _Reading:
         ]
         meant = nearest(spec.name, others, 0.75)
         if broken:
-            what = "the defined name refers to a deleted cell (its row or sheet was deleted)"
+            what = "the defined name refers to no cell, because its row or sheet was deleted"
         else:
             what = "the workbook has no such defined name"
         hint = f" The name '{meant}' is similar; rename it." if meant else ""
@@ -480,9 +480,8 @@ class _Reading:
             self.findings.add(
                 (spec.name, indices[0], columns[0] if columns else ""),
                 f"merged cells {merge}",
-                "one cell per value",
-                f"the cells {merge} are merged and contain one value together. Unmerge them and fill "
-                "each.",
+                "one cell a value",
+                f"the cells {merge} are merged and share one value. Unmerge them and fill each.",
             )
             for index in indices:
                 for column in columns:
@@ -548,7 +547,7 @@ class _Reading:
             self.findings.add(
                 place,
                 f"{100 * number:.10g}%",
-                "a plain number in percent",
+                "a plain number of percent",
                 f"the cell shows {100 * number:.10g}% but contains {number:.10g}, and its unit is "
                 f"already %. Format the cell as Number and type {100 * number:.10g}.",
             )

@@ -114,9 +114,7 @@ def _outdated(tables: Sequence[str], made: str, digest: str, stamp: str, rows: s
     """Why a study is not one of the inputs as they are now."""
     if made != digest:
         of = f"inputs with SHA-256 {short_digest(made)}" if made else "inputs that are not recorded"
-        return (
-            f"it was calculated from {of}, but the inputs in the file have {short_digest(digest)}"
-        )
+        return f"it was calculated from {of}, but those in the file have SHA-256 {short_digest(digest)}"
     stated = _ROWS.search(stamp)
     if tables and (stated is None or not rows.startswith(stated.group(1))):
         of = f"table {tables[0]}" if len(tables) == 1 else f"tables {' and '.join(tables)}"

@@ -64,6 +64,6 @@ def too_large(limit: int) -> Refused:
 def too_busy(with_what: str) -> Refused:
     return Refused(
         503,
-        f"The server is busy with {with_what} requests. Try again in a few seconds.",
+        f"The server is busy with {with_what}. Try again in a few seconds.",
         {"Retry-After": "5"},
     )

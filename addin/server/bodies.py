@@ -50,7 +50,7 @@ async def read_body(request: Request, limit: int, seconds: float = 20.0) -> byte
     except TimeoutError:
         raise Refused(
             408,
-            f"The request was too slow: {size:,} bytes in "
+            f"The request arrived too slowly: {size:,} bytes in "
             f"{asyncio.get_running_loop().time() - began:.0f} s. Send it again.",
             {"Connection": "close"},
         ) from None
@@ -108,7 +108,7 @@ def parsed(text: bytes | str) -> Any:
                 400,
                 "The JSON contains a whole number with too many digits for a cell. Correct it.",
             ) from None
-        raise Refused(400, f"The body is not valid JSON: {wrong}. Correct it.") from None
+        raise Refused(400, f"This is not valid JSON: {wrong}. Correct it.") from None
 
 
 def _no_constant(name: str) -> None:

@@ -88,7 +88,7 @@ def _errors(*statuses: int) -> dict[str, Any]:
         400: "The request cannot be read.",
         401: "An API key is needed.",
         403: "The request comes from a page of another site.",
-        408: "The request body was too slow.",
+        408: "The request arrived too slowly.",
         413: "The request is larger than the server accepts.",
         415: "The content type is not accepted.",
         421: "The host name of the request is not one of this server's names.",

@@ -76,7 +76,7 @@ class Work(Pool):
         except TimeIsUp:
             raise TooLong(
                 f"The calculation exceeded the {self._time_limit:g} s allowed by this server and was "
-                "stopped. Choose a larger tolerance, or calculate it on your own computer."
+                "stopped. Choose larger tolerances, or calculate it on your own computer."
             ) from None
         except Died as wrong:
             LOG.error("task %s: %s", name, wrong)

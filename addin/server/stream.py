@@ -219,7 +219,7 @@ class Stream:
             raise Refused(503, f"{most} calls are in progress, the limit. Wait for one to end.")
         if "view" in message:
             if not isinstance(message["view"], str):
-                raise Refused(400, "view is not a text. Give the handle of a model.")
+                raise Refused(400, "view is not text. Give the handle of a model.")
             work = partial(self._view, message["view"])
         elif "study" in message:
             work = partial(self._study, read_study(message))

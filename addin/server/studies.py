@@ -56,8 +56,8 @@ def read_study(message: Mapping[str, Any]) -> StudyRequest:
     options = {one.name: _limited(one) for one in STUDIES[command].options if one.is_setting}
     for name, value in settings.items():
         if name not in options:
-            known = f"are {', '.join(options)}" if options else "is none"
-            raise Refused(400, f"{command} has no setting '{name[:40]}'. Available: {known}.")
+            known = f"Available: {', '.join(options)}" if options else "It has none"
+            raise Refused(400, f"{command} has no setting '{name[:40]}'. {known}.")
         if not _fits(options[name], value):
             raise Refused(400, f"{name} must be {options[name].allowed}.")
     return StudyRequest(command, case, settings)

@@ -261,7 +261,7 @@ def _check_magic(data: bytes, path: Path) -> None:
         if "EncryptedPackage".encode("utf-16-le") in data:
             raise WorkbookRefused(
                 "encrypted",
-                f"{path.name} is password-protected. Save a copy without password and run again.",
+                f"{path.name} is encrypted with a password. Save a copy without the password and run again.",
             )
         raise WorkbookRefused(
             "xls",

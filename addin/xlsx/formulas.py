@@ -267,14 +267,7 @@ class _Refresh:
             else:
                 self._renew(cell, recalculated)
         if recalculated is not None:
-            reason = (
-                (
-                    "Some formulas cannot be recalculated reliably. Open the workbook in Excel or "
-                    "LibreOffice and save it."
-                )
-                if self.removed
-                else ""
-            )
+            reason = "Some formulas cannot be recalculated reliably." if self.removed else ""
         return CacheReport(
             "removed" if recalculated is None else "recalculated",
             len(self.everything),
@@ -330,17 +323,11 @@ class _Refresh:
         except ImportError:
             return (
                 None,
-                (
-                    "Formulas were not recalculated, because the package formualizer is not installed: "
-                    "pip install formualizer."
-                ),
+                "Formulas were not recalculated because the package formualizer is not installed.",
             )
         cells = self.everything
         if any(_is_beyond_programs(cell.text) for cell in cells if cell.text not in left_out):
-            return (
-                None,
-                "A formula is too long or nested too deeply for a spreadsheet program. Shorten it.",
-            )
+            return None, "A formula is too long or nested too deeply for a spreadsheet program."
         with_formulas = {cell.sheet for cell in cells}
         named = _naming(self.workbook, cells, left_out)
         fed, dropped = calculator_copy(self.workbook, with_formulas, read, left_out, named)
@@ -352,10 +339,7 @@ class _Refresh:
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException as problem:  # a panic of the Rust side is a BaseException
-            return None, (
-                f"The formulas could not be recalculated ({in_short(problem)}). Open the workbook in "
-                "Excel or LibreOffice and save it."
-            )
+            return None, f"The formulas could not be recalculated ({in_short(problem)})."
         return _Recalculated(self.workbook, fed, result), ""
 
     def _refused(

@@ -87,7 +87,7 @@ def column_number(letters: str) -> int:
     27
     """
     if not (letters.isascii() and letters.isalpha() and len(letters) <= 3):
-        raise ValueError(f"{letters!r} is not a column letter")
+        raise ValueError(f"{letters!r} are not column letters")
     number = 0
     for letter in letters.upper():
         number = number * 26 + ord(letter) - 64

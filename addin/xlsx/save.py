@@ -223,8 +223,8 @@ def _beside(target: Path, data: bytes, mode: int) -> Iterator[Path]:
         )
     except OSError as problem:
         raise SaveRefused(
-            f"The folder {target.parent} is not writable ({problem.strerror}). Name another with "
-            "--out."
+            f"Nothing can be written in the folder {target.parent} ({problem.strerror}). Name another "
+            "folder."
         ) from problem
     try:
         try:

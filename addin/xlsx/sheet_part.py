@@ -406,7 +406,7 @@ class SheetPart:
             number = whole_number(element.get("r") or str(last + 1))
             if number is None or number <= last:
                 raise damaged(
-                    f"The rows of sheet {self.name} are out of order, or beyond the end of a sheet, after row {last}."
+                    f"The rows of sheet {self.name} after row {last} are out of order or beyond the end of a sheet."
                 )
             element.set("r", str(number))
             self._rows[number] = element
@@ -474,7 +474,9 @@ class SheetPart:
             first = whole_number(entry.get("min"), MAX_COLUMN)
             last = whole_number(entry.get("max"), MAX_COLUMN)
             if first is None or last is None:
-                raise damaged(f"Sheet {self.name} gives a width to columns that no sheet has.")
+                raise damaged(
+                    f"Sheet {self.name} sets the width of columns beyond the end of a sheet."
+                )
             for column in range(max(first, rect.left), min(last, rect.right) + 1):
                 styles[column - rect.left] = entry.get("style")
         return styles

@@ -50,9 +50,7 @@ def read_range(text: str, what: str) -> Rect:
     try:
         return parse_range(text)
     except ValueError as problem:
-        raise damaged(
-            f"{what} says that it covers {text[:40]!r}, which is no range of a sheet."
-        ) from problem
+        raise damaged(f"{what} covers {text[:40]!r}, which is not a valid range.") from problem
 
 
 def _resized_ranges(sqref: str, old: Rect, new: Rect) -> str | None:

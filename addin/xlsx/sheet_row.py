@@ -84,7 +84,7 @@ def index_row(sheet: str, number: int, element: Element) -> Row:
             row.columns.append(last)
     except ValueError as problem:
         raise damaged(
-            f"Sheet {sheet} has a cell named {str(name)[:40]!r} in row {number}, where none belongs."
+            f"Sheet {sheet} has a wrongly placed cell {str(name)[:40]!r} in row {number}."
         ) from problem
     if len(row.columns) != len(row.element):
         # Positions of cells are used below: comments between them would shift these.

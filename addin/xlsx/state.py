@@ -189,7 +189,7 @@ class WorkbookState:
         number = whole_number(index.strip(), len(self._strings) - 1)
         if number is None:
             raise damaged(
-                f"A cell of {self.path.name} shows text number {shown_name(index)}, but the workbook has "
+                f"A cell of {self.path.name} refers to shared text {shown_name(index)}, but the workbook has "
                 f"{len(self._strings)} texts."
             )
         return self._strings[number]

@@ -240,7 +240,7 @@ class WorkbookPart:
                 raise self._refused("damaged", f"lacks the part of sheet {shown_name(name)}")
             if not name or name.casefold() in seen or relationship.part in seen:
                 raise damaged(
-                    f"{self._container.path.name} has two sheets of one name, or one without a name "
+                    f"{self._container.path.name} has two sheets of the same name, or one without a name "
                     f"({shown_name(name)})."
                 )
             seen.update((name.casefold(), relationship.part))

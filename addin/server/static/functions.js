@@ -50,7 +50,7 @@
       }
       let content = {};
       try { content = await said.json(); } catch { /* not from our server: a proxy, perhaps */ }
-      const message = (content.error || {}).message || `The server answered with status ${said.status}.`;
+      const message = (content.error || {}).message || `The server answered with status ${said.status}. Try again, or ask its administrator.`;
       throw Object.assign(wrong(message), { status: said.status, content });
     }
   }
@@ -193,7 +193,7 @@
         taken.forEach((one, i) => one.resolve(ranges[i].valueTypes));
       });
     } catch {
-      throw wrong("Excel did not say which cells are blank and which are 0. Calculate again.");
+      throw wrong("Excel did not report which cells are blank and which are 0. Calculate again.");
     }
   });
 

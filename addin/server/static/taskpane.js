@@ -130,7 +130,7 @@ function show(view) {
   showCharts(view);
   putTable("peaks", "StartupPeaks", tables.StartupPeaks, wait);
   putTable("reversals", "TorqueReversals", tables.TorqueReversals, view.complete ? "No gear mesh and no geared coupling." : wait);
-  putTable("starts", "AllowableStarts", tables.AllowableStarts, view.complete ? "No shaft is judged for fatigue." : wait);
+  putTable("starts", "AllowableStarts", tables.AllowableStarts, view.complete ? "No shaft is judged for fatigue: give Material, Stress diameter and S-N points." : wait);
   showMargins(tables.SeparationMargins);
   showSteady(tables.SteadyState);
   showNotes(view.warnings);
@@ -172,9 +172,9 @@ function showMargins(rows, all = false) {
   const nearest = [...body].sort((a, b) => a[margin] - b[margin]);
   const few = nearest.filter((row, i) => i < FEW || row[verdict] !== "pass");
   const shown = all ? body : few;
-  putTable("margins", "SeparationMargins", [head, ...shown], "Nothing is judged: the case has no speed and no line frequency. Type two of LineFrequency, Poles and SynchronousSpeed.");
+  putTable("margins", "SeparationMargins", [head, ...shown], "Nothing is judged: the case has no speed and no line frequency. Type LineFrequency and Poles, or SynchronousSpeed.");
   at("all-margins").hidden = all || shown.length === body.length;
-  at("all-margins").textContent = `Show all ${body.length}, not the ${few.length} nearest only`;
+  at("all-margins").textContent = `Show all ${body.length}, not only the ${few.length} nearest`;
   at("all-margins").onclick = () => showMargins(rows, true);
 }
 
@@ -182,9 +182,9 @@ function showMargins(rows, all = false) {
 function showSteady([head, ...body]) {
   const verdict = head.indexOf("Verdict"), fails = row => (row[verdict] === "fail" ? 0 : 1);
   const judged = body.filter(row => row[verdict] !== "not judged").sort((a, b) => fails(a) - fails(b));
-  putTable("steady", "SteadyState", [head, ...judged], body.length ? "No element has a limit to be judged by." : "Every margin is kept.");
+  putTable("steady", "SteadyState", [head, ...judged], body.length ? "No element has a limit, so none is judged." : "Every margin is kept.");
   const left = body.length - judged.length;
-  if (left && judged.length) at("steady").append(made("p", `${left} rows that are not judged are left out; the workbook has them.`, "missing"));
+  if (left && judged.length) at("steady").append(made("p", `${left} rows that are not judged are hidden here; a workbook with results lists them.`, "missing"));
 }
 
 function showNotes(sentences) {
@@ -234,7 +234,7 @@ function interferenceExtras(data) {
   const top = Math.max(...data.Modes.filter(v => v !== null), ...data.Range.filter(v => v !== null), ...data["2 x slip"]);
   const moved = apart(data.Label, top);
   return {
-    height: 380, right: 62, rangeY: [0, top * 1.03], pointsName: "2 × slip meets a mode",
+    height: 380, right: 62, rangeY: [0, top * 1.03], pointsName: "2 × slip crosses a mode",
     points: data.Label.flatMap(level => crossings(data["Slip speed"], data["2 x slip"], level)),
     values: (value, i) => ({ text: `${number(value)} Hz`, dx: 5, dy: 4 - moved[i] }),
   };
@@ -244,7 +244,7 @@ function interferenceExtras(data) {
 function placeOf(name, charts, wait) {
   if (name === "interference") {
     const extras = charts.ChartInterference.Modes.length ? interferenceExtras(charts.ChartInterference) : {};
-    return { id: name, missing: "No diagram: the case states no speed or no line frequency.", extras };
+    return { id: name, missing: "No diagram: the case has no speed or no line frequency.", extras };
   }
   if (name === "torque") return { id: name, missing: "No torque curves: the case has no start.", extras: { height: 340 } };
   if (name === "speed-time") return { id: "speed", missing: wait, extras: { height: 340 } };
@@ -274,7 +274,7 @@ async function take(name, bytes) {
   at("results").hidden = true;
   at("problems").hidden = true;
   busy(false);
-  if (!ENDINGS.test(name)) { say(`${name} is no workbook: choose an .xlsx or .xlsm file, or a case .json.`, "bad"); return; }
+  if (!ENDINGS.test(name)) { say(`${name} is not a workbook: choose an .xlsx or .xlsm file, or a case .json.`, "bad"); return; }
   say(`reading ${name}`, "busy");
   try {
     const said = await ask(`/api/v1/model?name=${encodeURIComponent(name)}`, { body: bytes });
@@ -296,7 +296,7 @@ async function calculate() {
     show(await run.done);
     say(`Calculated in ${((performance.now() - began) / 1000).toFixed(1)} s.`);
   } catch (failed) {
-    if (failed.cancelled) say("Cancelled. What needs no start is shown below."); else showProblems(failed);
+    if (failed.cancelled) say("Cancelled. Results that need no start are shown below."); else showProblems(failed);
   } finally {
     if (open.running === run) { open.running = null; busy(false); }
   }
@@ -349,15 +349,15 @@ at("key-form").addEventListener("submit", event => {
 
 /** Say whether the server takes the key that is kept. */
 async function checkKey() {
-  say("asking the server about the key", "busy");
+  say("checking the key with the server", "busy");
   try {
     await ask("/api/v1/batch", { body: JSON.stringify({ calls: [] }), headers: { "Content-Type": "application/json" } });
     at("connection").open = false;
-    say(key() ? "The key is kept in this browser, and the server accepts it." : "No key is kept; the server asks for none.");
+    say(key() ? "The key is saved in this browser, and the server accepts it." : "No key is saved; the server needs none.");
   } catch (failed) {
-    if (failed.status !== 401) say(`The key is kept, but not tried: ${failed.message}`, "bad");
-    else if (key()) say("The server does not accept this key: it is wrong, mistyped or withdrawn. Whoever runs the server has the right one.", "bad");
-    else say("No key is kept, and the server asks for one. Whoever runs the server has it.", "bad");
+    if (failed.status !== 401) say(`The key is saved but could not be checked: ${failed.message}`, "bad");
+    else if (key()) say("The server does not accept this key: it is wrong, mistyped or withdrawn. Ask the administrator of the server for a valid one.", "bad");
+    else say("No key is saved, but the server needs one. Ask the administrator of the server for it.", "bad");
   }
 }
 
@@ -401,7 +401,7 @@ async function takeOpen() {
     const name = decodeURIComponent(url.split(/[\\/]/).pop() || "");
     await take(ENDINGS.test(name) ? name : "workbook.xlsx", await openWorkbook());
   } catch (failed) {
-    say(`Office did not hand over the workbook: ${failed.message}`, "bad");
+    say(`Office did not provide the workbook; save it and try again: ${failed.message}`, "bad");
   }
 }
 
