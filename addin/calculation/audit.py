@@ -50,25 +50,21 @@ EQUATIONS: tuple[tuple[str, str], ...] = (
     ),
     ("Separation margin", "|f − f_exc| / f_exc, least over the operating speeds; 20 % calculated, "
      f"10 % measured ({STEADY})"),
-    ("Forced response", "direct complex solution of (K(1+iη) + iωC − ω²J) θ = T; 1 % zero-to-peak of the "
-                        "transmitted torque at motor, gear and driven machine in turn (Szenasi & von Nimitz "
-                        "1978)"),
+    ("Forced response", "direct complex solution of (K(1+iη) + iωC − ω²J) θ = T; 1 % zero-to-peak "
+     "of the transmitted torque at motor, gear and driven machine in turn (Szenasi & von Nimitz 1978)"),
     ("Allowable vibratory stress", f"UTS/25 ({MIL_STANDARD.cited}, as cited there)"),
-    ("Pulsation", (
-"T(ω) sin(2 (ω_line t − p θ) + phase); f = 2 f_line (1 − n/n_s) (Szenasi & von "
-                  "Nimitz 1978)"
-)),
+    ("Pulsation", "T(ω) sin(2 (ω_line t − p θ) + phase); f = 2 f_line (1 − n/n_s) "
+     "(Szenasi & von Nimitz 1978)"),
     ("Start-up crossing", "% speed = 100 (1 − f / 2 f_line) (Szenasi & von Nimitz 1978, Table 1)"),
     ("Start, exponential", "q̈ + 2ζω q̇ + ω² q = Φᵀ T(t, θ, ω), exact step for a force cubic in "
      f"time ({INTEGRATORS.cited})"),
-    ("Start, Newmark", "average acceleration, eqs (1) to (3) of Szenasi & von Nimitz 1978; eq. (4) derived "
-                       "from these (its printed second C term repeats the velocity instead of the "
-                       "acceleration)"),
+    ("Start, Newmark", "average acceleration, eqs (1) to (3) of Szenasi & von Nimitz 1978; eq. (4) "
+     "derived from these (its printed second C term repeats the velocity instead of the acceleration)"),
     ("Torque curves", f"monotone cubic through the points, no overshoot ({CURVES.authors} 1980)"),
     ("Shear stress", "τ = 16 T D / (π (D⁴ − d⁴)), nominal; SCF multiplies it for fatigue and UTS/25"),
     ("Cycle counting", f"rainflow, {RAINFLOW.cited}; history from rest, closed by a return to zero"),
     ("Damage", "q = Σ n_i/N_i, starts = 1/q, log-log S-N line, bending data halved for torsion "
-               "(Szenasi & von Nimitz 1978, Figure 3 and Stress criterion); mean stress ignored"),
+     "(Szenasi & von Nimitz 1978, Figure 3 and Stress criterion); mean stress ignored"),
 )  # fmt: skip
 
 
@@ -189,7 +185,7 @@ def _plans(results: Results) -> Iterator[tuple[str, str]]:
     on = [d.effect for d in reported.decisions if d.on]
     yield "Effects simulated", ", ".join(on) or "none"
     left_out = [_left_out(d) for d in reported.decisions if not d.on]
-    yield "Effects left out, with their error bounds", "; ".join(left_out) or "none"
+    yield "Effects left out, with bounds", "; ".join(left_out) or "none"
     if reported.effects.clearances:
         yield "Clearances modelled", ", ".join(reported.effects.clearances)
         yield "Contact law", reported.effects.contact_law
@@ -235,10 +231,10 @@ def _accuracy(results: Results) -> Iterator[tuple[str, str]]:
         f"{_percent(start.estimated_error)} (change from step h to h/2)",
     )
     left_out = f"{_percent(start.truncation_error)}; {start.kept_modes} modes kept"
-    yield "of this, modes left out", left_out
+    yield "of which modes left out", left_out
     yield (
         "Largest step",
-        f"{1000.0 * start.step:.4g} ms, {start.trajectory.n_steps:,} steps; step halved "
+        f"{1e3 * start.step:.4g} ms, {start.trajectory.n_steps:,} steps; step halved "
         f"{start.halvings} time{'' if start.halvings == 1 else 's'} to reach the wanted error",
     )
     for name, error in results.starts_error:

@@ -345,7 +345,7 @@ def accuracy_title(drawn: bool, studied: bool = False) -> str:
         return "Error against wall time, as measured in this study"
     if studied:
         return "Error against wall time: nothing to study, see the note above"
-    return "Error against wall time: no study yet. Run torsionbook accuracy FILE"
+    return "Error against wall time: no study yet; run torsionbook accuracy FILE"
 
 
 def _drawn_elements(

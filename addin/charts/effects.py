@@ -246,7 +246,7 @@ def pull_in_rows(run: RunView | None, labels: dict[str, Cell]) -> Rows:
     words = (
         "the motor pulls into step"
         if field["synchronised"]
-        else "not synchronised: one pole slip per 360 degrees of load angle"
+        else "not synchronised, one pole slip per 360 degrees of load angle"
     )
     labels["Pull-in title"] = f"Load angle and slip, field applied: {words}"
     columns: list[Sequence[Cell]] = []

@@ -101,7 +101,7 @@ CHART_TABLES: tuple[ChartTable, ...] = (
     ChartTable(
         "ChartSN",
         ("Line cycles", "Line", "Start cycles", "One start", "Starts cycles", "Starts required"),
-        "S-N line and cumulative stress cycles of one start and of the required starts.",
+        "S-N line; cycles of one start and of the required starts that exceed a stress amplitude.",
     ),
     ChartTable(
         "ChartHistory",

@@ -125,7 +125,7 @@ def _train() -> ChartSpec:
               for column, colour in columns),
         gap=0, overlap=100,
         caption="disc height: fourth root of inertia; shaft height: fourth root of stiffness; one "
-                "colour per shaft speed, gear meshes in gold",
+        "colour per shaft speed, gear meshes in gold",
     )  # fmt: skip
 
 

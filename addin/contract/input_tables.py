@@ -102,7 +102,10 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             number("Pitch radius driven", "length", "Pitch radius on the To side."),
             number("Pressure angle", "angle", "Normal pressure angle."),
             number("Helix angle", "angle", "Helix angle.", blank="0"),
-            number("Orientation", "angle", "Angle of the line of centres From to To, counter-clockwise from axis x.", blank="0"),
+            number(
+                "Orientation", "angle",
+                "Angle of the line of centres From to To, counter-clockwise from axis x.", blank="0",
+            ),
             number(
                 "Mesh stiffness", "linear stiffness", "Mesh stiffness along the line of action.",
                 blank="Stiffness of table Elements",
@@ -124,16 +127,16 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
                 blank="none",
             ),
             *_of_both_gears(
-                "Mass", "mass", "Mass of the gear on the {} side, where it moves on its bearings.",
+                "Mass", "mass", "Mass of the gear on the {} side, for gears on elastic bearings.",
                 "gear does not move laterally",
             ),
             *_of_both_gears(
                 "Bearing stiffness", "linear stiffness",
-                "Stiffness of the {} gear's bearings together, the same in all radial directions.",
+                "Total stiffness of the {} gear's bearings, the same in all radial directions.",
                 "rigid",
             ),
             *_of_both_gears(
-                "Bearing damping", "linear damping", "Damping of the {} gear's bearings together.", "0",
+                "Bearing damping", "linear damping", "Total damping of the {} gear's bearings.", "0",
             ),
             choice(
                 "Gear type", ("external", "internal"), "Internal gears keep the sense of rotation.",
@@ -192,7 +195,8 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
             text("Material", "Name of the material."),
             number("UTS", "pressure", "Ultimate tensile strength."),
             number(
-                "Yield", "pressure", "Yield strength in tension; shear stress is compared with half of it.",
+                "Yield", "pressure",
+                "Yield strength in tension; shear stress is compared with half of it.",
             ),
             number(
                 "Endurance", "pressure", "Endurance limit (amplitude) in the basis given.",
@@ -223,7 +227,7 @@ INPUT_TABLES: tuple[TableSpec, ...] = (
     table(
         "Excitations", sheet="Excitation", caption="Excitations",
         help="Excitations in continuous operation; blank = 1× and 2× of every shaft speed, 1× and "
-             "2× line frequency.",
+        "2× line frequency.",
         rows=14, row_name=("Name",),
         columns=(
             text("Name", "Name of the excitation."),

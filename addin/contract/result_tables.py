@@ -74,7 +74,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 "Result", "Result of the check.",
                 "The governing number: least margin, largest stress over its allowable, least torque over its "
                 "limit, fewest starts (rounded down to whole starts)",
-                "docs/method.md; the source of the result table",
+                "docs/method.md; the source of the result table it is taken from",
                 of_case=(
                     "SeparationMargins.Margin", "SteadyState.Peak-to-peak stress",
                     "SteadyState.Zero-to-peak stress", "StartupPeaks.Maximum torque",
@@ -167,7 +167,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
     table(
         "ModeShapes", sheet="Frequencies", caption="Mode shapes",
         help="Twist of each station, largest = 1; no twist for a mode in which gears only move "
-             "laterally.",
+        "laterally.",
         row_name=("Station",), rank=1,
         columns=(text("Station", "Station.", kind="station", trace=named("Stations.Station")),),
         repeated=number(
@@ -432,8 +432,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "Peak-to-peak torque", "torque", "Its torque range at the crossing.",
-                "Torque range of that element in the crossing window: from 1.1 f (or half-way to the "
-                "next higher mode, if nearer) down to half-way to the next lower mode",
+                "Torque range of that element in the crossing window: from 1.1 f (or the geometric mean with the "
+                "next higher mode, if lower) down to the geometric mean with the next lower mode",
                 f"docs/method.md, Crossings; {EXPONENTIAL}", us="lbf*ft", of_case=START,
                 error=ReportedError.PEAKS, printed="Torque, pk‑pk",
             ),
@@ -487,7 +487,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 format=shown.STARTS, unlimited=True, error=ReportedError.STARTS,
             ),
             number(
-                "Paper count", "count", "Allowable starts by the cycle-by-cycle count of Szenasi & von Nimitz.",
+                "Paper count", "count",
+                "Allowable starts by the cycle-by-cycle count of Szenasi & von Nimitz.",
                 "1/Σ nᵢ/Nᵢ, every range from one turning point of the stress to the next counted as half a cycle",
                 FIGURE_3, of_row=FATIGUE, of_case=START, format=shown.STARTS, unlimited=True,
                 error=ReportedError.STARTS,
@@ -542,7 +543,8 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
                 f"{REVERSALS}; docs/method.md, Torque reversals", of_case=START,
             ),
             number(
-                "Time unloaded", "time", "Total time of reversed torque; with a clearance, total time without contact.",
+                "Time unloaded", "time",
+                "Total time of reversed torque; with a clearance, total time without contact.",
                 "Sum of the times below zero of these passages; with a clearance the time without contact",
                 f"{REVERSALS}; docs/method.md, Torque reversals", of_case=START,
             ),
@@ -571,7 +573,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
             ),
             number(
                 "First time", "time", "When the torque first falls below zero.",
-                "Start of the first reversal: the zero crossing before it",
+                "Start of the first reversal, where the torque crosses zero",
                 "docs/method.md, Torque reversals", of_case=START, pane=Pane.WORKBOOK,
             ),
             number(
@@ -719,7 +721,7 @@ RESULT_TABLES: tuple[TableSpec, ...] = (
         help="What was calculated, from which inputs, by which version and method.",
         row_name=("Item",), worded=True, rank=7,
         columns=(
-            text("Item", "Item.", "Name of the item", "docs/audit.md"),
+            text("Item", "Name of the item.", "Name of the item", "docs/audit.md"),
             mixed(
                 "Value", "Its value.",
                 "Value of the item. The digest is SHA-256 of the SI values of all inputs except "
@@ -800,7 +802,7 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
     table(
         "EnergyShares", sheet="Frequencies", caption="Sensitivities",
         help="Frequency shift for the change above: ± ½ × share × change × f, + for a stiffness, "
-             "− for an inertia.",
+        "− for an inertia.",
         row_name=("Quantity", "Of"),
         columns=(
             text(
@@ -835,7 +837,7 @@ WORKBOOK_TABLES: tuple[TableSpec, ...] = (
     table(
         "Plans", sheet="Effects", caption="Plans",
         help="Results shown are those of the last plan; a new plan is made when the run "
-             "contradicts the plan before.",
+        "contradicts the previous plan.",
         row_name=("Plan",), worded=True, rank=7,
         columns=(
             integer(

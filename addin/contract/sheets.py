@@ -77,12 +77,11 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "B4",
         "Q4",
         _said(
-            'IF(run_Outcome="","No start: no motor torque is '
-            'given.",IF(COUNTIF(TorqueReversals[Element],"?*")=0,"The train has no gear mesh and '
-            "no geared coupling with backlash, so no torque reversal is "
-            'judged.",IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its '
-            "bearings in this start. Type bearing data on sheet Train; see the plan on sheet "
-            'Effects.","")))'
+            'IF(run_Outcome="","No start: no motor torque is given.",'
+            'IF(COUNTIF(TorqueReversals[Element],"?*")=0,"The train has no gear mesh and no geared coupling '
+            'with backlash, so no torque reversal is judged.",'
+            'IF(COUNT(BearingForces[Force])=0,"No bearing forces: no gear moves on its bearings in this '
+            'start. Type bearing data on sheet Train; see the plan on sheet Effects.","")))'
         ),
         "note",
         15.0,
@@ -92,10 +91,9 @@ FACT_LINES: tuple[tuple[str, str, str, str, str, float], ...] = (
         "B4",
         "I4",
         _said(
-            'IF(run_Outcome="","No start: no motor torque is '
-            'given.",IF(COUNTIF(AllowableStarts[Element],"?*")=0,"No shaft is judged: type '
-            "Stress diameter and Material on sheet Train, Endurance and S-N points on sheet "
-            'Fatigue.",""))'
+            'IF(run_Outcome="","No start: no motor torque is given.",'
+            'IF(COUNTIF(AllowableStarts[Element],"?*")=0,"No shaft is judged: type Stress diameter and '
+            'Material on sheet Train, Endurance and S-N points on sheet Fatigue.",""))'
         ),
         "note",
         15.0,

@@ -10,7 +10,7 @@ from addin.contract.json_shapes import Shape
 from addin.contract.sheet import Sheet
 
 #: How the sentence of a study begins that was cut short.
-CUT_SHORT = "Stopped by Ctrl-C"
+CUT_SHORT = "Cut short by Ctrl-C"
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,9 @@ class StudySpec:
         return (
             (f'=IF({key}_Sentence="","{self.not_yet}",{key}_Sentence)', "sentence", self.height),
             (
-                f'=IF({key}_SHA256="","",IF(AND(run_SHA256<>"",run_SHA256<>{key}_SHA256),"INPUTS '
-                f"DIFFER from those of the other result sheets: run torsionbook {self.command} again. "
-                f'","")&{key}_Stamp)',
+                f'=IF({key}_SHA256="","",IF(AND(run_SHA256<>"",run_SHA256<>{key}_SHA256),'
+                f'"INPUTS DIFFER from those of the other result sheets: run torsionbook {self.command} again. ",'
+                f'"")&{key}_Stamp)',
                 "note",
                 15.0,
             ),

@@ -10,9 +10,8 @@ from engine.case.practice_limits import PRACTICE_LIMITS
 
 #: Words on sheet Accuracy until the study has been run.
 NO_STUDY = (
-    "Errors are estimates of this calculation; times are measured. For error against "
-    "time of this case, by the exponential method and by Newmark: torsionbook accuracy "
-    "FILE"
+    "Errors are those this calculation estimates, times those it took. Error against time by the "
+    "exponential and by the paper's method, for this very case: torsionbook accuracy FILE"
 )
 #: The damping law of this workbook: formula, and what it shows while ContactLaw is blank.
 CONTACT_LAW: tuple[str, str] = (
@@ -38,9 +37,9 @@ REVERSAL_NOTES: tuple[tuple[str, str], ...] = (
     ),
     (
         "Contact law",
-        "Damping of teeth in contact. limited: never pulls and never exceeds the spring force "
-        f"({CONTACT}; {IMPACT.named} 1975). no adhesion: never "
-        "pulls (ElastoBacklash2). Scalar ContactLaw on sheet Case.",
+        "Damping of teeth in contact. limited: the contact force never pulls and damping never "
+        f"exceeds the spring force ({CONTACT}; {IMPACT.named} 1975). no adhesion: the contact "
+        "force never pulls (ElastoBacklash2). Set ContactLaw on sheet Case.",
     ),
     ("", CONTACT_LAW[0]),
     (
@@ -136,14 +135,14 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("Shear stress", "τ = 16 T D / (π (D⁴ − d⁴)), nominal; times SCF where stated."),
         (
             "Steady-state limit",
-            f"UTS / 25 ({MIL_STANDARD.cited} as the paper reads it), compared as Stress basis on sheet "
-            "Case says; stresses with SCF.",
+            f"UTS / 25 ({MIL_STANDARD.cited}, as cited by Szenasi & von Nimitz), compared with the "
+            "stress chosen in StressBasis on sheet Case; stresses include SCF.",
         ),
         (
             "Fatigue",
             "q = Σ nᵢ / Nᵢ over the cycles of one start, allowable starts 1 / q (paper, Figure 3). "
-            f"Cycles by rainflow counting ({RAINFLOW.cited}); the paper's cycle-by-cycle count stands "
-            "beside. Bending data are halved for torsion. N between S-N points is log-log.",
+            f"Cycles by rainflow counting ({RAINFLOW.cited}); the paper's cycle-by-cycle count is "
+            "shown beside it. Bending data are halved for torsion. N between S-N points is log-log.",
         ),
         ("Yield", "Nominal peak stress is judged against Yield / 2 (maximum shear theory)."),
     ),
@@ -155,10 +154,8 @@ NOTES: Mapping[str, tuple[tuple[str, str], ...]] = {
         ),
         (
             "Bearings",
-            (
-                "Bearings have the same stiffness and damping in all radial directions, independent "
-                "of speed and load."
-            ),
+            "Bearings have the same stiffness and damping in all radial directions, independent "
+            "of speed and load.",
         ),
         (
             "Drawn histories",

@@ -15,8 +15,8 @@ TRACE_HEADERS = (
     "What it is",
     "Equation",
     "Source",
-    "Inputs of the same row",
-    "Inputs of the whole case",
+    "From the same row",
+    "From the whole case",
 )
 
 

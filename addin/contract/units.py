@@ -404,7 +404,7 @@ def _refused(text: str, dimension: str, what: str, hint: str = "") -> UnitError:
     allowed = (
         "a unit of " + _wanted(dimension) + " such as " + ", ".join(DIMENSIONS[dimension].units)
     )
-    advice = hint or "write one such as " + ", ".join(DIMENSIONS[dimension].units)
+    advice = hint or "write a unit such as " + ", ".join(DIMENSIONS[dimension].units)
     return UnitError(text, allowed, f"{what}; {advice}.", hint)
 
 

@@ -179,7 +179,7 @@ def _as_recorded(
     tables["Verdicts"] = [_with_judged(row) for row in tables["Verdicts"]]
     return ComparedFile(
         source, read.data, read.typed, units, tables,
-        "as recorded in the file; its digest confirms its inputs",
+        "as recorded in the file, whose digest matches its inputs",
         recorded.software, recorded.digest, recorded.settings,
     )  # fmt: skip
 

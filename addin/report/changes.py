@@ -69,9 +69,9 @@ def _sentence(differences: Differences) -> str:
     verdicts = sum(v.changed for v in differences.verdicts if v.table == "Verdicts")
     judged = f"{verdicts} verdicts changed"
     if verdicts < 2:
-        judged = f"{'One' if verdicts else 'No'} check has another verdict"
+        judged = f"{'One' if verdicts else 'No'} verdict changed"
     if differences.inputs is None:
-        return f"{judged}. The file compared with is a result JSON, which holds no inputs."
+        return f"{judged}. The file compared with is a result JSON, which contains no inputs."
     inputs = sum(not change.administrative for change in differences.inputs)
     if not inputs:
         return f"All inputs that affect results are the same. {judged}."
@@ -85,7 +85,7 @@ def _inputs(differences: Differences) -> Section:
     """Inputs before and after; what changes no result in one sentence."""
     title = "Inputs"
     if differences.inputs is None:
-        return section(title, Paragraph("Not compared: a result JSON holds no inputs."))
+        return section(title, Paragraph("Not compared: a result JSON contains no inputs."))
     real = [change for change in differences.inputs if not change.administrative]
     other = [change for change in differences.inputs if change.administrative]
     note = []
@@ -241,7 +241,7 @@ def _how_many(
     sentence = f"{same:,} {what} are the same, {differ:,} differ."
     if left:
         sentence += (
-            f" Most important rows shown; torsionbook diff lists all {differ:,}: torsionbook diff "
+            f" The most important rows are shown; all {differ:,} are listed by torsionbook diff "
             f"{_quoted(clean(differences.first.source.name))} {_quoted(name)} --xlsx OUT.xlsx."
         )
     return sentence

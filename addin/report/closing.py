@@ -26,7 +26,7 @@ _ACCURACY_ITEMS = (
     "Method of the start",
     "Wanted error of peak torques",
     "Estimated error of peak torques",
-    "of this, modes left out",
+    "of which modes left out",
     "Largest step",
 )
 #: Items that stand in other sections, or below.
@@ -109,14 +109,11 @@ def _study(subject: Subject) -> Section:
         if study is not None:
             stands = (
                 "The study of error against time in the workbook belongs to other inputs and is "
-                f"omitted ({clean(study.inputs) or 'it does not say to which'})."
+                f"omitted ({clean(study.inputs) or 'inputs not recorded'})."
             )
         how = "Run torsionbook accuracy FILE and make the report from the workbook that it writes."  # fmt: skip
         if not subject.shown.is_workbook:
-            how = (
-"torsionbook accuracy also takes a case JSON; for the report, use a workbook as "
-                  "input."
-)  # fmt: skip
+            how = "torsionbook accuracy also takes a case JSON; for the report, use a workbook as input."
         return section(title, Paragraph(f"{stands} {how}"))
     caption = "Error against time of this case"
     note = "Recorded in the workbook by torsionbook accuracy, with its date."
@@ -175,7 +172,7 @@ def checks(subject: Subject) -> Section:
         "them by hand."
     )
     by_hand = (
-        ("Compare the inputs with the drawings and the makers' data sheets, with their revisions."),
+        "Compare the inputs with the drawings and the makers' data sheets, with their revisions.",
         "Check that the units above the columns fit the numbers.",
         "Check that damping, SCF and S-N data are justified.",
         "Check that the effects left out are acceptable for this train.",

@@ -76,8 +76,8 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
         "No damping ratio is stated (DampingRatio is blank)."
         if stated is None
         else (
-            f"Damping ratio of all elastic modes: {significant(100.0 * stated, 3)} % of critical "
-            "(DampingRatio)."
+            "Damping ratio stated for all elastic modes: "
+            f"{significant(100.0 * stated, 3)} % of critical (DampingRatio)."
         )
     ]
     if case.mode_damping:
@@ -104,7 +104,9 @@ def _damping(subject: Subject, rows: Sequence[Mapping[str, Any]]) -> Section:
     ):
         count = len(rows_stating)
         if count:
-            sentences.append(f"{count} {many if count > 1 else one} {rest}, added by energy.")
+            sentences.append(
+                f"{count} {many if count > 1 else one} {rest}, added in proportion to energy."
+            )
     item, neglected = "Largest neglected damping term", None
     if any(r["frequency"] and r.get("damping_ratio") for r in rows):
         sentences.append(
@@ -178,11 +180,11 @@ def _tolerances(subject: Subject, count: int) -> Iterator[Section]:
     stiffer = f"{100.0 * _TOLERANCE:.0f} %"
     left = left_out(len(rows), len(couplings), "couplings", "the first")
     note = (
-        "Half the share of strain energy times the change of stiffness: the first-order rule of "
-        f"Rayleigh's quotient; of a softer coupling the same downwards. {stiffer} serves to compare: the "
-        f"tolerance itself is the maker's, and not an input. {left}".rstrip()
+        "Half the strain-energy share times the stiffness change (first order, Rayleigh's quotient); "
+        f"a softer coupling lowers the frequency by the same amount. {stiffer} is for comparison only: "
+        f"the actual tolerance is the maker's and is not an input. {left}".rstrip()
     )
-    caption = f"Change of a frequency where a coupling is {stiffer} stiffer"
+    caption = f"Frequency change if a coupling is {stiffer} stiffer"
     yield section(
         "Stiffness tolerance of the couplings", Table(caption, tuple(columns), rows, note)
     )

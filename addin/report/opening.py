@@ -204,9 +204,9 @@ def _where_to_act(subject: Subject, mode: int) -> str:
     return (
         f"Mode {mode} ({frequency} {subject.unit(*place)}) has "
         f"{fixed(100.0 * worst['margin'], 1)} % margin from {clean(str(worst['excitation']))}; "
-        f"{fixed(100.0 * worst['required'], 0)} % required. {fixed(100.0 * row['share'], 0)} "
-        f"% of its strain energy is in {clean(str(row['largest_strain_energy']))}, so that "
-        "stiffness shifts it most."
+        f"{fixed(100.0 * worst['required'], 0)} % required. "
+        f"{fixed(100.0 * row['share'], 0)} % of its strain energy is in "
+        f"{clean(str(row['largest_strain_energy']))}, whose stiffness shifts it most."
     )
 
 
@@ -274,7 +274,7 @@ def scope(subject: Subject) -> Section:
     stamp = subject.calculation.stamp
     basis = (
         "This document reports the torsional vibration analysis of the train described in "
-        f"{kind} {clean(subject.name)}. All results were calculated from that file by "
+        f"the {kind} {clean(subject.name)}. All results were calculated from that file by "
         f"{stamp.software} when the document was made; none were copied from stored results. "
         "The same inputs give the same digest (SHA-256 of the inputs in SI to twelve digits, "
         "on the cover), which identifies the inputs of the results."

@@ -80,7 +80,7 @@ def steady_state(subject: Subject) -> Section:
         return section(title, Paragraph(sentence))
     chosen = _chosen_steady(rows)
     basis = subject.calculation.results.steady.stress_basis
-    which = "for each element the largest torque and every failed check"
+    which = "for each element the largest torque, and all that fail"
     notes = (
         "Torques zero-to-peak at the element's own speed; stresses with SCF. Applied at: "
         "station where the torque acts.",

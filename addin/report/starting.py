@@ -42,8 +42,8 @@ def start(subject: Subject) -> Section:
     histories = subject.pictures.histories()
     if histories:
         note = (
-            "Each point drawn is calculated; of long histories the least and the largest value of equal "
-            "intervals of time are drawn, so that no peak is lost." + _not_drawn(subject)
+            "Each point drawn is calculated; long histories are drawn as minimum and maximum of "
+            "equal time intervals, so that no peak is lost." + _not_drawn(subject)
         )
         parts.append(section("Histories", *histories, Paragraph(note, "note")))
     outcome = Paragraph(clean(str(startup["sentence"])), "lead")
@@ -69,7 +69,7 @@ def _conditions(subject: Subject) -> Section:
     effects = {row["effect"]: bool(row["on"]) for row in subject.rows("Effects")}
     why = {row["effect"]: clean(str(row["why"])) for row in subject.rows("Effects")}
     voltage = 1.0 if case.voltage is None else case.voltage
-    effect_on_torque = "voltage of the torque curves"
+    effect_on_torque = "the voltage of the torque curves"
     if voltage != 1.0:
         effect_on_torque = (
             f"{typed(100.0 * voltage, 6)} % of {effect_on_torque}; motor torques times "
@@ -103,10 +103,7 @@ def _crossings(subject: Subject) -> Section:
         return section(title, Paragraph(sentence))
     captions = ("Crossings: speed and torques there", "Crossings: response there")
     notes = (by("Pulsation", "Start-up crossing"),
-             (
-"Torque and stress ranges in the crossing window of the mode; stress nominal, "
-             "without SCF."
-))  # fmt: skip
+             "Torque and stress ranges in the crossing window of the mode; stress nominal, without SCF.")  # fmt: skip
     tables = [
         subject.table("StartupCrossings", caption, columns, note)
         for caption, columns, note in zip(captions, _CROSSINGS, notes, strict=True)
@@ -132,7 +129,7 @@ def _peaks(subject: Subject) -> Section:
         column = Column("Peak torque / rated torque", "", "number")
         wider = with_column(table, "Torque, pk‑pk", column, cells, before=True)
         if wider is not table:
-            note = " Largest over rated: referred to motor speed, as multiples of rated torque."
+            note = " Peak torque / rated torque: referred to motor speed."
             table = replace(wider, note=table.note + note)
     peak = largest_peak(subject)
     sentence = Paragraph(f"Largest torque, referred to motor speed: {peak}.") if peak else None

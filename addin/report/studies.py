@@ -294,7 +294,8 @@ def _calibration(study: _Study) -> Iterator[Block | None]:
         "CalibratedParameters", "Changed quantities",
         ("Name", "Quantity", "Change", "Change low", "Change high", "Prior deviation",
          "Posterior deviation", "Determined"),
-        _part_of(len(most), len(changed), "those with the largest change in prior standard deviations"), most,
+        _part_of(len(most), len(changed), "those with the largest change in prior standard deviations"),
+        most,
     )  # fmt: skip
 
 

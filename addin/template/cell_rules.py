@@ -32,7 +32,7 @@ def _prompt(field: Field) -> dict[str, str]:
 def trace_prompt(field: Field) -> dict[str, Any]:
     """Equation and source of a result behind its header, as far as there is room for them."""
     assert field.trace is not None
-    words = f"{field.trace.equation}\n{field.trace.source}\nSheet Trace: what it comes from."
+    words = f"{field.trace.equation}\n{field.trace.source}\nEquation and inputs: see sheet Trace."
     if len(words) > _LONGEST_PROMPT:
         words = f"{words[: _LONGEST_PROMPT - 1]}…"
     return {"validate": "any", "input_title": field.name[:32], "input_message": words}
@@ -67,8 +67,8 @@ def input_rule(field: Field) -> dict[str, Any]:
     low, high = (-1e300, 1e300) if field.dimension in _SIGNED else (0, 1e300)
     if kind == "integer":
         low, high = 0, 100000
-    asked = "A whole number" if kind == "integer" else "A number"
-    asked += " zero or more" if low == 0 else ""
+    asked = "a whole number" if kind == "integer" else "a number"
+    asked += " of zero or more" if low == 0 else ""
     return prompt | {
         "validate": kind,
         "criteria": "between",

@@ -83,7 +83,7 @@ _MATERIAL = "Alloy steel"
 PROVENANCE: tuple[tuple[str, str], ...] = (
     (
         "Source",
-        f"{PAPER_TITLE}, Southwest Research Institute, 1978: the sample case, Table 1 and Figures 5 to 8.",
+        f"{PAPER_TITLE}, Southwest Research Institute, 1978: sample case, Table 1 and Figures 5 to 8.",
     ),
     (
         "Published",
@@ -354,7 +354,7 @@ def _duty(behind_mode_1: float) -> Sequence[Mapping[str, Value]]:
         ("strong supply", 6, 12, 105),
         ("by-passed", 12, 20, None, 0),
         ("hot restart", 4, 8, None, None, 1.2),
-        ("trip after crossing mode 1", 0.5, 1, None, None, None, behind_mode_1),
+        ("trip behind mode 1", 0.5, 1, None, None, None, behind_mode_1),
         ("supply sags to 50 %", None, None, 50),
     )
 

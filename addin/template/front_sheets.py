@@ -156,8 +156,8 @@ class FrontSheets(Tables):
                 {
                     "validate": "list", "source": "=ElementNames", "show_error": False,
                     "input_title": "Element of this chart",
-                    "input_message": "Blank = chosen by torsionbook. A choice takes effect at the next recalculation; the "
-                                     "element now drawn is shown at the right.",
+                    "input_message": "Blank = chosen by torsionbook. A choice takes effect at the next "
+                    "recalculation; the element now drawn is shown at the right.",
                 },
             )  # fmt: skip
             key = f"History caption {number}"

@@ -50,7 +50,7 @@ LIVE_SHEET = Sheet(
     {},
     freeze="A4",
     intro="Modes, margins and shaft stiffness of the present inputs, without a start. For "
-          "other results, use functions of LiveModel, such as TV_STARTS, in your own cells.",
+    "other results, use functions of LiveModel, such as TV_STARTS, in your own cells.",
 )  # fmt: skip
 
 
@@ -179,15 +179,15 @@ class LiveSheets(ReferenceSheets):
             (
                 _SHOWN, "Model shown below",
                 f'=IF({good[every]},{every},IF({good[train]},{train},""))', shown,
-                f"=IF({model}=\"\",\"No model yet.\",IF({good[every]},\"All inputs.\",\"Train, speeds and "
-                'excitations only: the other inputs have errors."))',
-                "All inputs." if shown else "None yet.", 15.0,
+                f'=IF({model}="","No model yet.",IF({good[every]},"All inputs.",'
+                '"Train, speeds and excitations only: the other inputs have errors."))',
+                "All inputs." if shown else "No model yet.", 15.0,
             ),
             (
                 _STORED, "Results on the other sheets", "", "",
-                f"=IF(run_SHA256=\"\",\"Not calculated yet.\",IF({good[every]},IF(MID({every},4,16)=LEFT(run_SHA256,16),\"Results "
-                'belong to the present inputs.","The inputs have changed: recalculate."),"The inputs '
-                'have errors."))',
+                f'=IF(run_SHA256="","Not calculated yet.",IF({good[every]},'
+                f'IF(MID({every},4,16)=LEFT(run_SHA256,16),"Results belong to the present inputs.",'
+                '"The inputs have changed: recalculate."),"The inputs have errors."))',
                 "Not calculated yet.", 15.0,
             ),
         )  # fmt: skip

@@ -67,7 +67,8 @@ class ReferenceSheets(ResultSheets):
         for k, (style, sample, words) in enumerate(
             (
                 ("input", "1 234.5", "Inputs typed by the engineer, with their units."),
-                ("result", "1 234.5", "Results of torsionbook; the next recalculation overwrites typed values."),
+                ("result", "1 234.5", "Results of torsionbook; the next recalculation overwrites typed "
+                 "values."),
                 ("check", "1 234.5", "Live formula next to the calculated number, for the reviewer."),
             ),
             row + 1,

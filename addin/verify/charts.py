@@ -50,8 +50,8 @@ def compare_charts(
         wrong = _wrong_cells(workbook, table, data, counts)
         finding = None
         if wrong:
-            values = f"{len(wrong)} of {sum(counts.of)} values that are drawn"
-            sentence = f"{values} do not follow from the inputs"
+            values = f"{len(wrong)} of {sum(counts.of)} plotted values"
+            sentence = f"{values} do not agree with the inputs"
             finding = Finding(
                 "chart", table.sheet, wrong[0], sentence, chart.name, fails=same_version
             )

@@ -23,7 +23,7 @@ class Agreement(IntEnum):
 
 #: In words.
 AGREEMENTS = {
-    Agreement.BITS: "identical",
+    Agreement.BITS: "equal to the bit",
     Agreement.DIGITS: "equal in the digits shown",
     Agreement.ERROR: "within the reported error",
     Agreement.DIFFERENT: "different",

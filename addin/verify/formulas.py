@@ -230,7 +230,7 @@ def _replaced(workbook: Workbook, own: OwnFormula) -> Finding:
     if not isinstance(value, Formula):
         shown = plain_value(value)
         words = "nothing" if shown is None else f"'{shortened(str(shown), 60)}'"
-        sentence = f"{own.what}: {words} replaces a live formula"
+        sentence = f"{own.what}: {words} in place of a live formula"
         return Finding("edited", own.sheet, own.cell, sentence, own.table, "", own.header, shown)
     sentence = (
         f"{own.what}: the formula is ={shortened(value.text, 90)}, different from that of "

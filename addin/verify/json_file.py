@@ -145,7 +145,7 @@ def _on_digests(about: Verification, of_audit_table: str) -> Iterator[Finding]:
         yield Finding(
             "digest", "", "case_sha256",
             f"the results were calculated from inputs with SHA-256 {short_digest(about.recorded)}, "
-            f"but the case has {short_digest(about.inputs)}. Name the case that belongs to them.",
+            f"but the case has {short_digest(about.inputs)}. Name the case that belongs to the results.",
             found=about.recorded, expected=about.inputs,
         )  # fmt: skip
     if of_audit_table and of_audit_table != about.recorded:

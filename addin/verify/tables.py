@@ -186,7 +186,7 @@ def _one_sided(
         row = table.recorded[j]
         kind, place = "row added", next((s.place for s in row.values() if s.place), "")
         name = _name(table, _values(row))
-        sentence = f"the row {name or 'without a name'} does not agree with the inputs"
+        sentence = f"the row {name or 'without a name'} does not result from the inputs"
     if table.name != "Audit" or not is_own_of_each_run(name):
         fails = same_words or not _worded(table.name)
         yield Finding(kind, table.sheet, place, sentence, table.name, name, fails=fails)
@@ -235,7 +235,7 @@ def _finding(cell: Compared, within: Agreement, sure: bool, same_words: bool) ->
     elif isinstance(wanted, int | float) and isinstance(found, str | ErrorValue):
         sentence = f"the text '{shown}' replaces the number {follows}"
     elif sure and not cell.is_rounding:
-        sentence = f"{shown} is recorded, torsionbook wrote {follows}"
+        sentence = f"{shown} is in the file, torsionbook wrote {follows}"
     elif cell.agreement <= within:
         return None
     else:

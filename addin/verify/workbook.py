@@ -189,11 +189,12 @@ def _on_studies(read: WorkbookInput) -> Iterator[Finding]:
         else:
             sentence = (
                 f"the study on sheet {study.on_sheet.sheet} belongs to the inputs and rows in the "
-                f"file; its numbers are not verified here. Run torsionbook {command} to recalculate "
-                "them"
+                f"file; its numbers are not verified here, but recalculated by torsionbook {command}"
             )
             if not study.is_recorded:
-                sentence += "; the file has no record of the numbers written, so manual edits are not detected"
+                sentence += (
+                    "; the file has no record of what it wrote, so manual edits are not detected"
+                )
             yield Finding("not compared", sheet, cell, sentence, "StudyFacts", name, fails=False)
         for table in study.edited:
             there = read.workbook.tables.get(table)
@@ -401,7 +402,7 @@ def _of_unjudged(workbook: Workbook, fresh: Workbook | None, reason: str) -> Ite
     if formulas:
         first, many = formulas[0], len(formulas)
         count = "1 live formula" if many == 1 else f"{many:,} live formulas"
-        sentence = f"from here on, {count} torsionbook formulas could not be checked. {reason}"
+        sentence = f"{count} of torsionbook, from here on, could not be checked. {reason}"
         yield Finding("not judged", first.sheet, first.cell, sentence)
 
 

@@ -104,7 +104,7 @@ def test_a_study_in_one_file_only_is_named(first: Path, tmp_path: Path) -> None:
     bare = tmp_path / "bare.xlsx"
     said("new", bare, "--studies", "--from", first)
     notes = compare_files(first, bare).studies.notes
-    assert [n.rpartition(": ")[2] for n in notes] == ["the study has not been made in B."] * 4
+    assert [n.rpartition(": ")[2] for n in notes] == ["B does not contain the study."] * 4
 
 
 @pytest.mark.slow
@@ -128,7 +128,7 @@ def test_a_study_that_was_cut_short_is_named_beside_a_whole_one(tmp_path: Path) 
     )
     assert study_one(TUNING, whole, serial_map(), {}, StudyFiles(in_place=True)).problems == ()
     (note,) = compare_files(part, whole).studies.notes
-    assert note.startswith("Sheet Tuning results in A holds the part of a study that Ctrl-C left")
+    assert note.startswith("Sheet Tuning results in A contains an incomplete study, stopped by Ctrl-C")
     assert compare_files(whole, whole).studies.notes == ()
 
 

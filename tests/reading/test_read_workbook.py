@@ -341,7 +341,7 @@ def test_half_a_pole(workbook, read):
         ("lb*in/rad", "lb is a mass: write lbf*in/rad"),
         ("lbf*inch/radd", "is not known; did you mean lbf*in/rad?"),
         ("kg*m^2", "not a unit of torsional stiffness"),
-        ("", "no unit is given; write one such as lbf*in/rad"),
+        ("", "no unit is given; write a unit such as lbf*in/rad"),
     ],
 )
 def test_a_wrong_unit_is_one_problem_of_the_column(workbook, read, unit, sentence):

@@ -209,11 +209,11 @@ def small_report(tmp_path, **fields) -> tuple[str, str]:
 def test_what_is_absent_is_said_in_words(tmp_path):
     for text in small_report(tmp_path):
         for sentence in (
-            "No start was calculated: the inputs hold no motor torque",
-            "No mode is damped: a resonance in continuous operation is unbounded",
+            "No start was calculated: the inputs contain no motor torque",
+            "All modes are undamped: resonance in continuous operation is unbounded",
             "No start was calculated, hence no reversal.",
             "No start was calculated, hence no damage and no number of starts.",
-            "The inputs hold no material and no S-N data",
+            "The inputs contain no material and no S-N data",
             "no gear geometry, clearances or bearings",
             "All judged checks pass. Not judged: Allowable starts.",
         ):

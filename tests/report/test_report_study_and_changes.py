@@ -120,7 +120,7 @@ def test_changes_since_an_earlier_revision(tmp_path):
     assert ["mode 1", "Frequency", "Hz", "30.00", "21.00", "−30 %"] in lines
     for text in (flat(pdf_text(tmp_path / "a.pdf")), docx_text(tmp_path / "a.docx")):
         assert "Changes since SAMPLE-PRO" in text
-        assert "3 entries of the inputs differ" in text
+        assert "3 inputs differ" in text
         assert re.search(r"Document \(SAMPLE-PRO → SAMPLE-MOD\)", text)
         assert "No other design is compared here" not in text
 
@@ -130,7 +130,7 @@ def test_the_same_train_shows_no_change(tmp_path):
     shutil.copy(PROPOSED, tmp_path / "old.xlsx")
     report(PROPOSED, docx=tmp_path / "a.docx", against=tmp_path / "old.xlsx")
     text = docx_text(tmp_path / "a.docx")
-    assert "No input that can change a result differs. No check has another verdict." in text
+    assert "All inputs that affect results are the same. No verdict changed." in text
     assert "Changes since old.xlsx" in text
 
 
@@ -169,7 +169,7 @@ def test_conditions_tolerances_and_conclusions(tmp_path):
     assert done.problems == ()
     text = docx_text(tmp_path / "a.docx")
     # 0.85² of the torque
-    assert "85 % of voltage of the torque curves; motor torques times 0.7225" in text
+    assert "85 % of the voltage of the torque curves; motor torques times 0.7225" in text
     assert "torsionbook accuracy makes one of a case file too" in text
     assert "No other design is compared here" in text
     # all energy is in the one coupling: half of 10 %

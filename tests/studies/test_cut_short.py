@@ -106,7 +106,7 @@ def test_a_part_of_a_sample_is_told_as_a_part(tmp_path: Path, method: str) -> No
     assert found["tolerances"]["samples_calculated"] == 100
     assert found["tolerances"]["samples_planned"] == planned
     assert all(row["samples"] == 100 for row in found["tolerance_frequencies"])
-    start = f"Stopped by Ctrl-C: 100 of {planned} samples"
+    start = f"Cut short by Ctrl-C: 100 of {planned} samples"
     assert found["sentence"].startswith(start)
     assert said_in(source, "tolerances_Sentence").startswith(start)
     told = " ".join(done.warnings)
@@ -153,13 +153,13 @@ def test_combinations_that_were_not_reached_are_named(tmp_path: Path) -> None:
     assert {row["verdict"] for row in rows[10:]} == {"not calculated"}
     assert sum(row["as_is"] for row in rows[:10]) == 1  # calculated before all others
     assert len({row["combination"] for row in rows}) == 21
-    start = "Stopped by Ctrl-C: what is better may be among the combinations not calculated. Stopped: 10"
+    start = "Cut short by Ctrl-C: what is better may be among the combinations not calculated. Stopped: 10"
     assert found["sentence"].startswith(start)
     assert len(found["sentence"]) < 420  # the line on the sheet shows no more
     shown = rows_of(source, "TuningResults")
     assert [row["Rank"] for row in shown] == [*range(1, 11), *[None] * 11]
     assert all("Not calculated" in str(row["Reason"]) for row in shown[10:])
-    assert said_in(source, "tuning_Sentence").startswith("Stopped by Ctrl-C")
+    assert said_in(source, "tuning_Sentence").startswith("Cut short by Ctrl-C")
     assert done.result is not None
 
 
@@ -172,7 +172,7 @@ def test_kinds_of_start_that_were_not_reached_are_named(tmp_path: Path) -> None:
     assert "not calculated" not in outcomes[:2]
     assert outcomes[2:] == ["not calculated"] * 2
     assert found["verdict"] == "not judged"  # a duty of which a part is known says nothing
-    assert found["sentence"].startswith("Stopped by Ctrl-C: 2 of 4 starts were calculated")
+    assert found["sentence"].startswith("Cut short by Ctrl-C: 2 of 4 starts were calculated")
     assert [row["Outcome"] for row in rows_of(source, "StartMatrix")][2:] == ["not calculated"] * 2
 
 
@@ -293,7 +293,7 @@ def test_ctrl_c_on_the_command_line(times: int, tmp_path: Path) -> None:
     assert status == 130, said + study.told
     assert "Traceback" not in study.told
     if times == 1:
-        assert "Stopped by Ctrl-C" in said
+        assert "Cut short by Ctrl-C" in said
         assert json.loads(place.read_text())["cut_short"]["calculated"] >= 30
     else:
         assert "Nothing was written" in study.told

@@ -140,7 +140,7 @@ def test_progress_is_shown_and_ctrl_c_frees_the_cluster(
     reader.join(5)
     os.close(ours)
     text = b"".join(shown).decode()
-    assert "Stopped by Ctrl-C" in text
+    assert "Cut short by Ctrl-C" in text
     assert "(stopping)" in text
     part = json.loads((tmp_path / "part.json").read_text(encoding="utf-8"))
     assert 30 <= part["cut_short"]["calculated"] < part["cut_short"]["planned"] == 100_000

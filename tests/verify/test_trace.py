@@ -65,10 +65,10 @@ def test_inputs_of_the_row_are_those_of_its_element(train):
 @pytest.mark.parametrize(
     ("wanted", "said"),
     [
-        ("Nothing", "is no result table; there are Verdicts"),
+        ("Nothing", "is not a result table. Choose one of Verdicts"),
         ("SteadyState.Colour", "has no column 'Colour'; it has Element"),
-        ("Steady state!A1", "is in no result table. Result tables are Verdicts (Summary!"),
-        ("Steady state!5", "is no cell"),
+        ("Steady state!A1", "is outside the result tables: Verdicts (Summary!"),
+        ("Steady state!5", "is not a cell address"),
     ],
 )
 def test_what_cannot_be_traced_is_said_with_what_can(train, wanted, said):

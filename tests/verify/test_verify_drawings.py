@@ -92,7 +92,7 @@ def test_a_series_that_bears_the_name_of_another_is_told(train):
         return text.replace(second, second.replace(names[0], names[1])).replace(third, other)
 
     [said] = edited(train, part, swapped)
-    assert "names a series by" in said.sentence
+    assert "takes a series name from" in said.sentence
 
 
 def test_the_whole_verification_tells_chart_and_cell(train, tmp_path):
@@ -103,7 +103,7 @@ def test_the_whole_verification_tells_chart_and_cell(train, tmp_path):
     assert told.outcome == "does not follow"
     draws, carries = (f for f in told.findings if f.fails)
     assert "draws ChartData!CD5:CD" in draws.sentence
-    assert "carries" in carries.sentence
+    assert " shows " in carries.sentence
     assert {(f.kind, f.sheet, bool(f.cell)) for f in (draws, carries)} == {("chart", "Histories", True)}  # fmt: skip
 
 
@@ -113,7 +113,7 @@ def test_a_copy_of_a_value_inside_a_chart_is_told_with_its_cell(train):
     point = re.compile(r'(<c:yVal>.*?<c:pt idx="7"><c:v>)([^<]*)(</c:v>)', re.DOTALL)
     [said] = edited(train, part, lambda text: point.sub(r"\g<1>1.5\3", text, count=1))
     assert (said.kind, said.sheet) == ("chart", "Histories")
-    assert "carries 1.5 for ChartData!CB12" in said.sentence
+    assert "shows 1.5 for ChartData!CB12" in said.sentence
     assert said.expected == workbook.shown_value("ChartData", "CB12")
     assert said.fails
 
@@ -123,7 +123,7 @@ def test_words_inside_a_chart_are_compared_too(train):
     said = edited(
         train, part, lambda text: re.sub(r"(<c:strCache>.*?<c:v>)[^<]*", r"\g<1>Harmless", text)
     )
-    assert "carries 'Harmless' for ChartData!B" in said[0].sentence
+    assert "shows 'Harmless' for ChartData!B" in said[0].sentence
 
 
 @pytest.mark.slow
@@ -200,7 +200,7 @@ def test_a_unit_typed_beside_a_key_number_is_told(train, label, put):
     package.put_text(sheet, cell, put)
     [one] = found(package.store(train.with_name("tampered.xlsx")))
     assert (one.kind, one.sheet) == ("edited", sheet)
-    assert f"{label}: the unit '" in one.sentence
+    assert f"{label}: the unit shown is '" in one.sentence
     assert one.fails
     if put:
         assert (one.cell, one.found) == (cell, put)
@@ -211,7 +211,7 @@ def test_a_unit_given_by_a_formula_that_reads_something_else_is_told(train):
     package = Package(train)
     package.change_cell("Summary", unit_cells(open_workbook(train))["Largest nominal stress, p-p"][1], '<f>"Pa"</f><v>Pa</v>', kind="str")  # fmt: skip
     told = verify_file(package.store(train.with_name("tampered.xlsx")))
-    assert any("the unit 'Pa'" in one.sentence and one.fails for one in told.findings)
+    assert any("the unit shown is 'Pa'" in one.sentence and one.fails for one in told.findings)
 
 
 def test_charts_lie_where_they_are_said_to_lie(train):

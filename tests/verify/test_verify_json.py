@@ -51,7 +51,7 @@ def test_what_was_changed_in_it_is_named_by_its_path(calculated, tmp_path, edit,
     ("text", "said"),
     [
         ("{", "is not JSON"),
-        ("[]", "holds no results"),
+        ("[]", "contains no results"),
         ('{"case_sha256": 3, "audit": 7, "steady_state": [1]}', "not follow"),
     ],
 )

@@ -47,7 +47,7 @@ def notes(book: Path, code: int) -> list[str]:
 def test_studies_of_these_inputs_are_noted_as_not_calculated_again(book: Path) -> None:
     told = notes(book, 0)
     assert len(told) == 4
-    assert all("names the inputs and rows that are in the file" in line for line in told)
+    assert all("belongs to the inputs and rows in the file" in line for line in told)
 
 
 def test_a_study_of_other_rows_is_out_of_date_and_named(book: Path) -> None:
@@ -55,7 +55,7 @@ def test_a_study_of_other_rows_is_out_of_date_and_named(book: Path) -> None:
     told = notes(book, 1)
     (wrong,) = [line for line in told if "out of date" in line]
     assert "sheet Start matrix" in wrong
-    assert "other rows of table StartConditions" in wrong
+    assert "the rows of table StartConditions were changed" in wrong
     assert "torsionbook starts again" in wrong
 
 
@@ -64,7 +64,7 @@ def test_a_cell_that_cannot_be_read_is_not_the_blank_it_was(book: Path) -> None:
     typed(book, "StartConditions", "So far", "lots")
     told = notes(book, 1)
     (wrong,) = [line for line in told if "out of date" in line]
-    assert "table StartConditions has a cell that cannot be read (row 1, So far)" in wrong
+    assert "table StartConditions now has an unreadable cell (row 1, So far)" in wrong
 
 
 @pytest.mark.slow
@@ -73,7 +73,7 @@ def test_studies_of_another_case_are_out_of_date(book: Path) -> None:
     said("recalc", book, "--in-place")
     told = notes(book, 1)
     assert len(told) == 4
-    assert all("out of date: it was made from inputs with SHA-256" in line for line in told)
+    assert all("out of date: it was calculated from inputs with SHA-256" in line for line in told)
     said("tune", book, "--in-place", "--jobs", "1")
     assert sum("out of date" in line for line in notes(book, 1)) == 3
 
@@ -96,12 +96,12 @@ def test_a_workbook_with_a_study_alone_is_told_of_it(book: Path) -> None:
     typed(fresh, "Tuning", "Values", "70; 90")
     told = RUN.invoke(app, ["verify", str(fresh)], env={"COLUMNS": "240"}).output
     assert "never calculated" in told
-    assert "other rows of tables Tuning and Catalogue" in told
+    assert "the rows of tables Tuning and Catalogue were changed" in told
 
 
 def edits(book: Path, code: int = 1) -> list[str]:
     return [
-        line for line in said("verify", book, code=code).splitlines() if "does not hold" in line
+        line for line in said("verify", book, code=code).splitlines() if "differs from what torsionbook" in line
     ]
 
 
@@ -119,7 +119,7 @@ def test_a_cell_of_a_study_edited_by_hand_is_told(
 ) -> None:
     typed(book, table, column, value)
     (line,) = edits(book)
-    assert f"table {table} does not hold what torsionbook" in line
+    assert f"table {table} differs from what torsionbook" in line
 
 
 def test_a_number_of_a_study_changed_in_its_tenth_digit_is_told(book: Path) -> None:
@@ -164,15 +164,15 @@ def test_a_study_without_a_record_of_its_rows_is_noted(book: Path) -> None:
     typed(book, "", "starts_Tables", "")
     typed(book, "StartMatrix", "Time", 1.0)
     told = notes(book, 0)
-    assert sum("numbers edited by hand are not seen" in line for line in told) == 1
+    assert sum("manual edits are not detected" in line for line in told) == 1
 
 
 @pytest.mark.slow
 def test_a_study_saved_by_libreoffice_is_not_edited(book: Path, soffice: Any) -> None:
     saved = soffice.convert(book, "xlsx")
     told = RUN.invoke(app, ["verify", str(saved)], env={"COLUMNS": "240"}).output
-    assert "does not hold" not in told
-    assert "numbers edited by hand are not seen" not in told
+    assert "differs from what torsionbook" not in told
+    assert "manual edits are not detected" not in told
     typed(saved, "StartMatrix", "Allowable starts", 1.0e6)
     told = RUN.invoke(app, ["verify", str(saved)], env={"COLUMNS": "240"}).output
-    assert "table StartMatrix does not hold" in told
+    assert "table StartMatrix differs from" in told
