@@ -128,7 +128,9 @@ def test_a_study_that_was_cut_short_is_named_beside_a_whole_one(tmp_path: Path) 
     )
     assert study_one(TUNING, whole, serial_map(), {}, StudyFiles(in_place=True)).problems == ()
     (note,) = compare_files(part, whole).studies.notes
-    assert note.startswith("Sheet Tuning results in A contains an incomplete study, stopped by Ctrl-C")
+    assert note.startswith(
+        "Sheet Tuning results in A contains an incomplete study, stopped by Ctrl-C"
+    )
     assert compare_files(whole, whole).studies.notes == ()
 
 

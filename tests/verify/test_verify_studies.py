@@ -101,7 +101,9 @@ def test_a_workbook_with_a_study_alone_is_told_of_it(book: Path) -> None:
 
 def edits(book: Path, code: int = 1) -> list[str]:
     return [
-        line for line in said("verify", book, code=code).splitlines() if "differs from what torsionbook" in line
+        line
+        for line in said("verify", book, code=code).splitlines()
+        if "differs from what torsionbook" in line
     ]
 
 

@@ -249,7 +249,9 @@ def test_a_name_led_to_another_cell_is_seen(train, tmp_path):
         "xl/workbook.xml",
         lambda text: re.sub(r'(name="run_StartsFactor"[^>]*>)[^<]*', r"\g<1>Notes!$B$90", text),
     )
-    assert any("run_StartsFactor refers to this cell" in f.sentence for f in failing(verify_file(target)))
+    assert any(
+        "run_StartsFactor refers to this cell" in f.sentence for f in failing(verify_file(target))
+    )
 
 
 def test_an_old_value_of_a_formula_is_seen(train, tmp_path):
