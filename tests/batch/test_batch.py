@@ -317,7 +317,7 @@ def test_an_earlier_result_never_stands_for_an_input_that_has_none_now(few, tmp_
             spoil(few / "train 8.xlsx")
         record = run(few, out, resume=resume)["train 8.xlsx"]
         assert record.outcome == bad
-        assert f"it is now called train 8.xlsx.old{number}." in record.sentence
+        assert f"it was renamed to train 8.xlsx.old{number}." in record.sentence
         assert not place.exists()
         assert (out / f"train 8.xlsx.old{number}").is_file()
         again = run(few, out, resume=True)["train 8.xlsx"]  # nothing more to be done
@@ -344,7 +344,7 @@ def test_an_earlier_result_that_cannot_be_renamed_is_told_and_tried_again(
     assert "could not be renamed (Permission denied). Do not use it." in record.sentence
     monkeypatch.undo()
     record = run(few, out, resume=True)["twin.xlsx"]
-    assert "it is now called twin.xlsx.old." in record.sentence
+    assert "it was renamed to twin.xlsx.old." in record.sentence
     assert not (out / "twin.xlsx").exists()
 
 

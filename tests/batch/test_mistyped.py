@@ -43,7 +43,7 @@ def test_a_file_where_a_folder_is_meant(tmp_path):
     book = make_train(tmp_path / "a.xlsx")
     status, said = told("batch", book, "--out", make_train(tmp_path / "b.xlsx"))
     assert status == 1
-    assert said == f"{tmp_path / 'b.xlsx'} is a file; --out names a folder."
+    assert said == f"{tmp_path / 'b.xlsx'} is a file; --out must name a folder."
     status, said = told("verify", tmp_path)
     assert status == 1
     assert "is a folder, not a workbook. Name the workbooks in it, such as " in said
@@ -79,7 +79,7 @@ def test_a_table_that_is_none_and_a_decimal_comma(tmp_path):
     assert status == 1
     assert said == f"{table}: it cannot be read: No such file or directory."
     table.write_bytes(b"%PDF-1.7\n\xff\xfe\xfa")
-    assert "not UTF-8 text. Give a CSV saved as CSV UTF-8" in told(*words)[1]
+    assert "not UTF-8 text. Save the CSV as CSV UTF-8" in told(*words)[1]
     table.write_text('Name,DampingRatio [%]\na,"1,5"\n', encoding="utf-8")
     done = torsionbook(*words, cwd=tmp_path)
     assert done.returncode == 1
@@ -108,7 +108,7 @@ def test_two_verifications_into_one_file_are_refused(tmp_path):
 
 
 def test_a_pattern_that_finds_nothing(tmp_path):
-    with pytest.raises(InputsRefused, match=r"Nothing is found under .*xslx"):
+    with pytest.raises(InputsRefused, match=r"No file matches .*xslx"):
         find_inputs([str(tmp_path / "*.xslx")], tmp_path / "out")
 
 
@@ -143,7 +143,7 @@ def test_errors_of_an_input_as_json_are_no_case(tmp_path):
     status, said = told("recalc", tmp_path / "errors.json")
     assert status == 1
     assert "1 error" in said
-    assert "this is a result JSON, which holds no inputs" in said
+    assert "this is a result JSON, which contains no inputs" in said
 
 
 def refused(*words: object) -> str:
@@ -158,7 +158,7 @@ def test_a_json_on_top_of_an_input_is_refused(tmp_path):
     case = tmp_path / "t" / "a.results.json"
     case.write_text('{"format": 1}', encoding="utf-8")
     said = refused(book, case, "--out", tmp_path / "o", "--json", tmp_path / "t")
-    assert f"would be written to {case}, which is an input itself" in said
+    assert f"would overwrite the input {case}" in said
     assert "with --json" in said
     assert case.read_text(encoding="utf-8") == '{"format": 1}'
     assert not (tmp_path / "o").exists()
@@ -185,7 +185,7 @@ def test_a_json_of_somebody_else_is_not_replaced(tmp_path, text):
         mine.parent.mkdir()
         mine.write_text(text, encoding="utf-8")
         said = refused(*words, "--out", tmp_path / "o")
-        assert f"{mine} is there already, and torsionbook did not write it" in said
+        assert f"{mine} exists and was not written by torsionbook" in said
         assert mine.read_text(encoding="utf-8") == text
         mine.unlink()
         mine.parent.rmdir()
@@ -218,7 +218,7 @@ def test_results_through_a_link_onto_the_inputs_are_refused(tmp_path):
         pytest.skip("links cannot be made here")
     before = book.read_bytes()
     said = refused(tmp_path / "in", "--out", tmp_path / "o", "--jobs", 1)
-    assert "which is an input itself" in said
+    assert "would overwrite the input" in said
     assert "with --out" in said
     assert book.read_bytes() == before
 

@@ -135,7 +135,7 @@ def test_an_input_with_errors_gets_them_in_place_of_its_results(few, tmp_path, c
     record = run(few, out, json=there, resume=True)["twin.xlsx"]
     assert read(there / "twin.results.json") == read(tmp_path / "its.json")
     assert (there / "twin.results.json.old").read_bytes() == first
-    assert "it is now called twin.results.json.old." in record.sentence
+    assert "it was renamed to twin.results.json.old." in record.sentence
     counted.clear()
     again = run(few, out, json=there, resume=True)["twin.xlsx"]
     assert counted == []
@@ -212,7 +212,7 @@ def test_a_history_that_is_not_wanted_any_more_is_set_aside(few, tmp_path):
     make_train(train, 2, KeepHistory="no")
     record = run(few, out, resume=True)["twin.xlsx"]
     assert record.done
-    assert "it is now called twin.history.npz.old." in record.warnings[-1]
+    assert "it was renamed to twin.history.npz.old." in record.warnings[-1]
     assert not (out / "twin.history.npz").exists()
     assert (out / "twin.history.npz.old").read_bytes() == first
 
@@ -255,7 +255,7 @@ def test_a_programme_of_cases_respects_settings(few, tmp_path):
     assert papers == pytest.approx(ours, rel=0.1)
     done = torsionbook(*words, "--resume", cwd=tmp_path)
     assert done.returncode == 1
-    assert "--method or --tolerance" in done.stderr
+    assert "--method, --tolerance or torsionbook has changed" in done.stderr
 
 
 @pytest.mark.first_ones(1)

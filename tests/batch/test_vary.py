@@ -167,12 +167,12 @@ def test_parquet_and_csv_with_semicolons_give_the_same(base, tmp_path):
 @pytest.mark.parametrize(
     ("header", "said"),
     [
-        ("DampingRato", "column 1, 'DampingRato': there is no scalar 'DampingRato'. Did you mean 'DampingRatio'"),
-        ("Elements[Shaft].Stifness", "no column of Elements 'Stifness'. Did you mean 'Stiffness'"),
+        ("DampingRato", "column 1, 'DampingRato': scalar 'DampingRato' does not exist. Did you mean 'DampingRatio'"),
+        ("Elements[Shaft].Stifness", "column of Elements 'Stifness' does not exist. Did you mean 'Stiffness'"),
         ("Elements[Shft].Stiffness", "no row 'Shft'. Did you mean 'Shaft'"),
         ("Elements[7].Stiffness", "1 to 1"),
         ("Materials[1].UTS", "the base case has no row in table Materials"),
-        ("Element[Shaft].Stiffness", "no input table 'Element'. Did you mean 'Elements'"),
+        ("Element[Shaft].Stiffness", "input table 'Element' does not exist. Did you mean 'Elements'"),
         ("Elements[Shaft].Stiffness [kg]", "'kg' is not a unit of torsional stiffness"),
         ("Poles [rpm]", "Poles has no unit"),
         ("Elements.Stiffness", "it must name a scalar"),
@@ -206,7 +206,7 @@ def test_wrong_rows_are_rows_with_the_reason(base, tmp_path):
     reasons = list(rows["reason"])
     assert reasons[1].startswith("Elements[Shaft].Stiffness [kN*m/rad]: found -5 kN*m/rad")
     assert "found 'soft'" in reasons[2]
-    assert "decimal sign as a point" in reasons[3]
+    assert "decimal point" in reasons[3]
     assert "1 values, the table 2 columns" in reasons[4]
     assert "3 values" in reasons[5]
     assert reasons[6].startswith("DampingRatio: ")
@@ -246,7 +246,7 @@ def test_results_of_a_base_case_that_turned_bad_are_set_aside(base, tmp_path, ba
     done = torsionbook(*words, cwd=tmp_path)
     assert done.returncode == 1
     for name, content in first.items():
-        said = f"{name} was the result of an earlier calculation; it is now called {name}.old."
+        said = f"{name} is the result of an earlier calculation; it was renamed to {name}.old."
         assert said in done.stderr
         assert not (out / name).exists()
         assert (out / f"{name}.old").read_bytes() == content
@@ -468,7 +468,7 @@ def test_a_table_with_decimal_commas_has_no_points(base, tmp_path, number):
     table = csv(tmp_path, f"{STIFFNESS};DampingRatio", "1000,5;", f"{number};", "1000;")
     done, rows = run(base, table, tmp_path / "out")
     assert list(rows["outcome"]) == ["done", "wrong input", "done"]
-    assert f"found '{number}'; the decimal sign of this table is the comma" in rows["reason"][1]
+    assert f"found '{number}'; this table uses decimal commas" in rows["reason"][1]
 
 
 def test_a_comma_that_may_stand_between_thousands_is_refused(base, tmp_path):
@@ -476,7 +476,7 @@ def test_a_comma_that_may_stand_between_thousands_is_refused(base, tmp_path):
     table = csv(tmp_path, f"{STIFFNESS}\tDampingRatio", "1,234\t", "1500.5\t0.02")
     _, rows = run(base, table, tmp_path / "out")
     assert list(rows["outcome"]) == ["wrong input", "done"]
-    assert "decimal sign as a point" in rows["reason"][0]
+    assert "decimal point" in rows["reason"][0]
 
 
 @pytest.mark.slow

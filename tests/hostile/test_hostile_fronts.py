@@ -20,7 +20,7 @@ BOMB = archive(
         Packed(b"xl/media/a.bin", bytes(40 * 2**20)),
     ]
 )
-WORDS = "looks like an attack"
+WORDS = "as in an attack file"
 
 
 def torsionbook(*words: str | bytes, cwd: Path) -> subprocess.CompletedProcess[str]:

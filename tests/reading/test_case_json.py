@@ -106,17 +106,17 @@ def wrong(case, *path_and_value):
         (("line_frequency", "60"), "LineFrequency (key line_frequency)", "it has no unit"),
         (("line_frequency", "60 rpmm"), "LineFrequency", "the unit 'rpmm' is not known"),
         (("line_frequency", "60 kg"), "LineFrequency", "'kg' is not a unit of frequency"),
-        (("line_frequency", "0,5 Hz"), "LineFrequency", "Write the decimal sign as a point"),
+        (("line_frequency", "0,5 Hz"), "LineFrequency", "Use a decimal point"),
         (("line_frequency", "fast"), "LineFrequency", "a number in Hz without quotes"),
-        (("line_frequency", True), "LineFrequency", "a number is needed"),
-        (("line_frequency", [60]), "LineFrequency", "a number is needed"),
-        (("line_frequency", math.nan), "LineFrequency", "a finite number is needed"),
-        (("line_frequency", 1e300), "LineFrequency", "no train has such a quantity"),
-        (("line_frequency", 10**400), "LineFrequency", "a finite number is needed"),
-        (("line_frequency", "1e999 Hz"), "LineFrequency", "a finite number is needed"),
-        (("starts_required", "5000"), "StartsRequired", "to be a plain number"),
+        (("line_frequency", True), "LineFrequency", "type a number"),
+        (("line_frequency", [60]), "LineFrequency", "type a number"),
+        (("line_frequency", math.nan), "LineFrequency", "type a finite number"),
+        (("line_frequency", 1e300), "LineFrequency", "which is out of range for a train"),
+        (("line_frequency", 10**400), "LineFrequency", "type a finite number"),
+        (("line_frequency", "1e999 Hz"), "LineFrequency", "type a finite number"),
+        (("starts_required", "5000"), "StartsRequired", "must be a plain number"),
         (("poles", 3.5), "Poles", "must be a whole number"),
-        (("title", 5), "Title", "text is needed. Write it in quotes"),
+        (("title", 5), "Title", "type a text in quotes"),
         (("method", "newmrk"), "Method", "Did you mean 'newmark'?"),
         (("stations", "Motor"), "table Stations (key stations)", "the table is not a list"),
         (("motor_torque", 1, "speed", 50), "row 2, Speed (key motor_torque[1].speed)", "Write 50 % or 900 rpm"),
@@ -144,7 +144,7 @@ def test_a_row_that_is_no_object(case):
 
 def test_a_case_that_is_no_object():
     (problem,) = read_case_json([1, 2]).problems
-    assert "A case is one object in braces" in problem.message
+    assert "Put the case in braces" in problem.message
 
 
 @pytest.mark.parametrize(
@@ -153,7 +153,7 @@ def test_a_case_that_is_no_object():
         ('{"format": 1,', "is not JSON: "),
         ("", "line 1, column 1"),
         ("[" * 100_000, "nested too deeply"),
-        ('{"format": 1, "line_frequency": 50, "line_frequency": 60}', "stands twice in one object"),
+        ('{"format": 1, "line_frequency": 50, "line_frequency": 60}', "occurs twice in one object"),
     ],
 )
 def test_files_that_are_no_case(tmp_path, text, sentence):

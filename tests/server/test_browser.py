@@ -248,7 +248,7 @@ def test_the_key_is_asked_for_and_kept(browser, tmp_path):
         sync_api.expect(page.locator("#progress")).to_contain_text("does not accept this key")
         for name in ("TV_FREQUENCIES", "TV_PEAKS"):
             shown = cell(page, name, ["tv:0000000000000000"])["message"]
-            assert "not one of this server's" in shown
+            assert "not valid on this server" in shown
         page.get_by_label("API key").fill(KEY)
         page.get_by_role("button", name="Keep").click()
         sync_api.expect(page.locator("#progress")).to_contain_text("the server accepts it")

@@ -296,10 +296,10 @@ def test_https_beyond_this_machine_with_certificate_and_keys(tmp_path, key_file,
 def test_files_that_are_no_certificate_and_key_are_told(tmp_path, swapped):
     cert, key = certificate(tmp_path)
     if swapped:
-        words, told = [key, cert], "exchange the two"
+        words, told = [key, cert], "swap them"
     else:
         (tmp_path / "other").mkdir()
-        words, told = [cert, certificate(tmp_path / "other")[1]], "not that of the certificate"
+        words, told = [cert, certificate(tmp_path / "other")[1]], "does not match the certificate"
     done = subprocess.run(
         [sys.executable, "-m", "addin.cli", "serve", "--port", "0",
          "--cert", str(words[0]), "--key", str(words[1])],
@@ -328,7 +328,7 @@ def test_settings_that_cannot_be_served_with(tmp_path):
         ({"host": "0.0.0.0"}, "encryption"),
         ({"host": "0.0.0.0", "keys": some}, "encryption"),
         ({"host": "192.168.1.4", "certificate": real, "certificate_key": real}, "API keys"),
-        ({"certificate": real}, "come together"),
+        ({"certificate": real}, "needs a certificate and its private key"),
         ({"certificate": real, "certificate_key": tmp_path / "none.pem"}, "no file"),
         ({"workers": 0}, "at least 1"),
         ({"port": 70000}, "65535"),
@@ -345,7 +345,7 @@ def test_the_command_refuses_in_a_sentence():
         cwd=ROOT, capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
     assert done.returncode == 1
-    assert "anybody on the way" in done.stderr
+    assert "read in transit" in done.stderr
     assert "Traceback" not in done.stderr
 
 
@@ -401,7 +401,7 @@ def test_a_process_that_ends_by_itself_is_replaced(pool):
         time.sleep(0.05)
     for pid in spawned(os.getpid()):
         os.kill(pid, signal.SIGKILL)
-    with pytest.raises(RuntimeError, match="ended by itself"):
+    with pytest.raises(RuntimeError, match="ended unexpectedly"):
         job.future.result(20.0)
     assert pool.submit("wait", 0.1).future.result(30.0) == 0.1
 

@@ -92,16 +92,16 @@ def test_a_client_that_leaves_gives_its_study_up(server):
 @pytest.mark.parametrize(
     ("asked", "says"),
     [
-        ({"study": "accuracy", "case": CASE}, "There are tune, tolerances"),
-        ({"study": "tune", "case": "x"}, "case is no object"),
+        ({"study": "accuracy", "case": CASE}, "Available: tune, tolerances"),
+        ({"study": "tune", "case": "x"}, "case is not an object"),
         ({"study": "tune", "case": CASE, "settings": {"samples": 50}}, "tune has no setting"),
-        ({"study": "tolerances", "case": CASE, "settings": []}, "settings is no object"),
+        ({"study": "tolerances", "case": CASE, "settings": []}, "settings is not an object"),
         ({"study": "tolerances", "case": CASE, "settings": {"samples": 29}}, "from 30 to 100,000"),
         ({"study": "tolerances", "case": CASE, "settings": {"samples": True}}, "whole number"),
         ({"study": "tolerances", "case": CASE, "settings": {"seed": -1}}, "0 or more"),
         ({"study": "tolerances", "case": CASE, "settings": {"method": "x"}}, "lhs or sobol"),
         ({"study": "starts", "case": CASE, "settings": {"standard": 1}}, "true or false"),
-        ({"study": ["tune"], "case": CASE}, "no study of this name"),
+        ({"study": ["tune"], "case": CASE}, "Unknown study"),
     ],
 )
 def test_wrong_requests_get_their_sentence(server, asked, says):

@@ -270,7 +270,7 @@ def test_cells_keep_what_they_have_of_dynamic_arrays_and_of_rich_values(returned
 @ONE_KIND
 def test_what_may_be_old_in_pivot_tables_is_told(returned, tmp_path):
     done = recalculate(returned[0], destination=tmp_path / "out.xlsx")
-    assert any("Pivot tables show the values of the last time" in w for w in done.warnings)
+    assert any("Pivot tables show old values until" in w for w in done.warnings)
 
 
 @ONE_KIND

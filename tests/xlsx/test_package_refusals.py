@@ -158,7 +158,7 @@ BAD: list[tuple[str, str, Callable[[Path], None]]] = [
     ("damaged", "is damaged", broken_part),
     ("damaged", "is damaged", truncated),
     ("damaged", "lacks the part of sheet 'Case'", without("xl/worksheets/sheet1.xml")),
-    ("bomb", "looks like an attack", bomb),
+    ("bomb", "as in an attack file", bomb),
     ("duplicate part", "twice", duplicated),
     (
         "duplicate part",

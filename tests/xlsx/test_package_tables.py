@@ -142,7 +142,7 @@ def test_everything_in_the_way_is_listed_and_nothing_written(train: Path) -> Non
     }
     message = str(caught.value)
     assert "Frequencies!B40: the text 'a note far below' is in the way of table Modes." in message
-    assert "Move that content" in message
+    assert "Move this content" in message
     assert book.save(train.with_name("out.xlsx")).parts == ()
     assert [one.cell for one in book.obstacles({"Modes": 36})] == ["B40"]
     assert book.obstacles({"Modes": 34}) == []
