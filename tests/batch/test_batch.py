@@ -649,7 +649,7 @@ def test_lines_of_a_log_say_when_and_end_with_all(monkeypatch, capsys):
 
     now = [0.0]
     monkeypatch.setattr(commands.time, "monotonic", lambda: now[0])
-    lines = commands._lines()
+    lines = commands._Lines()
     lines.begin("calculating", 9)
     for _ in range(9):
         now[0] += 4.0

@@ -35,7 +35,7 @@ def test_results_into_the_folder_of_the_inputs(tmp_path):
     for what in (tmp_path / "in", tmp_path / "in" / "a.xlsx"):
         status, said = told("batch", what, "--out", tmp_path / "in")
         assert status == 1
-        assert f"lies in {tmp_path / 'in'}, the folder of results" in said
+        assert f"is in {tmp_path / 'in'}, the results folder" in said
         assert "--out" in said
 
 
@@ -228,12 +228,12 @@ def test_capitals_count_only_where_the_disk_tells_them_apart(tmp_path):
     other.write_text('{"format": 1}', encoding="utf-8")
     inputs = [Input(first, "a.xlsx"), Input(other, "A.results.json")]
     if (tmp_path / "a.results.json").exists():
-        with pytest.raises(InputsRefused, match="an input itself"):
+        with pytest.raises(InputsRefused, match="would overwrite the input"):
             check_places(inputs, tmp_path / "o", tmp_path)
     else:
         check_places(inputs, tmp_path / "o", tmp_path)
         (tmp_path / "a.results.json").hardlink_to(other)  # as on a disk that does not
-        with pytest.raises(InputsRefused, match="an input itself"):
+        with pytest.raises(InputsRefused, match="would overwrite the input"):
             check_places(inputs, tmp_path / "o", tmp_path)
 
 

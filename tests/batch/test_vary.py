@@ -177,7 +177,7 @@ def test_parquet_and_csv_with_semicolons_give_the_same(base, tmp_path):
         ("Poles [rpm]", "Poles has no unit"),
         ("Elements.Stiffness", "it must name a scalar"),
         ("DampingRatio,dampingratio", "column 2, 'dampingratio': column 'DampingRatio' names the same"),
-        ("Name", "names no input"),
+        ("Name", "no column of the table names an input"),
     ],
 )  # fmt: skip
 def test_a_wrong_column_is_named_before_anything_is_calculated(base, tmp_path, header, said):

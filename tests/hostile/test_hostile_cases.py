@@ -45,9 +45,9 @@ def many_stations() -> str:
 
 
 FILES: dict[str, tuple[Callable[[], str], str]] = {
-    "deep lists": (lambda: "[" * 10**6, "nested too deeply"),
-    "deep objects": (lambda: '{"a":' * 10**6, "nested too deeply"),
-    "a deep value": (lambda: raw("title", "[" * 900 + "]" * 900), "found a list; text is needed"),
+    "deep lists": (lambda: "[" * 10**6, "too many nested levels"),
+    "deep objects": (lambda: '{"a":' * 10**6, "too many nested levels"),
+    "a deep value": (lambda: raw("title", "[" * 900 + "]" * 900), "found a list; type a text in quotes"),
     "a number of 5000 digits": (lambda: raw("damping_ratio", "1" * 5000), "number with thousands of digits"),
     "a number of 4000 digits": (lambda: raw("damping_ratio", "1" * 4000), "a finite number"),
     "a list of numbers of 4000 digits": (lambda: raw("title", "1" * 4000), "a number of 4000 digits"),
@@ -130,7 +130,7 @@ def test_devices_and_pipes_are_not_waited_for(tmp_path: Path, ending: str) -> No
 
 @pytest.mark.parametrize("ending", [".xlsx", ".json"])
 def test_names_no_file_has(tmp_path: Path, ending: str) -> None:
-    assert "cannot be" in sentence_on(tmp_path / f"a\0b{ending}")
+    assert "is not a valid file name" in sentence_on(tmp_path / f"a\0b{ending}")
     assert "cannot be used" in sentence_on(tmp_path / ("x" * 300 + ending))
     assert "no" in sentence_on(tmp_path / f"../../nothing\x1b[2J{ending}")
     assert "folder" in sentence_on(tmp_path) or "workbook" in sentence_on(tmp_path)

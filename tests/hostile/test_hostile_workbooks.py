@@ -755,10 +755,10 @@ DAMAGES = [
     (sheet(2), rb"</sheetData>", b'</sheetData><mergeCells><mergeCell ref="A1 B2"/></mergeCells>', "merged range .* not a valid range"),
     (sheet(2), rb"</sheetData>", b"</sheetData><mergeCells><mergeCell/></mergeCells>", "merged range .* not a valid range"),
     (sheet(4), rb'<f t="array" ref="[^"]*"', b'<f t="array" ref="ZZZZ9"', "array formula .* not a valid range"),
-    (sheet(2), rb'<row r="4"', b'<row r="NaN"', "rows of sheet Train are out of order"),
-    (sheet(2), rb'<row r="4"', "<row r='\u0664'".encode(), "rows of sheet Train are out of order"),
-    (sheet(2), rb'<row r="4"', b'<row r="1048577"', "rows of sheet Train are out of order"),
-    (sheet(2), rb'<row r="4"', b'<row r="1"', "rows of sheet Train are out of order"),
+    (sheet(2), rb'<row r="4"', b'<row r="NaN"', "rows of sheet Train after row 3 are out of order"),
+    (sheet(2), rb'<row r="4"', "<row r='\u0664'".encode(), "rows of sheet Train after row 3 are out of order"),
+    (sheet(2), rb'<row r="4"', b'<row r="1048577"', "rows of sheet Train after row 3 are out of order"),
+    (sheet(2), rb'<row r="4"', b'<row r="1"', "rows of sheet Train after row 3 are out of order"),
     (sheet(2), rb'<c r="D5"', b'<c r="A5"', "wrongly placed cell .* in row 5"),
     (sheet(2), rb'<c r="D5"', b'<c r="D6"', "wrongly placed cell .* in row 5"),
     (sheet(2), rb'<c r="D5"', b'<c r="XFE5"', "wrongly placed cell .* in row 5"),
@@ -850,12 +850,12 @@ def test_inputs_that_cannot_be_calculated_again_are_named(
     data = retyped(2, "D3", broken + b"<v>lb*ft^2</v>", "str")[sheet(2)]
     parts = honest() | {sheet(2): data.replace(b'<c r="D5">', b'<c r="D5">' + broken)}
     said = written(attended, tmp_path, packed(parts))
-    (warning,) = [one for one in said["warnings"] if one.startswith("Inputs that are formulas")]
-    assert "without a value: Train!D5, Train!D3. " in warning
+    (warning,) = [one for one in said["warnings"] if one.startswith("Some inputs are formulas")]
+    assert "left them without value: Train!D5, Train!D3. " in warning
     done = (tmp_path / "done.xlsx").read_bytes()
     folder = tmp_path / "again"
     folder.mkdir()
-    told = refused(attended, folder, done, "never been calculated")
+    told = refused(attended, folder, done, "no stored value")
     assert [one for one in told["told"] if "D3" in one]
 
 
@@ -864,10 +864,8 @@ def test_inputs_that_hang_on_results_are_named(attended: Attended, tmp_path: Pat
     formula = b"<f>100+INT(%s)</f>" % RESULT.encode()
     data = honest()[sheet(2)].replace(b'<c r="D5">', b'<c r="D5">' + formula)
     said = written(attended, tmp_path, packed(honest() | {sheet(2): data}))
-    (warning,) = [one for one in said["warnings"] if one.startswith("Inputs that are formulas")]
-    assert (
-        "have changed with them: Train!D5. The results are those of the inputs before." in warning
-    )
+    (warning,) = [one for one in said["warnings"] if one.startswith("Some inputs are formulas")]
+    assert "have changed: Train!D5. The results belong to the earlier input values." in warning
 
 
 def test_half_characters_in_cells(attended: Attended, tmp_path: Path) -> None:

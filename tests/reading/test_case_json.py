@@ -103,7 +103,7 @@ def wrong(case, *path_and_value):
         (("linefrequency", 60), "linefrequency (key linefrequency)", "Did you mean 'line_frequency'?"),
         (("stations", 0, "inertai", 1), "row 1, inertai (key stations[0].inertai)", "Did you mean 'inertia'?"),
         (("format", 2), "format", 'this version reads "format": 1'),
-        (("line_frequency", "60"), "LineFrequency (key line_frequency)", "it has no unit"),
+        (("line_frequency", "60"), "LineFrequency (key line_frequency)", "the value has no unit"),
         (("line_frequency", "60 rpmm"), "LineFrequency", "the unit 'rpmm' is not known"),
         (("line_frequency", "60 kg"), "LineFrequency", "'kg' is not a unit of frequency"),
         (("line_frequency", "0,5 Hz"), "LineFrequency", "Use a decimal point"),
@@ -152,7 +152,7 @@ def test_a_case_that_is_no_object():
     [
         ('{"format": 1,', "is not JSON: "),
         ("", "line 1, column 1"),
-        ("[" * 100_000, "nested too deeply"),
+        ("[" * 100_000, "too many nested levels"),
         ('{"format": 1, "line_frequency": 50, "line_frequency": 60}', "occurs twice in one object"),
     ],
 )

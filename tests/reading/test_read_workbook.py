@@ -501,7 +501,7 @@ def test_hidden_rows_are_read_and_told(workbook, read):
     found = read(workbook)
     assert len(found.data.stations) == 2
     assert found.warnings == (
-        "Sheet Train, table Stations: row 2 is hidden or filtered out, and included in the "
+        "Sheet Train, table Stations: row 2 is hidden or filtered, but included in the "
         "calculation.",
     )
 

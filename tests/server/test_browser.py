@@ -426,4 +426,4 @@ def test_inside_office_the_open_workbook_is_taken(excel):
     picture(excel, "pane")
     excel.evaluate("standIn.workbook = null")
     excel.get_by_role("button", name="Use the open workbook").click()
-    sync_api.expect(excel.locator("#progress")).to_contain_text("did not hand over")
+    sync_api.expect(excel.locator("#progress")).to_contain_text("did not provide the workbook")

@@ -187,7 +187,7 @@ def test_other_kinds_of_content_are_refused(client):
     assert "application/json" in told(client.post("/api/v1/batch", content=b"{}"), 415)
     assert "body" in told(client.post("/api/v1/workbook", files={"a": b"x"}), 415)
     assert "Unknown address /api" in told(client.get("/api/v2/batch"), 404)
-    assert "does not take GET" in told(client.get("/api/v1/batch"), 405)
+    assert "does not accept GET" in told(client.get("/api/v1/batch"), 405)
 
 
 def test_limits_of_one_request():

@@ -329,7 +329,7 @@ def test_settings_that_cannot_be_served_with(tmp_path):
         ({"host": "0.0.0.0", "keys": some}, "encryption"),
         ({"host": "192.168.1.4", "certificate": real, "certificate_key": real}, "API keys"),
         ({"certificate": real}, "needs a certificate and its private key"),
-        ({"certificate": real, "certificate_key": tmp_path / "none.pem"}, "no file"),
+        ({"certificate": real, "certificate_key": tmp_path / "none.pem"}, "not found"),
         ({"workers": 0}, "at least 1"),
         ({"port": 70000}, "65535"),
         ({"public_url": "torsion.example.com"}, "https://"),

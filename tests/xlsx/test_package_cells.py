@@ -160,7 +160,7 @@ def test_missing_sheets_names_and_tables_are_named(train: Path) -> None:
         book.set_cell("Nowhere", "A1", 1)
     with pytest.raises(WorkbookMismatch, match="no defined name 'Power'"):
         book.set_name("Power", 1)
-    with pytest.raises(WorkbookMismatch, match="no cells behind the name 'Twice'"):
+    with pytest.raises(WorkbookMismatch, match="a defined name without cells 'Twice'"):
         book.set_name("Twice", 1)
     with pytest.raises(WorkbookMismatch, match="no table 'Mode'; it has Modes"):
         book.write_table("Mode", [])

@@ -120,7 +120,7 @@ def test_failures_leave_the_original_and_no_rubbish(
         "replace": (SaveRefused, "could not be replaced"),
         "permission": (SaveRefused, "open in Excel"),
         "read back": (SaveRefused, "disk returned wrong data"),
-        "check": (SaveRefused, "Case!B2 read back otherwise"),
+        "check": (SaveRefused, "Case!B2 differs when read back"),
     }[when]
     real_replace, real_read = os.replace, Path.read_bytes
 

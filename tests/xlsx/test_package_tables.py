@@ -233,7 +233,7 @@ def test_what_the_user_typed_is_not_deleted_by_shrinking(tmp_path: Path) -> None
         [10, 20, "r1", "=Upper[[#This Row],[A]]*2"],
         [None, None, "r2", None],
     ]
-    assert any("S!D4 below it" in note for note in report.notes)
+    assert any("below it at S!D4" in note for note in report.notes)
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 4])
