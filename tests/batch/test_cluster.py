@@ -156,7 +156,7 @@ def test_a_task_that_kills_every_worker_is_given_up_and_named(tmp_path):
 
 
 def test_no_scheduler_and_another_version_are_told(dask, tmp_path, monkeypatch):
-    with pytest.raises(ClusterRefused, match="cannot be used, or has no worker"):
+    with pytest.raises(ClusterRefused, match="is unreachable or has no workers"):
         FileCluster("tcp://127.0.0.1:9", patience=1.0)
     here = os.getpid()
     monkeypatch.setattr(

@@ -338,7 +338,7 @@ def test_half_a_pole(workbook, read):
     ("unit", "sentence"),
     [
         ("lb*in", "'lb*in' is not a unit of torsional stiffness"),
-        ("lb*in/rad", "lb is a mass: write lbf*in/rad"),
+        ("lb*in/rad", "lb is a mass, not a force: write lbf*in/rad"),
         ("lbf*inch/radd", "is not known; did you mean lbf*in/rad?"),
         ("kg*m^2", "not a unit of torsional stiffness"),
         ("", "no unit is given; write a unit such as lbf*in/rad"),
@@ -360,7 +360,7 @@ def test_a_wrong_unit_of_a_scalar(workbook, read):
     workbook.units["SynchronousSpeed"] = "1/s"
     problem = only_problem(read(workbook), "SynchronousSpeed")
     assert "unit cell F" in problem.message
-    assert "neither revolutions nor radians" in problem.message
+    assert "does not state revolutions or radians" in problem.message
 
 
 def test_the_unit_of_an_empty_column_does_not_matter(workbook, read):
