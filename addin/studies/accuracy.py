@@ -106,10 +106,10 @@ def _decimal(value: float) -> str:
 
 
 _HELP = """\
-Show what accuracy costs in time: error against wall time of this very case.
+Measure error against computing time for this case.
 
 Calculates the start by both methods at several tolerances, compares with a reference a hundred
-times finer, and writes sheet Accuracy; no other result is touched.
+times finer, and writes sheet Accuracy; other results are unchanged.
 
 Example: `torsionbook accuracy train.xlsx` writes train.accuracy.xlsx."""
 

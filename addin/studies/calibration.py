@@ -110,11 +110,11 @@ def _save(study: StudyResult, options: Mapping[str, Any], source: Path) -> Itera
 
 
 _HELP = """\
-Calibrate: the least change of uncertain stiffnesses that explains measured frequencies.
+Calibrate: find the smallest change of uncertain stiffnesses that explains measured frequencies.
 
-Measurements stand in tables MeasuredFrequencies and MeasuredPeaks of sheet Measured, what is
-uncertain in table Scatter of sheet Tolerances (blank: every stiffness by 10 %). Writes sheet
-Calibration, which also says whether margins may be judged as of measured frequencies.
+Measurements are in tables MeasuredFrequencies and MeasuredPeaks of sheet Measured, uncertainties
+in table Scatter of sheet Tolerances (blank: every stiffness by 10 %). Writes sheet Calibration,
+which also states whether the margin for measured frequencies applies.
 
 Example: `torsionbook calibrate train.xlsx --case calibrated.json`"""
 

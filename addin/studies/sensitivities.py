@@ -13,7 +13,7 @@ from engine.studies.sensitivities.tangent import tangent_of
 
 
 def _calculate(task: StudyTask) -> StudyResult:
-    task.tell("plain run")
+    task.tell("nominal run")
     plan = plan_derivatives(task.case)
     units = derivative_units(plan)
     parts = task.map(differences, units, lambda done: f"{done} of {len(units)} quantities")
@@ -48,16 +48,16 @@ def _sentence(derivatives: Derivatives) -> str:
         parts.append(f"{whose} {100.0 * ends[1]:+.2g} %")
     answer = "allowable starts" if rows[0].starts_ends else "peak stress"
     return (
-        f"What + 1 % does to the {answer} of {derivatives.governing}: {'; '.join(parts)}. "
+        f"Effect of + 1 % on the {answer} of {derivatives.governing}: {'; '.join(parts)}. "
         + derivatives.sentences[1]
     )
 
 
 _HELP = """\
-Show what a small change of each quantity does to frequencies, peak stress and starts.
+Calculate sensitivities of frequencies, peak stress and allowable starts to each quantity.
 
-Derivatives of the frequencies from the energies of the modes; of the start by differences of
-whole starts, checked by the tangent of the start where it is linear.
+Derivatives of the frequencies come from the modal energies; those of the start from differences
+of complete starts, checked by the tangent equations of the start where it is linear.
 
 Example: `torsionbook sensitivities train.xlsx`"""
 

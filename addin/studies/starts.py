@@ -93,9 +93,9 @@ def _terminal(study: StudyResult, options: Mapping[str, Any]) -> Iterator[Termin
 
 
 _HELP = """\
-Start matrix and damage ledger: starts at every voltage, and what a duty of them leaves.
+Calculate start matrix and damage ledger: starts at every voltage, and the life left by a duty.
 
-Kinds of starts and how often they happen stand in table StartConditions of sheet Duty; without
+Start conditions and how often each occurs are in table StartConditions of sheet Duty; without
 rows: 80 to 110 % voltage, loaded and unloaded, and aborted starts. Writes sheets Start matrix and
 Damage ledger.
 

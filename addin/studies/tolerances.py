@@ -24,7 +24,7 @@ def _check(case: Case, inputs: StudyInputs) -> Sequence[Problem]:
 
 
 def _calculate(task: StudyTask) -> StudyResult:
-    task.tell("plain run")
+    task.tell("nominal run")
     plan = plan_tolerances(task.case, task.inputs.scatter, ToleranceSettings(**task.settings))
     # the runs of one factor at a time first: without them a study that is cut short has no tornado
     units = sorted(units_of(plan), key=lambda unit: unit.first < plan.n_samples)
@@ -99,10 +99,10 @@ def _number(value: float) -> str:
 
 
 _HELP = """\
-Show what the scatter of the inputs makes of frequencies, margins, peaks and starts.
+Calculate the scatter of frequencies, margins, peaks and allowable starts from that of the inputs.
 
-Draws trains by table Scatter and calculates each: percentiles with their intervals, the
-probability that each margin is kept and that the starts suffice, and what drives the starts.
+Samples trains from table Scatter and calculates each: percentiles with their intervals, the
+probability that each margin is kept and that StartsRequired is reached, and the main drivers.
 
 Example: `torsionbook tolerances train.xlsx --samples 10000`"""
 

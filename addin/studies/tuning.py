@@ -175,10 +175,10 @@ def _save(study: StudyResult, options: Mapping[str, Any], source: Path) -> Itera
 
 
 _HELP = """\
-Try couplings and other quantities in every combination, and rank them with the reasons.
+Calculate couplings and other quantities in every combination, and rank them with reasons.
 
-What is tried stands on sheet Tuning of a workbook made with `torsionbook new --studies`, or in the
-tables tuning and catalogue of a case JSON. Each combination is a full start; results go to a new
+Quantities to vary are on sheet Tuning of a workbook made with `torsionbook new --studies`, or in
+the tables tuning and catalogue of a case JSON. Each combination is a full start; results go to a new
 workbook, train.tune.xlsx."""
 
 

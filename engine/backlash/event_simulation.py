@@ -380,7 +380,7 @@ class _Simulation:
             if done:
                 if not np.all(np.isfinite(rows["q"][done - 1])):
                     raise InternalError(
-                        f"the start diverged before {self.clock[0]:.4g} s: torques are no longer finite. "
+                        f"the start diverged before {self.clock[0]:.4g} s: results are no longer finite. "
                         "Check stiffness and damping of the elements with a clearance"
                     )
                 self.recorder.add(rows, done)

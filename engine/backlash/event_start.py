@@ -476,7 +476,7 @@ def _outcome(
     if linear.runup is None or synchronous is None:
         outcome = replace(linear.outcome, end_speed=speed)
         if run.gave_up:
-            text = f"The run reached its step limit: {run.trajectory.n_steps} steps at {end:.4g} s."
+            text = f"Stopped after {run.trajectory.n_steps} steps at {end:.4g} s."
             outcome = replace(outcome, outcome=Outcome.TIME_OUT, time=end, sentence=text)
         return outcome
     share, rpm = speed / synchronous, speed * 30.0 / math.pi
@@ -511,7 +511,7 @@ def _outcome(
         angle = math.degrees(case.field_angle or 0.0)
         text = (
             "Not synchronised: the field was not applied. FieldSlip was reached, but the load "
-            f"angle did not reach FieldAngle ({angle:.4g} degrees) until {end:.3f} s, at "
+            f"angle did not come to FieldAngle ({angle:.4g} degrees) by {end:.3f} s, at "
             f"{share:.2%} speed. Change FieldAngle or raise MaximumTime."
         )
         return StartOutcome(Outcome.NOT_SYNCHRONISED, end, speed, text)

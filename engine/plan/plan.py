@@ -108,7 +108,7 @@ def revised_plan(case: CaseData, plan: Plan, evidence: Evidence) -> Plan:
         reasons.append("stresses rose above endurance, so cycles must be counted")
     if not reasons:
         return plan
-    reason = f"In the run of plan {plan.number} " + "; ".join(reasons) + "."
+    reason = f"In the run of plan {plan.number}: " + "; ".join(reasons) + "."
     return _plan(case, evidence, plan.number + 1, reason, modelled)
 
 
@@ -143,10 +143,7 @@ def _plan(
         if evidence.start or not effect.of_the_start:
             finding = FINDINGS[name](case, evidence, modelled)
         else:
-            finding = Finding.impossible(
-                "Neither a motor curve nor a prescribed torque: no start. Type MotorTorque or "
-                "TorqueTime."
-            )
+            finding = Finding.impossible("Neither a motor curve nor a prescribed torque: no start.")
         decision, warning = decide(effect, choice_of(case, name), finding, wall_time)
         decisions.append(decision)
         if warning:

@@ -43,10 +43,11 @@ def _unstable_feedback(results: Results) -> Iterator[str]:
         if len(grown):
             mode = int(grown[0])
             yield (
-                f"The average torque of '{train.stations[motor.station]}' rises with speed faster "
-                f"than the damping of mode {mode - modes.n_rigid + 1} ({modes.frequency[mode]:.4g} "
-                "Hz) dissipates: if the torque follows the speed oscillation, this mode is "
-                "self-excited. Check its damping ratio."
+                f"The average torque of '{train.stations[motor.station]}' rises with speed so "
+                f"steeply that it can feed mode {mode - modes.n_rigid + 1} "
+                f"({modes.frequency[mode]:.4g} Hz) with more energy than its damping dissipates: "
+                "if the torque follows the speed oscillation, this mode is self-excited. Check its "
+                "damping ratio."
             )
 
 
@@ -73,7 +74,7 @@ def _start_warnings(results: Results) -> Iterator[str]:
     tripped = start.outcome.outcome == Outcome.TRIPPED  # its time is that of the coast-down
     if start.outcome.time > LONG_START and start.runup is not None and not tripped:
         yield (
-            f"The start takes {start.outcome.time:.0f} s, more than the usual {LONG_START:.0f} s. "
+            f"The start takes {start.outcome.time:.0f} s; most take less than {LONG_START:.0f} s. "
             "Check inertias and torques."
         )
     yield from _unstable_feedback(results)
@@ -83,11 +84,11 @@ def _start_warnings(results: Results) -> Iterator[str]:
         if e.stress_diameter and e.material and e.element not in counted:
             yield (
                 f"'{e.element}' has a stress diameter, but its material '{e.material}' has no S-N "
-                "points: allowable starts were not calculated. Add S-N points."
+                "points: its allowable starts were not calculated. Add S-N points."
             )
     if not start.met_tolerance:
         yield (
-            f"The wanted accuracy of peak torques was not met: estimated error "
+            f"The wanted accuracy of peak torques was not reached: estimated error "
             f"{start.estimated_error:.2g} at a step of {start.step:.3g} s." + _why_not_met(start)
         )
     if case.method == Method.NEWMARK and start.method != Method.NEWMARK:
@@ -115,7 +116,7 @@ def _why_not_met(start: Start) -> str:
         return ""
     return (
         " A finer step exceeds the step limit of one calculation. Raise TolerancePeak, or "
-        "add damping to high modes excited by tooth impacts."
+        "check the damping of high modes that tooth impacts excite."
     )
 
 
@@ -128,7 +129,8 @@ def _inaccurate_starts(results: Results) -> Iterator[str]:
         if error is not None and error > wanted:
             yield (
                 f"The wanted accuracy of allowable starts of '{shaft}' was not reached: estimated "
-                f"error {100.0 * error:.2g} %, wanted {100.0 * wanted:.2g} %. Raise ToleranceStarts."
+                f"error {100.0 * error:.2g} %, wanted {100.0 * wanted:.2g} %. Raise "
+                "ToleranceStarts to accept it."
             )
 
 

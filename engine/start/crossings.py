@@ -181,14 +181,14 @@ def _note(p: Crossing, ratio: float, line_frequency: float, reverses: bool | Non
     swept = LEWIS_FACTOR * p.frequency / math.sqrt(sweep) if sweep > 0.0 else math.inf
     if swept < 0.8 * steady:
         notes.append(
-            f"Sweep of {sweep:.1f} Hz/s limits the build-up to about {swept:.0f} × static (steady "
+            f"Sweep of {sweep:.1f} Hz/s limits the build-up to at most {swept:.0f} × static (steady "
             f"resonance {steady:.0f} ×): faster acceleration reduces it further."
         )
     elif math.isfinite(steady):
         notes.append(
-            f"Sweep of {sweep:.1f} Hz/s, undamped limit {swept:.0f} ×; steady resonance "
-            f"{steady:.0f} ×. Sweep and damping together limit the build-up. (Give the combined "
-            "amplification here; see C13.)"
+            f"Sweep of {sweep:.1f} Hz/s: undamped limit {swept:.0f} × static, steady resonance "
+            f"{steady:.0f} ×. The build-up stays below both; faster acceleration and more damping "
+            "reduce it."
         )
     else:
         notes.append("No damping and no sweep: the build-up is not limited.")

@@ -84,7 +84,7 @@ def simulate(
             if not np.all(np.isfinite(torques[0][:, -1])):
                 raise InternalError(
                     f"the start diverged before {t + h * done:.4g} s at a step of {step:.3g} s: torques "
-                    "are no longer finite. Check stiffness and damping"
+                    "are no longer finite. Check stiffness, damping and torque curves"
                 )
             times = np.asarray(t + h * np.arange(1, done + 1), dtype=np.float64)
             recorder.add(times, out_v @ model.mean_speed, *torques, np.empty((0, done)))

@@ -219,7 +219,7 @@ def prepared_start(
     motors, loads = motors_of(case, train), loads_of(case, train)
     if not motors:
         raise ModelError(
-            "A start needs the torque curve of at least one motor. Type table MotorTorque."
+            "A start needs the torque curve of at least one motor. Fill table MotorTorque."
         )
     synchronous = case.ratings.synchronous_speed
     assert synchronous is not None

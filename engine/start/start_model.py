@@ -180,7 +180,7 @@ def start_model(
     if not np.any(mean):
         raise ModelError(
             f"Station '{train.stations[motors[0].station]}' is held to ground by a spring; its "
-            "motor cannot start. Remove the spring or the motor's rows."
+            "motor cannot start. Remove the spring, or its rows in table MotorTorque."
         )
     return StartModel(
         **machine_arrays(case, motors, loads, torques, stations, effects),

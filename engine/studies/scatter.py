@@ -64,7 +64,7 @@ class Factor:
         """What scatters, in words. [text]"""
         if self.quantity == DAMPING_RATIO:
             return self.quantity
-        whose = self.names[0] if len(self.names) == 1 else f"all {len(self.names)}, by one factor"
+        whose = self.names[0] if len(self.names) == 1 else f"all {len(self.names)} together"
         return f"{self.quantity} of {whose}"
 
     @property
@@ -161,13 +161,13 @@ def _row_problems(case: CaseData, row: ScatterRow) -> Iterator[_Wrong]:
         words = f"the damping ratio applies to all modes, but Name is '{row.name}'. Clear Name."
         yield "Name", row.name, "blank", words
     elif row.name and (reason := refusal(case, row.name, row.quantity)):
-        yield "Name", row.name, "a name for which the quantity exists", reason
+        yield "Name", row.name, "a name that has the quantity", reason
     elif not row.name and not names_with(case, row.quantity):
         words = (
             f"the case gives no {row.quantity} to scale. Delete the row, or type a value in the "
             "case first."
         )
-        yield "Quantity", row.quantity, "a quantity given in the case", words
+        yield "Quantity", row.quantity, "a quantity that the case has", words
     if row.together is not None and row.together not in (EACH, TOGETHER):
         words = f"Together is '{row.together}'; choose {EACH} or {TOGETHER}."
         yield "Together", row.together, f"{EACH} or {TOGETHER}", words
@@ -219,7 +219,7 @@ def _wrong_spread(spread: float | None, kind: str, limit: float) -> str:
     if spread is None:
         return "Spread is blank; type it relative to the value in the case, such as 5 %."
     if spread < 0.0:
-        return f"Spread is {_percent(spread)}; it must be positive. Type a positive share."
+        return f"Spread is {_percent(spread)}; it must not be negative. Type a positive share."
     if spread < limit:
         return ""
     why = (
@@ -278,7 +278,7 @@ def _end_problems(case: CaseData, rows: Sequence[ScatterRow]) -> Iterator[Proble
                 number,
                 column if from_to else "Spread",
                 (row.to if at else row.from_) if from_to else row.spread,
-                "within the limits of its table",
+                "what the table itself would take",
                 f"multiplied by {values[0]:.6g}, its {'largest' if at else 'least'} factor, the value "
                 f"is not valid: {problems[0].message} Reduce its spread.",
             )

@@ -49,12 +49,12 @@ _COLUMNS = {
 
 #: What to say of a name that lacks the quantity.
 _MISSING = {
-    STIFFNESS: "'{name}' is a rigid mesh, or has no stiffness. Give it a stiffness on sheet Train first.",
-    DAMPING: "'{name}' has no Damping on sheet Train that could be multiplied. Give it one first.",
+    STIFFNESS: "'{name}' is a rigid mesh, or has no stiffness. Type its stiffness on sheet Train first.",
+    DAMPING: "'{name}' has no Damping on sheet Train to scale. Type it first.",
     INERTIA: "station '{name}' has no Inertia on sheet Train. Give it one first.",
     DIAMETER: (
         "the stiffness of '{name}' does not follow from its diameter. Clear its Stiffness on "
-        "sheet Train and give OD, ID, Length and Shear modulus."
+        "sheet Train and type OD, ID, Length and Shear modulus."
     ),
     BACKLASH: "'{name}' has no Backlash or Angular backlash in table Meshes. Give it one first.",
     DAMPING_RATIO: "DampingRatio is blank or zero on sheet Case. Give it a value first.",

@@ -70,8 +70,8 @@ def test_the_reason_is_the_papers(found: TuningResult) -> None:
     """Later in the start, where acceleration is greater and the pulsating torque less."""
     said = _row(found, NEW).reason
     assert "Mode 1 at 21 Hz governs the start: crossed at 82.5 % speed" in said
-    assert "less than as is) and 2 × slip falls at" in said
-    assert "faster than as is)" in said
+    assert "less than in the unchanged case) and 2 × slip frequency falls at" in said
+    assert "faster than in the unchanged case)" in said
 
 
 def test_whatever_is_better_still_is_shown(found: TuningResult) -> None:

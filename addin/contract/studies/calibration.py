@@ -62,7 +62,8 @@ def _fit(
     residual = "(calculated − measured)/(uncertainty × measured)"
     columns = (
         replace(
-            what, trace=Trace("As typed, else the most likely one-to-one assignment", _METHOD, (first, value))
+            what,
+            trace=Trace("As typed, else the most likely one-to-one assignment", _METHOD, (first, value))
         ),
         integer("Row", "Row of the input table.", "Row of the input table", _METHOD, of_row=(value,)),
         number("Measured", dimension, "As typed.", "As typed", _METHOD, us=us, of_row=(value,)),
@@ -79,17 +80,20 @@ def _fit(
             _MAP, us=us, of_row=(value,), of_case=(*of_case, *_ALL),
         ),
         number(
-            "Residual before", "ratio", "Calculated before calibration minus measured, in standard deviations.", residual,
+            "Residual before", "ratio",
+            "Calculated before calibration minus measured, in standard deviations.", residual,
             _METHOD, of_row=(f"{name}.Before", f"{name}.Measured", f"{name}.Uncertainty"),
             format=shown.TWO_DECIMALS,
         ),
         number(
-            "Residual", "ratio", "Calculated after calibration minus measured, in standard deviations.", residual, _METHOD,
+            "Residual", "ratio",
+            "Calculated after calibration minus measured, in standard deviations.", residual, _METHOD,
             of_row=(f"{name}.After", f"{name}.Measured", f"{name}.Uncertainty"),
             format=shown.TWO_DECIMALS,
         ),
         number(
-            "Left-out residual", "ratio", "Residual when this measurement is left out of the calibration.",
+            "Left-out residual", "ratio",
+            "Residual when this measurement is left out of the calibration.",
             "r/√(1 − h), h of J C Jᵀ", _MAP, of_row=(f"{name}.Residual",), of_case=_ALL,
             format=shown.TWO_DECIMALS,
         ),
@@ -191,11 +195,13 @@ _RESULTS: tuple[TableSpec, ...] = (
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Measured", "frequency", "Measured frequency of the mode; blank = not measured.", "As typed",
+                "Measured", "frequency", "Measured frequency of the mode; blank = not measured.",
+                "As typed",
                 _METHOD, of_row=("FrequencyFit.Measured",),
             ),
             number(
-                "Uncertainty", "fraction", "Standard deviation of the measurement divided by its value.", "As typed", _METHOD,
+                "Uncertainty", "fraction",
+                "Standard deviation of the measurement divided by its value.", "As typed", _METHOD,
                 of_row=("FrequencyFit.Uncertainty",),
             ),
             number(
@@ -212,7 +218,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 ),
             ),
             sentence(
-                "Why", "Reason.", "Recommended action", _METHOD,
+                "Why", "Reason.", "The reason in words", _METHOD,
                 of_row=("CalibratedFrequencies.Known",), width=22.0,
             ),
         ),
@@ -220,7 +226,7 @@ _RESULTS: tuple[TableSpec, ...] = (
     table(
         "CalibratedMargins", sheet="Calibration", caption="Least separation margins",
         help="Least separation margin of each mode before and after, with the margin basis that "
-             "the measurements justify.",
+        "the measurements justify.",
         row_name=("Mode", "Excitation"), room=12,
         json_only=(text("excitation_before", "Nearest excitation before calibration."),),
         columns=(
@@ -234,7 +240,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "As in CalibratedFrequencies", _METHOD, of_case=_TRAIN,
             ),
             number(
-                "Margin before", "fraction", "Least separation margin of the mode.", _LEAST_MARGIN, STEADY,
+                "Margin before", "fraction", "Least separation margin of the mode.", _LEAST_MARGIN,
+                STEADY,
                 of_row=("CalibratedMargins.Frequency before",), of_case=_SPEEDS, format=shown.TWO_DECIMALS,
             ),
             number(
@@ -277,7 +284,9 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "Name", "Element or station.", "As typed; blank = all that have the quantity",
                 _METHOD, of_row=("Scatter.Name",),
             ),
-            text("Quantity", "Quantity.", "As typed", _METHOD, of_row=("Scatter.Quantity",)),
+            text(
+                "Quantity", "Quantity calibrated.", "As typed", _METHOD, of_row=("Scatter.Quantity",),
+            ),
             number(
                 "Stiffness", "torsional stiffness", "As in the case.", "As in the case", _METHOD,
                 of_row=("Elements.Stiffness",),
@@ -298,12 +307,14 @@ _RESULTS: tuple[TableSpec, ...] = (
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Change low", "fraction", "Change at the lower end of its 95 % interval.", _ENDS, _MAP,
+                "Change low", "fraction", "Change at the lower end of its 95 % interval.", _ENDS,
+                _MAP,
                 of_row=("CalibratedParameters.Change", "CalibratedParameters.Posterior deviation"),
                 format=shown.TWO_DECIMALS,
             ),
             number(
-                "Change high", "fraction", "Change at the upper end of its 95 % interval.", _ENDS, _MAP,
+                "Change high", "fraction", "Change at the upper end of its 95 % interval.", _ENDS,
+                _MAP,
                 of_row=("CalibratedParameters.Change", "CalibratedParameters.Posterior deviation"),
                 format=shown.TWO_DECIMALS,
             ),
@@ -317,7 +328,7 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "σ √C_jj, C = (I + JᵀJ)⁻¹", _MAP, of_case=_ALL,
             ),
             sentence(
-                "Note", "Notes.", "Recommended action", _METHOD,
+                "Note", "Notes.", "Notes on the change, in words", _METHOD,
                 of_row=("CalibratedParameters.Change",), width=22.0,
             ),
             text(
@@ -381,7 +392,7 @@ _SHEETS: tuple[Sheet, ...] = (
         row_breaks=(_FITS_AT - 1, _MARGINS_AT - 1),
         side=0.25,
         intro="Smallest change of the uncertain inputs (sheet Tolerances) that explains the "
-              "measurements: torsionbook calibrate FILE.",
+        "measurements: torsionbook calibrate FILE.",
     ),
 )  # fmt: skip
 

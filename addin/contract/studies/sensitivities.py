@@ -21,7 +21,7 @@ def _changes(head: str, answer: str, plain: str) -> tuple[Field, ...]:
     )
     return (
         number(
-            f"{head} change", "fraction", f"Change of its {answer} for + 1 %, by the derivative.",
+            f"{head} change", "fraction", f"Change of the {answer} for + 1 %, by the derivative.",
             trace=derivative, format=shown.CHANGE,
         ),
         number(
@@ -31,9 +31,9 @@ def _changes(head: str, answer: str, plain: str) -> tuple[Field, ...]:
         ),
         *(
             number(
-                f"{head} {end}", "fraction", f"Change of its {answer} in a run at {sign} 1 %.",
+                f"{head} {end}", "fraction", f"Change of the {answer} in a run at {sign} 1 %.",
                 trace=Trace(
-                    f"Run at {exact} 1 % over the plain run, less 1", _TANGENT, (plain,)
+                    f"Run at {exact} 1 % / nominal run − 1", _TANGENT, (plain,)
                 ),
                 format=shown.CHANGE,
             )
@@ -46,13 +46,13 @@ _RESULTS: tuple[TableSpec, ...] = (
     table(
         "Sensitivities", sheet="Sensitivities", caption="Sensitivities",
         help="Effect of + 1 % of each quantity on the governing shaft: by the derivative, and in "
-             "runs at ± 1 %.",
+        "runs at ± 1 %.",
         row_name=("Quantity", "Of"), changes_shown=("Starts change", "Peak change"),
         columns=(
             text("Quantity", "Quantity changed.", trace=_AS_TYPED),
             text("Of", "Element, station or material; blank = all modes.", trace=_AS_TYPED),
             *_changes("Peak", "peak stress", "StartupPeaks.Maximum torque"),
-            *_changes("Starts", "starts", "AllowableStarts.Allowable starts"),
+            *_changes("Starts", "allowable starts", "AllowableStarts.Allowable starts"),
             text("Method", "Method of the derivative.", trace=_AS_TYPED, width=16.0),
             sentence("Note", "Notes on this row.", trace=_AS_TYPED, width=37.0),
         ),
@@ -61,7 +61,7 @@ _RESULTS: tuple[TableSpec, ...] = (
         "FrequencySensitivities", sheet="Frequency sensitivities",
         caption="Frequency sensitivities",
         help="Relative change of each frequency per relative change of the quantity: ± ½ × share "
-             "of the energy.",
+        "of the energy.",
         columns=(
             text(
                 "Quantity", "stiffness or inertia; bearing stiffness, lateral mass.",
@@ -96,7 +96,7 @@ _SHEETS: tuple[Sheet, ...] = (
         freeze="A10",
         side=0.25,
         intro="Sensitivity of the results to each quantity. Written by torsionbook sensitivities "
-              "FILE.",
+        "FILE.",
     ),
     Sheet(
         "Frequency sensitivities",
@@ -105,8 +105,8 @@ _SHEETS: tuple[Sheet, ...] = (
         {"FrequencySensitivities": "B7"},
         freeze="A10",
         intro="Sensitivity of each frequency to each stiffness and inertia; the green cells show "
-              "the shifts for the change typed on sheet Frequencies. Written by torsionbook "
-              "sensitivities FILE.",
+        "the shifts for the change typed on sheet Frequencies. Written by torsionbook "
+        "sensitivities FILE.",
         behind="Frequencies",
     ),
 )  # fmt: skip

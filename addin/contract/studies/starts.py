@@ -52,13 +52,17 @@ _INPUTS: tuple[TableSpec, ...] = (
     table(
         "StartConditions", sheet="Duty", caption="Start conditions",
         help="Start conditions and how often each occurs; blank = the standard matrix of voltages "
-             "and loads.",
+        "and loads.",
         rows=20, row_name=("Condition",),
         columns=(
             text("Condition", "Name of the start condition."),
-            number("Voltage", "fraction", "Voltage as a share of that of the torque curves.", blank=_OF_CASE),
             number(
-                "Damping ratio", "fraction", "Damping ratio of all elastic modes, hot or cold.", blank=_OF_CASE,
+                "Voltage", "fraction", "Voltage as a share of that of the torque curves.",
+                blank=_OF_CASE,
+            ),
+            number(
+                "Damping ratio", "fraction", "Damping ratio of all elastic modes, hot or cold.",
+                blank=_OF_CASE,
             ),
             number(
                 "Load", "fraction", "Share of LoadTorque that acts; 0 = unloaded.", blank="100 %",
@@ -68,7 +72,10 @@ _INPUTS: tuple[TableSpec, ...] = (
                 "Speed at which it is aborted; % means of synchronous speed.", blank=_OF_CASE,
                 us="%", si="%",
             ),
-            number("Per year", "count", "Starts per year under this condition.", blank="0", format=shown.AS_TYPED),
+            number(
+                "Per year", "count", "Starts per year under this condition.", blank="0",
+                format=shown.AS_TYPED,
+            ),
             number(
                 "So far", "count", "Starts so far under this condition.", blank="0",
             ),
@@ -79,8 +86,8 @@ _INPUTS: tuple[TableSpec, ...] = (
 _RESULTS: tuple[TableSpec, ...] = (
     table(
         "StartsByVoltage", sheet="Start matrix", caption="By voltage",
-        help="Allowable starts (rounded down) with the damping of the case, by voltage; blank = "
-             "none, unlimited or not judged.",
+        help="Stress and allowable starts by voltage, of starts that are not aborted and have the "
+        "damping of the case; blank = none, unlimited or not judged.",
         short_caption=True, room=14,
         columns=(
             number(
@@ -92,11 +99,12 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_run(_STRESS_EQUATION, _STRESS),
             ),
             number(
-                "Loaded starts", "count", "Allowable starts if only this condition occurs.", _STARTS_EQUATION,
+                "Loaded starts", "count", "Allowable starts if only this condition occurs.",
+                _STARTS_EQUATION,
                 _MINER, of_row=_ROW, of_case=_FATIGUE, format=shown.STARTS,
             ),
             number(
-                "Unloaded stress", "pressure", "Allowable starts without load torque.",
+                "Unloaded stress", "pressure", "The same stress without load torque.",
                 trace=_run(_STRESS_EQUATION, _STRESS),
             ),
             number(
@@ -165,7 +173,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_run("Shaft with the largest q, else the largest stress", _FATIGUE),
             ),
             number(
-                "Peak-to-peak stress", "pressure", "Peak-to-peak stress of the governing shaft, nominal, without SCF.",
+                "Peak-to-peak stress", "pressure",
+                "Peak-to-peak stress of the governing shaft, nominal, without SCF.",
                 trace=_run(_STRESS_EQUATION, _STRESS), printed="Stress, pk‑pk",
             ),
             number(
@@ -173,7 +182,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_run("min T over all meshes, on the From side"), format=shown.SIGNED,
             ),
             integer(
-                "Impacts", "Number of re-engagements of the teeth; blank where no clearance is modelled.",
+                "Impacts",
+                "Number of re-engagements of the teeth; blank where no clearance is modelled.",
                 trace=_run("Re-engagements of all clearances modelled"),
             ),
             number(
@@ -181,7 +191,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "q = Σ n/N of one such start", _MINER, of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
             ),
             number(
-                "Allowable starts", "count", "1 / damage, if only this condition occurs.", _STARTS_EQUATION,
+                "Allowable starts", "count", "1 / damage, if only this condition occurs.",
+                _STARTS_EQUATION,
                 _MINER, of_row=("StartMatrix.Damage", *_ROW), of_case=_FATIGUE, format=shown.STARTS,
                 unlimited=True,
             ),
@@ -224,7 +235,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 _MINER, of_case=("StartConditions.Per year", *_FATIGUE), format=shown.USED,
             ),
             number(
-                "Left", "count", "Allowed damage 1/StartsFactor minus damage so far.", "1/StartsFactor − used", _METHOD,
+                "Left", "count", "Allowed damage 1/StartsFactor minus damage so far.",
+                "1/StartsFactor − used", _METHOD,
                 of_row=("DamageLedger.Used", "DamageLedger.Allowed"), format=shown.FOUR_DECIMALS,
             ),
             number(
@@ -238,7 +250,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 format=shown.YEARS,
             ),
             number(
-                "Years high", "count", "Years left with all damages at the lower end of their error; blank = unlimited.",
+                "Years high", "count",
+                "Years left with all damages at the lower end of their error; blank = unlimited.",
                 "The same with every damage at the lower end of its error", _METHOD, of_case=_DUTY,
                 format=shown.YEARS,
             ),
@@ -256,7 +269,7 @@ _RESULTS: tuple[TableSpec, ...] = (
     table(
         "RemainingStarts", sheet="Damage ledger", caption="Remaining starts",
         help="Each start condition on each judged shaft: damage of one start, and starts left if "
-             "only this condition occurs.",
+        "only this condition occurs.",
         row_name=("Element", "Condition"),
         json_only=(
             flag("unlimited", "No damage: unlimited starts."),
@@ -277,7 +290,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_asked("Per year", "As typed; blank = 0"), format=shown.AS_TYPED,
             ),
             number(
-                "Share", "fraction", "Share of the damage per year.", "Per year × q over Σ per year × q",
+                "Share", "fraction", "Share of the damage per year.",
+                "Per year × q over Σ per year × q",
                 _METHOD, of_row=("StartConditions.Per year",), of_case=("DamageLedger.Yearly",),
                 format=shown.ONE_DECIMAL,
             ),
@@ -300,13 +314,15 @@ _RESULTS: tuple[TableSpec, ...] = (
                 "docs/method.md, Fatigue", of_row=_ROW, of_case=_FATIGUE, format=shown.DAMAGE,
             ),
             number(
-                "Remaining starts", "count", "Damage left / damage of one start, if only this condition occurs.",
+                "Remaining starts", "count",
+                "Damage left / damage of one start, if only this condition occurs.",
                 "(1/StartsFactor − used)/q, of this kind alone", _METHOD,
                 of_row=("RemainingStarts.Damage",), of_case=("DamageLedger.Left",), format=shown.STARTS,
                 unlimited=True,
             ),
             sentence(
-                "Reason", "Reason why there is no number.", "Why there is no number", _METHOD, of_row=_ROW,
+                "Reason", "Reason why there is no number.", "Why there is no number", _METHOD,
+                of_row=_ROW,
                 width=32.0,
             ),
         ),
@@ -325,7 +341,7 @@ _SHEETS: tuple[Sheet, ...] = (
         {"StartConditions": "B5"},
         freeze="A8",
         intro="Start conditions and how often each occurs; inputs of torsionbook starts FILE "
-              "(start matrix and damage ledger).",
+        "(start matrix and damage ledger).",
     ),
     Sheet(
         "Start matrix",
@@ -341,7 +357,7 @@ _SHEETS: tuple[Sheet, ...] = (
         breaks=("M",),
         repeated="B:B",
         intro="Each start condition, calculated separately: torsionbook starts FILE. A start that "
-              "is not completed is not judged.",
+        "is not completed is not judged.",
     ),
     Sheet(
         "Damage ledger",
@@ -351,7 +367,7 @@ _SHEETS: tuple[Sheet, ...] = (
         freeze="",
         side=0.25,
         intro="Life used of each judged shaft by the duty on sheet Duty: Palmgren-Miner, order of "
-              "starts ignored; life ends at damage 1/StartsFactor.",
+        "starts ignored; life ends at damage 1/StartsFactor.",
     ),
 )  # fmt: skip
 

@@ -78,7 +78,8 @@ def _met(table: str, plain: str) -> tuple[Field, ...]:
     return (
         number(
             "Probability", "fraction", "Share of the samples that meet the requirement.",
-            "Samples that meet the requirement / all samples", _SAMPLE, of_row=(plain,), of_case=_SCATTER,
+            "Samples that meet the requirement / all samples", _SAMPLE, of_row=(plain,),
+            of_case=_SCATTER,
         ),
         number(
             "Probability low", "fraction", "Lower end of its 95 % interval (Clopper-Pearson).",
@@ -96,7 +97,8 @@ _INPUTS: tuple[TableSpec, ...] = (
         columns=(
             text("Name", "Element, station or material.", blank="all that have the quantity"),
             choice(
-                "Quantity", SCATTERED, "Quantity that scatters; the damping ratio applies to all modes.",
+                "Quantity", SCATTERED,
+                "Quantity that scatters; the damping ratio applies to all modes.",
             ),
             choice(
                 "Distribution", ("normal", "uniform", "triangular", "from-to"),
@@ -105,13 +107,15 @@ _INPUTS: tuple[TableSpec, ...] = (
                 blank="normal",
             ),
             number(
-                "Spread", "fraction", "Standard deviation or half width, relative to the value in the case.",
+                "Spread", "fraction",
+                "Standard deviation or half width, relative to the value in the case.",
             ),
             number("From", "fraction", "Least value, relative to the value in the case."),
             number("To", "fraction", "Largest value, relative to the value in the case."),
             choice(
                 "Together", ("each", "together"),
-                "For a blank name: each varies independently, or all by one common factor.", blank="each",
+                "For a blank name: each varies independently, or all by one common factor.",
+                blank="each",
             ),
         ),
     ),
@@ -121,7 +125,7 @@ _RESULTS: tuple[TableSpec, ...] = (
     table(
         "ToleranceStarts", sheet="Tolerance results", caption="Allowable starts",
         help="Allowable starts: percentiles with 95 % intervals, and the probability of reaching "
-             "StartsRequired.",
+        "StartsRequired.",
         row_name=("Element",), changes_shown=("P10", "P50", "P90", "Probability"), room=4,
         columns=(
             text(
@@ -151,13 +155,14 @@ _RESULTS: tuple[TableSpec, ...] = (
     table(
         "ToleranceDrivers", sheet="Tolerance results", caption="Main drivers",
         help="Main drivers of the result named above: runs with one factor changed at a time, and "
-             "rank regression.",
+        "rank regression.",
         row_name=("Factor",), changes_shown=("Share",),
         json_only=(text("dimension", "Dimension of result and limit, which are in its SI unit."),),
         columns=(
             text("Factor", "What scatters.", trace=_AS_TYPED),
             number(
-                "Deviation", "fraction", "Standard deviation of the factor, relative to the value in the case.",
+                "Deviation", "fraction",
+                "Standard deviation of the factor, relative to the value in the case.",
                 "Of the distribution", _SAMPLE, of_row=("Scatter.Spread",),
             ),
             mixed(
@@ -314,7 +319,7 @@ _SHEETS: tuple[Sheet, ...] = (
         {"Scatter": "B5"},
         freeze="A8",
         intro="Uncertainty of the inputs, for torsionbook tolerances FILE and torsionbook "
-              "calibrate FILE. Spreads are relative to the values in the case.",
+        "calibrate FILE. Spreads are relative to the values in the case.",
     ),
     Sheet(
         "Tolerance results",
@@ -329,7 +334,7 @@ _SHEETS: tuple[Sheet, ...] = (
         freeze="A6",
         side=0.25,
         intro="Scatter of the allowable starts that follows from the input scatter on sheet "
-              "Tolerances, and its main drivers. Written by torsionbook tolerances FILE.",
+        "Tolerances, and its main drivers. Written by torsionbook tolerances FILE.",
     ),
     Sheet(
         "Tolerance tables",
@@ -339,7 +344,7 @@ _SHEETS: tuple[Sheet, ...] = (
         freeze="A4",
         side=0.25,
         intro="Frequencies and margins: P10, P50 and P90 of the samples and the probability that "
-              "each margin is kept, with 95 % intervals.",
+        "each margin is kept, with 95 % intervals.",
     ),
     Sheet(
         "Tolerance peaks",
@@ -351,7 +356,7 @@ _SHEETS: tuple[Sheet, ...] = (
         breaks=("M",),
         repeated="B:B",
         intro="Largest torques and nominal stresses of the start, zero-to-peak, with their "
-              "percentiles.",
+        "percentiles.",
     ),
     Sheet(
         "Tolerance data",

@@ -56,7 +56,7 @@ def _as(result: str, equation: str = "") -> Trace:
 
 
 _RANK = Trace(
-    "Ranked by, in this order: calculable, start completed, fewest limits exceeded, "
+    "Ranked by, in this order: calculable, start completed, fewest limits violated, "
     "margins kept without forced response, most allowable starts, largest margin",
     _RULES, of_case=_ROWS,
 )  # fmt: skip
@@ -119,7 +119,8 @@ _INPUTS: tuple[TableSpec, ...] = (
             text("Name", "The maker's designation."),
             choice(
                 "Fitted", ("no", "yes"),
-                "yes for the coupling whose inertia is included in the stations on sheet Train.", blank="no",
+                "yes for the coupling whose inertia is included in the stations on sheet Train.",
+                blank="no",
             ),
             number("Stiffness", "torsional stiffness", "Torsional stiffness."),
             number(
@@ -160,8 +161,9 @@ _RESULTS: tuple[TableSpec, ...] = (
                 of_row=("TuningResults.Rank",),
             ),
             verdict(
-                "Verdict", "fail where a limit is exceeded; impossible where the combination cannot be "
-                           "calculated.",
+                "Verdict",
+                "fail where a limit is violated; impossible where the combination cannot be "
+                "calculated.",
                 trace=_as(
                     "Verdicts.Verdict", "The worst verdict of the run, rated torques included",
                 ),
@@ -171,7 +173,8 @@ _RESULTS: tuple[TableSpec, ...] = (
                 trace=_as("Verdicts.Verdict", "Number of checks that fail, rated torques included"),
             ),
             number(
-                "Allowable starts", "count", "Allowable starts of the governing shaft, not divided by StartsFactor.",
+                "Allowable starts", "count",
+                "Allowable starts of the governing shaft, not divided by StartsFactor.",
                 trace=_ALLOWED_STARTS,
                 format=shown.STARTS, unlimited=True,
             ),
@@ -269,7 +272,7 @@ _RESULTS: tuple[TableSpec, ...] = (
     table(
         "TuningCrossings", sheet="Tuning crossings", caption="Crossings",
         help="Crossings of 2 × slip frequency with the modes, for the best combinations and the "
-             "unchanged case.",
+        "unchanged case.",
         columns=(
             integer("Rank", "Rank of the combination.", trace=_RANK),
             text("Combination", "Values of this combination.", trace=_COMBINATION, width=36.0),
@@ -304,7 +307,7 @@ _RESULTS: tuple[TableSpec, ...] = (
     table(
         "TuningStarts", sheet="Tuning map", caption="Allowable starts",
         help="Allowable starts of the best combination of each cell; green many, red few; grey "
-             "digits where a margin is not kept.",
+        "digits where a margin is not kept.",
         room=MAP_ROWS, workbook_only=True,
         columns=(
             _OPTION, _SHARE,
@@ -426,8 +429,8 @@ _SHEETS: tuple[Sheet, ...] = (
         {"Tuning": "B5", "Catalogue": "J5"},
         freeze="A8",
         intro="Quantities and couplings to vary, for torsionbook tune FILE: it calculates every "
-              "combination of the rows of Tuning and one Catalogue row per element. With both "
-              "tables blank nothing is calculated.",
+        "combination of the rows of Tuning and one Catalogue row per element. With both "
+        "tables blank nothing is calculated.",
     ),
     Sheet(
         "Tuning results",
@@ -463,8 +466,8 @@ _SHEETS: tuple[Sheet, ...] = (
         row_breaks=(_MARGINS - 1, _BANDS - 1),
         largest=80,
         intro="Allowable starts and margins over the first two variables of sheet Tuning; each "
-              "cell shows the best combination of all other variables. No mode may lie in a "
-              "hatched band.",
+        "cell shows the best combination of all other variables. No mode may lie in a "
+        "hatched band.",
     ),
     Sheet(
         "Tuning crossings",

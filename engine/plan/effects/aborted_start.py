@@ -12,7 +12,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     if e.trip_share is None:
         return Finding.impossible("TripSpeed is blank.")
     wanted = e.trip_share >= 1.0 - NEARLY_REACHED
-    why = f"The rigid train reaches {e.trip_share:.3f} of the trip speed" + (
+    why = f"The rigid-body run-up reaches {e.trip_share:.3f} of the trip speed" + (
         "." if wanted else ", so there is no trip."
     )
     return Finding(wanted, True, e.trip_share, 1.0, 0.0, why)

@@ -37,7 +37,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         ):  # the back flank pushes along a line of its own, whatever the gap
             bound = None
             why += (
-                f"; the clearance given for {quoted(tight)} is 0, so its teeth cannot separate and a "
+                f"; the clearance given for {quoted(tight)} is 0, so the teeth cannot separate and a "
                 "negative torque pulls on the drive flank; with gears on bearings the force then has "
                 "the wrong direction: type a small clearance"
             )

@@ -15,7 +15,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
     if number == 0.0:
         return Finding(False, True, 0.0, limit, 0.0, "Damping couples no modes.")
     why = (
-        f"Damping that couples modes changes an element's torque by an estimated {number:.2g}, "
+        f"Damping that couples modes changes an element's torque by a share of about {number:.2g}, "
         f"{'above' if wanted else 'at most'} the limit {limit:.2g}."
     )
     return Finding(wanted, True, number, limit, COUPLING_GAIN * number, why)

@@ -15,7 +15,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         return Finding(True, True, None, 1.0, None, why)
     number, wanted = latest.stress_ratio, latest.must_count
     why = (
-        "The largest stress amplitude of the linear start, including its error, is "
+        "The largest possible stress amplitude of the start, including its error, is "
         f"{number:.3g} of endurance"
     )
     if wanted and number <= 1.0:

@@ -19,7 +19,7 @@ def finding(case: CaseData, e: Evidence, modelled: tuple[str, ...]) -> Finding:
         why = "TripSpeed comes before the speed at which the field is applied."
         return Finding(False, True, e.field_slip, limit, 0.0, why)
     why = (
-        f"The rigid train reaches a slip of {e.field_slip:.2%}; the field is applied at "
+        f"The rigid-body run-up reaches a slip of {e.field_slip:.2%}; the field is applied at "
         f"{limit:.2%}" + ("." if wanted else ", which is not reached.")
     )
     return Finding(wanted, True, e.field_slip, limit, 0.0, why)

@@ -123,8 +123,8 @@ def _nothing(case: CaseData) -> AccuracyStudy:
     """No start, or prescribed torques alone."""
     if case.torque_time:
         sentence = (
-            "Nothing to study: the response to prescribed torques (TorqueTime) is exact at every "
-            "step size. Only separating teeth make it depend on the step: give a clearance, or "
+            "Nothing to study: the response to prescribed torques (TorqueTime) is exact at any "
+            "time step. Only separating teeth make it depend on the step: give a clearance, or "
             "force backlash on."
         )
     else:
@@ -341,8 +341,8 @@ def _sentence(
     answer = "starts" if on_starts else "peak torques"
     at = f"{100.0 * wanted:.3g} %"
     return (
-        f"You asked for {at} on {answer}: {_cost(rows, ours, wanted, on_starts)}; "
-        f"{10.0 * wanted:.3g} % would cost {_cost(rows, ours, 0.1 * wanted, on_starts)}"
+        f"Wanted accuracy of {at} on {answer}: {_cost(rows, ours, wanted, on_starts)}; "
+        f"{10.0 * wanted:.3g} % would take {_cost(rows, ours, 0.1 * wanted, on_starts)}"
         + (
             f"; Newmark at {at} takes {_cost(rows, papers, wanted, on_starts)}{papers_note}."
             if any(r.method == papers for r in rows)

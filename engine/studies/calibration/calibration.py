@@ -226,8 +226,8 @@ class _Estimate:
         partner = self._partner(j)
         if partner:
             yield (
-                f"Correlated with {partner}: a larger value of one and a smaller value of the other "
-                "fit equally well."
+                f"Strongly correlated with {partner}: the measurements determine the two together, "
+                "not separately."
             )
         if reduction < UNTOUCHED:
             yield "The measurements hardly determine it."
@@ -326,14 +326,14 @@ class _Estimate:
         if not row.explained and row.left_out_residual is not None:
             yield (
                 f"Not explained: {abs(row.left_out_residual):.1f} standard deviations from the value "
-                "expected by the other measurements and the spread. Check its mode and its value, or "
+                "expected from the other measurements and the spread. Check its mode and its value, or "
                 "widen Scatter."
             )
         at = int(self.solution.order[mode])
         if at != mode:
-            yield f"After calibration this mode shape has number {at + 1}."
+            yield f"After calibration this mode shape is that of mode {at + 1}."
         if self.mac[mode] < 0.5:
-            yield "Its mode shape has changed completely: check which mode was measured."
+            yield "Its mode shape has changed strongly (MAC below 0.5): check which mode was measured."
         rival, worse = rivals.get(i, (None, math.inf))
         if worse < AMBIGUOUS and rival is not None:
             yield (
@@ -350,7 +350,7 @@ class _Estimate:
         if reading.mode is not None:
             candidates = [reading.mode]
         if not candidates:
-            return "Not used: the train has no elastic mode left to assign to it."
+            return "Not used: the train has no elastic mode."
         mode = int(min(candidates, key=lambda m: float(near[m])))
         calculated, off = f"{base.frequency[mode]:.4g} Hz", f"{near[mode]:.1f} standard deviations"
         if reading.mode is not None:
@@ -400,7 +400,7 @@ class _Estimate:
             if not row.explained and row.left_out_residual is not None:
                 note = (
                     f"Not explained: {abs(row.left_out_residual):.1f} standard deviations from the value "
-                    "expected by the other measurements and the spread. Torque curves, voltage or "
+                    "expected from the other measurements and the spread. Torque curves, voltage or "
                     "damping may differ from the case; they are calibrated only where Scatter names "
                     "damping."
                 )
@@ -436,7 +436,7 @@ def _known(uncertainty: float | None, deviation: float, reduction: float) -> tup
         return False, f"not measured, {sure}"
     if deviation > KNOWN_FREQUENCY:
         return False, f"measured, but {sure} only"
-    return False, f"measured to ±{100.0 * uncertainty:.2g} % only; Scatter alone gives {sure}"
+    return False, f"measured to ±{100.0 * uncertainty:.2g} % only; it is {sure} by Scatter alone"
 
 
 def _tail(chi_square: float, degrees: int) -> float:
@@ -455,7 +455,7 @@ def _basis(
 ) -> tuple[bool, str]:
     """Whether MarginBasis becomes measured, and why."""
     if case.margin_required is not None:
-        return False, (f"MarginRequired is {case.margin_required:.1%} and overrides MarginBasis.")
+        return False, f"MarginRequired is {case.margin_required:.1%} and overrides MarginBasis."
     limit = MARGIN_BY_BASIS["calculated"]
     at = {f.calibrated_mode: f for f in frequencies}
     least: dict[int, float] = {}
@@ -508,10 +508,7 @@ def _sentence(
     if not used:
         return "Nothing was calibrated: no measurement could be used. See their notes."
     if not parameters:
-        return (
-            "Nothing was calibrated: table Scatter names no uncertain stiffness, inertia or "
-            "damping."
-        )
+        return "Nothing was calibrated: no stiffness, inertia or damping is uncertain."
     largest = max(parameters, key=lambda p: abs(p.change))
     sure = [p for p in parameters if p.determined == "determined"]
     sentences = [
@@ -519,7 +516,7 @@ def _sentence(
         f"{' is' if len(measurements) == 1 else 's are'} used.",
         f"Largest change: {largest.quantity} of {largest.name}, {largest.change:+.1%}."
         if abs(largest.change) >= 5e-4
-        else "The unchanged case explains all measurements.",
+        else "No quantity changes by 0.05 % or more.",
         f"The measurements determine {len(sure)} of {len(parameters)} uncertain quantities.",
     ]
     if explained:
@@ -528,8 +525,8 @@ def _sentence(
         )
     elif probability < IMPROBABLE:
         sentences.append(
-            "Not explained: a misfit this large occurs by chance once in "
-            f"{1.0 / max(probability, 1e-09):.2g} times (χ² test). See the notes of the "
+            "Not explained: a misfit this large occurs by chance only once in "
+            f"{1.0 / max(probability, 1e-9):.2g} times (χ² test). See the notes of the "
             "measurements."
         )
     else:

@@ -39,7 +39,7 @@ DEFAULT_FREQUENCY_UNCERTAINTY, DEFAULT_PEAK_UNCERTAINTY = 0.01, 0.05
 _UNCERTAINTY = Limit(
     "Uncertainty",
     Allowed(lambda share: 1e-6 <= share < 1.0, "from 0.0001 % to below 100 %, or blank"),
-    action="It is one standard deviation over the value: write 1 % or 0.01.",
+    action="It is the standard deviation divided by the value: write 1 % or 0.01.",
 )
 #: Quantities that move a frequency, and those that only move a peak torque.
 OF_FREQUENCIES, OF_PEAKS = (STIFFNESS, INERTIA), (DAMPING, DAMPING_RATIO)

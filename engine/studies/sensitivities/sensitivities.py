@@ -221,7 +221,7 @@ class _Answer:
         largest = float(np.max(np.abs(self.own)))
         if self.is_doubtful(i):
             why = (
-                "the number of damaging cycles changes at the endurance limit, "
+                "the number of damaging cycles changes at the endurance limit, so there is "
                 if self.edge
                 else ""
             )
@@ -293,9 +293,9 @@ def _sentences(
         yield plan.reason
     else:
         yield (
-            f"{len(plan.parameters)} quantities. Each derivative is a difference over ± "
-            f"{100 * WIDE:g} % and ± {100 * NARROW:g} %, its error the difference of the two; "
-            f"runs at ± {100 * WHOLE:g} % show how far it holds."
+            f"{len(plan.parameters)} quantities. Each derivative comes from differences over "
+            f"± {100 * WIDE:g} % and ± {100 * NARROW:g} %, and its error is the difference of the "
+            f"two; runs at ± {100 * WHOLE:g} % show how far it holds."
         )
         if tangent is not None and worst is not None:
             yield (

@@ -230,7 +230,7 @@ def _accuracy(start: Start) -> str:
     if start.is_sensitive:
         return "Sensitive to tiny input changes: the result is one sample of possible values."
     if not start.met_tolerance:
-        return f"Wanted accuracy not met: estimated error of peaks {start.estimated_error:.2g}."
+        return f"Wanted accuracy not reached: estimated error of peaks {start.estimated_error:.2g}."
     return ""
 
 

@@ -124,7 +124,7 @@ def _problems(case: CaseData, rows: Sequence[StartConditionRow]) -> Iterator[Pro
 
 def _name(cells: Cells, row: StartConditionRow, names: dict[str, int | None]) -> Iterator[Problem]:
     if not row.condition:
-        action = "Name this kind of start, such as 'weak supply, loaded'."
+        action = "Name this start condition, such as 'weak supply, loaded'."
         yield cells.blank("Condition", "a name", action)
     elif row.condition in names:
         words = (

@@ -87,10 +87,8 @@ ASSUMPTION = (
 
 #: What of a shaft makes a pass doubtful, by its attribute.
 _DOUBTS = {
-    "extended": ("Cycles above the first S-N point in '{}': its slope is extended, not test data."),
-    "yields": (
-        "Nominal peak above shear yield in '{}': its damage is not that of an elastic count."
-    ),
+    "extended": "Cycles above the first S-N point in '{}': life extrapolated, not test data.",
+    "yields": "Nominal peak above shear yield in '{}': its damage, from elastic stress, is invalid.",
 }
 #: Verdicts, the worse the later.
 _WORSE = (Judgement.PASS, Judgement.NOT_JUDGED, Judgement.FAIL)
@@ -222,7 +220,7 @@ def _verdict(
     sentences = [f"Used so far {used:.4g} of {allowed:.4g}."]
     verdict = Judgement.PASS if used < allowed else Judgement.FAIL
     if verdict == Judgement.FAIL:
-        sentences.append("No life left: by this calculation the shaft must not be started again.")
+        sentences.append("No life left: by this calculation the train must not be started again.")
     if (low < allowed) != (high < allowed):
         sentences.append(
             f"Within the error of the calculation the damage is between {low:.4g} and {high:.4g}, "
@@ -234,7 +232,7 @@ def _verdict(
             sentences.append(words.format(names[0]))
             verdict = Judgement.NOT_JUDGED if verdict == Judgement.PASS else verdict
     if not starts_yearly:
-        sentences.append("Per year is blank: years left are not calculated.")
+        sentences.append("Per year is blank or 0: years left are not calculated.")
     return verdict, " ".join(sentences)
 
 
@@ -300,7 +298,8 @@ def _words(rows: Sequence[LedgerRow]) -> Iterator[str]:
         elif row.remaining_years is not None:
             yield (
                 f"{row.element}: {row.used / row.allowed:.1%} of its life is used; the remaining life "
-                f"is {_quantity(row.remaining_years)} years{_interval(row)}, consumed mostly by '{row.governing}'."
+                f"is {_quantity(row.remaining_years)} years{_interval(row)}, consumed mostly by "
+                f"'{row.governing}'."
             )
         else:
             yield f"{row.element}: {row.used / row.allowed:.1%} of its life is used."

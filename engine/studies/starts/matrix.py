@@ -155,7 +155,8 @@ def _sentence(rows: Sequence[ConditionResult], shafts: Sequence[str]) -> str:
             f"Fewest starts: {math.floor(worst.allowable_starts or 0.0):,} of '{worst.condition.name}' "
             f"({worst.governing})"
             + (
-                f"; largest limited number: {math.floor(best.allowable_starts or 0.0):,} of '{best.condition.name}'."
+                f"; largest limited number: {math.floor(best.allowable_starts or 0.0):,} of "
+                f"'{best.condition.name}'."
                 if best is not worst
                 else "."
             )

@@ -153,12 +153,12 @@ def _trips(case: CaseData) -> tuple[list[tuple[float, float, str]], list[str]]:
         name = f"mode {r - modes.n_rigid + 1} ({f:.4g} Hz)"
         if speed > highest or acceleration == 0.0:
             notes.append(
-                f"No start aborted just above {name}: at full voltage the start ends at "
+                f"No aborted start just past {name}: at full voltage the start ends at "
                 f"{highest / synchronous:.1%} speed, before {speed / synchronous:.1%}."
             )
         else:
             span = max(runup.acceleration_at(speed), 0.0) / f
-            behind.append((speed, min(span, highest - speed), f"just above {name}"))
+            behind.append((speed, min(span, highest - speed), f"just past {name}"))
     fixed = []
     for speed in (share * synchronous for share in STANDARD_TRIPS):
         if speed <= highest and all(abs(speed - s) > SAME_TRIP * synchronous for s, *_ in behind):

@@ -151,7 +151,7 @@ def summarise_sample(plan: TolerancePlan, evaluated: Sequence[Evaluated]) -> Tol
         _part(whole, slice(plan.n_samples, None)),
     )
     if not np.any(sample.known):
-        reason = next((t for e in evaluated for t in e.troubles), "no sample was calculated")
+        reason = next((t for e in evaluated for t in e.troubles), "no reason was recorded")
         raise ModelError(f"No sample could be calculated: {reason}")
     percentiles = tuple(_percentile_rows(plan, sample))
     driven, answer, usable = _driven(plan, sample)
@@ -487,9 +487,9 @@ def _about_the_starts(
     else:
         what = ", ".join(f"'{name}'" for name in recipe.effects.clearances)
         yield (
-            "Each start was calculated as in the plain run, with the same plan"
+            "Each start was calculated like the nominal run, with the same plan"
             + (f" (clearances of {what})" if what else "")
-            + " and its own refinement."
+            + " and its own step refinement."
         )
     unfinished = n - int(np.sum(sample.counted[known]))
     if unfinished:
@@ -499,14 +499,14 @@ def _about_the_starts(
         outcomes = ", ".join(f"{times} {word}" for word, times in sorted(counts.items()))
         yield (
             f"{unfinished} of {n} starts were not completed: their torques and allowable starts "
-            f"are not judged and excluded from percentiles (outcomes of all runs: {outcomes})."
+            f"are not judged and are excluded from the percentiles (outcomes of all runs: {outcomes})."
         )
     reversed_ = int(np.sum(sample.reversed[known]))
     if reversed_:
         names = ", ".join(f"'{name}'" for name in recipe.gaps)
         yield (
             f"In {reversed_} of {n} samples the torque of an element with a clearance reverses where "
-            f"the plan of the plain run simulates no gap ({names}): "
+            f"the plan of the nominal run models no clearance ({names}): "
             + (
                 "each was recalculated with its own plan."
                 if plan.settings.replan

@@ -109,7 +109,7 @@ def _tuning_row(case: CaseData, cells: Cells, row: TuningRow) -> Iterator[Proble
                 f"'{row.element}' is a rigid mesh and cannot have damping. Give it a stiffness."
             )
         if missing is not None:
-            allowed = f"an element or station whose {quantity} can be changed"
+            allowed = f"one whose {quantity} can be changed"
             yield cells.problem("Element", row.element, allowed, missing)
     yield from _range(cells, row)
     unit = "" if row.relative or quantity not in UNITS else UNITS[quantity]
@@ -164,7 +164,7 @@ def _range(cells: Cells, row: TuningRow) -> Iterator[Problem]:
                 "Steps",
                 row.steps,
                 "2 or more",
-                "Steps includes both ends of the range: type 2 or more.",
+                "Steps includes both ends of the range.",
             )
 
 
@@ -211,7 +211,7 @@ def _chosen_twice(studies: StudyInputs) -> Iterator[Problem]:
         if row.element is None:
             continue
         if key in first:
-            allowed = f"unique for its {quantity} (already in row {first[key]})"
+            allowed = f"named once for its {quantity} (row {first[key]} has it)"
             yield cells.wrong("Element", row.element, allowed, "Put all values into one row.")
         elif (row.element, other) in first:
             allowed = f"named for its {quantity} or its {other}, not for both"
@@ -283,7 +283,7 @@ def _too_little_inertia(case: CaseData, studies: StudyInputs) -> Iterator[Proble
                 "coupling, or of the station."
             )
             cells = Cells(_CATALOGUE, studies.catalogue.index(fitted) + 1)
-            allowed = "at most the inertia of its end stations"
+            allowed = "at most what the stations at its ends hold"
             yield cells.problem("Inertia", fitted.inertia, allowed, words)
 
 

@@ -178,7 +178,7 @@ def _limits(a: KeyAnswers) -> str:
     if a.broken:
         names = [f"{n} ({near})" if n == MARGIN_CHECK else n for n in dict.fromkeys(a.broken)]
         many = "limit" if len(a.broken) == 1 else "limits"
-        return f"Exceeds {len(a.broken)} {many}: {', '.join(names)}."
+        return f"Violates {len(a.broken)} {many}: {', '.join(names)}."
     unjudged = dict.fromkeys(c.check for c in a.checks if c.verdict == Judgement.NOT_JUDGED)
     unjudged.pop(MARGIN_CHECK, None)
     unjudged_words = f"Not judged: {', '.join(unjudged)}." if unjudged else ""
@@ -222,7 +222,7 @@ def _against(now: float, before: float | None, less: str = "less", more: str = "
     change = now / before - 1.0
     if abs(change) < SAME:
         return " (as is)"
-    return f" ({100.0 * abs(change):.2g} % {less if change < 0.0 else more} than as is)"
+    return f" ({100.0 * abs(change):.2g} % {less if change < 0.0 else more} than in the unchanged case)"
 
 
 def _severity(a: KeyAnswers, b: KeyAnswers | None, stress: DisplayUnit) -> str:
