@@ -61,7 +61,7 @@ TIMES_IN_TABLES = (
 #: Columns of sheets without tables: file, part, column.
 TIMES_IN_CELLS = (("out/summary.xlsx", "xl/worksheets/sheet1.xml", "AB"),)  # Time of a batch
 #: Sentences that name a time that was measured, by their beginning; the rest of them is compared.
-TIMES_IN_SENTENCES = ("You asked for ",)
+TIMES_IN_SENTENCES = ("You asked for ", "Wanted accuracy of ")
 #: Files of a batch that hold nothing but when and by which process it ran.
 NOT_COMPARED = ("out/.torsionbook-batch/*",)
 #: Columns of CSV files that hold a time that was measured.

@@ -150,7 +150,7 @@ def test_a_task_that_kills_every_worker_is_given_up_and_named(tmp_path):
                 own.worker()
             found = {task.tag: answer for task, answer in work.answers(never)}
         assert isinstance(found["bad"], Crashed)
-        assert "died" in found["bad"].sentence
+        assert "stopped during the calculation" in found["bad"].sentence
     finally:
         own.stop()
 

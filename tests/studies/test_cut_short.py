@@ -110,8 +110,8 @@ def test_a_part_of_a_sample_is_told_as_a_part(tmp_path: Path, method: str) -> No
     assert found["sentence"].startswith(start)
     assert said_in(source, "tolerances_Sentence").startswith(start)
     told = " ".join(done.warnings)
-    assert ("A part of a Latin hypercube is none" in told) == (method == "lhs")
-    assert "on the safe side" not in told  # which holds of the whole sample only
+    assert ("An incomplete Latin hypercube is treated as" in told) == (method == "lhs")
+    assert "conservative" not in told  # which holds of the whole sample only
     assert len(found["tolerance_tornado"]) == 2  # the runs of one factor at a time come first
 
 

@@ -162,7 +162,7 @@ def test_a_blank_duty_is_the_standard_matrix(tmp_path: Path) -> None:
     voltages = [r["voltage"] for r in found["start_matrix"]]
     assert voltages == [0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1] * 2
     assert found["standard"] is True
-    assert "No duty is stated" in found["sentence"]
+    assert "No duty on sheet Duty" in found["sentence"]
     assert [r["voltage"] for r in found["starts_by_voltage"]] == voltages[:7]
     assert any("No aborted start just past" in w for w in found["warnings"])
 
@@ -212,7 +212,7 @@ def test_cells_of_the_calibration_equal_the_json(folder: Path) -> None:
 def test_an_impossible_measurement_of_the_example_is_told(folder: Path) -> None:
     found = read(folder / "calibrate.json")
     assert [r["used"] for r in found["frequency_fit"]] == [True, True, False]
-    assert "no mode can be there" in found["frequency_fit"][2]["note"]
+    assert "no mode can have this frequency" in found["frequency_fit"][2]["note"]
     assert found["margin_basis_justified"] is False
 
 

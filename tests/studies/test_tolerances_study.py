@@ -109,7 +109,7 @@ def test_the_sheet_says_how_many_starts_are_in_no_percentile(
     )
     stalled = round(40 * (1.0 - completed["probability"]))
     assert 0 < stalled < 40
-    assert f"{stalled} of 40 starts did not come to their end" in told["sentence"]
+    assert f"{stalled} of 40 starts were not completed" in told["sentence"]
 
 
 @pytest.mark.slow
@@ -128,8 +128,8 @@ def test_processes_change_no_number(content: dict[str, Any], tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        ([], "Table Scatter has no row"),
-        ([{"quantity": "stiffness", "spread": 0.3}], "would reach zero"),
+        ([], "Table Scatter is empty"),
+        ([{"quantity": "stiffness", "spread": 0.3}], "or more reaches zero"),
         ([{"quantity": "stiffnes", "spread": 0.1}], "Did you mean 'stiffness'?"),
         ([{"name": "Motr", "quantity": "inertia", "spread": 0.1}], "no station 'Motr'"),
     ],
@@ -154,7 +154,7 @@ def test_what_cannot_be_read_hides_nothing_else_that_is_wrong(
     told = _run("tolerances", str(_written(content | {"scatter": rows}, tmp_path)))
     assert told.exit_code == 1
     assert "2 errors" in told.output
-    assert "would reach zero" in told.output
+    assert "or more reaches zero" in told.output
     assert "found 'gauss'" in told.output
 
 

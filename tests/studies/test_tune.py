@@ -238,7 +238,7 @@ def test_two_processes_find_the_same(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        ({}, "there is nothing to try"),
+        ({}, "the tables Tuning and Catalogue are empty"),
         ({"tuning": [{"element": HIGH + "t", "quantity": "stiffness", "values": "1"}]}, f"'{HIGH}'"),
         ({"tuning": [{"element": HIGH, "quantity": "stiffness", "from": 2, "to": 1}]}, "less than From"),
         ({"tuning": [{"element": HIGH, "quantity": "stiffness", "values": "-1"}]}, "must be positive"),

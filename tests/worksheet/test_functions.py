@@ -512,6 +512,6 @@ def test_calibration_explains_what_was_measured(handle):
     assert max(row[3] for row in rows) > 1.0
     same = call("TV_CALIBRATE", [handle, [f], None, None, "SI", False])
     assert all(row[3] == pytest.approx(0.0, abs=1e-9) for row in same)
-    assert "no mode can be there" in refused("TV_CALIBRATE", handle, 200.0).message
+    assert "no mode can have this frequency" in refused("TV_CALIBRATE", handle, 200.0).message
     assert "must be positive" in refused("TV_CALIBRATE", handle, [[30.0, -1.0]]).message
     assert "Uncertainty" in refused("TV_CALIBRATE", handle, 30.0, 5.0).message

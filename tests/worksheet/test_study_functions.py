@@ -129,7 +129,7 @@ def test_what_is_too_much_for_a_cell_says_which_command_does_it(handle, monkeypa
 
 
 def test_wrong_rows_are_told_with_table_row_and_column(handle):
-    assert "nothing to try" in refused("TV_TUNE", handle, None).message
+    assert "the tables Tuning and Catalogue are empty" in refused("TV_TUNE", handle, None).message
     wrong = [TUNING[0], ["HS couplin", "stiffness", "%", "33"]]
     assert "Tuning, row 1, Element" in refused("TV_TUNE", handle, wrong).message
     unreadable = [TUNING[0], ["HS coupling", "stiffness", "florps", "33"]]

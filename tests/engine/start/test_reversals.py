@@ -149,7 +149,7 @@ def test_only_the_makers_limit_judges(limit, verdict):
     r = torque_reversals(case, prepared(case)[0], started(case))[0]
     assert -3.0e4 < r.minimum_torque < -1.0e4
     assert (r.verdict, r.limit) == (verdict, limit)
-    assert ("no Reversal limit entered" in r.sentence) == (limit is None)
+    assert ("Reversal limit is blank" in r.sentence) == (limit is None)
 
 
 def test_geared_couplings_and_elements_with_a_limit_are_watched():
@@ -184,7 +184,7 @@ def test_teeth_that_part_without_reaching_the_back_flank_are_told(start):
     contact = ContactRecord("Mesh", 3, 0, 0.2, 0.1, 1.0, 4.0e5, 1.0e4)
     r = mesh_reversal(CASE, apart, (contact,))
     assert (r.reversals, r.time_unloaded, r.verdict) == (0, 0.2, "not judged")
-    assert "falls to zero, teeth meet again 3 times; no Reversal limit entered" in r.sentence
+    assert "falls to zero, teeth re-engage 3 times; Reversal limit is blank" in r.sentence
 
 
 def test_back_flank_blows_with_a_gap_between_them_are_one_reversal(start):

@@ -428,7 +428,7 @@ def test_modes_near_twice_line_are_flagged(
     train, modes, damping = prepared(case)
     start = started(case)
     (row,) = crossings_of(case, ModalTrain(train, modes, damping), start)
-    assert ("initial shock" in row.note) is flagged
+    assert ("breaker closing" in row.note) is flagged
     assert row.percent_speed == (None if percent is None else pytest.approx(percent, abs=1e-3))
     assert (row.time is None) is (percent is None)
     if frequency == 120.0:
@@ -452,7 +452,7 @@ def test_torque_that_rises_faster_than_a_mode_is_damped_is_warned_about():
 
     from engine.run import run
 
-    said = "rises with speed faster than the damping of mode 1"
+    said = "rises with speed so steeply that it can feed mode 1 "
     assert not any(said in w for w in run(sample_case("modified")).warnings)
     undamped = run(sample_case("modified", damping_ratio=0.0)).warnings
     assert any(said in w for w in undamped)

@@ -56,8 +56,8 @@ def test_the_reference_is_a_hundred_times_finer_than_the_finest_setting(study):
 
 def test_the_sentence_quotes_the_cheapest_measured_setting(study):
     text = study.sentence
-    assert text.startswith("You asked for 2 % on starts: ")
-    assert "; 0.2 % would cost " in text
+    assert text.startswith("Wanted accuracy of 2 % on starts: ")
+    assert "; 0.2 % would take " in text
     assert "the paper's method at 2 % costs " in text
 
 
@@ -77,7 +77,7 @@ def test_without_judged_shafts_the_sentence_is_about_peaks():
     found = accuracy_study(geared(tolerance_peak=1e-3), rounds=1)
     assert all(r.error_starts is None for r in found.rows)
     assert found.reference_error_starts is None
-    assert found.sentence.startswith("You asked for 0.1 % on peak torques: ")
+    assert found.sentence.startswith("Wanted accuracy of 0.1 % on peak torques: ")
     assert "of a single run" in found.reference
 
 
@@ -98,8 +98,8 @@ def test_where_no_step_decides_there_is_nothing_to_study():
     )
     found = accuracy_study(prescribed)
     assert found.rows == ()
-    assert "exact at its samples" in found.sentence
-    assert "backlash forced on" in found.sentence  # and what would make it worth a study
+    assert "exact at any time step" in found.sentence
+    assert "force backlash on" in found.sentence  # and what would make it worth a study
 
 
 def test_prescribed_torques_that_part_teeth_are_studied():
@@ -116,7 +116,7 @@ def test_prescribed_torques_that_part_teeth_are_studied():
     assert len(found.rows) == len(events) == 5
     assert events[-1].error_peak <= 3e-4
     assert events[-1].error_peak <= events[0].error_peak
-    assert found.sentence.startswith("You asked for 0.1 % on peak torques: ")
+    assert found.sentence.startswith("Wanted accuracy of 0.1 % on peak torques: ")
     assert "paper" not in found.sentence
     assert "not studied" in found.reference
 

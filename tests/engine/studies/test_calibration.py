@@ -119,7 +119,7 @@ def test_from_to_beside_one_is_counted_from_its_middle() -> None:
     found = calibrate(case, asked(M(None, true), scatter=(row,)))
     assert found.parameters[0].change == pytest.approx(0.2, abs=1e-12)
     assert found.parameters[0].pull == pytest.approx(0.0, abs=1e-12)
-    assert any("counted from its middle" in note for note in found.notes)
+    assert any("measured from its middle" in note for note in found.notes)
 
 
 def test_an_independent_search_finds_the_same_least() -> None:
@@ -244,7 +244,7 @@ def test_a_mode_between_two_measurements_says_that_it_could_be_either() -> None:
     between = math.sqrt(f[1] * f[2])
     scatter = (ScatterRow(None, "stiffness", "normal", 0.4),)
     found = calibrate(case, asked(M(None, float(between)), scatter=scatter))
-    assert "could be mode" in found.measurements[0].note
+    assert "It may also be mode" in found.measurements[0].note
 
 
 def test_a_train_together_is_one_unknown(case: Case, frequencies: np.ndarray) -> None:
@@ -308,9 +308,9 @@ def test_impossible_measurements_get_their_sentence(case: Case, frequencies: np.
     found = calibrate(
         case, asked(M(None, f[0]), M(None, 200.0), M(None, 1.01 * f[0]), M(None, 1e5))
     )
-    assert "no mode can be there" in told(found, 2)
+    assert "no mode can have this frequency" in told(found, 2)
     assert "86 Hz" in told(found, 2)
-    assert "is taken by the 30 Hz of row 1" in told(found, 3)
+    assert "is already assigned to the 30 Hz of row 1" in told(found, 3)
     assert "above the highest mode of the model" in told(found, 4)
     assert found.measurements[0].used
     assert not found.explained
@@ -350,7 +350,7 @@ def test_a_measurement_that_contradicts_the_others_is_told(
     assert "Not explained" in found.measurements[2].note
     assert found.probability < 0.01
     assert not found.explained
-    assert "Not explained: chance" in found.sentence
+    assert "Not explained: a misfit this large occurs by chance" in found.sentence
 
 
 @pytest.mark.parametrize(

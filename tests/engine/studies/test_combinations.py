@@ -44,7 +44,7 @@ def _offer(**fields: Any) -> CatalogueRow:
 # --- what is wrong --------------------------------------------------------------------------------
 
 WRONG = [
-    (StudyInputs(), None, "", "there is nothing to try"),
+    (StudyInputs(), None, "", "the tables Tuning and Catalogue are empty"),
     (_tuning(_stiffness(element="LS couplin", values=(1.0,))), 1, "Element", "'LS coupling'"),
     (_tuning(_stiffness(element=None, values=(1.0,))), 1, "Element", "Name it"),
     (_tuning(_stiffness(quantity="stifness", values=(1.0,))), 1, "Quantity", "one of stiffness"),
@@ -83,13 +83,13 @@ WRONG = [
         StudyInputs((_stiffness(values=(1.0,)),), (_offer(),)),
         1,
         "Element",
-        "A coupling of the catalogue brings its own",
+        "A catalogue coupling has its own data",
     ),
     (
         _offers(_offer(inertia=1.0), _offer(name="B", inertia=14.0, fitted="yes")),
         2,
         "Inertia",
-        "half of 14 kg m² is part of station 'LS hub M', which has 6 kg m²",
+        "half of 14 kg m² is included in station 'LS hub M', which has 6 kg m²",
     ),
 ]
 
@@ -137,7 +137,7 @@ def test_too_many_combinations_are_told_with_their_number_before_any_is_made(cas
     (problem,) = tuning_problems(
         case, _tuning(_stiffness(from_=0.5, to=2.0, steps=steps), _stiffness(element=HS, values=(0.5, 1.0)))
     )  # fmt: skip
-    assert f"make {2 * steps:,} combinations; at most {MAX_COMBINATIONS:,}" in problem.message
+    assert f"make {2 * steps:,} combinations; the limit is {MAX_COMBINATIONS:,}" in problem.message
     within = _tuning(_stiffness(from_=0.5, to=2.0, steps=MAX_COMBINATIONS))
     assert tuning_problems(case, within) == ()
 

@@ -268,4 +268,4 @@ def test_a_start_with_teeth_that_part_has_differences_alone() -> None:
     assert told.method == "differences"
     assert told.peak is not None
     assert told.peak_error is not None
-    assert any("differences of whole starts alone" in s for s in got.sentences)
+    assert any("only from differences of complete starts" in s for s in got.sentences)

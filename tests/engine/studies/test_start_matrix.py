@@ -282,7 +282,7 @@ def test_a_stalled_start_is_not_judged_and_never_unlimited(case: Case) -> None:
         assert not row.judged
         assert not row.unlimited
         assert row.allowable_starts is None
-        assert row.note.startswith("Not a start: ")
+        assert row.note.startswith("Incomplete start: ")
         assert all(s.allowable_starts is None and not s.unlimited for s in row.shafts)
     assert stalled.shafts[0].damage > 0.0
     assert "counted up to" in stalled.note

@@ -297,7 +297,7 @@ def test_starts_that_stall_are_in_no_percentile_and_meet_no_demand(case: Case) -
     enough = next(p for p in got.probabilities if p.check == "starts")
     assert enough.samples == 40
     assert enough.probability == pytest.approx(float(np.sum(got.starts >= 400.0)) / 40)
-    assert any("did not come to their end" in s and "stalled" in s for s in got.sentences)
+    assert any("were not completed" in s and "stalled" in s for s in got.sentences)
 
 
 def test_every_run_of_a_sample_is_in_the_counts_of_its_outcomes(case: Case) -> None:
@@ -432,7 +432,7 @@ def test_a_sample_that_reverses_where_the_plan_has_no_gap_is_told(case: Case) ->
     assert 0 < np.sum(got.reversed) < 30
     told = summarise_sample(plan, [got])
     assert any(
-        "reverses where the plan of the plain run simulates no gap" in s for s in told.sentences
+        "reverses where the plan of the nominal run models no clearance" in s for s in told.sentences
     )
     again = plan_tolerances(gap, rows, replace(settings, replan=True))
     first = int(np.flatnonzero(got.reversed)[0])
