@@ -134,7 +134,9 @@ def test_too_few_samples_are_no_result(tmp_path: Path) -> None:
     source = written(tmp_path, sample_case("proposed"), scatter=SCATTER)
     with pytest.raises(Cancelled) as ended:
         study_one(TOLERANCES, source, serial_map(after(1)), SAMPLED)
-    assert ended.value.why == "0 of 200 samples were calculated; fewer than 30 bound no P10."
+    assert (
+        ended.value.why == "0 of 200 samples were calculated; fewer than 30 give no bound for P10."
+    )
     assert sorted(p.name for p in tmp_path.iterdir()) == ["case.json"]
 
 

@@ -245,7 +245,7 @@ def test_two_processes_find_the_same(folder: Path, tmp_path: Path) -> None:
         ({"catalogue": [{"element": LOW, "name": "A"}]}, "Stiffness"),
         (
             {"tuning": [{"element": HIGH, "quantity": "stiffness", "from": 1, "to": 2, "steps": 30000}]},
-            "make 30,000 combinations; at most 20,000",
+            "make 30,000 combinations; the limit is 20,000",
         ),
     ],
 )  # fmt: skip
@@ -295,7 +295,7 @@ def test_more_options_than_there_is_room_for_are_spread_and_told() -> None:
     assert len(tables["TuningStarts"]) == MAP_ROWS
     (axes,) = tables["TuningAxes"]
     assert axes["first_variable"].startswith(
-        f"{HIGH} stiffness, % of as is ({MAP_ROWS} of {MAP_ROWS + 2}"
+        f"{HIGH} stiffness, % of the unchanged case ({MAP_ROWS} of {MAP_ROWS + 2}"
     )
     assert [axes[f"line_{k}"] for k in range(1, LINES + 1)] == ["all", *["–"] * (LINES - 1)]
 

@@ -109,7 +109,7 @@ def test_equals_are_ordered_by_what_was_chosen_whatever_the_order_of_rows() -> N
         (GOOD, "5,000 starts (2.5 × as is)"),
         (replace(GOOD, starts=436.6), "436 starts"),
         (GOOD, "200 MPa peak-to-peak (50 % less than in the unchanged case)"),
-        (replace(GOOD, checks=(KEPT, STARTS)), "Breaks 1 limit: Allowable starts."),
+        (replace(GOOD, checks=(KEPT, STARTS)), "Violates 1 limit: Allowable starts."),
         (replace(GOOD, unlimited=True, starts=None), "Unlimited starts"),
         (replace(GOOD, whole=False, sentence="Stalled: at 1500 rpm."), "Stalled: at 1500 rpm."),
         (replace(GOOD, impacts=12), "12 impacts of teeth"),

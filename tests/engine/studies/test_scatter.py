@@ -82,7 +82,11 @@ def test_every_quantity_can_scatter(case: CaseData) -> None:
         (ScatterRow(quantity="colour", spread=0.1), "Quantity", "'colour'"),
         (ScatterRow("LS couplin", "stiffness", spread=0.1), "Name", "no element 'LS couplin'"),
         (ScatterRow("LS coupling", "damping ratio", spread=0.1), "Name", "Clear Name"),
-        (ScatterRow(quantity="damping", spread=0.1), "Quantity", "the case gives no damping to scale"),
+        (
+            ScatterRow(quantity="damping", spread=0.1),
+            "Quantity",
+            "the case gives no damping to scale",
+        ),
         (ScatterRow(quantity="stiffness"), "Spread", "Spread is blank"),
         (ScatterRow(quantity="stiffness", spread=-0.1), "Spread", "-10 %"),
         (ScatterRow(quantity="stiffness", spread=0.25), "Spread", "or more reaches zero"),
@@ -125,8 +129,8 @@ def test_messages_have_per_cents_as_typed_and_leave_the_place_to_the_reader(
         ScatterRow(quantity="stiffness", spread=0.05),
     ]
     said = [p.message for p in scatter_problems(case, rows)]
-    assert said[0] == "To is 90 %, below From, 110 %. Exchange them."
-    assert said[1].startswith("Spread is -2 %; a scatter has no sign.")
+    assert said[0] == "To is 90 %, below From, 110 %. Swap them."
+    assert said[1].startswith("Spread is -2 %; it must not be negative.")
     assert "standard deviations" not in said[1]
     assert said[2].startswith("To is 120 %, but the distribution is uniform.")
     assert not any("Scatter, row" in one for one in said)
@@ -139,7 +143,7 @@ def test_everything_wrong_is_told_at_once(case: CaseData) -> None:
         ScatterRow(quantity="inertia", spread=0.3),
     ]
     assert [(p.row, p.column) for p in scatter_problems(case, rows)] == [(3, "Spread"), (2, "Name")]
-    assert "no row" in scatter_problems(case, [])[0].message
+    assert "Table Scatter is empty" in scatter_problems(case, [])[0].message
 
 
 # --- samples --------------------------------------------------------------------------------------
@@ -154,7 +158,9 @@ def test_ends_are_judged_as_if_they_were_typed(case: CaseData) -> None:
     with pytest.raises(CaseError) as typed:
         replace(case, damping_ratio=200.0 * (case.damping_ratio or 0.0))
     assert (wrong.table, wrong.row, wrong.column, wrong.found) == ("Scatter", 2, "To", 200.0)
-    assert wrong.message.startswith("times 200, its largest factor, the case would be refused: ")
+    assert wrong.message.startswith(
+        "multiplied by 200, its largest factor, the value is not valid: "
+    )
     assert typed.value.problems[0].message in wrong.message
     assert scatter_problems(case, [rows[0], replace(rows[1], to=2.0)]) == []
 

@@ -359,7 +359,7 @@ def test_of_several_instants_the_worst_stands_in_the_row(case: Case) -> None:
         assert found.allowable_starts == pytest.approx(1.0 / 9e-4)
         assert [s.damage for s in found.shafts] == [9e-4, 5e-4]
         assert found.note == (
-            "Worst of 8 instants of one period from there; the least harmful allows 10,000 starts. "
+            "Worst of 8 trip instants within one period; the most favourable instant allows 10,000 starts. "
             "Tripped."
         )
     # extremes of an instant that does less damage
@@ -433,12 +433,16 @@ def test_rows_of_the_tables_are_plain_and_finite(case: Case) -> None:
         (StartConditionRow("a", load=-0.1), "Load", "from 0 to 2"),
         (StartConditionRow("a", load=80.0), "Load", "Write 80 % or 0.8"),
         (StartConditionRow("a", trip_speed=1800.0), "Trip speed", "synchronous speed"),
-        (StartConditionRow("a", trip_speed=0.99 * SYNCHRONOUS), "Trip speed", "never trip"),
+        (
+            StartConditionRow("a", trip_speed=0.99 * SYNCHRONOUS),
+            "Trip speed",
+            "never reaches TripSpeed",
+        ),
         (StartConditionRow("a", trip_speed=-1.0), "Trip speed", "positive"),
         (StartConditionRow("a", per_year=-1.0), "Per year", "zero or more"),
         (StartConditionRow("a", so_far=math.inf), "So far", "finite"),
         (StartConditionRow(None), "Condition", "blank"),
-        (StartConditionRow("first"), "Condition", "which row 1 has too"),
+        (StartConditionRow("first"), "Condition", "also in row 1"),
     ],
 )
 def test_wrong_rows_are_told(row: StartConditionRow, column: str, says: str) -> None:
@@ -459,7 +463,7 @@ def test_everything_wrong_is_told_at_once(case: Case) -> None:
 def test_load_of_a_train_without_load_and_a_train_without_motor(case: Case) -> None:
     bare = replace(CaseData(**vars(case)), load_torque=())
     (found,) = condition_problems(bare, asked(StartConditionRow("a", load=0.0)))
-    assert "no rows in table LoadTorque" in found.message
+    assert "table LoadTorque is empty" in found.message
     still = replace(CaseData(**vars(case)), motor_torque=(), load_torque=())
     (found,) = condition_problems(still, StudyInputs())
     assert "no rows in table MotorTorque" in found.message

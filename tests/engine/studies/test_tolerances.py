@@ -432,7 +432,8 @@ def test_a_sample_that_reverses_where_the_plan_has_no_gap_is_told(case: Case) ->
     assert 0 < np.sum(got.reversed) < 30
     told = summarise_sample(plan, [got])
     assert any(
-        "reverses where the plan of the nominal run models no clearance" in s for s in told.sentences
+        "reverses where the plan of the nominal run models no clearance" in s
+        for s in told.sentences
     )
     again = plan_tolerances(gap, rows, replace(settings, replan=True))
     first = int(np.flatnonzero(got.reversed)[0])
@@ -523,5 +524,5 @@ def test_one_in_fifty_starts_is_calculated_at_half_the_step_however_the_work_is_
     assert rows == [0, 50]
     (said,) = (s for s in summarise_sample(plan, parts).sentences if "half that step" in s)
     worst = float(np.max(whole.by_step[:, 0]))
-    assert "tried on 2 of them" in said
+    assert "checked on 2 of them" in said
     assert 0.0 < worst < 0.01
