@@ -45,7 +45,7 @@ def find_records(package: str, kind: type[Record]) -> dict[str, Record]:
         records = [value for value in vars(module).values() if isinstance(value, kind)]
         if len(records) != 1:
             raise IncompleteRecord(
-                f"{path_of(module)} defines {len(records)} records {kind.__name__}: keep one"
+                f"{path_of(module)} defines {len(records)} records {kind.__name__}: define exactly one"
             )
         by_file[path_of(module)] = records[0]
     return by_file

@@ -49,7 +49,7 @@ EQUATIONS: tuple[Equation, ...] = (
         "Modal damping",
         formula("ζ_r = ζ_stated +", frac("1", "2"), "∑_e η_e s_er +", frac("1", "2"),
                 frac("φ_r^T *C φ_r", "ω_r")),
-        "ζ = ratio from DampingRatio or ModeDamping, η = loss factor and s = strain-energy "
+        "ζ stated by DampingRatio or ModeDamping, η = loss factor and s = strain-energy "
         "share of an element, φ at unit modal mass. The amplification at resonance is 1 / 2ζ.",
         "modal analysis; docs/method.md",
     ),

@@ -84,7 +84,7 @@ def _part(study: _Study) -> Section:
     if recorded.outdated:
         command = recorded.on_sheet.command
         sentence = (
-            f"Out of date and omitted: sheet {recorded.on_sheet.sheet} contains a study, but "
+            f"Out of date and omitted: sheet {recorded.on_sheet.sheet} contains a study; "
             f"{recorded.outdated}. Run torsionbook {command} FILE to update it."
         )
         return section(title, Paragraph(clean(sentence), "alert"))

@@ -34,7 +34,7 @@ def test_an_incomplete_table_says_what_is_missing_and_where():
     peaks = table_of("StartupPeaks")
     bare = replace(peaks, columns=(*peaks.columns, number("Mean", "torque", "Mean torque.")))
     assert refusal(bare).startswith(
-        f"column Mean of table StartupPeaks has no trace: add one in {WHERE}"
+        f"column Mean of table StartupPeaks has no equation and source: add them in {WHERE}"
     )
     assert refusal(replace(peaks, caption="")) == (
         f"table StartupPeaks has no caption: add one in {WHERE}"
@@ -58,9 +58,7 @@ def test_an_incomplete_table_says_what_is_missing_and_where():
 
 
 def test_a_dimension_that_is_none_is_named():
-    with pytest.raises(
-        IncompleteRecord, match="column Mean has the dimension 'torqe', which is none"
-    ):
+    with pytest.raises(IncompleteRecord, match="column Mean has the unknown dimension 'torqe'"):
         number("Mean", "torqe", "Mean torque.")
 
 
@@ -73,12 +71,12 @@ def test_an_incomplete_study_says_what_is_missing_and_where():
         return str(refused.value)
 
     assert told(sheets=tuning.sheets[1:]) == (
-        "table Tuning has no place on sheet Tuning of study tuning: add its cell to the tables of that "
+        "table Tuning has no cell on sheet Tuning of study tuning: add its cell to the tables of that "
         "sheet in addin/contract/studies/tuning.py"
     )
     assert "study tuning has no sheet Elsewhere: add one" in told(sheet="Elsewhere")
     bare = (replace(tuning.sheets[0], intro=""), *tuning.sheets[1:])
-    assert "sheet Tuning of study tuning has no intro: add one" in told(sheets=bare)
+    assert "sheet Tuning of study tuning has no introduction: add one" in told(sheets=bare)
 
 
 def test_a_file_without_a_record_is_named(tmp_path, monkeypatch):
@@ -87,7 +85,7 @@ def test_a_file_without_a_record_is_named(tmp_path, monkeypatch):
     (package / "__init__.py").touch()
     (package / "empty.py").touch()
     monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(IncompleteRecord, match="some_records/empty.py holds 0 records StudySpec"):
+    with pytest.raises(IncompleteRecord, match="some_records/empty.py defines 0 records StudySpec"):
         find_records("some_records", StudySpec)
 
 

@@ -93,7 +93,7 @@ def test_results_are_compared_where_both_files_have_them_of_their_inputs(
 
 
 def test_a_study_that_is_out_of_date_is_named_and_not_compared(found: Differences) -> None:
-    words = "is not compared: in B it was made from inputs with"
+    words = "is not compared: in B it was calculated from inputs with"
     assert len(found.studies.notes) == 3
     assert all(words in note for note in found.studies.notes)
     assert any(note.startswith(f"Sheet Tuning results {words}") for note in found.studies.notes)
