@@ -155,7 +155,9 @@ def test_combinations_that_were_not_reached_are_named(tmp_path: Path) -> None:
     assert {row["verdict"] for row in rows[10:]} == {"not calculated"}
     assert sum(row["as_is"] for row in rows[:10]) == 1  # calculated before all others
     assert len({row["combination"] for row in rows}) == 21
-    start = "Cut short by Ctrl-C: a better combination may be among those not calculated. Stopped: 10"
+    start = (
+        "Cut short by Ctrl-C: a better combination may be among those not calculated. Stopped: 10"
+    )
     assert found["sentence"].startswith(start)
     assert len(found["sentence"]) < 420  # the line on the sheet shows no more
     shown = rows_of(source, "TuningResults")
