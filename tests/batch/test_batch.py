@@ -369,7 +369,7 @@ def test_a_full_disk_ends_the_batch_cleanly(few, tmp_path, monkeypatch):
         except Stopped as wrong:  # the journal could not be written either
             stop.reason = stop.reason or str(wrong)
         records = dict(batch.records)
-    assert "free some space" in stop.reason.lower()
+    assert "free disk space" in stop.reason.lower()
     assert "--resume" in stop.reason
     monkeypatch.undo()
     assert left_over(out) == []

@@ -163,5 +163,5 @@ def test_no_scheduler_and_another_version_are_told(dask, tmp_path, monkeypatch):
         "addin.batch.cluster_files.product_version",
         lambda: "99.0" if os.getpid() == here else "0.1.0",
     )
-    with pytest.raises(ClusterRefused, match=r"has 0\.\d.*here it is 99\.0"):
+    with pytest.raises(ClusterRefused, match=r"has 0\.\d.*this computer has 99\.0"):
         FileCluster(dask.address)
