@@ -124,8 +124,8 @@ def _train() -> ChartSpec:
         tuple(Series("ChartTrain", "Item", column, column, colour, edge="white")
               for column, colour in columns),
         gap=0, overlap=100,
-        caption="disc height: fourth root of inertia; shaft height: fourth root of stiffness; one "
-        "colour per shaft speed, gear meshes in gold",
+        caption="disc heights as the fourth root of inertia, shaft heights as that of stiffness; "
+        "one colour per shaft speed, gear meshes in gold",
     )  # fmt: skip
 
 
